@@ -1,0 +1,210 @@
+// The conditions of ValueParser.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "dsl/concat.h"
+#include "dsl/diagnostic_kinds.h"
+#include "dsl/value_parser.h"
+
+namespace cdb::dsl {
+namespace {
+
+std::string_view ComparisonOf(TokenKind kind) {
+  switch (kind) {
+    case TokenKind::kNotEqual:
+      return "!=";
+    case TokenKind::kLess:
+      return "<";
+    case TokenKind::kLessEqual:
+      return "<=";
+    case TokenKind::kGreater:
+      return ">";
+    case TokenKind::kGreaterEqual:
+      return ">=";
+    default:
+      return "==";
+  }
+}
+
+}  // namespace
+
+ConditionPtr ValueParser::MakeLogic(ConditionKind kind, const Span& fault, ConditionPtr left,
+                                    ConditionPtr right) {
+  auto condition = std::make_unique<Condition>();
+  condition->kind = kind;
+  condition->span = cursor_.SpanFrom(right ? left->span.begin : fault.begin);
+  condition->height = 1 + std::max(left->height, right ? right->height : 0);
+  condition->items.push_back(std::move(left));
+  if (right) condition->items.push_back(std::move(right));
+  bracketed_ = false;
+  if (!cursor_.FitsDepth(condition->height, fault)) return nullptr;
+  return condition;
+}
+
+ConditionPtr ValueParser::ParseCondition() {
+  ConditionPtr left = ParseAnd();
+  while (left && AtOr()) {
+    const Token op = cursor_.Take();
+    ConditionPtr right = ParseAnd();
+    left =
+        right ? MakeLogic(ConditionKind::kOr, cursor_.SpanOf(op), std::move(left), std::move(right))
+              : nullptr;
+  }
+  return left;
+}
+
+ConditionPtr ValueParser::ParseAnd() {
+  ConditionPtr left = ParseOperand();
+  while (left && AtAnd()) {
+    const Token op = cursor_.Take();
+    ConditionPtr right = ParseOperand();
+    left = right ? MakeLogic(ConditionKind::kAnd, cursor_.SpanOf(op), std::move(left),
+                             std::move(right))
+                 : nullptr;
+  }
+  return left;
+}
+
+ConditionPtr ValueParser::ParseOperand() {
+  if (AtNot()) return ParseNot();
+  if (cursor_.At(TokenKind::kLeftParen) && BracketHoldsCondition())
+    return ParseBracketedCondition();
+  return ParseComparison();
+}
+
+// The grammar lets `not` negate the whole condition after it. Elsewhere it often binds closer, so
+// where that makes a difference the reader is told.
+ConditionPtr ValueParser::ParseNot() {
+  const DepthScope deeper(cursor_);
+  const Token word = cursor_.Take();
+  if (!cursor_.FitsDepth(1, cursor_.SpanOf(word))) return nullptr;
+  ConditionPtr operand = ParseCondition();
+  if (!operand) return nullptr;
+  const bool several = operand->kind == ConditionKind::kAnd || operand->kind == ConditionKind::kOr;
+  if (several && !bracketed_)
+    cursor_.Report(kNotScope, cursor_.SpanOf(word), "this 'not' negates all that follows it",
+                   "write brackets around what it should negate");
+  return MakeLogic(ConditionKind::kNot, cursor_.SpanOf(word), std::move(operand), nullptr);
+}
+
+ConditionPtr ValueParser::ParseBracketedCondition() {
+  const DepthScope deeper(cursor_);
+  const Token open = cursor_.Take();
+  if (!cursor_.FitsDepth(1, cursor_.SpanOf(open))) return nullptr;
+  ConditionPtr inner = ParseCondition();
+  if (!inner || !Close(open, "'and', 'or' or ')'")) return nullptr;
+  inner->span = cursor_.SpanFrom(open.begin);
+  bracketed_ = true;
+  return inner;
+}
+
+bool ValueParser::BracketHoldsCondition() const {
+  int depth = 0;
+  for (std::size_t ahead = 0;; ++ahead) {
+    const TokenKind kind = cursor_.Peek(ahead).kind;
+    switch (kind) {
+      case TokenKind::kLeftParen:
+        ++depth;
+        break;
+      case TokenKind::kRightParen:
+        if (--depth == 0) return false;
+        break;
+      case TokenKind::kAssign:
+      case TokenKind::kEqual:
+      case TokenKind::kNotEqual:
+      case TokenKind::kLess:
+      case TokenKind::kLessEqual:
+      case TokenKind::kGreater:
+      case TokenKind::kGreaterEqual:
+      case TokenKind::kAnd:
+      case TokenKind::kOr:
+      case TokenKind::kNot:
+        return true;
+      case TokenKind::kPath:
+        if (cursor_.AtWord("and", ahead) || cursor_.AtWord("or", ahead) ||
+            cursor_.AtWord("not", ahead))
+          return true;
+        break;
+      case TokenKind::kNewline:
+      case TokenKind::kSemicolon:
+      case TokenKind::kLeftBrace:
+      case TokenKind::kRightBrace:
+      case TokenKind::kEnd:
+        return false;
+      default:
+        break;
+    }
+  }
+}
+
+bool ValueParser::AtComparison() const {
+  switch (cursor_.Peek().kind) {
+    case TokenKind::kAssign:
+    case TokenKind::kEqual:
+    case TokenKind::kNotEqual:
+    case TokenKind::kLess:
+    case TokenKind::kLessEqual:
+    case TokenKind::kGreater:
+    case TokenKind::kGreaterEqual:
+      return true;
+    default:
+      return false;
+  }
+}
+
+ConditionPtr ValueParser::ParseComparison() {
+  if ((AtAnd() || AtOr() || AtClose() || cursor_.AtStatementEnd()) && !cursor_.Peek().faulty) {
+    // Points at the word that dangles, where there is one.
+    const Token& before = cursor_.Previous();
+    const bool word = before.kind == TokenKind::kPath || before.kind == TokenKind::kAnd ||
+                      before.kind == TokenKind::kOr || before.kind == TokenKind::kNot;
+    cursor_.Report(
+        kMissingComparison, cursor_.SpanOf(word ? before : cursor_.Peek()),
+        word ? cursor_.Quote(before) + " needs a comparison after it"
+             : Concat({"expected a comparison here, not ", cursor_.Describe(cursor_.Peek())}),
+        "for example: quantity > 3000");
+    return nullptr;
+  }
+  auto condition = std::make_unique<Condition>();
+  condition->left = ParseSum();
+  if (!condition->left) return nullptr;
+  if (!AtComparison()) {
+    const bool expected_end = AtAnd() || AtOr() || AtClose() || cursor_.AtStatementEnd();
+    if (!expected_end) {
+      cursor_.ReportUnexpected("a comparison such as == or <");
+      return nullptr;
+    }
+    cursor_.Report(kMissingComparison, condition->left->span,
+                   cursor_.Quote(condition->left->span) + " alone is no condition",
+                   "compare it with a value: detector == simple");
+    return nullptr;
+  }
+  const Token op = cursor_.Take();
+  if (op.kind == TokenKind::kAssign && !op.faulty)
+    cursor_.Report(kSingleEquals, cursor_.SpanOf(op), "a comparison is written '=='",
+                   "did you mean '=='?");
+  condition->op = ComparisonOf(op.kind);
+  if (AtAnd() || AtOr() || AtClose() || cursor_.AtStatementEnd()) {
+    cursor_.Report(kMissingValue, cursor_.SpanOf(op),
+                   cursor_.Quote(op) + " needs a value after it");
+    return nullptr;
+  }
+  condition->right = ParseSum();
+  if (!condition->right) return nullptr;
+  while (AtComparison()) {
+    const Token second = cursor_.Take();
+    if (!second.faulty)
+      cursor_.Report(kChainedComparison, cursor_.SpanOf(second), "comparisons do not chain",
+                     "join two of them: a < n and n < b");
+    if (!ParseSum()) return nullptr;
+  }
+  condition->span = cursor_.SpanFrom(condition->left->span.begin);
+  condition->height = 1 + std::max(condition->left->height, condition->right->height);
+  bracketed_ = false;
+  if (!cursor_.FitsDepth(condition->height, cursor_.SpanOf(op))) return nullptr;
+  return condition;
+}
+
+}  // namespace cdb::dsl

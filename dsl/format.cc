@@ -1,0 +1,277 @@
+#include "dsl/format.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+#include <variant>
+#include <vector>
+
+#include "dsl/check.h"
+#include "dsl/lexer.h"
+#include "dsl/parser.h"
+
+namespace cdb::dsl {
+namespace {
+
+constexpr std::size_t kGap = 2;  // between the longest name and the column of values
+
+// What tokens alone do not say, by the offset of a token.
+struct Roles {
+  std::unordered_set<std::uint32_t> signs;     // a `-` that negates
+  std::unordered_set<std::uint32_t> labels;    // `sd` of `sd: 3`
+  std::unordered_set<std::uint32_t> calls;     // the function's name
+  std::unordered_set<std::uint32_t> settings;  // the path of a setting
+};
+
+class RoleFinder {
+ public:
+  explicit RoleFinder(std::string_view text) : text_(text) {}
+
+  Roles Find(const File& file) {
+    for (const auto& item : file.items) {
+      if (const auto* let = std::get_if<Let>(&item)) Visit(*let->value);
+      if (const auto* benchmark = std::get_if<Benchmark>(&item)) Visit(benchmark->block);
+    }
+    return std::move(roles_);
+  }
+
+ private:
+  // An expression's span begins with its brackets; the token is the first after them. No bracket
+  // is written before a `-` or a name that is not around it.
+  std::uint32_t FirstInside(const Expr& expr) const {
+    std::size_t at = expr.span.begin;
+    while (text_[at] == '(' || text_[at] == ' ' || text_[at] == '\t' || text_[at] == '\n' ||
+           text_[at] == '\r' || text_[at] == '#') {
+      at = text_[at] == '#' ? text_.find('\n', at) : at + 1;
+    }
+    return static_cast<std::uint32_t>(at);
+  }
+  void Visit(const Expr& expr) {
+    if (expr.kind == ExprKind::kNegate) roles_.signs.insert(FirstInside(expr));
+    if (expr.kind == ExprKind::kCall) roles_.calls.insert(FirstInside(expr));
+    for (const ExprPtr& item : expr.items) Visit(*item);
+    for (const Argument& argument : expr.arguments) {
+      if (argument.name) roles_.labels.insert(argument.name->span.begin);
+      Visit(*argument.value);
+    }
+  }
+  void Visit(const Condition& condition) {
+    if (condition.left) Visit(*condition.left);
+    if (condition.right) Visit(*condition.right);
+    for (const ConditionPtr& item : condition.items) Visit(*item);
+  }
+  void Visit(const Block& block) {
+    for (const Statement& statement : block.statements)
+      std::visit([this](const auto& what) { Visit(what); }, statement.what);
+  }
+  void Visit(const Let& let) { Visit(*let.value); }
+  void Visit(const Cases& cases) {
+    for (const Case& one : cases.cases) Visit(one.block);
+  }
+  void Visit(const Skip& skip) { Visit(*skip.when); }
+  void Visit(const Group& group) { Visit(group.block); }
+  void Visit(const Setting& setting) {
+    roles_.settings.insert(setting.path.span.begin);
+    for (const ExprPtr& value : setting.values) Visit(*value);
+  }
+
+  std::string_view text_;
+  Roles roles_;
+};
+
+// One line of the result. A setting that begins a line has its name and the rest apart.
+struct Line {
+  std::size_t indent = 0;  // columns
+  std::string text;
+  std::size_t name_length = 0;  // of the setting that begins the line; 0 where none does
+  bool blank_before = false;
+  bool file_level = false;
+};
+
+class Formatter {
+ public:
+  explicit Formatter(const Source& source) : source_(source), text_(source.text()) {}
+
+  std::string Run() {
+    Diagnostics diagnostics;
+    // The caller's source outlives this call, so the tree need not own it.
+    const std::shared_ptr<const Source> source(std::shared_ptr<void>(), &source_);
+    roles_ = RoleFinder(text_).Find(Parse(source, diagnostics));
+    CDB_CHECK(!diagnostics.has_errors());
+    Collect();
+    FindLongBlocks();
+    Write();
+    return Lay();
+  }
+
+ private:
+  struct Piece {
+    TokenKind kind;
+    bool comment = false;
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+    int lines_before = 0;     // line ends between the piece before and this one
+    bool long_block = false;  // of a brace: its block has more than one line
+  };
+
+  std::string_view TextOf(const Piece& piece) const {
+    return text_.substr(piece.begin, piece.end - piece.begin);
+  }
+
+  // Tokens and comments in their order, each with the line ends before it.
+  void Collect() {
+    Diagnostics ignored;
+    const TokenList list = Lex(source_, ignored);
+    std::size_t comment = 0;
+    const auto add_comments_before = [&](std::uint32_t offset) {
+      for (; comment < list.comments.size() && list.comments[comment].begin < offset; ++comment)
+        pieces_.push_back({TokenKind::kUnknown, true, list.comments[comment].begin,
+                           list.comments[comment].end, 0, false});
+    };
+    for (const Token& token : list.tokens) {
+      add_comments_before(token.begin);
+      if (token.kind == TokenKind::kNewline || token.kind == TokenKind::kEnd) continue;
+      pieces_.push_back({token.kind, false, token.begin, token.end, 0, false});
+    }
+    add_comments_before(static_cast<std::uint32_t>(text_.size()) + 1);
+    std::uint32_t last = 0;
+    for (Piece& piece : pieces_) {
+      const std::string_view gap = text_.substr(last, piece.begin - last);
+      piece.lines_before = static_cast<int>(std::count(gap.begin(), gap.end(), '\n'));
+      last = piece.end;
+    }
+  }
+
+  void FindLongBlocks() {
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (pieces_[i].lines_before > 0)
+        for (const std::size_t brace : open) pieces_[brace].long_block = true;
+      if (pieces_[i].comment) continue;
+      if (pieces_[i].kind == TokenKind::kLeftBrace) open.push_back(i);
+      if (pieces_[i].kind != TokenKind::kRightBrace) continue;
+      pieces_[i].long_block = pieces_[open.back()].long_block;
+      open.pop_back();
+    }
+  }
+
+  bool BreaksBefore(std::size_t i) const {
+    const Piece& piece = pieces_[i];
+    if (i == 0) return true;
+    const Piece& before = pieces_[i - 1];
+    if (piece.lines_before > 0) return true;
+    if (piece.comment) return false;
+    if (before.comment) return true;
+    if (before.kind == TokenKind::kLeftBrace && before.long_block) return true;
+    if (piece.kind == TokenKind::kRightBrace && piece.long_block) return true;
+    return before.kind == TokenKind::kRightBrace && before.long_block &&
+           piece.kind != TokenKind::kSemicolon;
+  }
+
+  bool SpaceBetween(std::size_t i) const {
+    const Piece& before = pieces_[i - 1];
+    const Piece& piece = pieces_[i];
+    switch (piece.kind) {
+      case TokenKind::kRightParen:
+      case TokenKind::kComma:
+      case TokenKind::kSemicolon:
+        return false;
+      case TokenKind::kColon:
+        return roles_.labels.count(before.begin) == 0;
+      case TokenKind::kLeftParen:
+        if (roles_.calls.count(before.begin) > 0) return false;
+        break;
+      default:
+        break;
+    }
+    if (before.kind == TokenKind::kLeftParen) return false;
+    return before.kind != TokenKind::kMinus || roles_.signs.count(before.begin) == 0;
+  }
+
+  void Write() {
+    std::size_t level = 0;     // of blocks
+    std::size_t brackets = 0;  // open ones
+    bool in_statement = false;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      const Piece& piece = pieces_[i];
+      const bool closes_block = !piece.comment && piece.kind == TokenKind::kRightBrace;
+      const bool closes_list = !piece.comment && piece.kind == TokenKind::kRightParen;
+      if (closes_block) --level;
+      if (BreaksBefore(i)) {
+        // A statement ends with its line, save after `,` and inside brackets.
+        in_statement = i > 0 && (brackets > 0 || EndsWithComma(i));
+        Line line;
+        const std::size_t inside = brackets - (closes_list ? 1 : 0);
+        const std::size_t steps =
+            in_statement ? level + (closes_list ? inside : std::max<std::size_t>(inside, 1))
+                         : level;
+        line.indent = 2 * steps;
+        const bool opens =
+            i > 0 && pieces_[i - 1].kind == TokenKind::kLeftBrace && !pieces_[i - 1].comment;
+        line.blank_before = piece.lines_before > 1 && i > 0 && !opens && !closes_block;
+        line.file_level = level == 0;
+        lines_.push_back(std::move(line));
+        if (!in_statement && roles_.settings.count(piece.begin) > 0)
+          lines_.back().name_length = piece.end - piece.begin;
+      } else if (piece.comment) {
+        lines_.back().text += "  ";
+      } else if (SpaceBetween(i)) {
+        lines_.back().text += ' ';
+      }
+      lines_.back().text += TextOf(piece);
+      if (piece.comment) continue;
+      if (piece.kind == TokenKind::kLeftBrace) ++level;
+      if (piece.kind == TokenKind::kLeftParen) ++brackets;
+      if (closes_list) --brackets;
+    }
+  }
+
+  // Whether the last token before this piece is a comma; comments between do not count.
+  bool EndsWithComma(std::size_t i) const {
+    while (i > 0 && pieces_[i - 1].comment) --i;
+    return i > 0 && pieces_[i - 1].kind == TokenKind::kComma;
+  }
+
+  // Settings of one benchmark share a column for their values, on all levels, up to a blank line.
+  std::string Lay() {
+    std::string out;
+    for (std::size_t first = 0; first < lines_.size();) {
+      std::size_t last = first + 1;
+      while (last < lines_.size() && !lines_[last].blank_before && !lines_[last].file_level) ++last;
+      std::size_t column = 0;
+      for (std::size_t i = first; i < last; ++i)
+        if (lines_[i].name_length > 0)
+          column = std::max(column, lines_[i].indent + lines_[i].name_length + kGap);
+      for (std::size_t i = first; i < last; ++i) {
+        const Line& line = lines_[i];
+        if (line.blank_before) out += '\n';
+        out.append(line.indent, ' ');
+        if (line.name_length == 0) {
+          out += line.text;
+        } else {
+          // Behind the name stands one space already.
+          out += line.text.substr(0, line.name_length);
+          out.append(column - line.indent - line.name_length - 1, ' ');
+          out += line.text.substr(line.name_length);
+        }
+        out += '\n';
+      }
+      first = last;
+    }
+    return out;
+  }
+
+  const Source& source_;
+  std::string_view text_;
+  Roles roles_;
+  std::vector<Piece> pieces_;
+  std::vector<Line> lines_;
+};
+
+}  // namespace
+
+std::string Format(const Source& source) { return Formatter(source).Run(); }
+
+}  // namespace cdb::dsl

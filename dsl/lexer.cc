@@ -1,0 +1,540 @@
+#include "dsl/lexer.h"
+
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
+#include "dsl/concat.h"
+#include "dsl/diagnostic_kinds.h"
+#include "dsl/utf8.h"
+
+namespace cdb::dsl {
+namespace {
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsHexDigit(char c) { return IsDigit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
+bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool IsNameChar(char c) { return IsLetter(c) || IsDigit(c); }
+bool IsControl(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return (byte < 0x20 && c != '\t') || byte == 0x7F;
+}
+
+std::string Hex(std::uint32_t value, int width) {
+  std::string digits;
+  for (; value != 0 || static_cast<int>(digits.size()) < width; value /= 16)
+    digits.insert(digits.begin(), "0123456789ABCDEF"[value % 16]);
+  return digits;
+}
+
+// What other languages, word processors and keyboards write, and what is written here.
+struct Foreign {
+  std::string_view text;
+  TokenKind kind;
+  std::string_view here;
+};
+// Longer ones first where one begins another.
+constexpr Foreign kForeign[] = {
+    {"===", TokenKind::kEqual, "=="},
+    {"!==", TokenKind::kNotEqual, "!="},
+    {"=>", TokenKind::kGreaterEqual, ">="},
+    {"=<", TokenKind::kLessEqual, "<="},
+    {"<>", TokenKind::kNotEqual, "!="},
+    {":=", TokenKind::kAssign, "="},
+    {"**", TokenKind::kCaret, "^"},
+    {"&&", TokenKind::kAnd, "and"},
+    {"||", TokenKind::kOr, "or"},
+    {"&", TokenKind::kAnd, "and"},
+    {"|", TokenKind::kOr, "or"},
+    {"\u2212", TokenKind::kMinus, "-"},
+    {"\u2013", TokenKind::kMinus, "-"},
+    {"\u2014", TokenKind::kMinus, "-"},
+    {"\u00D7", TokenKind::kStar, "*"},
+    {"\u00B7", TokenKind::kStar, "*"},
+    {"\u00F7", TokenKind::kSlash, "/"},
+    {"\u2026", TokenKind::kDots, ".."},
+    {"\u2264", TokenKind::kLessEqual, "<="},
+    {"\u2265", TokenKind::kGreaterEqual, ">="},
+    {"\u2260", TokenKind::kNotEqual, "!="},
+};
+
+class Lexer {
+ public:
+  Lexer(const Source& source, Diagnostics& diagnostics)
+      : source_(source), text_(source.text()), diagnostics_(diagnostics) {}
+
+  TokenList Run() {
+    if (CheckEncoding())
+      while (at_ < text_.size()) Next();
+    Add(TokenKind::kEnd, text_.size());
+    return std::move(result_);
+  }
+
+ private:
+  bool CheckEncoding();
+  void Next();
+  void LexNewline();
+  void LexComment();
+  void LexForeignComment();
+  void LexPath();
+  void LexNumber();
+  void LexText(char quote);
+  void LexDots();
+  void LexPercent();
+  bool LexForeign();
+  bool LexOperator();
+  void LexUnknown();
+
+  void CheckEscapes(std::size_t begin, std::size_t end);
+  bool CheckNumber(std::string_view lexeme, const Span& span);
+  /// True where a letter that is no ASCII letter stands (and not one of the foreign operators).
+  bool AtForeignLetter(std::size_t at) const;
+  std::size_t SkipNameChars(std::size_t at, bool* foreign) const;
+
+  char At(std::size_t at) const { return at < text_.size() ? text_[at] : '\0'; }
+  bool StartsWith(std::string_view word) const { return text_.substr(at_).starts_with(word); }
+  Span SpanOf(std::size_t begin, std::size_t end) const {
+    return {&source_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
+  }
+  void Add(TokenKind kind, std::size_t end, bool faulty = false) {
+    const Span span = SpanOf(at_, end);
+    result_.tokens.push_back({kind, faulty, span.begin, span.end});
+    at_ = end;
+  }
+  TokenKind LastKind() const {
+    return result_.tokens.empty() ? TokenKind::kNewline : result_.tokens.back().kind;
+  }
+  void Report(const DiagnosticKind& kind, std::size_t begin, std::size_t end, std::string message,
+              std::string help = {}) {
+    diagnostics_.Report(kind, SpanOf(begin, end), std::move(message), std::move(help));
+  }
+
+  const Source& source_;
+  std::string_view text_;
+  Diagnostics& diagnostics_;
+  std::size_t at_ = 0;
+  TokenList result_;
+};
+
+bool Lexer::CheckEncoding() {
+  for (std::size_t at = 0; at < text_.size();) {
+    const CodePoint point = DecodeUtf8(text_, at);
+    if (point.bytes == 0) {
+      const bool utf16 =
+          at == 0 && (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"));
+      Report(kNotUtf8, at, at + 1,
+             Concat({"the file is not UTF-8: byte ", Hex(static_cast<unsigned char>(text_[at]), 2),
+                     " means nothing here"}),
+             utf16 ? "it looks like UTF-16; save it as UTF-8" : "save the file as UTF-8");
+      return false;
+    }
+    if (point.value == 0) {
+      Report(kNulByte, at, at + 1, "the file holds a NUL byte, so it is not a text",
+             "save the file as UTF-8");
+      return false;
+    }
+    at += static_cast<std::size_t>(point.bytes);
+  }
+  return true;
+}
+
+void Lexer::Next() {
+  const char c = text_[at_];
+  if (c == ' ' || c == '\t') {
+    ++at_;
+  } else if (c == '\n' || (c == '\r' && At(at_ + 1) == '\n')) {
+    LexNewline();
+  } else if (c == '#') {
+    LexComment();
+  } else if (c == '/' && (At(at_ + 1) == '/' || At(at_ + 1) == '*')) {
+    LexForeignComment();
+  } else if (IsLetter(c) || AtForeignLetter(at_)) {
+    LexPath();
+  } else if (IsDigit(c) || (c == '.' && IsDigit(At(at_ + 1)))) {
+    LexNumber();
+  } else if (c == '"' || c == '\'') {
+    LexText(c);
+  } else if (c == '.' && At(at_ + 1) == '.') {
+    LexDots();
+  } else if (c == '%') {
+    LexPercent();
+  } else if (!LexForeign() && !LexOperator()) {
+    LexUnknown();
+  }
+}
+
+void Lexer::LexNewline() {
+  const std::size_t end = at_ + (text_[at_] == '\r' && At(at_ + 1) == '\n' ? 2 : 1);
+  const TokenKind last = LastKind();
+  if (last == TokenKind::kNewline || last == TokenKind::kComma || last == TokenKind::kLeftParen ||
+      last == TokenKind::kLeftBracket) {
+    at_ = end;
+  } else {
+    Add(TokenKind::kNewline, end);
+  }
+}
+
+void Lexer::LexComment() {
+  std::size_t end = std::min(text_.find('\n', at_), text_.size());
+  const std::size_t next = end;
+  while (end > at_ && (text_[end - 1] == ' ' || text_[end - 1] == '\t' || text_[end - 1] == '\r'))
+    --end;
+  result_.comments.push_back(SpanOf(at_, end));
+  // A line end that is CR LF is left whole for LexNewline.
+  at_ = next < text_.size() && text_[next - 1] == '\r' ? next - 1 : next;
+}
+
+void Lexer::LexForeignComment() {
+  const std::size_t line_end = std::min(text_.find_first_of("\r\n", at_), text_.size());
+  if (text_[at_ + 1] == '/') {
+    Report(kForeignComment, at_, at_ + 2, "a comment does not begin with '//'",
+           "write '#' instead of '//'");
+    at_ = line_end;
+    return;
+  }
+  Report(kForeignComment, at_, at_ + 2, "comments are not written '/* … */'",
+         "begin each line of the comment with '#'");
+  const std::size_t close = text_.find("*/", at_ + 2);
+  at_ = close == std::string_view::npos ? line_end : close + 2;
+}
+
+bool Lexer::AtForeignLetter(std::size_t at) const {
+  if (at >= text_.size() || static_cast<unsigned char>(text_[at]) < 0x80) return false;
+  const char32_t value = DecodeUtf8(text_, at).value;
+  for (const Foreign& foreign : kForeign)
+    if (text_.substr(at).starts_with(foreign.text)) return false;
+  // Latin-1 signs, spaces and general punctuation are no letters; above them nearly all is.
+  return (value >= 0xC0 || value == 0xB5) && !(value >= 0x2000 && value <= 0x2BFF) &&
+         value != 0x3000 && value != 0xFEFF;
+}
+
+std::size_t Lexer::SkipNameChars(std::size_t at, bool* foreign) const {
+  while (at < text_.size()) {
+    if (IsNameChar(text_[at])) {
+      ++at;
+    } else if (AtForeignLetter(at)) {
+      *foreign = true;
+      at += static_cast<std::size_t>(DecodeUtf8(text_, at).bytes);
+    } else {
+      break;
+    }
+  }
+  return at;
+}
+
+void Lexer::LexPath() {
+  bool foreign = false;
+  std::size_t end = SkipNameChars(at_, &foreign);
+  bool bad_part = false;
+  while (At(end) == '.' && At(end + 1) != '.') {
+    const std::size_t part = end + 1;
+    bad_part |= !IsLetter(At(part)) && !AtForeignLetter(part);
+    end = SkipNameChars(part, &foreign);
+  }
+  const std::string quoted = Concat({"'", text_.substr(at_, end - at_), "'"});
+  if (foreign) {
+    Report(kBadName, at_, end, quoted + " cannot be a name",
+           "names are made of the letters A to Z and a to z, digits and '_'");
+  } else if (bad_part) {
+    Report(kBadName, at_, end, quoted + " is not a path",
+           "a path joins names with single dots: objects.quantity");
+  }
+  Add(TokenKind::kPath, end, foreign || bad_part);
+}
+
+void Lexer::LexNumber() {
+  // Takes all that looks like one number to a person, so that a slip in it is one error.
+  const bool hex = text_[at_] == '0' && (At(at_ + 1) == 'x' || At(at_ + 1) == 'X');
+  std::size_t end = at_;
+  while (end < text_.size()) {
+    const char c = text_[end];
+    const char last = end > at_ ? text_[end - 1] : '\0';
+    const bool sign = (c == '+' || c == '-') && !hex && (last == 'e' || last == 'E') &&
+                      end >= at_ + 2 && IsDigit(text_[end - 2]) && IsDigit(At(end + 1));
+    const bool point = c == '.' && At(end + 1) != '.' && last != '.';
+    if (!IsNameChar(c) && !AtForeignLetter(end) && !sign && !point) break;
+    end += AtForeignLetter(end) ? static_cast<std::size_t>(DecodeUtf8(text_, end).bytes) : 1;
+  }
+  const bool good = CheckNumber(text_.substr(at_, end - at_), SpanOf(at_, end));
+  Add(TokenKind::kNumber, end, !good);
+}
+
+bool Lexer::CheckNumber(std::string_view lexeme, const Span& span) {
+  const std::string quoted = Concat({"'", lexeme, "'"});
+  const auto refuse = [&](const DiagnosticKind& kind, std::string message, std::string help) {
+    diagnostics_.Report(kind, span, std::move(message), std::move(help));
+    return false;
+  };
+  const bool hex = lexeme.starts_with("0x") || lexeme.starts_with("0X");
+  std::string digits;  // without the underscores
+  for (std::size_t i = 0; i < lexeme.size(); ++i) {
+    if (lexeme[i] != '_') {
+      digits += lexeme[i];
+      continue;
+    }
+    const auto is_digit = hex ? IsHexDigit : IsDigit;
+    if (i == 0 || i + 1 == lexeme.size() || !is_digit(lexeme[i - 1]) || !is_digit(lexeme[i + 1]))
+      return refuse(kBadNumber, quoted + " is not a number",
+                    "'_' stands between two digits: 1_000");
+  }
+  const char* begin = digits.data();
+  const char* end = begin + digits.size();
+  if (hex) {
+    std::uint64_t value = 0;
+    const auto [stop, error] = std::from_chars(begin + 2, end, value, 16);
+    if (stop != end || stop == begin + 2)
+      return refuse(kBadNumber, quoted + " is not a number",
+                    "after 0x come the digits 0 to 9 and A to F, without a point");
+    if (error == std::errc::result_out_of_range)
+      return refuse(kNumberRange, quoted + " does not fit into 64 bits",
+                    "the largest is 0xFFFFFFFFFFFFFFFF");
+    return true;
+  }
+  if (digits.front() == '.')
+    return refuse(kBadNumber, "a number begins with a digit", Concat({"write 0", lexeme}));
+  if (digits.back() == '.')
+    return refuse(kBadNumber, "a number does not end with a point",
+                  Concat({"write ", lexeme, "0, or leave the point out"}));
+  // 1. digits, 2. a point between digits, 3. an exponent with digits
+  std::size_t i = 0;
+  const auto skip_digits = [&] {
+    const std::size_t from = i;
+    while (i < digits.size() && IsDigit(digits[i])) ++i;
+    return i > from;
+  };
+  skip_digits();
+  bool whole = true;
+  bool well_formed = true;
+  if (i < digits.size() && digits[i] == '.') {
+    whole = false;
+    ++i;
+    well_formed = skip_digits();
+  }
+  if (well_formed && i < digits.size() && (digits[i] == 'e' || digits[i] == 'E')) {
+    whole = false;
+    ++i;
+    if (i < digits.size() && (digits[i] == '+' || digits[i] == '-')) ++i;
+    well_formed = skip_digits();
+  }
+  if (!well_formed) return refuse(kBadNumber, quoted + " is not a number", "");
+  if (i < digits.size()) {
+    const bool unit =
+        IsLetter(digits[i]) && std::all_of(digits.begin() + static_cast<std::ptrdiff_t>(i),
+                                           digits.end(), [](char c) { return IsLetter(c); });
+    return refuse(kBadNumber, quoted + " is not a number",
+                  unit ? Concat({"units are not written; write ", digits.substr(0, i)}) : "");
+  }
+  if (whole) {
+    std::uint64_t value = 0;
+    if (std::from_chars(begin, end, value).ec == std::errc::result_out_of_range)
+      return refuse(kNumberRange, quoted + " does not fit into 64 bits",
+                    "where a rounded number will do, write an exponent: 1e20");
+    return true;
+  }
+  double value = 0;
+  if (std::from_chars(begin, end, value).ec == std::errc::result_out_of_range)
+    return refuse(kNumberRange, quoted + " does not fit into a 64-bit real",
+                  "reals reach from about 1e-308 to 1.8e308");
+  return true;
+}
+
+void Lexer::LexText(char quote) {
+  const std::size_t begin = at_;
+  std::size_t end = begin + 1;
+  while (end < text_.size() && text_[end] != quote && text_[end] != '\n') {
+    const bool escape = text_[end] == '\\' && end + 1 < text_.size() && text_[end + 1] != '\n' &&
+                        text_[end + 1] != '\r';
+    end += escape ? 2 : 1;
+  }
+  const bool closed = end < text_.size() && text_[end] == quote;
+  if (!closed) {
+    // What closes a list or a block at the end of the line was hardly meant as text.
+    while (end > begin + 1 &&
+           std::string_view(" \t\r{}()[];,").find(text_[end - 1]) != std::string_view::npos)
+      --end;
+    Report(quote == '"' ? kUnclosedText : kSingleQuotes, begin, begin + 1,
+           quote == '"' ? "this text has no closing '\"' on its line"
+                        : "a single quote means nothing here",
+           quote == '"' ? "a line break within a text is written \\n" : "a text stands in \"…\"");
+    Add(TokenKind::kText, end, true);
+    return;
+  }
+  ++end;
+  if (quote == '\'') {
+    const std::string inner(text_.substr(begin + 1, end - begin - 2));
+    const bool plain = inner.find_first_of("\"\\") == std::string::npos;
+    Report(
+        kSingleQuotes, begin, end, "a text stands in double quotes",
+        plain ? Concat({"write \"", inner, "\", or a word of the language without quotes"}) : "");
+  } else {
+    CheckEscapes(begin + 1, end - 1);
+  }
+  Add(TokenKind::kText, end, quote == '\'');
+}
+
+void Lexer::CheckEscapes(std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    if (IsControl(text_[i])) {
+      Report(kControlCharacter, i, i + 1,
+             Concat({"a text cannot hold the control character U+",
+                     Hex(static_cast<unsigned char>(text_[i]), 4)}));
+    }
+    if (text_[i] != '\\') continue;
+    ++i;
+    if (std::string_view("\"\\nt").find(text_[i]) != std::string_view::npos) continue;
+    const int bytes = std::max(DecodeUtf8(text_, i).bytes, 1);
+    const std::size_t stop = IsControl(text_[i]) ? i : i + static_cast<std::size_t>(bytes);
+    Report(kBadEscape, i - 1, stop,
+           Concat({"'", text_.substr(i - 1, stop - i + 1), "' means nothing in a text"}),
+           "it knows \\\" \\\\ \\n and \\t; a backslash itself is \\\\");
+  }
+}
+
+void Lexer::LexDots() {
+  std::size_t end = at_;
+  while (At(end) == '.') ++end;
+  const bool good = end - at_ == 2;
+  if (!good) {
+    Report(kForeignOperator, at_, end,
+           Concat({"'", text_.substr(at_, end - at_), "' means nothing here"}),
+           "did you mean '..'?");
+  }
+  Add(TokenKind::kDots, end, !good);
+}
+
+void Lexer::LexPercent() {
+  const std::size_t next = text_.find_first_not_of(" \t", at_ + 1);
+  const char c = next == std::string_view::npos ? '\n' : text_[next];
+  const bool remainder = IsNameChar(c) || c == '(';
+  Report(kForeignOperator, at_, at_ + 1, "'%' means nothing here",
+         remainder ? "there is no remainder; + - * / ^ are what there is"
+                   : "write a part of a hundred as a fraction: 5/100");
+  // Between two values it is an operator; after one it is a unit, and goes.
+  if (remainder)
+    Add(TokenKind::kStar, at_ + 1, true);
+  else
+    ++at_;
+}
+
+bool Lexer::LexForeign() {
+  // `!` is an operator of its own only where `!=` is not meant.
+  if (text_[at_] == '!' && At(at_ + 1) != '=') {
+    Report(kForeignOperator, at_, at_ + 1, "'!' means nothing here", "did you mean 'not'?");
+    Add(TokenKind::kNot, at_ + 1, true);
+    return true;
+  }
+  for (const Foreign& foreign : kForeign) {
+    if (!StartsWith(foreign.text)) continue;
+    const std::size_t end = at_ + foreign.text.size();
+    Report(kForeignOperator, at_, end, Concat({"'", foreign.text, "' means nothing here"}),
+           Concat({"did you mean '", foreign.here, "'?"}));
+    Add(foreign.kind, end, true);
+    return true;
+  }
+  // Typographic quotes: “…”, „…“, «…».
+  for (const std::string_view quote :
+       {"\u201C", "\u201D", "\u201E", "\u00AB", "\u2018", "\u2019"}) {
+    if (!StartsWith(quote)) continue;
+    std::size_t end = at_ + quote.size();
+    const std::size_t line_end = std::min(text_.find_first_of("\r\n", at_), text_.size());
+    std::size_t close = line_end;
+    for (const std::string_view last : {"\u201D", "\u201C", "\u00BB", "\u2019", "\""}) {
+      const std::size_t at = text_.find(last, end);
+      if (at < close) {
+        close = at;
+        end = at + last.size();
+      }
+    }
+    if (close == line_end) end = line_end;
+    Report(kUnknownCharacter, at_, at_ + quote.size(),
+           "a text does not stand in typographic quotes", "write \"…\"");
+    Add(TokenKind::kText, end, true);
+    return true;
+  }
+  return false;
+}
+
+bool Lexer::LexOperator() {
+  static constexpr struct {
+    std::string_view text;
+    TokenKind kind;
+  } kOperators[] = {
+      {"==", TokenKind::kEqual},       {"!=", TokenKind::kNotEqual},
+      {"<=", TokenKind::kLessEqual},   {">=", TokenKind::kGreaterEqual},
+      {"<", TokenKind::kLess},         {">", TokenKind::kGreater},
+      {"=", TokenKind::kAssign},       {"{", TokenKind::kLeftBrace},
+      {"}", TokenKind::kRightBrace},   {"(", TokenKind::kLeftParen},
+      {")", TokenKind::kRightParen},   {"[", TokenKind::kLeftBracket},
+      {"]", TokenKind::kRightBracket}, {",", TokenKind::kComma},
+      {":", TokenKind::kColon},        {";", TokenKind::kSemicolon},
+      {"+", TokenKind::kPlus},         {"-", TokenKind::kMinus},
+      {"*", TokenKind::kStar},         {"/", TokenKind::kSlash},
+      {"^", TokenKind::kCaret},
+  };
+  for (const auto& entry : kOperators) {
+    if (!StartsWith(entry.text)) continue;
+    const bool closes =
+        entry.kind == TokenKind::kRightParen || entry.kind == TokenKind::kRightBracket;
+    // A line may end before the bracket that closes a list.
+    if (closes && !result_.tokens.empty() && LastKind() == TokenKind::kNewline)
+      result_.tokens.pop_back();
+    Add(entry.kind, at_ + entry.text.size());
+    return true;
+  }
+  return false;
+}
+
+void Lexer::LexUnknown() {
+  const CodePoint point = DecodeUtf8(text_, at_);
+  const std::size_t end = at_ + static_cast<std::size_t>(point.bytes);
+  const std::string code = Concat({"U+", Hex(static_cast<std::uint32_t>(point.value), 4)});
+  if (point.value == '\r') {
+    Report(kControlCharacter, at_, end, "a carriage return stands here without a line feed",
+           "end each line with LF, or with CR LF");
+    LexNewline();
+    return;
+  }
+  if (point.value == 0xA0 || (point.value >= 0x2000 && point.value <= 0x200D) ||
+      point.value == 0x202F || point.value == 0x3000 || point.value == 0xFEFF) {
+    Report(kUnknownCharacter, at_, end, Concat({"this is not a plain space but ", code}),
+           "replace it by a space");
+    at_ = end;
+    return;
+  }
+  if (point.value < 0x20 || point.value == 0x7F) {
+    Report(kControlCharacter, at_, end,
+           Concat({"the control character ", code, " means nothing here"}));
+    at_ = end;
+    return;
+  }
+  const std::string shown(text_.substr(at_, end - at_));
+  std::string help;
+  if (shown == ".") help = "a range is written 'a .. b', a path 'objects.quantity'";
+  Report(kUnknownCharacter, at_, end, Concat({"'", shown, "' means nothing here"}),
+         std::move(help));
+  Add(TokenKind::kUnknown, end, true);
+}
+
+}  // namespace
+
+TokenList Lex(const Source& source, Diagnostics& diagnostics) {
+  return Lexer(source, diagnostics).Run();
+}
+
+std::string TextContents(std::string_view lexeme) {
+  const char quote = lexeme.empty() ? '"' : lexeme.front();
+  if (!lexeme.empty()) lexeme.remove_prefix(1);
+  if (lexeme.ends_with(quote)) lexeme.remove_suffix(1);
+  std::string contents;
+  for (std::size_t i = 0; i < lexeme.size(); ++i) {
+    if (lexeme[i] != '\\' || i + 1 == lexeme.size()) {
+      contents += lexeme[i];
+      continue;
+    }
+    const char c = lexeme[++i];
+    contents += c == 'n' ? '\n' : c == 't' ? '\t' : c;
+  }
+  return contents;
+}
+
+}  // namespace cdb::dsl

@@ -1,0 +1,189 @@
+#include "dsl/render.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dsl/concat.h"
+#include "dsl/utf8.h"
+
+namespace cdb::dsl {
+namespace {
+
+constexpr int kWidest = 100;      // columns of a line that are shown
+constexpr int kLeftOfFault = 40;  // of them, at most, before the fault where the line is cut
+
+constexpr std::string_view kBold = "\033[1m";
+constexpr std::string_view kRed = "\033[1;31m";
+constexpr std::string_view kMagenta = "\033[1;35m";
+constexpr std::string_view kCyan = "\033[1;36m";
+constexpr std::string_view kPlain = "\033[0m";
+
+// What a terminal would obey instead of show: controls and marks that reorder text.
+bool Hidden(char32_t value) {
+  return value < 0x20 || (value >= 0x7F && value < 0xA0) || (value >= 0x202A && value <= 0x202E) ||
+         (value >= 0x2066 && value <= 0x2069) || value == 0x2028 || value == 0x2029;
+}
+
+// One character of a line: its bytes as they are shown, and its width.
+struct Glyph {
+  std::string_view text;
+  int columns;
+  std::size_t bytes;  // in the source
+};
+
+Glyph GlyphAt(std::string_view line, std::size_t at) {
+  const CodePoint point = DecodeUtf8(line, at);
+  if (point.bytes == 0) return {"\uFFFD", 1, 1};
+  const auto bytes = static_cast<std::size_t>(point.bytes);
+  if (point.value == '\t') return {"\t", 1, bytes};
+  if (Hidden(point.value)) return {"\uFFFD", 1, bytes};
+  return {line.substr(at, bytes), ColumnsOf(point.value), bytes};
+}
+
+std::size_t StepBack(std::string_view line, std::size_t at) {
+  do --at;
+  while (at > 0 && (static_cast<unsigned char>(line[at]) & 0xC0) == 0x80);
+  return at;
+}
+
+// No message moves the cursor of a terminal, whatever the file said.
+std::string Printable(std::string_view text) {
+  std::string shown;
+  for (std::size_t at = 0; at < text.size();) {
+    const Glyph glyph = GlyphAt(text, at);
+    shown += glyph.text;
+    at += glyph.bytes;
+  }
+  return shown;
+}
+
+class Renderer {
+ public:
+  explicit Renderer(const RenderOptions& options) : options_(options) {}
+
+  void Add(const Diagnostic& diagnostic) {
+    const bool error = diagnostic.kind->severity == Severity::kError;
+    AddPlace(diagnostic.span, error ? "error" : "warning", error ? kRed : kMagenta,
+             diagnostic.message, diagnostic.kind->id, diagnostic.help);
+    for (const Note& note : diagnostic.notes) AddPlace(note.span, "note", kCyan, note.text, {}, {});
+  }
+  std::string Take() { return std::move(out_); }
+
+ private:
+  void Colored(std::string_view color, std::string_view text) {
+    if (options_.color) out_ += color;
+    out_ += text;
+    if (options_.color) out_ += kPlain;
+  }
+
+  void AddPlace(const Span& span, std::string_view word, std::string_view color,
+                std::string_view message, std::string_view id, std::string_view help) {
+    Position position;
+    if (span.source != nullptr) {
+      position = span.source->PositionAt(span.begin);
+      Colored(kBold, Printable(span.source->name()) + ':' + std::to_string(position.line) + ':' +
+                         std::to_string(position.column) + ':');
+      out_ += ' ';
+    }
+    Colored(color, std::string(word) + ':');
+    out_ += ' ';
+    Colored(kBold, Printable(message));
+    if (!id.empty()) out_ += Concat({" [", id, "]"});
+    out_ += '\n';
+    if (span.source != nullptr) {
+      AddExcerpt(span, position.line, color, Printable(help));
+    } else if (!help.empty()) {
+      out_ += Concat({"  ", Printable(help), "\n"});
+    }
+  }
+
+  void AddExcerpt(const Span& span, int line_number, std::string_view color,
+                  const std::string& help) {
+    const std::string_view line = span.source->Line(line_number);
+    const std::uint32_t line_begin = span.source->LineStart(line_number);
+    const std::size_t fault = std::min<std::size_t>(span.begin - line_begin, line.size());
+    std::size_t fault_end =
+        std::min<std::size_t>(std::max(span.end, span.begin) - line_begin, line.size());
+    // Spaces at the end of a first line of several are no part of the fault.
+    while (fault_end > fault && span.end - line_begin > line.size() &&
+           (line[fault_end - 1] == ' ' || line[fault_end - 1] == '\t'))
+      --fault_end;
+
+    // The part of the line that is shown: all of it, or a window around the fault.
+    std::size_t begin = fault;
+    int before = 0;
+    const bool short_line = line.size() <= static_cast<std::size_t>(kWidest);
+    while (begin > 0 && (short_line || before < kLeftOfFault)) {
+      begin = StepBack(line, begin);
+      before += GlyphAt(line, begin).columns;
+    }
+    if (begin > 0 && FitsFromStart(line, fault_end)) begin = 0;
+
+    const std::string number = std::to_string(line_number);
+    const bool cut_left = begin > 0;
+    std::string shown = cut_left ? "…" : "";
+    std::string carets = cut_left ? " " : "";
+    int columns = cut_left ? 1 : 0;
+    std::size_t at = begin;
+    for (; at < line.size() && columns < kWidest;) {
+      const Glyph glyph = GlyphAt(line, at);
+      shown += glyph.text;
+      columns += glyph.columns;
+      if (at < fault)
+        carets +=
+            glyph.text == "\t" ? "\t" : std::string(static_cast<std::size_t>(glyph.columns), ' ');
+      else if (at < fault_end)
+        carets += std::string(static_cast<std::size_t>(glyph.columns), '^');
+      at += glyph.bytes;
+    }
+    if (at < line.size()) shown += "…";
+    if (carets.find('^') == std::string::npos) carets += '^';
+
+    out_ += Concat({"  ", number, shown.empty() ? " |" : " | ", shown, "\n"});
+    out_ += Concat({"  ", std::string(number.size(), ' '), " | "});
+    const std::size_t first = carets.find('^');
+    out_ += carets.substr(0, first);
+    Colored(color, carets.substr(first));
+    if (!help.empty()) out_ += ' ' + help;
+    out_ += '\n';
+  }
+
+  // Whether the line can be shown from its start and still hold the fault.
+  static bool FitsFromStart(std::string_view line, std::size_t fault_end) {
+    int columns = 0;
+    for (std::size_t at = 0; at < fault_end && columns <= kWidest;) {
+      const Glyph glyph = GlyphAt(line, at);
+      columns += glyph.columns;
+      at += glyph.bytes;
+    }
+    return columns < kWidest;
+  }
+
+  RenderOptions options_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string Render(const Diagnostics& diagnostics, const RenderOptions& options) {
+  // Files in the order in which they first appear; what has no place comes first.
+  std::vector<const Source*> sources{nullptr};
+  std::vector<std::pair<std::size_t, const Diagnostic*>> order;
+  for (const Diagnostic& diagnostic : diagnostics.all()) {
+    const auto found = std::find(sources.begin(), sources.end(), diagnostic.span.source);
+    order.emplace_back(found - sources.begin(), &diagnostic);
+    if (found == sources.end()) sources.push_back(diagnostic.span.source);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    if (a.first != b.first) return a.first < b.first;
+    return a.second->span.begin < b.second->span.begin;
+  });
+  Renderer renderer(options);
+  for (const auto& [file, diagnostic] : order) renderer.Add(*diagnostic);
+  return renderer.Take();
+}
+
+}  // namespace cdb::dsl

@@ -1,0 +1,24 @@
+// Diagnostics as a person reads them.
+#pragma once
+
+#include <string>
+
+#include "dsl/diagnostics.h"
+
+namespace cdb::dsl {
+
+struct RenderOptions {
+  bool color = false;  ///< ANSI colours, for a terminal
+};
+
+/// All diagnostics by file and place, each as
+///
+///     examples/first.cdb:4:13: error: no object type is called 'cuboyd' [unknown-name]
+///       4 |   type      cuboyd
+///         |             ^^^^^^ did you mean 'cuboid'?
+///
+/// with notes below it in the same form. Tabs are kept in step, wide lines are cut around the
+/// fault. Ends with a newline where there is anything; empty where there is nothing.
+std::string Render(const Diagnostics& diagnostics, const RenderOptions& options = {});
+
+}  // namespace cdb::dsl

@@ -1,0 +1,130 @@
+// The syntax tree of a `.cdb` file: what was written, without any knowledge of what it means.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "dsl/source.h"
+
+namespace cdb::dsl {
+
+struct Expr;
+using ExprPtr = std::unique_ptr<Expr>;
+
+/// A name or a dotted path with its place.
+struct Name {
+  std::string text;  ///< `objects.quantity`
+  Span span;
+};
+
+/// One argument of a call: `x`, `sd: 3`, or a weighted word `sphere 3`.
+struct Argument {
+  std::optional<Name> name;  ///< `sd` of `sd: 3`
+  ExprPtr value;
+  ExprPtr weight;  ///< the `3` of `sphere 3`; null where there is none
+};
+
+enum class ExprKind {
+  kNumber,  ///< text: the literal as written (`1_000`, `0xAA`, `1e6`), sign not included
+  kText,    ///< text: the contents with escapes resolved
+  kPath,    ///< text: the name or the path, words such as `sphere` and `on` too
+  kVector,  ///< items: x, y, z
+  kRatio,   ///< items: the three parts of `1 : y : z`
+  kCall,    ///< text: the function; arguments; axis from `as`
+  kNegate,  ///< items: the operand
+  kBinary,  ///< op; items: left, right
+  kRange,   ///< items: first, last, and the step or the count where given; range
+};
+
+/// How a range walks: `a .. b`, `step d`, `count n`, `count n log`.
+enum class RangeKind { kByOne, kStep, kCount, kCountLog };
+
+struct Expr {
+  ExprKind kind = ExprKind::kNumber;
+  int height = 1;  ///< nodes on the longest way down; with what it stands in at most `kMaxDepth`
+  Span span;       ///< with the brackets around it
+  std::string text;
+  char op = 0;  ///< one of + - * / ^
+  RangeKind range = RangeKind::kByOne;
+  std::vector<ExprPtr> items;
+  std::vector<Argument> arguments;
+  std::optional<Name> axis;  ///< `as name` after a call
+};
+
+struct Condition;
+using ConditionPtr = std::unique_ptr<Condition>;
+/// `and` binds closer than `or`; `not` negates all that follows it in its brackets.
+enum class ConditionKind { kCompare, kAnd, kOr, kNot };
+
+struct Condition {
+  ConditionKind kind = ConditionKind::kCompare;
+  int height = 1;  ///< as that of Expr
+  Span span;       ///< with the brackets around it
+  std::string op;  ///< kCompare: == != < <= > >=
+  ExprPtr left, right;
+  std::vector<ConditionPtr> items;  ///< kAnd, kOr: two; kNot: one
+};
+
+struct Statement;
+struct Block {
+  Span span;  ///< with its braces
+  std::vector<Statement> statements;
+};
+
+struct Let {
+  Name name;
+  ExprPtr value;
+};
+struct Case {
+  Name name;
+  std::string title;
+  Block block;
+};
+struct Cases {
+  std::optional<Name> name;
+  Span keyword;
+  std::vector<Case> cases;
+};
+struct Skip {
+  ConditionPtr when;
+};
+struct Group {
+  Name kind;                  ///< `objects`
+  std::optional<Name> label;  ///< `pebbles`
+  Block block;
+};
+struct Setting {
+  Name path;
+  std::vector<ExprPtr> values;  ///< one or more
+};
+
+struct Statement {
+  Span span;
+  std::variant<Let, Cases, Skip, Group, Setting> what;
+};
+
+struct Use {
+  Span span;
+  bool detector = false;
+  std::string path;
+  Span path_span;
+};
+struct Benchmark {
+  Span span;
+  Name name;
+  std::optional<Name> from;
+  std::string title;
+  Block block;
+};
+
+/// One file. `items` keeps the order in which they were written. Holds the source that its spans
+/// point into.
+struct File {
+  std::shared_ptr<const Source> source;
+  std::vector<std::variant<Use, Let, Benchmark>> items;
+};
+
+}  // namespace cdb::dsl

@@ -1,0 +1,78 @@
+// Values and conditions: the right-hand sides of the language.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "dsl/syntax.h"
+#include "dsl/token_cursor.h"
+
+namespace cdb::dsl {
+
+/// Every function reports what is wrong and gives null where nothing could be understood; the
+/// cursor then stands inside the statement, and whoever called skips to its end.
+class ValueParser {
+ public:
+  explicit ValueParser(TokenCursor& cursor) : cursor_(cursor) {}
+
+  /// `value` of the grammar: a sum, a ratio, a range or a text.
+  ExprPtr ParseValue();
+  /// `condition`: the whole of it.
+  ConditionPtr ParseCondition();
+  /// Takes an `as name` that names nothing.
+  void ReportMisplacedAs();
+
+ private:
+  ExprPtr ParseSum();
+  ExprPtr ParseProduct();
+  ExprPtr ParsePower();
+  ExprPtr ParseUnary();
+  ExprPtr ParsePrimary();
+  ExprPtr ParseBracketed();
+  ExprPtr ParseCall(const Token& name);
+  bool ParseArgument(Expr& call);
+  ExprPtr ParseText();
+  ExprPtr ParsePath();
+  /// What may follow a first sum.
+  ExprPtr FinishValue(ExprPtr first);
+  ExprPtr FinishRatio(std::vector<ExprPtr> parts);
+  ExprPtr FinishRange(ExprPtr first);
+
+  ConditionPtr ParseAnd();
+  ConditionPtr ParseOperand();
+  ConditionPtr ParseNot();
+  ConditionPtr ParseBracketedCondition();
+  ConditionPtr ParseComparison();
+  bool AtComparison() const;
+  bool AtAnd() const { return cursor_.At(TokenKind::kAnd) || cursor_.AtWord("and"); }
+  bool AtOr() const { return cursor_.At(TokenKind::kOr) || cursor_.AtWord("or"); }
+  bool AtNot() const { return cursor_.At(TokenKind::kNot) || cursor_.AtWord("not"); }
+  /// Whether the bracket at the cursor groups conditions, not numbers.
+  bool BracketHoldsCondition() const;
+
+  /// A list in brackets, the first of which was just taken. `parse_one` gives false where it could
+  /// not go on; the rest of the list is still read. False where the list's end was not found.
+  template <typename ParseOne>
+  bool ParseList(const Token& open, ParseOne parse_one);
+  /// Takes the closing bracket of `open`; false, with a report, where it is not there.
+  bool Close(const Token& open, std::string_view expected);
+  bool AtClose() const {
+    return cursor_.At(TokenKind::kRightParen) || cursor_.At(TokenKind::kRightBracket);
+  }
+  /// To the next `,` or closing bracket of this list, or to the end of the statement.
+  void SkipElement();
+  Token TakeOpen();
+
+  ExprPtr Make(ExprKind kind, std::uint32_t begin) const;
+  /// Sets span and height from the parts; null, with a report, where it nests too deep.
+  ExprPtr Finish(ExprPtr expr, const Span& fault);
+  ExprPtr MakeBinary(const Token& op, ExprPtr left, ExprPtr right);
+  ConditionPtr MakeLogic(ConditionKind kind, const Span& fault, ConditionPtr left,
+                         ConditionPtr right);
+  void ReportMissingValue();
+
+  TokenCursor& cursor_;
+  bool bracketed_ = false;  // whether the condition parsed last stands in brackets of its own
+};
+
+}  // namespace cdb::dsl

@@ -1,0 +1,144 @@
+#include "dsl/diagnostics.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "dsl/render.h"
+
+namespace cdb::dsl {
+namespace {
+
+constexpr DiagnosticKind kError{"some-error"};
+constexpr DiagnosticKind kWarning{"some-warning", Severity::kWarning};
+
+TEST(DidYouMean, SlipsOfTheHand) {
+  const std::vector<std::string_view> types{"sphere", "cuboid", "cylinder", "cone", "bunny"};
+  EXPECT_EQ(DidYouMean("cuboyd", types), "cuboid");
+  EXPECT_EQ(DidYouMean("cuobid", types), "cuboid");
+  EXPECT_EQ(DidYouMean("Sphere", types), "sphere");
+  EXPECT_EQ(DidYouMean("sphre", types), "sphere");
+  EXPECT_EQ(DidYouMean("cylindr", types), "cylinder");
+  EXPECT_EQ(DidYouMean("con", types), "cone");
+  EXPECT_EQ(DidYouMean("linearvelocity", {"linear_velocity"}), "linear_velocity");
+}
+
+TEST(DidYouMean, SaysNothingWhereNothingIsNear) {
+  EXPECT_EQ(DidYouMean("torus", {"sphere", "cone"}), "");
+  EXPECT_EQ(DidYouMean("x", {"y", "xy"}), "");
+  EXPECT_EQ(DidYouMean("ab", {"cd"}), "");
+  EXPECT_EQ(DidYouMean("", {"a"}), "");
+  EXPECT_EQ(DidYouMean("cone", {"cone"}), "");
+  EXPECT_EQ(DidYouMean(std::string(1000, 'a'), {"a"}), "");
+  EXPECT_EQ(DidYouMean("a", {}), "");
+}
+
+TEST(DidYouMean, TakesTheNearest) {
+  EXPECT_EQ(DidYouMean("quantitty", {"quality", "quantity"}), "quantity");
+}
+
+TEST(Diagnostics, TheSameIsKeptOnce) {
+  const Source source("t", "abc");
+  Diagnostics diagnostics;
+  diagnostics.Report(kError, {&source, 0, 1}, "wrong");
+  diagnostics.Report(kError, {&source, 0, 1}, "wrong");
+  diagnostics.Report(kError, {&source, 1, 2}, "wrong");
+  diagnostics.Report(kWarning, {&source, 1, 2}, "doubtful");
+  EXPECT_EQ(diagnostics.error_count(), 2);
+  EXPECT_EQ(diagnostics.warning_count(), 1);
+  EXPECT_TRUE(diagnostics.has_errors());
+  EXPECT_EQ(diagnostics.all().size(), 3u);
+}
+
+TEST(Render, AsTheHeaderShows) {
+  const Source source("examples/first.cdb", "a\nb\nc\n  type      cuboyd\n");
+  Diagnostics diagnostics;
+  diagnostics.Report(kError, {&source, 18, 24}, "no object type is called 'cuboyd'",
+                     "did you mean 'cuboid'?", {{{&source, 2, 3}, "it was set here before"}});
+  EXPECT_EQ(Render(diagnostics),
+            "examples/first.cdb:4:13: error: no object type is called 'cuboyd' [some-error]\n"
+            "  4 |   type      cuboyd\n"
+            "    |             ^^^^^^ did you mean 'cuboid'?\n"
+            "examples/first.cdb:2:1: note: it was set here before\n"
+            "  2 | b\n"
+            "    | ^\n");
+}
+
+TEST(Render, ByFileAndPlace) {
+  const Source one("one", "abc\ndef\n"), two("two", "abc\n");
+  Diagnostics diagnostics;
+  diagnostics.Report(kError, {&one, 4, 5}, "third");
+  diagnostics.Report(kError, {&two, 0, 1}, "fourth");
+  diagnostics.Report(kWarning, {&one, 0, 1}, "second");
+  diagnostics.Report(kError, {}, "first", "and help");
+  EXPECT_EQ(Render(diagnostics),
+            "error: first [some-error]\n"
+            "  and help\n"
+            "one:1:1: warning: second [some-warning]\n"
+            "  1 | abc\n"
+            "    | ^\n"
+            "one:2:1: error: third [some-error]\n"
+            "  2 | def\n"
+            "    | ^\n"
+            "two:1:1: error: fourth [some-error]\n"
+            "  1 | abc\n"
+            "    | ^\n");
+  EXPECT_EQ(Render(Diagnostics()), "");
+}
+
+std::string RenderOne(const Source& source, std::uint32_t begin, std::uint32_t end) {
+  Diagnostics diagnostics;
+  diagnostics.Report(kError, {&source, begin, end}, "m");
+  const std::string text = Render(diagnostics);
+  return text.substr(text.find('\n') + 1);
+}
+
+TEST(Render, SeveralLinesShowTheFirst) {
+  const Source source("t", "ab {  \n  c\n}\n");
+  EXPECT_EQ(RenderOne(source, 3, 12), "  1 | ab {  \n    |    ^\n");
+}
+
+TEST(Render, TabsStayInStepAndPlacesPastTheEndAreShown) {
+  const Source source("t", "\ta\tb");
+  EXPECT_EQ(RenderOne(source, 3, 4), "  1 | \ta\tb\n    | \t \t^\n");
+  EXPECT_EQ(RenderOne(source, 4, 4), "  1 | \ta\tb\n    | \t \t ^\n");
+  EXPECT_EQ(RenderOne(source, 100, 100), "  1 | \ta\tb\n    | \t \t ^\n");
+}
+
+TEST(Render, WideAndCombiningCharacters) {
+  const Source source("t", "\u7530e\u0301x");
+  EXPECT_EQ(RenderOne(source, 6, 7), "  1 | \u7530e\u0301x\n    |    ^\n");
+  EXPECT_EQ(RenderOne(source, 0, 3), "  1 | \u7530e\u0301x\n    | ^^\n");
+}
+
+TEST(Render, NothingReachesTheTerminalThatItWouldObey) {
+  const Source source("t\x1b[2J", "a\x1b[31m\u202eb\x07");
+  Diagnostics diagnostics;
+  diagnostics.Report(kError, {&source, 0, 1}, "m \x1b", "h \x1b");
+  EXPECT_EQ(Render(diagnostics).find('\x1b'), std::string::npos);
+  EXPECT_EQ(Render(diagnostics).find("\u202e"), std::string::npos);
+  EXPECT_NE(Render(diagnostics, {.color = true}).find("\x1b["), std::string::npos);
+}
+
+TEST(Render, LongLinesAreCutAroundTheFault) {
+  const Source source("t", std::string(500, 'a') + "XYZ" + std::string(500, 'b'));
+  const std::string text = RenderOne(source, 500, 503);
+  const std::string line = text.substr(0, text.find('\n'));
+  EXPECT_LT(line.size(), 120u);
+  EXPECT_TRUE(line.starts_with("  1 | …")) << line;
+  EXPECT_TRUE(line.ends_with("…")) << line;
+  // The carets stand under the fault: the ellipsis is three bytes and one column.
+  const std::string carets = text.substr(text.find('\n') + 1);
+  EXPECT_EQ(carets.find('^') + 2, line.find("XYZ"));
+  EXPECT_NE(carets.find("^^^\n"), std::string::npos);
+}
+
+TEST(Render, AVeryWideFaultIsCutToo) {
+  const Source source("t", std::string(5000, 'a'));
+  EXPECT_LT(RenderOne(source, 0, 5000).size(), 250u);
+  EXPECT_LT(RenderOne(source, 2000, 5000).size(), 250u);
+}
+
+}  // namespace
+}  // namespace cdb::dsl

@@ -1,0 +1,86 @@
+// Each tests/golden/dsl/NAME.cdb renders to NAME.txt. With CDB_UPDATE_GOLDEN=1 in the environment
+// the expected files are written instead.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "dsl/diagnostic_kinds.h"
+#include "dsl/parser.h"
+#include "dsl/render.h"
+
+namespace cdb::dsl {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFolder = fs::path(CDB_SOURCE_DIR) / "tests" / "golden" / "dsl";
+
+std::string Read(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::vector<fs::path> Inputs() {
+  std::vector<fs::path> inputs;
+  for (const auto& entry : fs::directory_iterator(kFolder))
+    if (entry.path().extension() == ".cdb") inputs.push_back(entry.path());
+  std::sort(inputs.begin(), inputs.end());
+  return inputs;
+}
+
+Diagnostics DiagnosticsOf(const fs::path& input, std::string* rendered) {
+  Diagnostics diagnostics;
+  const auto source = std::make_shared<const Source>(input.filename().string(), Read(input));
+  Parse(source, diagnostics);
+  *rendered = Render(diagnostics);
+  return diagnostics;
+}
+
+TEST(Golden, RenderedDiagnostics) {
+  const char* wanted = std::getenv("CDB_UPDATE_GOLDEN");
+  const bool update = wanted != nullptr && std::string(wanted) == "1";
+  ASSERT_FALSE(Inputs().empty());
+  for (const fs::path& input : Inputs()) {
+    std::string rendered;
+    DiagnosticsOf(input, &rendered);
+    fs::path expected = input;
+    expected.replace_extension(".txt");
+    if (update) std::ofstream(expected, std::ios::binary) << rendered;
+    ASSERT_TRUE(fs::exists(expected)) << expected;
+    EXPECT_EQ(rendered, Read(expected)) << input.filename();
+  }
+}
+
+// Every kind has a golden file that bears its name.
+TEST(Golden, EveryKindIsShown) {
+  std::set<std::string_view> ids;
+  for (const DiagnosticKind* kind : kDiagnosticKinds) {
+    EXPECT_TRUE(ids.insert(kind->id).second) << kind->id << " is listed twice";
+    const fs::path input = kFolder / (std::string(kind->id) + ".cdb");
+    ASSERT_TRUE(fs::exists(input)) << input;
+    std::string rendered;
+    const Diagnostics diagnostics = DiagnosticsOf(input, &rendered);
+    EXPECT_TRUE(std::any_of(diagnostics.all().begin(), diagnostics.all().end(),
+                            [&](const Diagnostic& d) { return d.kind == kind; }))
+        << kind->id;
+  }
+}
+
+TEST(Golden, NoExpectationIsLeftOver) {
+  for (const auto& entry : fs::directory_iterator(kFolder)) {
+    if (entry.path().extension() != ".txt") continue;
+    fs::path input = entry.path();
+    EXPECT_TRUE(fs::exists(input.replace_extension(".cdb"))) << entry.path();
+  }
+}
+
+}  // namespace
+}  // namespace cdb::dsl

@@ -1,0 +1,315 @@
+#include "dsl/parser.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "dsl/diagnostic_kinds.h"
+#include "dsl/render.h"
+#include "tests/dsl/dump.h"
+#include "tests/dsl/invariants.h"
+#include "tests/dsl/random_text.h"
+
+namespace cdb::dsl {
+namespace {
+
+using testing::BrokenInvariant;
+using testing::Dump;
+using testing::RandomText;
+
+struct Parsed {
+  explicit Parsed(std::string text)
+      : source(std::make_shared<const Source>("t.cdb", std::move(text))),
+        file(Parse(source, diagnostics)) {}
+  std::shared_ptr<const Source> source;
+  Diagnostics diagnostics;
+  File file;
+};
+
+// The dump of a text that has to parse.
+std::string Tree(const std::string& text) {
+  const Parsed parsed(text);
+  EXPECT_FALSE(parsed.diagnostics.has_errors()) << Render(parsed.diagnostics);
+  return Dump(parsed.file);
+}
+
+// Of one value.
+std::string Value(const std::string& text) {
+  const std::string tree = Tree("let v = " + text + "\n");
+  EXPECT_TRUE(tree.starts_with("let v ")) << tree;
+  return tree.substr(6, tree.size() - 7);
+}
+
+std::string When(const std::string& text) {
+  const std::string tree = Tree("benchmark b { skip when " + text + " }");
+  const std::string head = "benchmark b\n  skip ";
+  EXPECT_TRUE(tree.starts_with(head)) << tree;
+  return tree.substr(head.size(), tree.size() - head.size() - 1);
+}
+
+// The ids of all errors, in order.
+std::string Errors(const std::string& text) {
+  std::string ids;
+  const Parsed parsed(text);
+  for (const Diagnostic& diagnostic : parsed.diagnostics.all()) {
+    if (!ids.empty()) ids += ' ';
+    ids += diagnostic.kind->id;
+  }
+  return ids;
+}
+
+TEST(Parser, TheExampleOfTheReference) {
+  EXPECT_EQ(Tree(R"(# Does a long, thin shape slow the broad phase down?
+benchmark aspect "Woulfe & Manzke 2009, figure 4" {
+  objects {
+    quantity  sweep(1000 .. 5000 step 1000)
+    type      any(sphere, cuboid, cylinder, cone, bunny, armadillo)
+    aspect    1 : 1 : sweep(1 .. 5)
+  }
+  detector    sweep(simple, sap, dbvt)
+}
+)"),
+            R"(benchmark aspect "Woulfe & Manzke 2009, figure 4"
+  group objects
+    set quantity (call sweep (range-step 1000 5000 1000))
+    set type (call any sphere cuboid cylinder cone bunny armadillo)
+    set aspect (ratio 1 1 (call sweep (range 1 5)))
+  set detector (call sweep simple sap dbvt)
+)");
+}
+
+TEST(Parser, EveryStatement) {
+  EXPECT_EQ(Tree(R"(use "base.cdb"
+use detector "mine.so"
+let n = sweep(10, 100)
+benchmark b { }
+benchmark c from b "title" {
+  let m = 2 * n
+  objects pebbles { quantity n; size 5 }
+  world.side 20 * n
+  accuracy { reference { timestep 1/3840; precision double } metrics position, energy }
+  cases load { calm "still" { } storm { objects.size 3 } }
+  cases { a { } }
+  skip when n > 3
+  record timing, counts,
+         poses
+  acceleration (0, -9.8, 0)
+}
+)"),
+            R"(use "base.cdb"
+use detector "mine.so"
+let n (call sweep 10 100)
+benchmark b
+benchmark c from b "title"
+  let m (* 2 n)
+  group objects pebbles
+    set quantity n
+    set size 5
+  set world.side (* 20 n)
+  group accuracy
+    group reference
+      set timestep (/ 1 3840)
+      set precision double
+    set metrics position energy
+  cases load
+    case calm "still"
+    case storm
+      set objects.size 3
+  cases
+    case a
+  skip (> n 3)
+  set record timing counts poses
+  set acceleration (vector 0 (neg 9.8) 0)
+)");
+}
+
+TEST(Parser, EmptyFilesAndStatements) {
+  EXPECT_EQ(Tree(""), "");
+  EXPECT_EQ(Tree("# nothing\n"), "");
+  EXPECT_EQ(Tree("\n;;\r\n; let a = 1;;\n;"), "let a 1\n");
+  EXPECT_EQ(Tree("benchmark b {;;}"), "benchmark b\n");
+}
+
+TEST(Parser, Precedence) {
+  EXPECT_EQ(Value("1 + 2 * 3"), "(+ 1 (* 2 3))");
+  EXPECT_EQ(Value("(1 + 2) * 3"), "(* (+ 1 2) 3)");
+  EXPECT_EQ(Value("1 - 2 - 3"), "(- (- 1 2) 3)");
+  EXPECT_EQ(Value("8 / 4 * 2"), "(* (/ 8 4) 2)");
+  EXPECT_EQ(Value("2 ^ 3 ^ 4"), "(^ 2 (^ 3 4))");
+  EXPECT_EQ(Value("2 * 3 ^ 4"), "(* 2 (^ 3 4))");
+  EXPECT_EQ(Value("-2 ^ 2"), "(^ (neg 2) 2)");  // as the grammar has it: power = unary ^ power
+  EXPECT_EQ(Value("2 ^ -1"), "(^ 2 (neg 1))");
+  EXPECT_EQ(Value("a--b"), "(- a (neg b))");
+  EXPECT_EQ(Value("-(-5)"), "(neg (neg 5))");
+}
+
+TEST(Parser, RangesAndRatios) {
+  EXPECT_EQ(Value("1..5"), "(range 1 5)");
+  EXPECT_EQ(Value("a .. b step -2"), "(range-step a b (neg 2))");
+  EXPECT_EQ(Value("1 .. 2 * n count k + 1 log"), "(range-log 1 (* 2 n) (+ k 1))");
+  EXPECT_EQ(Value("1 .. 5 count 3"), "(range-count 1 5 3)");
+  EXPECT_EQ(Value("step .. count step log"), "(range-step step count log)");
+  EXPECT_EQ(Value("1:y:z"), "(ratio 1 y z)");
+  EXPECT_EQ(Value("1 : 1 : sweep(1 .. 5) as z"), "(ratio 1 1 (call sweep (range 1 5) as z))");
+}
+
+TEST(Parser, Arguments) {
+  EXPECT_EQ(Value("f()"), "(call f)");
+  EXPECT_EQ(Value("normal(1, sd: 3)"), "(call normal 1 sd:3)");
+  EXPECT_EQ(Value("sweep(y : 1 : 1)"), "(call sweep (ratio y 1 1))");
+  EXPECT_EQ(Value("f(y : 1 : 1 : 2)"), "(call f y:(ratio 1 1 2))");
+  EXPECT_EQ(Value("f(y: 1 .. 5 step 2)"), "(call f y:(range-step 1 5 2))");
+  EXPECT_EQ(Value("f(y: \"t\", \"u\")"), "(call f y:\"t\" \"u\")");
+  EXPECT_EQ(Value("f(y + 1 : 1 : 1)"), "(call f (ratio (+ y 1) 1 1))");
+  EXPECT_EQ(Value("any(sphere 3, cone 1.5)"), "(call any (weigh sphere 3) (weigh cone 1.5))");
+  EXPECT_EQ(Value("any(t: sphere 3)"), "(call any t:(weigh sphere 3))");
+  EXPECT_EQ(Value("any(\n  a,  # first\n\n  b\n)"), "(call any a b)");
+  EXPECT_EQ(Value("uniform((1, 2, 3), (4, 5, 6))"), "(call uniform (vector 1 2 3) (vector 4 5 6))");
+}
+
+TEST(Parser, Conditions) {
+  EXPECT_EQ(When("quantity > 3000 and detector == simple"),
+            "(and (> quantity 3000) (== detector simple))");
+  EXPECT_EQ(When("a == 1 or b == 2 and c == 3"), "(or (== a 1) (and (== b 2) (== c 3)))");
+  EXPECT_EQ(When("(a == 1 or b == 2) and c == 3"), "(and (or (== a 1) (== b 2)) (== c 3))");
+  EXPECT_EQ(When("a == 1 and b == 2 and c == 3"), "(and (and (== a 1) (== b 2)) (== c 3))");
+  EXPECT_EQ(When("(a + 1) * 2 <= (b)"), "(<= (* (+ a 1) 2) b)");
+  EXPECT_EQ(When("((a + 1) * 2 != b)"), "(!= (* (+ a 1) 2) b)");
+  EXPECT_EQ(When("not (a == 1) "), "(not (== a 1))");
+  EXPECT_EQ(When("a < 1 and not b >= 2"), "(and (< a 1) (not (>= b 2)))");
+  // The grammar: "not" condition.
+  EXPECT_EQ(When("not a == 1 and b == 2"), "(not (and (== a 1) (== b 2)))");
+}
+
+TEST(Parser, SpansHoldWhatWasWritten) {
+  const Parsed parsed("let v = ( a + f(1) as z ) * 2 # c\n");
+  ASSERT_FALSE(parsed.diagnostics.has_errors());
+  const auto& let = std::get<Let>(parsed.file.items[0]);
+  const auto text = [&](const Span& span) {
+    return std::string(parsed.source->text().substr(span.begin, span.end - span.begin));
+  };
+  EXPECT_EQ(text(let.value->span), "( a + f(1) as z ) * 2");
+  EXPECT_EQ(text(let.value->items[0]->span), "( a + f(1) as z )");
+  EXPECT_EQ(text(let.value->items[0]->items[1]->span), "f(1) as z");
+  EXPECT_EQ(text(let.value->items[0]->items[1]->axis->span), "z");
+}
+
+TEST(Parser, EveryErrorIsReportedAndNoneTwice) {
+  EXPECT_EQ(Errors("benchmark b { size = 5; mass (1; type any(a b); aspect 1:2 }"),
+            "equals-in-setting unclosed-bracket missing-comma ratio-parts");
+  EXPECT_EQ(Errors("let a = 1 +\nlet b = * 2\nlet c = )\nlet d 4\n"),
+            "missing-value missing-value missing-value missing-equals");
+  EXPECT_EQ(Errors("benchmark b { f(, 1__0, 2 3 4, (1, 2), x y) }"),
+            "bad-number missing-value missing-comma vector-parts");
+}
+
+TEST(Parser, NoErrorMakesAnother) {
+  EXPECT_EQ(Errors("benchmark b {\n  size @ 5 { = 3 }\n  mass 1\n}\n"),
+            "unknown-character "
+            "unexpected-token");
+  EXPECT_EQ(Errors("benchmark b { type \"abc }\nbenchmark c { }"), "unclosed-text");
+  EXPECT_EQ(Errors("benchmark b {\n objects {\n size 5\n\nbenchmark c { }\n"), "unclosed-block");
+  EXPECT_EQ(Errors("size 5\nmass 3\ntype x\n"), "misplaced-statement");
+  EXPECT_EQ(Errors("benchmark b { size 50 mass 3 cycles 10 }"),
+            "missing-semicolon missing-semicolon");
+}
+
+TEST(Parser, UnclosedBlockPointsAtItsBrace) {
+  const Parsed parsed("benchmark a {\n  objects {\n    size 5\n}\n");
+  ASSERT_EQ(parsed.diagnostics.error_count(), 1);
+  const Diagnostic& diagnostic = parsed.diagnostics.all()[0];
+  EXPECT_EQ(diagnostic.kind, &kUnclosedBlock);
+  // The indentation says which of the two it is.
+  EXPECT_EQ(parsed.source->PositionAt(diagnostic.span.begin).line, 2);
+  ASSERT_EQ(diagnostic.notes.size(), 1u);
+  EXPECT_EQ(diagnostic.notes[0].span.begin, parsed.source->text().size());
+}
+
+std::string Repeat(const std::string& what, int times) {
+  std::string text;
+  for (int i = 0; i < times; ++i) text += what;
+  return text;
+}
+
+// Each way in which a text can nest, far past the limit: one error, and no stack is lost.
+TEST(Parser, DepthIsBounded) {
+  constexpr int kMany = 100000;
+  const std::string texts[] = {
+      "let v = " + Repeat("(", kMany) + "1" + Repeat(")", kMany),
+      "let v = " + Repeat("f(", kMany) + "1" + Repeat(")", kMany),
+      "let v = " + Repeat("f(a: ", kMany) + "1" + Repeat(")", kMany),
+      "let v = " + Repeat("(1, 1, ", kMany) + "1" + Repeat(")", kMany),
+      "let v = " + Repeat("-(", kMany) + "1" + Repeat(")", kMany),
+      "let v = 1" + Repeat(" + 1", kMany),
+      "let v = 1" + Repeat(" - 1", kMany),
+      "let v = 1" + Repeat(" * 1", kMany),
+      "let v = 1" + Repeat(" ^ 1", kMany),
+      "let v = 1" + Repeat(" ^ -1", kMany),
+      "benchmark b { " + Repeat("a { ", kMany) + Repeat("} ", kMany) + "}",
+      "benchmark b { " + Repeat("cases { a { ", kMany) + Repeat("} } ", kMany) + "}",
+      "benchmark b { skip when a == 1" + Repeat(" and a == 1", kMany) + " }",
+      "benchmark b { skip when a == 1" + Repeat(" or a == 1", kMany) + " }",
+      "benchmark b { skip when " + Repeat("not ", kMany) + "a == 1 }",
+      "benchmark b { skip when " + Repeat("(", kMany) + "a == 1" + Repeat(")", kMany) + " }",
+  };
+  for (const std::string& text : texts) EXPECT_EQ(Errors(text), "too-deep") << text.substr(0, 60);
+}
+
+TEST(Parser, UnclosedNestingIsBoundedToo) {
+  constexpr int kMany = 100000;
+  for (const std::string open :
+       {"(", "[", "f(", "{", "a {", "benchmark b {", "cases {", "-", "not ", "a 1 b", "skip when (",
+        "= ", "} ", "\"x\" ", "let a = ("}) {
+    for (const std::string head : {"", "let v = ", "benchmark b { ", "benchmark b { skip when "})
+      EXPECT_EQ(BrokenInvariant(head + Repeat(open, kMany / 10)), "") << head << open;
+  }
+}
+
+TEST(Parser, LimitItself) {
+  const auto sum = [](int terms) { return "let v = 1" + Repeat(" + 1", terms - 1); };
+  EXPECT_EQ(Errors(sum(kMaxDepth)), "");
+  EXPECT_EQ(Errors(sum(kMaxDepth + 1)), "too-deep");
+  const auto blocks = [](int count) {
+    return "benchmark b {" + Repeat("a {", count - 1) + Repeat("}", count);
+  };
+  EXPECT_EQ(Errors(blocks(kMaxDepth)), "");
+  EXPECT_EQ(Errors(blocks(kMaxDepth + 1)), "too-deep");
+}
+
+TEST(ParserProperty, RandomTreesAreReadBack) {
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    const RandomText::Sample sample = RandomText(seed).File();
+    const Parsed parsed(sample.text);
+    ASSERT_FALSE(parsed.diagnostics.has_errors()) << "seed " << seed << "\n"
+                                                  << sample.text << Render(parsed.diagnostics);
+    ASSERT_TRUE(Dump(parsed.file) == sample.dump) << "seed " << seed << "\n" << sample.text;
+  }
+}
+
+TEST(ParserProperty, TokenSoup) {
+  for (std::uint64_t seed = 0; seed < 10000; ++seed) {
+    const std::string text = RandomText(seed).Soup();
+    ASSERT_EQ(BrokenInvariant(text), "") << "seed " << seed << "\n" << text;
+  }
+}
+
+TEST(ParserProperty, MutatedFiles) {
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    RandomText random(seed);
+    const std::string text = random.Mutate(random.File().text);
+    ASSERT_EQ(BrokenInvariant(text), "") << "seed " << seed << "\n" << text;
+  }
+}
+
+// Every prefix of a file with everything in it: what an editor sees while it is written.
+TEST(ParserProperty, Prefixes) {
+  const std::string text = RandomText(7).File().text + R"(
+benchmark b from a "t" { objects p { size normal(1, sd: 2), 1 : 2 : 3 }; skip when not (a == 1)
+cases c { d { e sweep(1 .. 5 count 3 log) as f } } g (1, -2, 3 ^ 4) })";
+  for (std::size_t length = 0; length <= text.size(); ++length)
+    ASSERT_EQ(BrokenInvariant(text.substr(0, length)), "") << text.substr(0, length);
+}
+
+}  // namespace
+}  // namespace cdb::dsl
