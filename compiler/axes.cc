@@ -1,0 +1,209 @@
+#include "compiler/axes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "compiler/diagnostic_kinds.h"
+
+namespace cdb::compiler {
+namespace {
+
+using dsl::Expr;
+using dsl::ExprKind;
+
+/// Visits every expression under `expr`, through lets and, where asked, parameters, each of those
+/// once.
+class Walker {
+ public:
+  Walker(const Layers& layers, const Evaluator& evaluator)
+      : layers_(layers), evaluator_(evaluator) {}
+
+  /// All sweeps that the value of `expr` depends on.
+  void Sweeps(const Expr& expr, const Scope& scope, std::set<const Expr*>& found) {
+    if (expr.kind == ExprKind::kCall && expr.text == "sweep") found.insert(&expr);
+    for (const auto& item : expr.items) Sweeps(*item, scope, found);
+    for (const dsl::Argument& argument : expr.arguments) {
+      Sweeps(*argument.value, scope, found);
+      if (argument.weight) Sweeps(*argument.weight, scope, found);
+    }
+    if (expr.kind != ExprKind::kPath) return;
+    const Referent referent = evaluator_.Resolve(expr.text, scope);
+    if (referent.let && seen_.insert(referent.let->node).second)
+      Sweeps(*referent.let->node->value, referent.let->scope, found);
+    if (referent.parameter) Sweeps(*referent.parameter, found);
+  }
+
+  void Sweeps(const ParameterKey& key, std::set<const Expr*>& found) {
+    if (!seen_parameters_.insert(key).second) return;
+    const auto setting = layers_.settings.find(key);
+    if (setting != layers_.settings.end()) {
+      for (const auto& value : setting->second.node->values)
+        Sweeps(*value, setting->second.scope, found);
+    } else if (key.second->name == "world.side") {
+      for (const std::string& group : layers_.groups)
+        Sweeps(ParameterKey{group, FindParameter("quantity", true)}, found);
+    }
+  }
+
+ private:
+  const Layers& layers_;
+  const Evaluator& evaluator_;
+  std::set<const void*> seen_;
+  std::set<ParameterKey> seen_parameters_;
+};
+
+class AxisFinder {
+ public:
+  AxisFinder(const Layers& layers, Evaluator& evaluator) : layers_(layers), evaluator_(evaluator) {}
+
+  std::vector<SweepAxis> Find() {
+    for (const auto& [key, setting] : layers_.settings) {
+      const Parameter& parameter = *key.second;
+      std::string name(parameter.name.substr(parameter.name.find('.') + 1));
+      if (!key.first.empty() && key.first != "objects") name = key.first + "_" + name;
+      std::string full = parameter.FullName();
+      if (parameter.grouped && key.first != "objects")
+        full = key.first + "." + std::string(parameter.name);
+      Statement statement{name, full, std::string(parameter.unit), key, setting.order, 0};
+      for (const auto& value : setting.node->values)
+        Walk(*value, setting.scope, statement, -1, value.get());
+    }
+    std::ranges::sort(axes_, {}, &SweepAxis::order);
+    Check();
+    return std::move(axes_);
+  }
+
+ private:
+  /// The setting or let that a sweep is written in.
+  struct Statement {
+    std::string name, parameter, unit;
+    std::optional<ParameterKey> key;
+    int order = 0;
+    int count = 0;  ///< sweeps found in it so far
+  };
+
+  /// `slot`: the whole value, vector component or argument of which `expr` is a part.
+  void Walk(const Expr& expr, const Scope& scope, Statement& statement, int component,
+            const Expr* slot) {
+    switch (expr.kind) {
+      case ExprKind::kCall:
+        if (expr.text == "sweep") {
+          Add(expr, scope, statement, component, *slot);
+          return;
+        }
+        for (const dsl::Argument& argument : expr.arguments) {
+          Walk(*argument.value, scope, statement, component, argument.value.get());
+          if (argument.weight)
+            Walk(*argument.weight, scope, statement, component, argument.weight.get());
+        }
+        return;
+      case ExprKind::kVector:
+      case ExprKind::kRatio:
+        for (int i = 0; i < 3; ++i) {
+          const auto& part = expr.items[static_cast<std::size_t>(i)];
+          Walk(*part, scope, statement, i, part.get());
+        }
+        return;
+      case ExprKind::kPath: {
+        const Referent referent = evaluator_.Resolve(expr.text, scope);
+        if (!referent.let || !seen_.insert(referent.let->node).second) return;
+        Statement let{referent.let->node->name.text, {}, {}, {}, referent.let->order, 0};
+        const Expr& value = *referent.let->node->value;
+        Walk(value, referent.let->scope, let, -1, &value);
+        return;
+      }
+      default:
+        for (const auto& item : expr.items) Walk(*item, scope, statement, component, slot);
+    }
+  }
+
+  void Add(const Expr& call, const Scope& scope, Statement& statement, int component,
+           const Expr& slot) {
+    if (!seen_.insert(&call).second) return;
+    SweepAxis axis;
+    axis.call = &call;
+    axis.name = statement.name;
+    if (component >= 0) axis.name += std::string("_") + "xyz"[component];
+    if (call.axis) axis.name = call.axis->text;
+    axis.span = call.axis ? call.axis->span : call.span;
+    axis.parameter = statement.parameter;
+    axis.unit = statement.unit;
+    axis.key = statement.key;
+    axis.component = component;
+    axis.order = {statement.order, statement.count++};
+    const Sweep* sweep = evaluator_.FindSweep(call, scope);
+    if (sweep == nullptr) return;
+
+    // In `20 * sweep(1, 2)` the axis is what comes out, unless another axis has a part in it.
+    std::set<const Expr*> in_slot;
+    Walker(layers_, evaluator_).Sweeps(slot, scope, in_slot);
+    const bool alone = in_slot.size() == 1 && !call.axis;
+    std::vector<Term> terms;
+    for (std::size_t i = 0; i < sweep->items.size(); ++i) {
+      evaluator_.Choose(call, i);
+      const auto term = evaluator_.Evaluate(alone ? slot : call, scope);
+      if (!term) return;
+      terms.push_back(*term);
+    }
+    evaluator_.Choose(call, 0);
+    // A whole number that a double would round is a label rather than a wrong number.
+    const bool numbers = std::ranges::all_of(terms, [](const Term& term) {
+      return term.number() && Compare(Number::Real(term.number()->AsReal()), *term.number()) == 0 &&
+             (!term.number()->is_whole() || std::abs(term.number()->AsReal()) <= 0x1p53);
+    });
+    for (const Term& term : terms) {
+      if (numbers) {
+        axis.values.emplace_back(term.number()->AsReal());
+      } else {
+        axis.values.emplace_back(ToText(term));
+      }
+    }
+    for (std::size_t i = 1; i < axis.values.size(); ++i)
+      if (std::find(axis.values.begin(), axis.values.begin() + static_cast<std::ptrdiff_t>(i),
+                    axis.values[i]) != axis.values.begin() + static_cast<std::ptrdiff_t>(i))
+        evaluator_.diagnostics().Report(
+            kBadArguments, sweep->items[i].expr != nullptr ? sweep->items[i].expr->span : call.span,
+            fmt::format("the value {} is on this axis twice", ToText(terms[i])),
+            "`repeats` measures a point more than once");
+    axes_.push_back(std::move(axis));
+  }
+
+  void Check() {
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      const SweepAxis& axis = axes_[i];
+      for (std::size_t j = 0; j < i; ++j) {
+        if (axes_[j].name != axis.name) continue;
+        evaluator_.diagnostics().Report(
+            kAxisTwice, axis.span, fmt::format("there is an axis '{}' already", axis.name),
+            fmt::format("name one of them: sweep(…) as {}_2", axis.name),
+            {{axes_[j].span, "the first is here"}});
+      }
+    }
+  }
+
+  const Layers& layers_;
+  Evaluator& evaluator_;
+  std::set<const void*> seen_;
+  std::vector<SweepAxis> axes_;
+};
+
+}  // namespace
+
+std::vector<SweepAxis> FindAxes(const Layers& layers, Evaluator& evaluator) {
+  return AxisFinder(layers, evaluator).Find();
+}
+
+std::vector<std::size_t> Dependencies(const ParameterKey& key, const Layers& layers,
+                                      const std::vector<SweepAxis>& axes,
+                                      const Evaluator& evaluator) {
+  std::set<const Expr*> found;
+  Walker(layers, evaluator).Sweeps(key, found);
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (found.contains(axes[i].call)) indices.push_back(i);
+  return indices;
+}
+
+}  // namespace cdb::compiler

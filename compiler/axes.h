@@ -1,0 +1,34 @@
+// Finds the sweeps of a benchmark and makes axes of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compiler/evaluate.h"
+#include "compiler/plan.h"
+
+namespace cdb::compiler {
+
+/// One sweep of one `Layers`, as an axis.
+struct SweepAxis {
+  std::string name;
+  dsl::Span span;
+  const dsl::Expr* call = nullptr;
+  std::string parameter, unit;
+  std::optional<ParameterKey> key;  ///< of that parameter
+  int component = -1;               ///< 0, 1, 2: the sweep stands in a vector or a ratio
+  std::pair<int, int> order;        ///< of its statement, and its place therein
+  std::vector<Coordinate> values;
+};
+
+/// All axes of `layers`, in the order in which the sweeps are written. Two of one name are
+/// reported.
+std::vector<SweepAxis> FindAxes(const Layers& layers, Evaluator& evaluator);
+
+/// Indices into `axes` of those that the values of `key` depend on, through lets and other
+/// parameters too.
+std::vector<std::size_t> Dependencies(const ParameterKey& key, const Layers& layers,
+                                      const std::vector<SweepAxis>& axes,
+                                      const Evaluator& evaluator);
+
+}  // namespace cdb::compiler

@@ -1,0 +1,104 @@
+#include "compiler/compile.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "compiler/diagnostic_kinds.h"
+#include "compiler/evaluate.h"
+#include "compiler/expand.h"
+
+namespace cdb::compiler {
+namespace {
+
+/// Lets of the file that no benchmark uses are evaluated too. What a name in them means is known in
+/// a benchmark only, so here only such faults count as are faults anywhere.
+void CheckLets(const Scenario& scenario, dsl::Diagnostics& diagnostics) {
+  const Layers nothing;
+  dsl::Diagnostics found;
+  Evaluator evaluator(scenario, nothing, found);
+  for (const auto& item : scenario.main()->tree.items) {
+    const auto* let = std::get_if<dsl::Let>(&item);
+    if (let != nullptr && let->value != nullptr && let->value->kind != dsl::ExprKind::kRange)
+      evaluator.Evaluate(*let->value, {scenario.main(), {}});
+  }
+  for (const dsl::Diagnostic& fault : found.all())
+    if (fault.kind == &kCircular || fault.kind == &kNotFinite || fault.kind == &kBadRange ||
+        fault.kind == &kOutOfDomain || fault.kind == &kBadArguments ||
+        fault.kind == &kMisplacedSweep)
+      diagnostics.Report(*fault.kind, fault.span, fault.message, fault.help, fault.notes);
+}
+
+}  // namespace
+
+Compilation Compile(const std::string& path, const ReadFile& read, const CompileOptions& options) {
+  Compilation result;
+  const auto scenario =
+      std::make_shared<const Scenario>(path, options.library, read, result.diagnostics);
+  result.scenario = scenario;
+  if (scenario->main() == nullptr) return result;
+  const auto benchmarks = scenario->Benchmarks();
+  // What the parser could not read may be what another statement needs. So only benchmarks that are
+  // whole are looked at further, and none where a fault lies outside the benchmarks or in a used
+  // file.
+  const std::vector<dsl::Diagnostic> faults = result.diagnostics.all();
+  scenario->CheckNames(result.diagnostics);
+  const auto is_whole = [&](const BenchmarkRef& benchmark) {
+    const auto within = [](const dsl::Span& span, const BenchmarkRef& other) {
+      const dsl::Span& all = other.benchmark->span;
+      return span.source == all.source && all.begin <= span.begin && span.end <= all.end;
+    };
+    return std::ranges::all_of(faults, [&](const dsl::Diagnostic& fault) {
+      return !benchmark.benchmark->from && !within(fault.span, benchmark) &&
+             std::ranges::any_of(
+                 benchmarks, [&](const BenchmarkRef& other) { return within(fault.span, other); });
+    });
+  };
+  for (const BenchmarkRef& benchmark : benchmarks)
+    result.benchmarks.push_back(benchmark.benchmark->name.text);
+  if (benchmarks.empty() && faults.empty()) {
+    const dsl::Span start = {scenario->main()->tree.source.get(), 0, 0};
+    result.diagnostics.Report(kNoRuns, start, "there is no benchmark in this file",
+                              "`benchmark name { }` is a whole one");
+  }
+  CheckLets(*scenario, result.diagnostics);
+  for (const BenchmarkRef& benchmark : benchmarks) {
+    if (!is_whole(benchmark)) continue;
+    auto plan = Expand(*scenario, benchmark, result.diagnostics);
+    if (!plan || (options.benchmark && *options.benchmark != benchmark.benchmark->name.text))
+      continue;
+    plan->benchmark = benchmark.benchmark->name.text;
+    plan->title = benchmark.benchmark->title;
+    plan->source = path;
+    plan->scenario_text = scenario->FullText();
+    result.plans.push_back(std::move(*plan));
+  }
+  if (result.diagnostics.has_errors()) result.plans.clear();
+  return result;
+}
+
+std::optional<std::string> ReadFromDisk(const std::string& path, std::string& why) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    why = "it is a folder";
+    return std::nullopt;
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    why = std::strerror(errno);
+    return std::nullopt;
+  }
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (file.bad()) {
+    why = std::strerror(errno);
+    return std::nullopt;
+  }
+  return text;
+}
+
+}  // namespace cdb::compiler

@@ -1,0 +1,36 @@
+// A scenario file to plans: the compiler's front door.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/plan.h"
+#include "compiler/scenario.h"
+#include "dsl/diagnostics.h"
+
+namespace cdb::compiler {
+
+struct CompileOptions {
+  std::string library;  ///< folder of the scenarios that `use` reaches from anywhere; may be empty
+  std::optional<std::string> benchmark;  ///< only this one; nullopt: every benchmark of the file
+};
+
+/// What came of it. Diagnostics point into `scenario`, which has to be kept as long as they are.
+struct Compilation {
+  std::shared_ptr<const Scenario> scenario;
+  dsl::Diagnostics diagnostics;
+  std::vector<Plan> plans;              ///< empty where there are errors
+  std::vector<std::string> benchmarks;  ///< of the file, by name
+};
+
+/// Checks the file whole and reports every error, also of benchmarks that were not asked for. Never
+/// throws.
+Compilation Compile(const std::string& path, const ReadFile& read,
+                    const CompileOptions& options = {});
+
+/// Reads from the disk.
+std::optional<std::string> ReadFromDisk(const std::string& path, std::string& why);
+
+}  // namespace cdb::compiler

@@ -1,0 +1,242 @@
+#include "compiler/convert.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compiler/diagnostic_kinds.h"
+#include "library/catalogue.h"
+
+namespace cdb::compiler {
+namespace {
+
+/// A distribution whose draws are this rarely inside the domain would be drawn again for ever.
+constexpr double kLeastChance = 1e-3;
+
+class Converter {
+ public:
+  Converter(const Parameter& parameter, const dsl::Span& span,
+            const std::vector<dsl::Span>& choices, dsl::Diagnostics& diagnostics)
+      : parameter_(parameter), span_(span), choices_(choices), diagnostics_(diagnostics) {}
+
+  std::optional<Value> Constant(const Term& term) const {
+    if (const Word* word = term.word()) return FromWord(*word);
+    using enum ParameterType;
+    switch (parameter_.type) {
+      case kCount:
+        return FromCount(term);
+      case kReal:
+        if (!term.number()) return WrongKind(term);
+        if (!InDomain(term.number()->AsReal(), term.number()->Text())) return std::nullopt;
+        return Value(term.number()->AsReal());
+      case kVector:
+        return FromVector(term);
+      case kRatio: {
+        const auto* ratio = std::get_if<Ratio>(&term.what);
+        if (ratio == nullptr) return WrongKind(term);
+        for (const double part : ratio->parts)
+          if (!InDomain(part, FormatReal(part))) return std::nullopt;
+        return Value(*ratio);
+      }
+      case kSwitch:
+      case kWord:
+      case kWords:
+        break;
+    }
+    return WrongKind(term);
+  }
+
+  std::optional<Value> Drawn(const DrawnTerm& drawn) const {
+    if (!parameter_.distribution)
+      return Error(
+          kWrongKind,
+          fmt::format("'{}' has one value in a run and takes no distribution", parameter_.name),
+          "sweep(…) makes a run for each of several values");
+    Distribution distribution{drawn.kind, {}, drawn.weights};
+    if (drawn.kind == DistributionKind::kAny) {
+      bool good = true;
+      for (std::size_t i = 0; i < drawn.arguments.size(); ++i) {
+        const dsl::Span& at = i < choices_.size() ? choices_[i] : span_;
+        const auto value = Converter(parameter_, at, {}, diagnostics_).Constant(drawn.arguments[i]);
+        good = good && value;
+        if (value) distribution.arguments.push_back(*value);
+      }
+      if (!good) return std::nullopt;
+      return Value(std::move(distribution));
+    }
+    const bool vectors = drawn.arguments[0].vector() != nullptr;
+    if (parameter_.type != ParameterType::kReal && parameter_.type != ParameterType::kVector)
+      return Error(kWrongKind,
+                   fmt::format("'{}' takes {}; {}( ) draws numbers", parameter_.name,
+                               parameter_.Takes(), DistributionName(drawn.kind)),
+                   "any(…) draws from a list");
+    if (vectors && parameter_.type != ParameterType::kVector)
+      return Error(kWrongKind, fmt::format("'{}' is a number and cannot be drawn from vectors",
+                                           parameter_.name));
+    if (!vectors && !Reachable(drawn)) return std::nullopt;
+    for (const Term& argument : drawn.arguments) {
+      if (vectors) {
+        distribution.arguments.emplace_back(*argument.vector());
+      } else {
+        distribution.arguments.emplace_back(argument.number()->AsReal());
+      }
+    }
+    return Value(std::move(distribution));
+  }
+
+ private:
+  std::nullopt_t Error(const dsl::DiagnosticKind& kind, std::string message,
+                       std::string help = {}) const {
+    diagnostics_.Report(kind, span_, std::move(message), std::move(help));
+    return std::nullopt;
+  }
+
+  std::nullopt_t WrongKind(const Term& term) const {
+    const auto* text = std::get_if<Text>(&term.what);
+    if (text != nullptr && parameter_.HasWord(text->text))
+      return Error(kWrongKind, fmt::format("'{}' takes a word, not a text", parameter_.name),
+                   fmt::format("write {} without quotes", text->text));
+    return Error(kWrongKind, fmt::format("'{}' takes {}; this is {}", parameter_.name,
+                                         parameter_.Takes(), KindName(term)));
+  }
+
+  bool InDomain(double value, const std::string& text) const {
+    if (parameter_.domain.Contains(value)) return true;
+    Error(kOutOfDomain,
+          fmt::format("'{}' must be {}, not {}", parameter_.name, parameter_.domain.Text(), text));
+    return false;
+  }
+
+  std::optional<Value> FromCount(const Term& term) const {
+    if (!term.number()) return WrongKind(term);
+    const auto whole = term.number()->AsWhole();
+    if (!whole)
+      return Error(kWrongKind, fmt::format("'{}' must be a whole number, not {}", parameter_.name,
+                                           term.number()->Text()));
+    constexpr Integer kMost = ~std::uint64_t{0};
+    if (*whole > kMost || !parameter_.domain.Contains(static_cast<double>(*whole)))
+      return Error(kOutOfDomain,
+                   *whole > 0 ? fmt::format("'{}' does not go up to {}", parameter_.name,
+                                            term.number()->Text())
+                              : fmt::format("'{}' must be {}, not {}", parameter_.name,
+                                            parameter_.domain.Text(), term.number()->Text()));
+    return Value(static_cast<std::uint64_t>(*whole));
+  }
+
+  std::optional<Value> FromVector(const Term& term) const {
+    if (term.vector()) return Value(*term.vector());
+    if (!term.number()) return WrongKind(term);
+    if (term.number()->AsReal() != 0)
+      return Error(
+          kWrongKind,
+          fmt::format("'{}' is a vector; of numbers only 0 stands for one", parameter_.name),
+          fmt::format("write (0, {}, 0), say", term.number()->Text()));
+    return Value(Eigen::Vector3d(Eigen::Vector3d::Zero()));
+  }
+
+  std::optional<Value> FromWord(const Word& word) const {
+    const std::string& text = word.text;
+    if (parameter_.type == ParameterType::kSwitch) {
+      if (text == "on" || text == "true") return Value(true);
+      if (text == "off" || text == "false") return Value(false);
+    }
+    if (parameter_.HasWord(text)) {
+      if (parameter_.word_source == WordSource::kObjectTypes) {
+        const std::string_view refusal = library::FindObjectType(text)->refusal;
+        if (!refusal.empty())
+          return Error(kNotYet, fmt::format("'{}' is not to be had: {}", text, refusal));
+      }
+      return Value(word);
+    }
+    std::vector<std::string_view> words = parameter_.AllWords();
+    if (parameter_.type == ParameterType::kSwitch) words = {"on", "off"};
+    if (words.empty())
+      return Error(kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
+                   fmt::format("it takes {}, and no let has this name", parameter_.Takes()));
+    const std::string_view near = dsl::DidYouMean(text, words);
+    return Error(kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
+                 near.empty() ? fmt::format("it takes {}", parameter_.Takes())
+                              : fmt::format("did you mean '{}'?", near));
+  }
+
+  /// Draws outside the domain are drawn again; that has to end.
+  bool Reachable(const DrawnTerm& drawn) const {
+    const double a = drawn.arguments[0].number()->AsReal();
+    const double b = drawn.arguments[1].number()->AsReal();
+    const Domain& domain = parameter_.domain;
+    double chance = 0;
+    if (a == b || (drawn.kind == DistributionKind::kNormal && b == 0)) {
+      chance = domain.Contains(a) ? 1 : 0;
+    } else if (drawn.kind == DistributionKind::kNormal) {
+      const auto below = [&](double x) { return 0.5 * std::erfc((a - x) / (b * std::sqrt(2.0))); };
+      chance = below(domain.max) - below(domain.min);
+    } else {
+      const bool log = drawn.kind == DistributionKind::kLogUniform;
+      const auto scale = [log](double x) { return log ? std::log(x) : x; };
+      const double low = std::max(a, domain.min), high = std::min(b, domain.max);
+      chance = low < high ? (scale(high) - scale(low)) / (scale(b) - scale(a)) : 0;
+    }
+    if (chance >= kLeastChance) return true;
+    Error(kOutOfDomain,
+          fmt::format("'{}' must be {}; {} {} is", parameter_.name, domain.Text(),
+                      ToText(Term{drawn}), chance > 0 ? "hardly ever" : "never"),
+          "what is outside is drawn again, so most of it has to lie inside");
+    return false;
+  }
+
+  const Parameter& parameter_;
+  const dsl::Span& span_;
+  const std::vector<dsl::Span>& choices_;
+  dsl::Diagnostics& diagnostics_;
+};
+
+}  // namespace
+
+std::optional<Value> Convert(const Term& term, const Parameter& parameter, const dsl::Span& span,
+                             const std::vector<dsl::Span>& choices, dsl::Diagnostics& diagnostics) {
+  const Converter converter(parameter, span, choices, diagnostics);
+  return term.drawn() ? converter.Drawn(*term.drawn()) : converter.Constant(term);
+}
+
+std::optional<Value> ConvertList(const std::vector<std::pair<Term, dsl::Span>>& terms,
+                                 const Parameter& parameter, dsl::Diagnostics& diagnostics) {
+  WordList words;
+  std::vector<dsl::Span> spans;
+  bool good = true;
+  for (const auto& [term, span] : terms) {
+    const auto value = Converter(parameter, span, {}, diagnostics).Constant(term);
+    if (!value) {
+      good = false;
+      continue;
+    }
+    const std::string& word = std::get<Word>(*value).text;
+    if (std::ranges::find(words, word) != words.end()) {
+      diagnostics.Report(kSetTwice, span, fmt::format("'{}' is in the list already", word),
+                         "keep one of them");
+      good = false;
+    }
+    words.push_back(word);
+    spans.push_back(span);
+  }
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (!parameter.StandsAlone(words[i])) continue;
+    // Of two words that both want to stand alone, the second is the odd one.
+    for (std::size_t j = 0; j < words.size(); ++j) {
+      if (words[j] == words[i] || (parameter.StandsAlone(words[j]) && i < j)) continue;
+      diagnostics.Report(kContradiction, spans[i],
+                         fmt::format("'{}' cannot stand beside '{}'", words[i], words[j]),
+                         fmt::format("'{}' speaks of all of them: write it alone, or only the "
+                                     "others",
+                                     words[i]));
+      good = false;
+      break;
+    }
+  }
+  if (!good) return std::nullopt;
+  // Order has no meaning, so it must not make another run of it.
+  std::ranges::sort(words);
+  return Value(std::move(words));
+}
+
+}  // namespace cdb::compiler

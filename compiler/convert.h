@@ -1,0 +1,24 @@
+// A term held against the parameter it is meant for.
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "compiler/schema.h"
+#include "compiler/term.h"
+#include "compiler/value.h"
+#include "dsl/diagnostics.h"
+
+namespace cdb::compiler {
+
+/// The value, or nullopt after a diagnostic at `span` that says what the parameter takes.
+/// `choices`: where the choices of an any( ) stand, where that is known.
+std::optional<Value> Convert(const Term& term, const Parameter& parameter, const dsl::Span& span,
+                             const std::vector<dsl::Span>& choices, dsl::Diagnostics& diagnostics);
+
+/// The words of a list parameter (`record timing, counts`).
+std::optional<Value> ConvertList(const std::vector<std::pair<Term, dsl::Span>>& terms,
+                                 const Parameter& parameter, dsl::Diagnostics& diagnostics);
+
+}  // namespace cdb::compiler

@@ -1,0 +1,541 @@
+#include "compiler/expand.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <tuple>
+
+#include "compiler/axes.h"
+#include "compiler/convert.h"
+#include "compiler/defaults.h"
+#include "compiler/diagnostic_kinds.h"
+#include "compiler/needs.h"
+#include "dsl/check.h"
+#include "library/catalogue.h"
+
+namespace cdb::compiler {
+namespace {
+
+using dsl::Expr;
+using dsl::ExprKind;
+using Point = std::vector<std::size_t>;
+
+constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
+/// What an axis holds in a case that has no value for it.
+constexpr std::string_view kNoValue = "none";
+
+/// Counts through all points of a grid, the last axis fastest. False at the end.
+bool Advance(Point& point, const std::vector<std::size_t>& extents) {
+  for (std::size_t i = extents.size(); i-- > 0;) {
+    if (++point[i] < extents[i]) return true;
+    point[i] = 0;
+  }
+  return false;
+}
+
+/// Where the value of `expr` is written, as near as can be told.
+const Expr& Origin(const Expr& expr, const Scope& scope, Evaluator& evaluator, std::size_t index) {
+  if (expr.kind != ExprKind::kCall || expr.text != "sweep") return expr;
+  const Sweep* sweep = evaluator.FindSweep(expr, scope);
+  if (sweep == nullptr || index >= sweep->items.size() || sweep->items[index].expr == nullptr)
+    return expr;
+  return *sweep->items[index].expr;
+}
+
+/// The values of one parameter at the points of the axes on which it depends.
+struct ParameterValues {
+  ParameterKey key;
+  std::vector<std::size_t> axes;  ///< of the configuration
+  std::map<Point, Value> known;
+  bool failed = false;
+};
+
+/// The benchmark under one choice of its cases.
+class Configuration {
+ public:
+  Configuration(const Scenario& scenario, Layers layers, dsl::Diagnostics& diagnostics)
+      : layers_(std::move(layers)),
+        evaluator_(scenario, layers_, diagnostics),
+        axes_(FindAxes(layers_, evaluator_)) {
+    // Also those that nothing uses: a file is checked whole.
+    for (const auto& [key, let] : layers_.lets)
+      if (let.node->value->kind != ExprKind::kRange)
+        evaluator_.Evaluate(*let.node->value, let.scope);
+    for (const Parameter& parameter : Schema()) {
+      if (!parameter.grouped) {
+        Add({"", &parameter});
+        continue;
+      }
+      for (const std::string& group : layers_.groups) Add({group, &parameter});
+    }
+  }
+
+  const Layers& layers() const { return layers_; }
+  const std::vector<SweepAxis>& axes() const { return axes_; }
+  Evaluator& evaluator() { return evaluator_; }
+
+  void Choose(const Point& point) {
+    for (std::size_t i = 0; i < axes_.size(); ++i) evaluator_.Choose(*axes_[i].call, point[i]);
+    point_ = point;
+  }
+
+  /// All settings at the chosen point; nullopt after a diagnostic.
+  std::optional<Scene> MakeScene() {
+    Scene scene;
+    for (const std::string& group : layers_.groups) scene.groups.push_back({group, {}});
+    bool good = true;
+    for (ParameterValues& values : parameters_) {
+      const Value* value = Find(values);
+      good = good && value != nullptr;
+      if (value == nullptr) continue;
+      Settings* settings = &scene.world;
+      for (Group& group : scene.groups)
+        if (group.name == values.key.first) settings = &group.settings;
+      settings->values.emplace(std::string(values.key.second->name), *value);
+    }
+    if (!good) return std::nullopt;
+    AddSeeds(scene);
+    return scene;
+  }
+
+  /// Looks at every setting by itself.
+  void CheckSettings() {
+    Choose(Point(axes_.size(), 0));
+    for (const ParameterValues& values : parameters_) ReportAll(values);
+  }
+
+  /// The place of a parameter's value, for diagnostics about it; the benchmark's name where it is a
+  /// default.
+  dsl::Span SpanOf(const ParameterKey& key, const dsl::Span& otherwise) const {
+    const auto setting = layers_.settings.find(key);
+    return setting == layers_.settings.end() ? otherwise : setting->second.node->values[0]->span;
+  }
+
+  /// The place of one word of the list that `key` is set to, at the chosen point.
+  dsl::Span SpanOfWord(const ParameterKey& key, std::string_view word) {
+    const Placed<dsl::Setting>& setting = layers_.settings.at(key);
+    for (const auto& value : setting.node->values) {
+      const auto term = evaluator_.Evaluate(*value, setting.scope);
+      if (term && term->word() && term->word()->text == word)
+        return OriginOf(*value, setting.scope).span;
+    }
+    CDB_CHECK(false);
+  }
+
+  /// The value that axis `like` of another configuration has here, where it is not swept.
+  std::optional<Term> ConstantFor(const SweepAxis& like) {
+    if (!like.key) return std::nullopt;
+    const std::string& group = like.key->first;
+    if (!group.empty() && std::ranges::find(layers_.groups, group) == layers_.groups.end())
+      return std::nullopt;
+    auto term = evaluator_.EvaluateParameter(*like.key);
+    if (!term || term->drawn()) return std::nullopt;
+    if (like.component < 0) return term;
+    const Eigen::Vector3d* parts = term->vector();
+    if (const auto* ratio = std::get_if<Ratio>(&term->what)) parts = &ratio->parts;
+    if (parts == nullptr) return std::nullopt;
+    return Term{Number::Real((*parts)[like.component])};
+  }
+
+ private:
+  const Expr& OriginOf(const Expr& expr, const Scope& scope) {
+    std::size_t index = kNowhere;
+    for (std::size_t i = 0; i < axes_.size(); ++i)
+      if (axes_[i].call == &expr) index = point_[i];
+    return Origin(expr, scope, evaluator_, index);
+  }
+
+  void Add(const ParameterKey& key) {
+    parameters_.push_back({key, Dependencies(key, layers_, axes_, evaluator_), {}, false});
+  }
+
+  const Value* Find(ParameterValues& values) {
+    if (values.failed) return nullptr;
+    Point at;
+    for (const std::size_t axis : values.axes) at.push_back(point_[axis]);
+    const auto known = values.known.find(at);
+    if (known != values.known.end()) return &known->second;
+    const auto value = Make(values.key);
+    values.failed = !value;
+    if (values.failed) ReportAll(values);
+    return value ? &values.known.emplace(at, *value).first->second : nullptr;
+  }
+
+  /// Reports every value of a parameter that is no good, as far as a person would read on.
+  void ReportAll(const ParameterValues& values) {
+    constexpr int kMost = 1000;
+    const Point here = point_;
+    std::vector<std::size_t> extents;
+    for (const std::size_t axis : values.axes) extents.push_back(axes_[axis].values.size());
+    Point at(values.axes.size(), 0);
+    for (int i = 0; i < kMost; ++i) {
+      Point point = here;
+      for (std::size_t a = 0; a < at.size(); ++a) point[values.axes[a]] = at[a];
+      Choose(point);
+      Make(values.key);
+      if (!Advance(at, extents)) break;
+    }
+    Choose(here);
+  }
+
+  std::optional<Value> Make(const ParameterKey& key) {
+    const Parameter& parameter = *key.second;
+    const auto set = layers_.settings.find(key);
+    const dsl::Setting& setting =
+        set != layers_.settings.end() ? *set->second.node : DefaultSetting(parameter);
+    const Scope scope = set != layers_.settings.end() ? set->second.scope : Scope{};
+    if (parameter.type == ParameterType::kWords) {
+      std::vector<std::pair<Term, dsl::Span>> terms;
+      for (const auto& value : setting.values) {
+        const auto term = evaluator_.Evaluate(*value, scope);
+        if (!term) return std::nullopt;
+        terms.emplace_back(*term, OriginOf(*value, scope).span);
+      }
+      return ConvertList(terms, parameter, evaluator_.diagnostics());
+    }
+    if (setting.values.size() > 1) {
+      evaluator_.diagnostics().Report(
+          kWrongKind, Join(setting.values.front()->span, setting.values.back()->span),
+          fmt::format("'{}' takes one value, here are {}", parameter.name, setting.values.size()),
+          "sweep(…) makes a run for each, any(…) draws one for each object");
+      return std::nullopt;
+    }
+    const auto term = evaluator_.EvaluateParameter(key);
+    if (!term) return std::nullopt;
+    const Expr& origin = OriginOf(*setting.values[0], scope);
+    std::vector<dsl::Span> choices;
+    if (origin.kind == ExprKind::kCall)
+      for (const dsl::Argument& argument : origin.arguments)
+        choices.push_back(argument.value->span);
+    return Convert(*term, parameter, origin.span, choices, evaluator_.diagnostics());
+  }
+
+  static void AddSeeds(Scene& scene) {
+    const std::uint64_t seed = scene.world.Count("seed");
+    const auto add = [&](const std::string& stream) {
+      scene.seeds.emplace(stream, StreamSeed(seed, stream));
+    };
+    const auto is_drawn = [](const Value& value) {
+      const auto* word = std::get_if<Word>(&value);
+      return std::holds_alternative<Distribution>(value) || (word && word->text == "random");
+    };
+    for (const auto& [name, value] : scene.world.values)
+      if (is_drawn(value)) add(name);
+    for (const Group& group : scene.groups) {
+      add(group.name + ".location");
+      for (const auto& [name, value] : group.settings.values)
+        if (is_drawn(value)) add(group.name + "." + name);
+    }
+  }
+
+  Layers layers_;
+  Evaluator evaluator_;
+  std::vector<SweepAxis> axes_;
+  std::vector<ParameterValues> parameters_;
+  Point point_;
+};
+
+/// An axis of the plan: a sweep under one name in every configuration, or the names of cases.
+struct GridAxis {
+  Axis axis;
+  std::pair<int, int> order;
+  const SweepAxis* sweep = nullptr;  ///< one of those it was made from; null for cases
+  std::size_t case_axis = kNowhere;
+  std::vector<std::vector<Coordinate>> values;  ///< by configuration
+};
+
+class Expander {
+ public:
+  Expander(const Scenario& scenario, const BenchmarkRef& benchmark, dsl::Diagnostics& diagnostics)
+      : scenario_(scenario),
+        benchmark_(benchmark),
+        diagnostics_(diagnostics),
+        errors_before_(diagnostics.error_count()),
+        layered_(scenario, benchmark, diagnostics) {}
+
+  std::optional<Plan> Run() {
+    if (!layered_.has_base() || !Configure()) return std::nullopt;
+    MakeAxes();
+    const bool countable = !Failed();
+    if (!countable || !CountRuns()) {
+      // No grid, but each setting can still be looked at.
+      for (const auto& configuration : configurations_) configuration->CheckSettings();
+      return std::nullopt;
+    }
+    MakeRuns();
+    if (Failed() || broken_) return std::nullopt;
+    if (plan_.runs.empty()) {
+      diagnostics_.Report(kNoRuns, benchmark_.benchmark->name.span,
+                          fmt::format("'{}' has no run left", benchmark_.benchmark->name.text),
+                          "its `skip` leaves out every point");
+      return std::nullopt;
+    }
+    return std::move(plan_);
+  }
+
+ private:
+  bool Failed() const { return diagnostics_.error_count() > errors_before_; }
+
+  bool TooMany(double count, const dsl::Span& span) {
+    diagnostics_.Report(
+        kTooManyRuns, span, fmt::format("this benchmark has {:.6g} runs", count),
+        fmt::format("a plan holds at most {}; leave some out by `skip` or split the "
+                    "benchmark",
+                    kMaxRuns));
+    return false;
+  }
+
+  bool Configure() {
+    double count = 1;
+    for (const CaseAxis& axis : layered_.case_axes()) {
+      case_extents_.push_back(axis.names.size());
+      count *= static_cast<double>(axis.names.size());
+    }
+    if (count > static_cast<double>(kMaxRuns))
+      return TooMany(count, benchmark_.benchmark->name.span);
+    Point chosen(case_extents_.size(), 0);
+    do {
+      configurations_.push_back(
+          std::make_unique<Configuration>(scenario_, layered_.Lay(chosen), diagnostics_));
+    } while (Advance(chosen, case_extents_));
+    return true;
+  }
+
+  void MakeAxes() {
+    for (std::size_t i = 0; i < layered_.case_axes().size(); ++i) {
+      const CaseAxis& cases = layered_.case_axes()[i];
+      GridAxis axis;
+      axis.axis.name = cases.name;
+      axis.axis.values.assign(cases.names.begin(), cases.names.end());
+      axis.order = {cases.order, -1};
+      axis.case_axis = i;
+      grid_.push_back(std::move(axis));
+    }
+    for (const auto& configuration : configurations_)
+      for (const SweepAxis& sweep : configuration->axes()) Merge(sweep);
+    std::ranges::stable_sort(grid_, {}, &GridAxis::order);
+    for (GridAxis& axis : grid_)
+      if (axis.sweep != nullptr) FillValues(axis);
+  }
+
+  void Merge(const SweepAxis& sweep) {
+    for (GridAxis& axis : grid_) {
+      if (axis.axis.name != sweep.name) continue;
+      if (axis.sweep == nullptr) {
+        diagnostics_.Report(kAxisTwice, sweep.span,
+                            fmt::format("there are cases called '{}' already", sweep.name),
+                            fmt::format("name the axis: sweep(…) as {}_2", sweep.name));
+      } else {
+        axis.order = std::min(axis.order, sweep.order);
+      }
+      return;
+    }
+    GridAxis axis;
+    axis.axis.name = sweep.name;
+    axis.axis.parameter = sweep.parameter;
+    axis.axis.unit = sweep.unit;
+    axis.order = sweep.order;
+    axis.sweep = &sweep;
+    grid_.push_back(std::move(axis));
+  }
+
+  /// The axis holds every value that it has in some case; where it is not swept, the one that
+  /// stands there.
+  void FillValues(GridAxis& axis) {
+    for (const auto& configuration : configurations_) {
+      std::vector<Coordinate> here;
+      const auto swept = std::ranges::find(configuration->axes(), axis.axis.name, &SweepAxis::name);
+      if (swept != configuration->axes().end()) {
+        here = swept->values;
+      } else {
+        const auto term = configuration->ConstantFor(*axis.sweep);
+        if (!term) {
+          here.emplace_back(std::string(kNoValue));
+        } else if (term->number()) {
+          here.emplace_back(term->number()->AsReal());
+        } else {
+          here.emplace_back(ToText(*term));
+        }
+      }
+      axis.values.push_back(std::move(here));
+    }
+    bool text = false;
+    for (const auto& here : axis.values)
+      for (const Coordinate& value : here) text = text || value.index() == 1;
+    for (auto& here : axis.values) {
+      for (Coordinate& value : here) {
+        if (text && value.index() == 0) value = FormatReal(std::get<double>(value));
+        if (std::ranges::find(axis.axis.values, value) == axis.axis.values.end())
+          axis.axis.values.push_back(value);
+      }
+    }
+  }
+
+  bool CountRuns() {
+    double count = 1;
+    for (const GridAxis& axis : grid_) {
+      extents_.push_back(axis.axis.values.size());
+      count *= static_cast<double>(axis.axis.values.size());
+      plan_.axes.push_back(axis.axis);
+    }
+    const Parameter* repeats = FindParameter("repeats", false);
+    std::optional<std::uint64_t> value;
+    for (const auto& configuration : configurations_) {
+      const dsl::Span span = configuration->SpanOf({"", repeats}, benchmark_.benchmark->name.span);
+      Configuration& here = *configuration;
+      if (!Dependencies({"", repeats}, here.layers(), here.axes(), here.evaluator()).empty()) {
+        diagnostics_.Report(kMisplacedSweep, span, "'repeats' cannot be swept",
+                            "every point has as many: they are the axis `rep`");
+        return false;
+      }
+      const auto term = here.evaluator().EvaluateParameter({"", repeats});
+      const auto converted =
+          term ? Convert(*term, *repeats, span, {}, diagnostics_) : std::optional<Value>();
+      if (!converted) return false;
+      const std::uint64_t n = std::get<std::uint64_t>(*converted);
+      if (value && *value != n) {
+        diagnostics_.Report(kWrongPlace, span, "'repeats' is the same in every case",
+                            "set it outside the cases");
+        return false;
+      }
+      value = n;
+    }
+    plan_.repeats = *value;
+    count *= static_cast<double>(*value);
+    return count <= static_cast<double>(kMaxRuns) ||
+           TooMany(count, benchmark_.benchmark->name.span);
+  }
+
+  void MakeRuns() {
+    Point at(grid_.size(), 0);
+    do {
+      std::size_t chosen = 0;
+      for (std::size_t i = 0; i < layered_.case_axes().size(); ++i)
+        for (std::size_t a = 0; a < grid_.size(); ++a)
+          if (grid_[a].case_axis == i) chosen = chosen * case_extents_[i] + at[a];
+      if (!MakeRun(at, chosen)) plan_.skipped.push_back(at);
+    } while (Advance(at, extents_));
+  }
+
+  /// False where the point is left out.
+  bool MakeRun(const Point& at, std::size_t chosen) {
+    Configuration& configuration = *configurations_[chosen];
+    Point local(configuration.axes().size(), 0);
+    for (std::size_t a = 0; a < grid_.size(); ++a) {
+      if (grid_[a].sweep == nullptr) continue;
+      const auto& here = grid_[a].values[chosen];
+      const auto value = std::ranges::find(here, grid_[a].axis.values[at[a]]);
+      if (value == here.end()) return false;
+      const auto swept =
+          std::ranges::find(configuration.axes(), grid_[a].axis.name, &SweepAxis::name);
+      if (swept != configuration.axes().end())
+        local[static_cast<std::size_t>(swept - configuration.axes().begin())] =
+            static_cast<std::size_t>(value - here.begin());
+    }
+    configuration.Choose(local);
+    if (IsSkipped(configuration, at)) return false;
+    const auto scene = configuration.MakeScene();
+    if (!scene || !CheckCounts(configuration, *scene) || !CheckNeeds(configuration, *scene)) {
+      broken_ = true;
+      return true;
+    }
+    for (std::uint64_t rep = 0; rep < plan_.repeats; ++rep)
+      plan_.runs.push_back({RunId(*scene, rep), at, rep, *scene});
+    return true;
+  }
+
+  bool IsSkipped(Configuration& configuration, const Point& at) {
+    if (configuration.layers().skips.empty()) return false;
+    Evaluator& evaluator = configuration.evaluator();
+    for (std::size_t a = 0; a < grid_.size(); ++a) {
+      const Axis& axis = grid_[a].axis;
+      const Coordinate& value = axis.values[at[a]];
+      Term term{Word{}};
+      if (const auto* number = std::get_if<double>(&value)) {
+        term = axis.IsInteger() ? Term{Number::Whole(static_cast<Integer>(*number))}
+                                : Term{Number::Real(*number)};
+      } else {
+        term = Term{Word{std::get<std::string>(value)}};
+        auto& words = evaluator.axis_words[axis.name];
+        if (words.empty())
+          for (const Coordinate& word : axis.values) words.push_back(std::get<std::string>(word));
+      }
+      evaluator.axis_values.insert_or_assign(axis.name, std::move(term));
+    }
+    bool skipped = false;
+    for (const Placed<dsl::Skip>& skip : configuration.layers().skips)
+      skipped = evaluator.Holds(*skip.node->when, skip.scope) || skipped;
+    return skipped;
+  }
+
+  /// Limits that several parameters have together.
+  bool CheckCounts(Configuration& configuration, const Scene& scene) {
+    const dsl::Span name = benchmark_.benchmark->name.span;
+    const std::uint64_t objects = scene.ObjectCount();
+    const std::string_view walls = scene.world.WordOr("world.walls");
+    const std::uint64_t bodies = objects + (walls == "all" ? 6 : walls == "floor" ? 1 : 0);
+    if (bodies > 2147483647) {
+      diagnostics_.Report(kCapacity, name,
+                          fmt::format("{} objects are more than a run holds", objects),
+                          "2147483647 with the walls");
+      return false;
+    }
+    const std::string_view detector_name = scene.world.WordOr("detector");
+    const library::DetectorInfo* detector = library::FindDetector(detector_name);
+    CDB_CHECK(detector != nullptr);
+    if (detector->max_bodies == 0 || bodies <= detector->max_bodies) return true;
+    if (!capacity_reported_)
+      diagnostics_.Report(kCapacity,
+                          configuration.SpanOf({"", FindParameter("detector", false)}, name),
+                          fmt::format("'{}' holds at most {} bodies, walls included; here are {}",
+                                      detector_name, detector->max_bodies, bodies),
+                          fmt::format("skip when quantity > {} and detector == {}, or use sap32",
+                                      detector->max_bodies - (bodies - objects), detector_name));
+    capacity_reported_ = true;
+    return false;
+  }
+
+  /// Whoever names a component wants it left out; where the scene needs it that cannot be.
+  bool CheckNeeds(Configuration& configuration, const Scene& scene) {
+    if (scene.world.Lists("omit", "auto") || scene.world.Lists("omit", "none")) return true;
+    bool good = true;
+    for (const Need& need : AnalyseNeeds(scene)) {
+      if (need.fate != Fate::kKept || HowAsked(scene, need.component) != Asked::kByName) continue;
+      good = false;
+      const std::string_view name = InfoOf(need.component).name;
+      const dsl::Span span = configuration.SpanOfWord({"", FindParameter("omit", false)}, name);
+      if (!needed_.emplace(span.source, span.begin, need.component).second) continue;
+      diagnostics_.Report(
+          kNeeded, span, fmt::format("'{}' cannot be left out: {}", name, need.why),
+          "take it out of the list; omit auto leaves out all that a scene does not need");
+    }
+    return good;
+  }
+
+  const Scenario& scenario_;
+  const BenchmarkRef& benchmark_;
+  dsl::Diagnostics& diagnostics_;
+  int errors_before_;
+  LayeredBenchmark layered_;
+  std::vector<std::size_t> case_extents_, extents_;
+  std::vector<std::unique_ptr<Configuration>> configurations_;
+  std::vector<GridAxis> grid_;
+  Plan plan_;
+  bool capacity_reported_ = false;
+  /// Words of `omit` that were refused: the reason may be another one in each run.
+  std::set<std::tuple<const dsl::Source*, std::size_t, Component>> needed_;
+  /// A point has an error, which another benchmark may have reported already.
+  bool broken_ = false;
+};
+
+}  // namespace
+
+std::optional<Plan> Expand(const Scenario& scenario, const BenchmarkRef& benchmark,
+                           dsl::Diagnostics& diagnostics) {
+  return Expander(scenario, benchmark, diagnostics).Run();
+}
+
+}  // namespace cdb::compiler

@@ -1,0 +1,15 @@
+// A benchmark to its plan: every point of the grid, with all settings as values.
+#pragma once
+
+#include <optional>
+
+#include "compiler/plan.h"
+#include "compiler/scenario.h"
+
+namespace cdb::compiler {
+
+/// Nullopt after diagnostics. Title and texts of the plan are filled in by `Compile`.
+std::optional<Plan> Expand(const Scenario& scenario, const BenchmarkRef& benchmark,
+                           dsl::Diagnostics& diagnostics);
+
+}  // namespace cdb::compiler

@@ -1,0 +1,189 @@
+#include "compiler/scenario.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "compiler/diagnostic_kinds.h"
+#include "dsl/parser.h"
+
+namespace cdb::compiler {
+namespace {
+
+constexpr std::size_t kMaxUses = 64;
+
+/// Calls `visit` for `file` and everything it uses, each once, nearest first; stops when `visit`
+/// returns true.
+template <typename Visit>
+void ForEachVisible(const ScenarioFile& file, Visit visit) {
+  std::vector<const ScenarioFile*> queue = {&file};
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    if (visit(*queue[i])) return;
+    for (const ScenarioFile* used : queue[i]->uses)
+      if (std::ranges::find(queue, used) == queue.end()) queue.push_back(used);
+  }
+}
+
+template <typename Item, typename Visit>
+void ForEachItem(const ScenarioFile& file, Visit visit) {
+  for (const auto& item : file.tree.items)
+    if (const auto* found = std::get_if<Item>(&item)) visit(*found);
+}
+
+}  // namespace
+
+Scenario::Scenario(const std::string& path, const std::string& library, const ReadFile& read,
+                   dsl::Diagnostics& diagnostics)
+    : library_(library), read_(read) {
+  main_ = Load(path, nullptr, diagnostics);
+}
+
+const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
+                                   dsl::Diagnostics& diagnostics) {
+  for (const ScenarioFile* open : loading_) {
+    if (open->path != path) continue;
+    diagnostics.Report(kCircular, use->path_span,
+                       fmt::format("'{}' leads back to itself", use->path),
+                       "a file cannot use a file that uses it");
+    return nullptr;
+  }
+  for (const auto& file : files_)
+    if (file->path == path) return file.get();
+
+  std::string why;
+  std::optional<std::string> text = read_(path, why);
+  if (!text) {
+    // The place of a missing main file is the command line; an empty text stands for it.
+    const auto nowhere = std::make_shared<const dsl::Source>(path, "");
+    dsl::Span span = {nowhere.get(), 0, 0};
+    if (use != nullptr) span = use->path_span;
+    auto file = std::make_unique<ScenarioFile>();
+    file->path = path;
+    file->tree.source = nowhere;
+    files_.push_back(std::move(file));
+    diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why));
+    return nullptr;
+  }
+  files_.push_back(std::make_unique<ScenarioFile>());
+  ScenarioFile& file = *files_.back();
+  file.path = path;
+  file.tree = dsl::Parse(std::make_shared<const dsl::Source>(path, std::move(*text)), diagnostics);
+  loading_.push_back(&file);
+  ForEachItem<dsl::Use>(file, [&](const dsl::Use& wanted) {
+    if (wanted.path_span.source == nullptr) return;  // not a path; the parser has said so
+    if (wanted.detector) {
+      diagnostics.Report(kNotYet, wanted.span, "plug-in detectors are not part of this version yet",
+                         "`cdb list detectors` shows those that are");
+      return;
+    }
+    if (files_.size() >= kMaxUses) {
+      diagnostics.Report(kTooManyRuns, wanted.span,
+                         fmt::format("a scenario reads at most {} files", kMaxUses));
+      return;
+    }
+    namespace fs = std::filesystem;
+    const fs::path beside = fs::path(path).parent_path() / wanted.path;
+    std::vector<std::string> candidates = {beside.lexically_normal().string()};
+    if (!library_.empty())
+      candidates.push_back((fs::path(library_) / wanted.path).lexically_normal().string());
+    for (std::string& candidate : candidates)
+      if (!candidate.ends_with(".cdb")) candidate += ".cdb";
+    std::string chosen = candidates[0];
+    for (const std::string& candidate : candidates) {
+      std::string ignored;
+      if (read_(candidate, ignored)) {
+        chosen = candidate;
+        break;
+      }
+    }
+    if (const ScenarioFile* used = Load(chosen, &wanted, diagnostics)) file.uses.push_back(used);
+  });
+  loading_.pop_back();
+  ForEachItem<dsl::Let>(file, [&](const dsl::Let& let) {
+    let_order_.emplace(&let, static_cast<int>(let_order_.size()));
+  });
+  return &file;
+}
+
+void Scenario::CheckNames(dsl::Diagnostics& diagnostics) const {
+  const auto once = [&](auto& seen, const dsl::Name& name, const char* what) {
+    if (name.span.source == nullptr) return;  // it has none, as the parser has said
+    const auto [first, is_new] = seen.emplace(name.text, &name);
+    if (!is_new)
+      diagnostics.Report(kSetTwice, name.span,
+                         fmt::format("there is a {} '{}' already", what, name.text), {},
+                         {{first->second->span, "the first is here"}});
+  };
+  for (const auto& file : files_) {
+    std::map<std::string_view, const dsl::Name*> lets, benchmarks;
+    ForEachItem<dsl::Let>(*file, [&](const dsl::Let& let) { once(lets, let.name, "let"); });
+    ForEachItem<dsl::Benchmark>(
+        *file, [&](const dsl::Benchmark& b) { once(benchmarks, b.name, "benchmark"); });
+  }
+}
+
+std::vector<BenchmarkRef> Scenario::Benchmarks() const {
+  std::vector<BenchmarkRef> all;
+  if (main_ != nullptr)
+    ForEachItem<dsl::Benchmark>(*main_, [&](const dsl::Benchmark& benchmark) {
+      all.push_back({main_, &benchmark});
+    });
+  return all;
+}
+
+std::optional<BenchmarkRef> Scenario::FindBenchmark(const ScenarioFile& file,
+                                                    std::string_view name) const {
+  std::optional<BenchmarkRef> found;
+  ForEachVisible(file, [&](const ScenarioFile& visible) {
+    ForEachItem<dsl::Benchmark>(visible, [&](const dsl::Benchmark& benchmark) {
+      if (!found && benchmark.name.text == name) found = {&visible, &benchmark};
+    });
+    return found.has_value();
+  });
+  return found;
+}
+
+std::optional<LetRef> Scenario::FindLet(const ScenarioFile& file, std::string_view name) const {
+  std::optional<LetRef> found;
+  ForEachVisible(file, [&](const ScenarioFile& visible) {
+    ForEachItem<dsl::Let>(visible, [&](const dsl::Let& let) {
+      if (!found && let.name.text == name) found = {&visible, &let};
+    });
+    return found.has_value();
+  });
+  return found;
+}
+
+std::vector<std::string_view> Scenario::BenchmarkNames(const ScenarioFile& file) const {
+  std::vector<std::string_view> names;
+  ForEachVisible(file, [&](const ScenarioFile& visible) {
+    ForEachItem<dsl::Benchmark>(visible,
+                                [&](const dsl::Benchmark& b) { names.push_back(b.name.text); });
+    return false;
+  });
+  return names;
+}
+
+std::vector<std::string_view> Scenario::LetNames(const ScenarioFile& file) const {
+  std::vector<std::string_view> names;
+  ForEachVisible(file, [&](const ScenarioFile& visible) {
+    ForEachItem<dsl::Let>(visible, [&](const dsl::Let& l) { names.push_back(l.name.text); });
+    return false;
+  });
+  return names;
+}
+
+int Scenario::LetOrder(const dsl::Let& let) const { return let_order_.at(&let); }
+
+std::string Scenario::FullText() const {
+  std::string text;
+  for (const auto& file : files_) {
+    if (file.get() != main_) text += fmt::format("\n# ---- {} ----\n", file->path);
+    text += file->tree.source->text();
+  }
+  return text;
+}
+
+}  // namespace cdb::compiler

@@ -1,0 +1,78 @@
+// A scenario file with all the files it uses, read and parsed.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dsl/diagnostics.h"
+#include "dsl/syntax.h"
+
+namespace cdb::compiler {
+
+/// The disk, behind a function so that tests need none: the text of a file, or nullopt and why not.
+using ReadFile =
+    std::function<std::optional<std::string>(const std::string& path, std::string& why)>;
+
+/// A parsed file and what its `use` lines reach.
+struct ScenarioFile {
+  std::string path;
+  dsl::File tree;
+  std::vector<const ScenarioFile*> uses;
+};
+
+/// A benchmark with the file whose names it sees.
+struct BenchmarkRef {
+  const ScenarioFile* file = nullptr;
+  const dsl::Benchmark* benchmark = nullptr;
+};
+
+struct LetRef {
+  const ScenarioFile* file = nullptr;
+  const dsl::Let* let = nullptr;
+};
+
+/// All files of one compilation; owns the trees that everything else points into.
+class Scenario {
+ public:
+  /// Reads `path` and what it uses: `use "other"` is looked for beside the file that says it, then
+  /// in `library`, with or without `.cdb`. Reports what cannot be read or parsed, and a `use` that
+  /// leads back to itself.
+  Scenario(const std::string& path, const std::string& library, const ReadFile& read,
+           dsl::Diagnostics& diagnostics);
+
+  /// Reports lets and benchmarks of one name in one file.
+  void CheckNames(dsl::Diagnostics& diagnostics) const;
+
+  /// Null where the file could not be read.
+  const ScenarioFile* main() const { return main_; }
+  /// The file's own benchmarks, in order.
+  std::vector<BenchmarkRef> Benchmarks() const;
+  /// A benchmark, a file-level `let`, that `file` sees: its own, then those of the files it uses.
+  std::optional<BenchmarkRef> FindBenchmark(const ScenarioFile& file, std::string_view name) const;
+  std::optional<LetRef> FindLet(const ScenarioFile& file, std::string_view name) const;
+  std::vector<std::string_view> BenchmarkNames(const ScenarioFile& file) const;
+  std::vector<std::string_view> LetNames(const ScenarioFile& file) const;
+  /// A file-level `let`'s place among all of them: used files first, as if their text stood where
+  /// they are used.
+  int LetOrder(const dsl::Let& let) const;
+  /// The main file's text, then each used file's under a comment with its name.
+  std::string FullText() const;
+
+ private:
+  const ScenarioFile* Load(const std::string& path, const dsl::Use* use,
+                           dsl::Diagnostics& diagnostics);
+
+  std::string library_;
+  ReadFile read_;
+  std::vector<std::unique_ptr<ScenarioFile>> files_;
+  std::vector<const ScenarioFile*> loading_;
+  std::map<const dsl::Let*, int> let_order_;
+  const ScenarioFile* main_ = nullptr;
+};
+
+}  // namespace cdb::compiler

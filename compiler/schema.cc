@@ -1,0 +1,253 @@
+#include "compiler/schema.h"
+
+#include <algorithm>
+
+#include "compiler/needs.h"
+#include "compiler/value.h"
+#include "library/catalogue.h"
+
+namespace cdb::compiler {
+namespace {
+
+using enum ParameterType;
+using enum WordSource;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMaxSeed = 18446744073709551615.0;
+constexpr Domain kAny = {};
+constexpr Domain kPositive = {.min = 0, .min_open = true};
+constexpr Domain kNotNegative = {.min = 0};
+constexpr Domain kFraction = {.min = 0, .max = 1};
+/// Cycles, objects and repeats are int32 coordinates of the results.
+constexpr Domain kCountFromOne = {.min = 1, .max = 2147483647};
+constexpr Domain kCountFromZero = {.min = 0, .max = 2147483647};
+constexpr bool kGroup = true;
+constexpr bool kDrawn = true;
+constexpr bool kConstant = false;
+
+// clang-format off
+constexpr Parameter kParameters[] = {
+    // The ten of the paper, section 3.1.
+    {"cycles", false, kCount, kCountFromOne, kConstant, "", "1000", "", kOwn, "clock",
+     "collision-detection cycles to time",
+     "steps frames iterations duration"},
+    {"quantity", kGroup, kCount, kCountFromZero, kConstant, "", "10", "", kOwn, "bodies",
+     "how many objects",
+     "count number n amount objects"},
+    {"type", kGroup, kWord, kAny, kDrawn, "", "sphere", "", kObjectTypes, "shapes",
+     "what the objects are",
+     "kind shape shapes object types"},
+    {"aspect", kGroup, kRatio, kPositive, kConstant, "", "1 : 1 : 1", "", kOwn, "shapes",
+     "1 : y : z; a side is size times its part, the full extent along x, y and z"},
+    {"location", kGroup, kWord, kAny, kConstant, "", "uniform", "", kLayouts, "placement",
+     "how the objects are placed; nothing overlaps",
+     "position layout placement distribution"},
+    {"size", kGroup, kReal, kPositive, kDrawn, "m", "50", "", kOwn, "shapes",
+     "full extent of an object; a distribution draws each side by itself",
+     "radius diameter length extent scale"},
+    {"mass", kGroup, kReal, kPositive, kDrawn, "kg", "1", "fixed", kOwn, "bodies",
+     "mass of an object; fixed ones never move",
+     "weight density"},
+    {"acceleration", false, kVector, kAny, kDrawn, "m/s^2", "(0, -9.8, 0)", "", kOwn, "gravity",
+     "acts on every object; a distribution is drawn once for the world",
+     "gravity g"},
+    {"linear_velocity", kGroup, kVector, kAny, kDrawn, "m/s", "0", "", kOwn, "bodies",
+     "velocity of the centre of mass at the start",
+     "velocity speed v"},
+    {"angular_velocity", kGroup, kVector, kAny, kDrawn, "rad/s", "0", "", kOwn, "bodies",
+     "spin at the start",
+     "spin rotation omega"},
+
+    // What a study needs beside them: the world,
+    {"seed", false, kCount, {.min = 0, .max = kMaxSeed}, kConstant, "", "0xAAAAAAAAAA", "", kOwn, "streams",
+     "every distribution has a random stream of its own, seeded by it",
+     "random_seed rng"},
+    {"world.side", false, kReal, kPositive, kConstant, "m", "50 * objects", "", kOwn, "walls",
+     "side of the cube, centred on the origin; 50 times the number of objects where it is left out",
+     "side cube box width world.size"},
+    {"world.walls", false, kWord, kAny, kConstant, "", "all", "all floor none", kOwn, "walls",
+     "which walls of the cube stand; floor is the one at -y",
+     "walls floor ground"},
+    {"world.wall_shape", false, kWord, kAny, kConstant, "", "plane", "plane box", kOwn, "walls",
+     "infinite planes, or boxes"},
+    {"timestep", false, kReal, kPositive, kConstant, "s", "1 / 60", "", kOwn, "step",
+     "simulated time of one cycle",
+     "dt time_step delta_t step frequency hz"},
+    {"precision", false, kWord, kAny, kConstant, "", "single", "single double", kOwn, "worker",
+     "of Bullet's numbers",
+     "float real"},
+    {"detector", false, kWord, kAny, kConstant, "", "dbvt", "", kDetectors, "detector",
+     "the collision detector",
+     "broadphase broad_phase broad algorithm detectors"},
+    {"contact", false, kWord, kAny, kConstant, "", "bullet", "bullet faithful", kOwn, "solver",
+     "Bullet's own contact settings, or those under which bounces keep their energy"},
+    {"solver.iterations", false, kCount, kCountFromOne, kConstant, "", "10", "", kOwn, "solver",
+     "sweeps of the constraint solver over all contacts in a cycle",
+     "solver_iterations solver.steps"},
+    {"solver.erp", false, kReal, kFraction, kConstant, "", "0.2", "", kOwn, "solver",
+     "part of a penetration that is mended in a cycle"},
+    {"solver.warm_start", false, kReal, kFraction, kConstant, "", "0.85", "", kOwn, "solver",
+     "part of the last cycle's impulses that the solver starts from; 0 is a cold start"},
+
+    // the objects,
+    {"friction", kGroup, kReal, kNotNegative, kDrawn, "", "0.5", "", kOwn, "contact material",
+     "coefficient of sliding friction; a contact takes the product of both"},
+    {"rolling_friction", kGroup, kReal, kNotNegative, kDrawn, "m", "0", "", kOwn, "contact material",
+     "resistance to rolling",
+     "rolling"},
+    {"restitution", kGroup, kReal, kFraction, kDrawn, "", "0", "", kOwn, "contact material",
+     "part of the normal velocity that a bounce keeps; a contact takes the product of both",
+     "bounce bounciness elasticity"},
+    {"linear_damping", kGroup, kReal, kFraction, kDrawn, "", "0", "", kOwn, "damping",
+     "part of the velocity lost in a second"},
+    {"angular_damping", kGroup, kReal, kFraction, kDrawn, "", "0", "", kOwn, "damping",
+     "part of the spin lost in a second"},
+    {"margin", kGroup, kReal, kNotNegative, kDrawn, "m", "0.04", "", kOwn, "shapes",
+     "Bullet's collision margin; the outer extent of the object stays what size says"},
+    {"contact_stiffness", kGroup, kReal, kPositive, kDrawn, "N/m", "rigid", "rigid", kOwn, "contact material",
+     "spring constant of a soft contact"},
+    {"contact_damping", kGroup, kReal, kNotNegative, kDrawn, "N s/m", "0.1", "", kOwn, "contact material",
+     "damper of a soft contact; without effect where the contact is rigid"},
+    {"ccd", kGroup, kSwitch, kAny, kDrawn, "", "off", "", kOwn, "continuous detection",
+     "continuous collision detection, for fast objects"},
+    {"orientation", kGroup, kVector, kAny, kDrawn, "rad", "0", "random", kOwn, "bodies",
+     "turn at the start as axis times angle; random is uniform over all turns",
+     "turn rotation angle"},
+    {"sleeping", false, kSwitch, kAny, kConstant, "", "on", "", kOwn, "sleeping",
+     "objects at rest are put to sleep",
+     "sleep deactivation"},
+
+    // and the measurement.
+    {"repeats", false, kCount, kCountFromOne, kConstant, "", "1", "", kOwn, "schedule",
+     "timed repeats of each point",
+     "repetitions runs reps repeat"},
+    {"warmup", false, kCount, kCountFromZero, kConstant, "", "0", "", kOwn, "clock",
+     "cycles before the first that is recorded"},
+    {"timeout", false, kReal, kPositive, kConstant, "s", "none", "none", kOwn, "schedule",
+     "wall time after which a run is ended and marked"},
+    {"record", false, kWords, kAny, kConstant, "", "timing, counts, stability",
+     "timing counts energy stability contacts poses memory", kOwn, "recording",
+     "what is stored of each cycle",
+     "output store measure metrics"},
+    {"omit", false, kWords, kAny, kConstant, "", "auto", "auto none", kComponents, "needs",
+     "which parts of the engine to leave out that the scene provably does not need",
+     "prune exclude skip_parts without leave_out"},
+};
+// clang-format on
+
+std::string_view NextWord(std::string_view& words) {
+  const std::size_t space = words.find(' ');
+  const std::string_view word = words.substr(0, space);
+  words.remove_prefix(space == std::string_view::npos ? words.size() : space + 1);
+  return word;
+}
+
+}  // namespace
+
+bool Domain::Contains(double value) const {
+  return (min_open ? value > min : value >= min) && value <= max;
+}
+
+std::string Domain::Text() const {
+  const bool above = min != -kInfinity;
+  const bool below = max != kInfinity && max < 2147483647;
+  if (above && below) return "between " + FormatReal(min) + " and " + FormatReal(max);
+  if (above) return (min_open ? "more than " + FormatReal(min) : FormatReal(min) + " or more");
+  return "any number";
+}
+
+std::string Parameter::FullName() const {
+  return grouped ? "objects." + std::string(name) : std::string(name);
+}
+
+std::vector<std::string_view> Parameter::AllWords() const {
+  std::vector<std::string_view> all;
+  for (std::string_view rest = words; !rest.empty();) all.push_back(NextWord(rest));
+  const auto add = [&all](const auto& rows) {
+    for (const auto& row : rows) all.push_back(row.name);
+  };
+  switch (word_source) {
+    case kOwn:
+      break;
+    case kObjectTypes:
+      add(library::ObjectTypes());
+      break;
+    case kDetectors:
+      add(library::Detectors());
+      break;
+    case kLayouts:
+      add(library::Layouts());
+      break;
+    case kComponents:
+      add(Components());
+      break;
+  }
+  return all;
+}
+
+bool Parameter::HasWord(std::string_view word) const {
+  const auto all = AllWords();
+  return std::ranges::find(all, word) != all.end();
+}
+
+bool Parameter::StandsAlone(std::string_view word) const {
+  return word_source == kComponents && ListsWord(words, word);
+}
+
+std::string Parameter::Takes() const {
+  std::string text;
+  switch (type) {
+    case kCount:
+      text = "a whole number, " + domain.Text();
+      break;
+    case kReal:
+      text = "a number, " + domain.Text();
+      break;
+    case kSwitch:
+      text = "on or off";
+      break;
+    case kWord:
+      text = "one of";
+      break;
+    case kWords:
+      text = "a list of";
+      break;
+    case kVector:
+      text = "a vector (x, y, z), or 0";
+      break;
+    case kRatio:
+      text = "a ratio 1 : y : z, each part " + domain.Text();
+      break;
+  }
+  if (domain.min == -kInfinity && type == kReal) text = "a number";
+  const auto all = AllWords();
+  const bool only_words = type == kWord || type == kWords;
+  std::string alone, listed;
+  for (const std::string_view word : all) {
+    if (StandsAlone(word)) {
+      alone += std::string(word) + ", ";
+    } else {
+      listed += (only_words ? (listed.empty() ? " " : ", ") : ", or ") + std::string(word);
+    }
+  }
+  text = (alone.empty() ? "" : alone + "or ") + text + listed;
+  if (distribution) text += ", or a distribution";
+  return text;
+}
+
+bool ListsWord(std::string_view words, std::string_view word) {
+  while (!words.empty())
+    if (NextWord(words) == word) return true;
+  return false;
+}
+
+std::span<const Parameter> Schema() { return kParameters; }
+
+const Parameter* FindParameter(std::string_view name, bool grouped) {
+  const auto* row = std::ranges::find_if(kParameters, [&](const Parameter& parameter) {
+    return parameter.grouped == grouped && parameter.name == name;
+  });
+  return row == std::end(kParameters) ? nullptr : row;
+}
+
+}  // namespace cdb::compiler

@@ -1,0 +1,278 @@
+// What the language means: axes, lets, cases, bases, skips, files.
+#include <gtest/gtest.h>
+
+#include "compiler/plan.h"
+#include "dsl/render.h"
+#include "tests/compiler/memory_files.h"
+
+namespace cdb::compiler {
+namespace {
+
+Plan PlanOf(const std::string& text, std::map<std::string, std::string> others = {},
+            std::size_t index = 0) {
+  Compilation result = CompileText(text, std::move(others));
+  EXPECT_EQ(dsl::Render(result.diagnostics), "");
+  return index < result.plans.size() ? result.plans[index] : Plan();
+}
+
+/// `name: 1 2 3` for each axis.
+std::string Axes(const Plan& plan) {
+  std::string text;
+  for (const Axis& axis : plan.axes) {
+    text += (text.empty() ? "" : "; ") + axis.name + ":";
+    for (const Coordinate& value : axis.values)
+      text += " " + (value.index() == 0 ? FormatReal(std::get<double>(value))
+                                        : std::get<std::string>(value));
+  }
+  return text;
+}
+
+TEST(Sweep, RangesHitTheirEnd) {
+  EXPECT_EQ(Axes(PlanOf("benchmark b { timestep sweep(0.1 .. 0.3 step 0.1) }")),
+            "timestep: 0.1 0.2 0.3");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { cycles sweep(5 .. 1 step -2) }")), "cycles: 5 3 1");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { cycles sweep(1 .. 2.5) }")), "cycles: 1 2");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects.mass sweep(1 .. 1000 count 4 log) }")),
+            "mass: 1 10 100 1000");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects.size sweep(0.5 .. 1.5 count 3) }")),
+            "size: 0.5 1 1.5");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects.size sweep(7 .. 9 count 1) }")), "size: 7");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { cycles sweep(1 .. 2, 10) }")), "cycles: 1 2 10");
+}
+
+TEST(Sweep, EveryValueOfALongRangeIsTheNearestDouble) {
+  const Plan plan = PlanOf("benchmark b { objects.mass sweep(0.1 .. 100 step 0.1) }");
+  ASSERT_EQ(plan.axes[0].values.size(), 1000u);
+  EXPECT_EQ(std::get<double>(plan.axes[0].values.back()), 100.0);
+  for (std::size_t i = 0; i + 1 < 1000; ++i)
+    EXPECT_EQ(std::get<double>(plan.axes[0].values[i]), 0.1 + 0.1 * static_cast<double>(i));
+}
+
+TEST(Sweep, TheFirstWrittenVariesSlowest) {
+  const Plan plan =
+      PlanOf("benchmark b { detector sweep(sap, dbvt); objects.quantity sweep(1, 2, 3) }");
+  EXPECT_EQ(Axes(plan), "detector: sap dbvt; quantity: 1 2 3");
+  ASSERT_EQ(plan.runs.size(), 6u);
+  EXPECT_EQ(plan.runs[1].at, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(plan.runs[1].scene.groups[0].settings.Count("quantity"), 2u);
+  EXPECT_EQ(plan.runs[3].scene.world.WordOr("detector"), "dbvt");
+}
+
+TEST(Sweep, AxesTakeTheNameOfWhatTheyMove) {
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects { aspect 1 : sweep(1, 2) : sweep(3, 4)\n"
+                        "linear_velocity (0, 0, sweep(5, 6)); size normal(9, sweep(1, 2)) }\n"
+                        "objects pebbles { size sweep(1, 2) as grain; mass sweep(1, 2) }\n"
+                        "world.side 1000 * sweep(1, 2) }")),
+            "aspect_y: 1 2; aspect_z: 3 4; linear_velocity_z: 5 6; size: 1 2; grain: 1 2; "
+            "pebbles_mass: 1 2; side: 1000 2000");
+}
+
+TEST(Sweep, ALetIsOneAxisWhereverItIsUsed) {
+  const Plan plan = PlanOf(
+      "let n = sweep(10, 20)\nbenchmark b { objects.quantity n; world.side 20 * n; objects.mass n "
+      "/ 4 }");
+  EXPECT_EQ(Axes(plan), "n: 10 20");
+  ASSERT_EQ(plan.runs.size(), 2u);
+  EXPECT_EQ(plan.runs[1].scene.world.Real("world.side"), 400);
+  EXPECT_EQ(plan.runs[1].scene.groups[0].settings.Real("mass"), 5);
+}
+
+TEST(Sweep, DistributionsAndVectorsMayBeValues) {
+  const Plan plan = PlanOf(
+      "benchmark b { objects { linear_velocity sweep((0, 0, 0), (1, 2, 3)); size sweep(5, "
+      "uniform(1, 9))\n"
+      "type any(sphere, sweep(cone, cuboid)) } }");
+  EXPECT_EQ(Axes(plan),
+            "linear_velocity: (0, 0, 0) (1, 2, 3); size: 5 uniform(1, 9); type: cone cuboid");
+  EXPECT_EQ(ToText(plan.runs.back().scene.groups[0].settings.Get("type")), "any(sphere, cuboid)");
+}
+
+TEST(Sweep, SeedsOf64BitsStayExact) {
+  const Plan plan = PlanOf("benchmark b { seed sweep(1, 0xFFFFFFFFFFFFFFFF) }");
+  EXPECT_EQ(Axes(plan), "seed: 1 18446744073709551615");
+  EXPECT_EQ(plan.runs[1].scene.world.Count("seed"), 0xFFFFFFFFFFFFFFFFu);
+}
+
+TEST(Value, ParametersMayBeUsedLikeLets) {
+  const Plan plan = PlanOf("benchmark b { objects { quantity 3 } world.side 7 * quantity }\n");
+  EXPECT_EQ(plan.runs[0].scene.world.Real("world.side"), 21);
+}
+
+TEST(Value, TheCubeGrowsWithAllObjects) {
+  const Plan plan = PlanOf("benchmark b { objects { quantity 3 } objects more { quantity 4 } }");
+  EXPECT_EQ(plan.runs[0].scene.world.Real("world.side"), 350);
+  EXPECT_EQ(PlanOf("benchmark b { objects.quantity 0 }").runs[0].scene.world.Real("world.side"),
+            50);
+}
+
+TEST(Base, LaysItsOwnOver) {
+  const Plan plan = PlanOf(
+      "benchmark a { cycles sweep(1, 2); let s = 4; objects { size s; mass 2 } }\n"
+      "benchmark b from a { objects.mass 3; cycles sweep(7, 8); let s = 5; detector sap }",
+      {}, 1);
+  EXPECT_EQ(Axes(plan), "cycles: 7 8");
+  const Settings& objects = plan.runs[0].scene.groups[0].settings;
+  EXPECT_EQ(objects.Real("mass"), 3);
+  EXPECT_EQ(objects.Real("size"), 5);
+}
+
+TEST(Cases, AreAnAxisAndMaySweep) {
+  const Plan plan = PlanOf(
+      "benchmark b { objects.size 20; cases load { calm { } storm { objects.size sweep(10, 20) } } "
+      "}");
+  EXPECT_EQ(Axes(plan), "load: calm storm; size: 20 10");
+  EXPECT_EQ(plan.runs.size(), 3u);
+  EXPECT_EQ(plan.skipped, (std::vector<std::vector<std::size_t>>{{0, 1}}));
+}
+
+TEST(Cases, WithoutAValueForAnAxisHaveNone) {
+  const Plan plan =
+      PlanOf("benchmark b { cases { a { } b { objects grit { quantity sweep(1, 2) } } } }");
+  EXPECT_EQ(Axes(plan), "case: a b; grit_quantity: none 1 2");
+  EXPECT_EQ(plan.runs.size(), 3u);
+  EXPECT_EQ(plan.runs[0].scene.groups.size(), 1u);
+  EXPECT_EQ(plan.runs[1].scene.groups.size(), 1u);
+  EXPECT_EQ(plan.runs[1].scene.groups[0].name, "grit");
+}
+
+TEST(Cases, TwoAreTheirProduct) {
+  const Plan plan = PlanOf(
+      "benchmark b { cases x { a { cycles 1 } b { cycles 2 } } cases y { c { } d { objects.size 1 "
+      "} } }");
+  EXPECT_EQ(Axes(plan), "x: a b; y: c d");
+  EXPECT_EQ(plan.runs[3].scene.world.Count("cycles"), 2u);
+  EXPECT_EQ(plan.runs[3].scene.groups[0].settings.Real("size"), 1);
+  EXPECT_EQ(plan.runs[2].scene.groups[0].settings.Real("size"), 50);
+}
+
+TEST(Skip, LeavesPointsOut) {
+  const Plan plan = PlanOf(
+      "let big = 2\nbenchmark b { objects.quantity sweep(1, 2, 3); detector sweep(simple, dbvt)\n"
+      "skip when quantity > big and detector == simple or not (quantity >= 2) }");
+  EXPECT_EQ(plan.skipped, (std::vector<std::vector<std::size_t>>{{0, 0}, {0, 1}, {2, 0}}));
+  EXPECT_EQ(plan.runs.size(), 3u);
+}
+
+TEST(Skip, SavesAPointThatCouldNotBeRun) {
+  const Plan plan = PlanOf(
+      "benchmark b { objects.quantity sweep(10, 20000); detector sweep(sap, dbvt)\n"
+      "skip when quantity > 16378 and detector == sap }");
+  EXPECT_EQ(plan.runs.size(), 3u);
+}
+
+TEST(Use, BringsLetsAndBenchmarks) {
+  const std::string used = "let side = 123\nbenchmark base { world.side side; cycles 3 }";
+  const Plan plan = PlanOf("use \"base\"\nbenchmark b from base { objects.size side / 10 }",
+                           {{"base.cdb", used}});
+  EXPECT_EQ(plan.runs[0].scene.world.Real("world.side"), 123);
+  EXPECT_EQ(plan.runs[0].scene.groups[0].settings.Real("size"), 12.3);
+  EXPECT_EQ(PlanOf("use \"x/y\"\nbenchmark b from base { }", {{"lib/x/y.cdb", used}}).runs.size(),
+            1u);
+  EXPECT_EQ(CompileText("use \"base\"\nbenchmark b { }", {{"base.cdb", used}}).plans.size(), 1u)
+      << "a used file's own benchmarks are not run";
+}
+
+TEST(Omit, IsAnAxisOfWordsLikeAnyOther) {
+  const Plan plan = PlanOf("benchmark b { detector sap; omit sweep(none, auto, sleeping) }");
+  EXPECT_EQ(Axes(plan), "omit: none auto sleeping");
+  EXPECT_EQ(plan.axes[0].parameter, "omit");
+  ASSERT_EQ(plan.runs.size(), 3u);
+  const char* words[] = {"none", "auto", "sleeping"};
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(plan.runs[i].scene.world.Get("omit"), Value(WordList{words[i]})) << i;
+  EXPECT_EQ(Axes(PlanOf("let mode = sweep(none, auto)\nbenchmark b { omit mode }")),
+            "mode: none auto");
+  const Plan lists = PlanOf("let part = walls\nbenchmark b { omit sweep(pools, solver), part }");
+  EXPECT_EQ(Axes(lists), "omit: pools solver");
+  EXPECT_EQ(lists.runs[1].scene.world.Get("omit"), Value(WordList{"solver", "walls"}));
+}
+
+// `sleeping` is a component and a switch.
+TEST(Omit, ItsWordsComeBeforeTheNamesOfParameters) {
+  const Plan plan =
+      PlanOf("benchmark b { sleeping off; omit sleeping, walls; skip when omit == sleeping }");
+  EXPECT_EQ(plan.runs[0].scene.world.Get("omit"), Value(WordList{"sleeping", "walls"}));
+  EXPECT_EQ(
+      PlanOf("benchmark b { omit sweep(sleeping, none); skip when omit == sleeping }").skipped,
+      (std::vector<std::vector<std::size_t>>{{0}}));
+  EXPECT_EQ(PlanOf("benchmark b { sleeping sweep(on, off); omit sweep(sleeping, none)\n"
+                   "skip when sleeping == off and omit != sleeping }")
+                .skipped,
+            (std::vector<std::vector<std::size_t>>{{1, 1}}));
+}
+
+TEST(Omit, ALetMayHaveTheNameOfAComponent) {
+  const Plan plan = PlanOf(
+      "let gravity = sweep(0, 9.8)\n"
+      "benchmark b { acceleration (0, -gravity, 0); omit walls, rotation }");
+  EXPECT_EQ(Axes(plan), "gravity: 0 9.8");
+  EXPECT_EQ(Axes(PlanOf("let walls = sweep(1, 2)\n"
+                        "benchmark b { cycles walls; omit walls }")),
+            "walls: 1 2");
+}
+TEST(Omit, AListIsOneValueOfAnAxisOfCases) {
+  const Plan plan = PlanOf(
+      "benchmark b { cases { a { omit sweep(none, auto) } b { omit walls, pools } c { } }\n"
+      "skip when omit == none }");
+  EXPECT_EQ(Axes(plan), "case: a b c; omit: none auto pools, walls");
+  EXPECT_EQ(plan.runs.size(), 3u);
+  EXPECT_EQ(plan.runs[1].at, (std::vector<std::size_t>{1, 2}));
+}
+
+// What no run needs may be listed where another run would need it.
+TEST(Omit, ASkippedPointMayNeedIt) {
+  const std::string text =
+      "benchmark b { acceleration sweep((0, 0, 0), (0, -9, 0)); omit sweep(none, gravity)\n";
+  EXPECT_FALSE(CompileText(text + "}").plans.size() == 1);
+  EXPECT_EQ(PlanOf(text + "skip when omit == gravity and acceleration != (0, 0, 0) }").runs.size(),
+            3u);
+}
+
+TEST(Seeds, EveryDistributionHasAStreamOfItsOwn) {
+  const Plan plan = PlanOf(
+      "benchmark b { objects { size uniform(1, 2); mass uniform(1, 2) } objects p { size "
+      "uniform(1, 2) }\n"
+      "acceleration normal(0, 1) }");
+  const Scene& scene = plan.runs[0].scene;
+  std::string streams;
+  for (const auto& [stream, seed] : scene.seeds) {
+    streams += stream + " ";
+    EXPECT_EQ(seed, StreamSeed(0xAAAAAAAAAA, stream));
+  }
+  EXPECT_EQ(streams, "acceleration objects.location objects.mass objects.size p.location p.size ");
+}
+
+TEST(Run, IsNamedByAllThatDecidesItsResult) {
+  const compiler::Run a = PlanOf("benchmark a { cycles 5; objects.size 50 }").runs[0];
+  const compiler::Run b =
+      PlanOf("let five = 5\nbenchmark other \"title\" { objects.quantity 10; cycles five }")
+          .runs[0];
+  const compiler::Run c = PlanOf("benchmark a { cycles 5; objects.size 51 }").runs[0];
+  EXPECT_EQ(a.id, b.id);
+  EXPECT_NE(a.id, c.id);
+  const Plan repeated = PlanOf("benchmark a { repeats 2 }");
+  EXPECT_NE(repeated.runs[0].id, repeated.runs[1].id);
+}
+
+TEST(Run, OrderOfAListHasNoMeaning) {
+  EXPECT_EQ(PlanOf("benchmark a { record timing, counts }").runs[0].id,
+            PlanOf("benchmark a { record counts, timing }").runs[0].id);
+  EXPECT_EQ(PlanOf("benchmark a { omit walls, pools }").runs[0].id,
+            PlanOf("benchmark a { omit pools, walls }").runs[0].id);
+}
+
+// The language's own promise: `benchmark b { }` is a whole benchmark, and its first example has 75
+// runs.
+TEST(Language, FirstExample) {
+  const Plan plan = PlanOf(
+      "benchmark aspect \"figure 4\" {\n  objects {\n    quantity  sweep(1000 .. 5000 step 1000)\n"
+      "    type      any(sphere, cuboid, cylinder, cone)\n    aspect    1 : 1 : sweep(1 .. 5)\n  "
+      "}\n"
+      "  detector    sweep(simple, sap, dbvt)\n}\n");
+  EXPECT_EQ(plan.runs.size(), 75u);
+  EXPECT_EQ(Axes(plan),
+            "quantity: 1000 2000 3000 4000 5000; aspect_z: 1 2 3 4 5; detector: simple sap dbvt");
+}
+
+}  // namespace
+}  // namespace cdb::compiler

@@ -1,0 +1,80 @@
+// Each tests/golden/compiler/errors/NAME.cdb renders to NAME.txt, and each benchmark of
+// plans/NAME.cdb expands to NAME.BENCHMARK.yaml. With CDB_UPDATE_GOLDEN=1 in the environment the
+// expected files are written instead.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "compiler/diagnostic_kinds.h"
+#include "compiler/plan_yaml.h"
+#include "dsl/render.h"
+
+namespace cdb::compiler {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFolder = fs::path(CDB_SOURCE_DIR) / "tests" / "golden" / "compiler";
+
+std::vector<fs::path> Inputs(const char* folder) {
+  std::vector<fs::path> inputs;
+  for (const auto& entry : fs::directory_iterator(kFolder / folder))
+    if (entry.path().extension() == ".cdb") inputs.push_back(entry.path());
+  std::ranges::sort(inputs);
+  EXPECT_FALSE(inputs.empty());
+  return inputs;
+}
+
+/// Compiles with names relative to the folder, so that goldens hold no path of a machine.
+Compilation CompileHere(const fs::path& input) {
+  const auto read = [&](const std::string& path, std::string& why) {
+    return ReadFromDisk((input.parent_path() / path).string(), why);
+  };
+  return Compile(input.filename().string(), read);
+}
+
+void ExpectGolden(const fs::path& file, const std::string& text) {
+  const char* update = std::getenv("CDB_UPDATE_GOLDEN");
+  if (update != nullptr && std::string(update) == "1")
+    std::ofstream(file, std::ios::binary) << text;
+  std::string why;
+  const auto expected = ReadFromDisk(file.string(), why);
+  ASSERT_TRUE(expected) << file << ": " << why;
+  EXPECT_EQ(text, *expected) << file;
+}
+
+TEST(Golden, ErrorsAndEveryKindOfThem) {
+  std::set<std::string_view> seen;
+  for (const fs::path& input : Inputs("errors")) {
+    const Compilation result = CompileHere(input);
+    EXPECT_TRUE(result.diagnostics.has_errors()) << input;
+    EXPECT_TRUE(result.plans.empty()) << input;
+    fs::path expected = input;
+    ExpectGolden(expected.replace_extension(".txt"), dsl::Render(result.diagnostics));
+    for (const auto& diagnostic : result.diagnostics.all()) seen.insert(diagnostic.kind->id);
+  }
+  for (const dsl::DiagnosticKind* kind : kDiagnosticKinds)
+    EXPECT_TRUE(seen.contains(kind->id)) << kind->id << " is in no golden file";
+}
+
+TEST(Golden, Plans) {
+  for (const fs::path& input : Inputs("plans")) {
+    const Compilation result = CompileHere(input);
+    EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+    for (const Plan& plan : result.plans) {
+      const fs::path expected =
+          input.parent_path() / (input.stem().string() + "." + plan.benchmark + ".yaml");
+      ExpectGolden(expected, ToYaml(plan));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cdb::compiler

@@ -1,0 +1,129 @@
+#include "tests/compiler/random_scenario.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compiler/schema.h"
+#include "compiler/value.h"
+#include "library/catalogue.h"
+
+namespace cdb::compiler {
+namespace {
+
+class Maker {
+ public:
+  explicit Maker(std::mt19937_64& random) : random_(random) {}
+
+  RandomScenario Make() {
+    for (const Parameter& parameter : Schema()) {
+      // The number of runs stays small.
+      if (Below(3) != 0) continue;
+      scenario_.settings.push_back(parameter.FullName() + " " + ValueOf(parameter));
+    }
+    return std::move(scenario_);
+  }
+
+ private:
+  std::uint64_t Below(std::uint64_t n) { return random_() % n; }
+
+  std::string Constant(const Parameter& parameter) {
+    using enum ParameterType;
+    std::vector<std::string> words;
+    for (const std::string_view word : parameter.AllWords()) {
+      const auto* type = library::FindObjectType(word);
+      if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
+      if (type == nullptr || type->refusal.empty()) words.emplace_back(word);
+    }
+    switch (parameter.type) {
+      case kCount:
+        return fmt::format("{}", std::max<std::uint64_t>(1, Below(50)));
+      case kReal:
+        if (!words.empty() && Below(4) == 0) return words[Below(words.size())];
+        return FormatReal(Real(parameter));
+      case kSwitch:
+        return Below(2) == 0 ? "on" : "off";
+      case kWord:
+        return words[Below(words.size())];
+      case kWords: {
+        std::ranges::shuffle(words, random_);
+        if (is_in_sweep_ || parameter.StandsAlone(words[0])) return words[0];
+        std::erase_if(words, [&](const std::string& word) { return parameter.StandsAlone(word); });
+        words.resize(1 + Below(words.size()));
+        return fmt::format("{}", fmt::join(words, ", "));
+      }
+      case kVector:
+        if (Below(4) == 0) return "0";
+        return fmt::format("({}, {}, {})", FormatReal(Real(parameter)), Below(9), "-1e-3 * 2");
+      case kRatio:
+        return fmt::format("1 : {} : {}", 1 + Below(5), FormatReal(0.5 + Fraction()));
+    }
+    return {};
+  }
+
+  /// No scene of those that are made here needs it: a list that names it is good.
+  bool CanBeOmitted(std::string_view component) const {
+    const auto sets = [&](std::string_view parameter) {
+      return std::ranges::any_of(scenario_.settings, [&](const std::string& setting) {
+        return setting.starts_with("objects." + std::string(parameter));
+      });
+    };
+    // The defaults need these.
+    if (component == "gravity" || component == "static_boxes") return false;
+    if (component == "damping") return !sets("linear_damping") && !sets("angular_damping");
+    if (component == "rotation") return !sets("angular_velocity");
+    for (const char* of_ccd : {"walls", "raycast_tree", "detection", "solver", "swept_contacts"})
+      if (component == of_ccd) return !sets("ccd");
+    return true;
+  }
+
+  double Fraction() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+  double Real(const Parameter& parameter) {
+    const double value = std::ldexp(0.5 + Fraction() / 2, -static_cast<int>(Below(4)));
+    return parameter.domain.max <= 1 ? value : value * 20;
+  }
+
+  std::string ValueOf(const Parameter& parameter) {
+    using enum ParameterType;
+    const bool sweepable = parameter.name != "repeats" && scenario_.points <= 16;
+    if (sweepable && Below(4) == 0) {
+      std::vector<std::string> values;
+      is_in_sweep_ = true;
+      for (int i = 0; i < 3; ++i) {
+        const std::string value = Constant(parameter);
+        // 0 and (0, 0, 0), say, are one vector.
+        if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+      }
+      is_in_sweep_ = false;
+      scenario_.points *= values.size();
+      return fmt::format("sweep({})", fmt::join(values, ", "));
+    }
+    if (!parameter.distribution || Below(2) == 0) return Constant(parameter);
+    if (parameter.type == kWord || parameter.type == kSwitch)
+      return fmt::format("any({} {}, {})", Constant(parameter), 1 + Below(5), Constant(parameter));
+    const double a = Real(parameter);
+    switch (Below(3)) {
+      case 0:
+        return fmt::format("uniform({}, {})", FormatReal(a / 2), FormatReal(a));
+      case 1:
+        return fmt::format("normal({}, {})", FormatReal(a), FormatReal(a / 10));
+      default:
+        return fmt::format("log_uniform({}, {})", FormatReal(a / 8), FormatReal(a));
+    }
+  }
+
+  std::mt19937_64& random_;
+  RandomScenario scenario_;
+  bool is_in_sweep_ = false;
+};
+
+}  // namespace
+
+std::string RandomScenario::Text() const {
+  return fmt::format("benchmark b {{\n  {}\n}}\n", fmt::join(settings, "\n  "));
+}
+
+RandomScenario MakeRandomScenario(std::mt19937_64& random) { return Maker(random).Make(); }
+
+}  // namespace cdb::compiler
