@@ -1,0 +1,51 @@
+#include "library/catalogue.h"
+
+#include <algorithm>
+
+namespace cdb::library {
+namespace {
+
+constexpr std::string_view kMeshRefusal =
+    "meshes are not part of this version yet; use sphere, cuboid, cylinder or cone";
+
+constexpr ObjectType kObjectTypes[] = {
+    {"sphere", "a ball; unequal sides make an ellipsoid", ""},
+    {"cuboid", "a box", ""},
+    {"cylinder", "stands along y; its base is as wide as the x and z sides", ""},
+    {"cone", "stands along y, the tip up; its base is as wide as the x and z sides", ""},
+    {"capsule", "stands along y, its ends round; a ball where it is no higher than wide", ""},
+    {"tetrahedron", "on every other corner of its box; regular where the sides are equal", ""},
+    {"bunny", "the Stanford Bunny as a compound of convex hulls", kMeshRefusal},
+    {"armadillo", "the Stanford Armadillo as a compound of convex hulls", kMeshRefusal},
+};
+
+constexpr DetectorInfo kDetectors[] = {
+    {"simple", "every pair of boxes is tested (btSimpleBroadphase)", "Bullet", "broad", 0},
+    {"sap", "sweep and prune on boxes rounded to 16 bits (btAxisSweep3)", "Bullet", "broad", 16384},
+    {"sap32", "sweep and prune on boxes rounded to 32 bits (bt32BitAxisSweep3)", "Bullet", "broad",
+     0},
+    {"dbvt", "two dynamic bounding-volume trees (btDbvtBroadphase)", "Bullet", "broad", 0},
+};
+
+constexpr LayoutInfo kLayouts[] = {
+    {"uniform", "each coordinate uniform between the walls"},
+    {"normal", "each coordinate normal about 0 with a third of the wall's coordinate as deviation"},
+};
+
+template <typename Row>
+const Row* Find(std::span<const Row> rows, std::string_view name) {
+  const auto row =
+      std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.name == name; });
+  return row == rows.end() ? nullptr : &*row;
+}
+
+}  // namespace
+
+std::span<const ObjectType> ObjectTypes() { return kObjectTypes; }
+std::span<const DetectorInfo> Detectors() { return kDetectors; }
+std::span<const LayoutInfo> Layouts() { return kLayouts; }
+
+const ObjectType* FindObjectType(std::string_view name) { return Find(ObjectTypes(), name); }
+const DetectorInfo* FindDetector(std::string_view name) { return Find(Detectors(), name); }
+
+}  // namespace cdb::library

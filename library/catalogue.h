@@ -1,0 +1,38 @@
+// What a scenario can name: object types, detectors, layouts. The compiler, `cdb list` and `cdb
+// doc` read these tables.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace cdb::library {
+
+struct ObjectType {
+  std::string_view name;
+  std::string_view doc;
+  std::string_view refusal;  ///< why this build has not got it; empty where it has
+};
+
+struct DetectorInfo {
+  std::string_view name;
+  std::string_view doc;
+  std::string_view source;
+  std::string_view phases;       ///< `broad`
+  std::uint64_t max_bodies = 0;  ///< objects and walls together; 0 means no limit
+};
+
+struct LayoutInfo {
+  std::string_view name;
+  std::string_view doc;
+};
+
+std::span<const ObjectType> ObjectTypes();
+std::span<const DetectorInfo> Detectors();
+std::span<const LayoutInfo> Layouts();
+
+/// Null where there is none of that name.
+const ObjectType* FindObjectType(std::string_view name);
+const DetectorInfo* FindDetector(std::string_view name);
+
+}  // namespace cdb::library

@@ -1,0 +1,165 @@
+#include "library/distributions/draw.h"
+
+#include <fmt/format.h>
+
+#include <numeric>
+
+#include "dsl/check.h"
+
+namespace cdb::library {
+namespace {
+
+using compiler::Distribution;
+using compiler::DistributionKind;
+using compiler::Value;
+
+std::string FullName(std::string_view group, std::string_view parameter) {
+  return group.empty() ? std::string(parameter) : fmt::format("{}.{}", group, parameter);
+}
+
+const Distribution* AsDistribution(const Value& value) { return std::get_if<Distribution>(&value); }
+
+/// `orientation random`: a word that stands for a distribution.
+bool IsRandomWord(const Value& value) {
+  const auto* word = std::get_if<compiler::Word>(&value);
+  return word != nullptr && word->text == "random";
+}
+
+/// A number; a vector's or a ratio's component.
+double Component(const Value& value, int component) {
+  if (const auto* real = std::get_if<double>(&value)) return *real;
+  if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
+  const auto* vector = std::get_if<Eigen::Vector3d>(&value);
+  CDB_CHECK(vector != nullptr);
+  return (*vector)[component];
+}
+
+const Value& Weighed(const Distribution& distribution, Stream& stream) {
+  const auto& weights = distribution.weights;
+  CDB_CHECK(!weights.empty() && weights.size() == distribution.arguments.size());
+  const double at = stream.Uniform() * std::accumulate(weights.begin(), weights.end(), 0.0);
+  double sum = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    sum += weights[i];
+    if (at < sum) return distribution.arguments[i];
+  }
+  return distribution.arguments.back();
+}
+
+double FromDistribution(const Distribution& distribution, int component, Stream& stream) {
+  const auto argument = [&](std::size_t i) {
+    return Component(distribution.arguments.at(i), component);
+  };
+  switch (distribution.kind) {
+    case DistributionKind::kUniform:
+      return stream.Uniform(argument(0), argument(1));
+    case DistributionKind::kNormal:
+      return argument(0) + argument(1) * stream.Normal();
+    case DistributionKind::kLogUniform:
+      return stream.LogUniform(argument(0), argument(1));
+    case DistributionKind::kAny:
+      break;
+  }
+  const Value& chosen = Weighed(distribution, stream);
+  const Distribution* inner = AsDistribution(chosen);
+  return inner != nullptr ? FromDistribution(*inner, component, stream)
+                          : Component(chosen, component);
+}
+
+}  // namespace
+
+Stream NamedStream(const compiler::Scene& scene, std::string_view group,
+                   std::string_view parameter) {
+  const std::string name = FullName(group, parameter);
+  const auto found = scene.seeds.find(name);
+  if (found == scene.seeds.end())
+    throw SceneError(fmt::format("the plan has no seed for the stream `{}`; plan again", name));
+  return Stream(found->second);
+}
+
+Draw::Draw(const compiler::Scene& scene, const compiler::Group* group, std::string_view parameter)
+    : parameter_(compiler::FindParameter(parameter, group != nullptr)),
+      value_(&(group != nullptr ? group->settings : scene.world).Get(parameter)),
+      distribution_(AsDistribution(*value_)),
+      name_(FullName(group != nullptr ? group->name : "", parameter)),
+      stream_(distribution_ == nullptr && !IsRandomWord(*value_)
+                  ? Stream(0)
+                  : NamedStream(scene, group != nullptr ? group->name : "", parameter)) {
+  CDB_CHECK(parameter_ != nullptr);
+}
+
+const Value& Draw::Choose() {
+  const Value* value = value_;
+  while (const Distribution* distribution = AsDistribution(*value)) {
+    if (distribution->kind != DistributionKind::kAny) break;
+    value = &Weighed(*distribution, stream_);
+  }
+  return *value;
+}
+
+double Draw::RealFrom(const Value& value, int component) {
+  const Distribution* distribution = AsDistribution(value);
+  return distribution != nullptr ? FromDistribution(*distribution, component, stream_)
+                                 : Component(value, component);
+}
+
+double Draw::RealInDomain(const Value& value, int component) {
+  for (int tries = 0; tries < kMaxRedraws; ++tries) {
+    const double real = RealFrom(value, component);
+    if (parameter_->domain.Contains(real)) return real;
+  }
+  NeverInDomain();
+}
+
+void Draw::NeverInDomain() const {
+  throw SceneError(fmt::format("`{} {}` gave {} values in a row that are not {}; change it", name_,
+                               compiler::ToText(*value_), kMaxRedraws, parameter_->domain.Text()));
+}
+
+double Draw::Real() { return RealInDomain(*value_, 0); }
+
+bool Draw::On() {
+  const auto* on = std::get_if<bool>(&Choose());
+  CDB_CHECK(on != nullptr);
+  return *on;
+}
+
+std::string_view Draw::Word() {
+  const auto* word = std::get_if<compiler::Word>(&Choose());
+  CDB_CHECK(word != nullptr);
+  return word->text;
+}
+
+std::optional<double> Draw::RealOrWord(std::string_view* word) {
+  for (int tries = 0; tries < kMaxRedraws; ++tries) {
+    const Value& value = Choose();
+    if (const auto* chosen = std::get_if<compiler::Word>(&value)) {
+      *word = chosen->text;
+      return std::nullopt;
+    }
+    const double real = RealFrom(value, 0);
+    if (parameter_->domain.Contains(real)) return real;
+  }
+  NeverInDomain();
+}
+
+std::optional<Eigen::Vector3d> Draw::VectorOrWord(std::string_view* word) {
+  // A choice is one draw; everything else goes component by component.
+  const Value& value = Choose();
+  if (const auto* chosen = std::get_if<compiler::Word>(&value)) {
+    *word = chosen->text;
+    return std::nullopt;
+  }
+  const double x = RealInDomain(value, 0);
+  const double y = RealInDomain(value, 1);
+  return Eigen::Vector3d(x, y, RealInDomain(value, 2));
+}
+
+Eigen::Vector3d Draw::Vector() {
+  std::string_view word;
+  const auto vector = VectorOrWord(&word);
+  CDB_CHECK(vector.has_value());
+  return *vector;
+}
+
+}  // namespace cdb::library

@@ -1,0 +1,59 @@
+// Draws a parameter of the plan: constants give themselves, distributions a new value each time
+// from a stream of their own.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "compiler/plan.h"
+#include "compiler/schema.h"
+#include "library/distributions/stream.h"
+#include "library/scene_error.h"
+
+namespace cdb::library {
+
+/// One parameter of a group or of the world. A number outside the parameter's domain (a size or a
+/// mass of 0 or less) is drawn again, a vector component by component. Not for several threads; the
+/// scene must outlive it. Every call throws SceneError where kMaxRedraws draws in a row are outside
+/// the domain.
+class Draw {
+ public:
+  static constexpr int kMaxRedraws = 100000;
+
+  /// `group` is null for the world. Throws SceneError where the plan has no seed for a
+  /// distribution; a name that the schema does not have is our own bug.
+  Draw(const compiler::Scene& scene, const compiler::Group* group, std::string_view parameter);
+
+  double Real();
+  bool On();
+  std::string_view Word();
+  /// A number where the parameter takes words too: empty where a word was drawn, which `word`
+  /// receives (`mass fixed`).
+  std::optional<double> RealOrWord(std::string_view* word);
+  Eigen::Vector3d Vector();
+  /// Empty where a word was drawn (`orientation random`).
+  std::optional<Eigen::Vector3d> VectorOrWord(std::string_view* word);
+  /// What the draws come from, for what a drawn word asks for.
+  Stream& stream() { return stream_; }
+
+ private:
+  const compiler::Value& Choose();
+  double RealFrom(const compiler::Value& value, int component);
+  double RealInDomain(const compiler::Value& value, int component);
+  [[noreturn]] void NeverInDomain() const;
+
+  const compiler::Parameter* parameter_;
+  const compiler::Value* value_;
+  const compiler::Distribution* distribution_;
+  std::string name_;  ///< `pebbles.size`: of the stream, and in messages
+  Stream stream_;
+};
+
+/// The stream `group.parameter` of the scene, or `parameter` of the world, where the group is
+/// empty. Throws SceneError where the plan has no seed for it.
+Stream NamedStream(const compiler::Scene& scene, std::string_view group,
+                   std::string_view parameter);
+
+}  // namespace cdb::library

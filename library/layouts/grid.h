@@ -1,0 +1,77 @@
+// A grid over the cube that lists the boxes in each cell, so that a new box meets only its
+// neighbours.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "library/objects/solid.h"
+
+namespace cdb::library {
+
+/// A box is listed in every cell that it reaches, by value: in single precision and a little
+/// larger, so that two of them share a cache line. Not for several threads.
+class BoxGrid {
+ public:
+  /// `extents`: the largest extent of each box to come, for the size of the cells. m.
+  BoxGrid(double side, const std::vector<double>& extents);
+
+  void Add(std::uint32_t id, const Box& box);
+
+  /// Calls `meets(id)` for the boxes that overlap or touch `box` or miss it by less than 1e-6 of
+  /// the side, some of them more than once, until one returns true; returns whether
+  /// one did.
+  template <typename Meets>
+  bool AnyOf(const Box& box, Meets meets) const {
+    const Bounds32 query = Outwards(box);
+    return AnyCell(box, [&](std::size_t cell) {
+      for (std::uint32_t at = heads_[cell]; at != kNone; at = entries_[at].next) {
+        const Entry& entry = entries_[at];
+        if (Touch(entry.bounds, query) && meets(entry.id)) return true;
+      }
+      return false;
+    });
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  struct Bounds32 {
+    float lower[3], upper[3];
+  };
+  struct alignas(32) Entry {
+    Bounds32 bounds;
+    std::uint32_t id, next;
+  };
+
+  /// In units of the side, which never overflow, and larger by more than is lost in rounding.
+  Bounds32 Outwards(const Box& box) const;
+  static bool Touch(const Bounds32& a, const Bounds32& b) {
+    // Without branches: which axis decides cannot be foretold.
+    bool touch = true;
+    for (int axis = 0; axis < 3; ++axis)
+      touch &= (a.lower[axis] <= b.upper[axis]) & (a.upper[axis] >= b.lower[axis]);
+    return touch;
+  }
+  std::size_t Cell(double coordinate) const;
+  template <typename Visit>
+  bool AnyCell(const Box& box, Visit visit) const {
+    std::size_t first[3], last[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      first[axis] = Cell(box.lower[axis]);
+      last[axis] = Cell(box.upper[axis]);
+    }
+    for (std::size_t x = first[0]; x <= last[0]; ++x)
+      for (std::size_t y = first[1]; y <= last[1]; ++y)
+        for (std::size_t z = first[2]; z <= last[2]; ++z)
+          if (visit((x * cells_ + y) * cells_ + z)) return true;
+    return false;
+  }
+
+  double side_;
+  std::size_t cells_ = 1;  ///< along an edge
+  double cells_per_metre_;
+  std::vector<std::uint32_t> heads_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace cdb::library

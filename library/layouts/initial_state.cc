@@ -1,0 +1,91 @@
+#include "library/layouts/initial_state.h"
+
+#include <cmath>
+#include <string_view>
+
+#include "library/distributions/draw.h"
+#include "library/layouts/placement.h"
+
+namespace cdb::library {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d DrawSides(Draw& size, const Vector3d& aspect) {
+  // A constant size is the same for each side; a distribution draws each side by itself.
+  const double x = size.Real();
+  const double y = size.Real();
+  return Vector3d(x, y, size.Real()).cwiseProduct(aspect);
+}
+
+Eigen::Quaterniond DrawOrientation(Draw& orientation) {
+  std::string_view word;
+  const auto turn = orientation.VectorOrWord(&word);
+  return turn ? TurnAbout(*turn) : orientation.stream().Turn();
+}
+
+void DrawGroup(const compiler::Scene& scene, std::size_t index, std::vector<ObjectState>& objects) {
+  const compiler::Group& group = scene.groups[index];
+  const auto draw = [&](std::string_view parameter) { return Draw(scene, &group, parameter); };
+  const Vector3d aspect = std::get<compiler::Ratio>(group.settings.Get("aspect")).parts;
+  Draw type = draw("type"), size = draw("size"), mass = draw("mass");
+  Draw orientation = draw("orientation");
+  Draw linear_velocity = draw("linear_velocity"), angular_velocity = draw("angular_velocity");
+  Draw friction = draw("friction"), rolling_friction = draw("rolling_friction");
+  Draw restitution = draw("restitution");
+  Draw linear_damping = draw("linear_damping"), angular_damping = draw("angular_damping");
+  Draw margin = draw("margin"), ccd = draw("ccd");
+  Draw contact_stiffness = draw("contact_stiffness"), contact_damping = draw("contact_damping");
+  const std::uint64_t quantity = group.settings.Count("quantity");
+  for (std::uint64_t i = 0; i < quantity; ++i) {
+    ObjectState& object = objects.emplace_back();
+    std::string_view word;
+    object.group = index;
+    object.solid.shape = ShapeOf(type.Word());
+    object.solid.sides = DrawSides(size, aspect);
+    object.mass = mass.RealOrWord(&word).value_or(0);  // the word is `fixed`
+    object.pose.orientation = DrawOrientation(orientation);
+    object.linear_velocity = linear_velocity.Vector();
+    object.angular_velocity = angular_velocity.Vector();
+    object.friction = friction.Real();
+    object.rolling_friction = rolling_friction.Real();
+    object.restitution = restitution.Real();
+    object.linear_damping = linear_damping.Real();
+    object.angular_damping = angular_damping.Real();
+    object.margin = margin.Real();
+    object.ccd = ccd.On();
+    // The word is `rigid`.
+    object.contact_stiffness =
+        contact_stiffness.RealOrWord(&word).value_or(std::numeric_limits<double>::infinity());
+    object.contact_damping = contact_damping.Real();
+  }
+}
+
+}  // namespace
+
+Eigen::Quaterniond TurnAbout(const Vector3d& rotation_vector) {
+  const double angle = rotation_vector.stableNorm();
+  if (angle == 0) return Eigen::Quaterniond::Identity();
+  const Vector3d axis = rotation_vector / angle;
+  const double sine = std::sin(angle / 2);
+  return {std::cos(angle / 2), axis.x() * sine, axis.y() * sine, axis.z() * sine};
+}
+
+InitialState DrawObjects(const compiler::Scene& scene) {
+  InitialState state;
+  state.objects.reserve(scene.ObjectCount());
+  for (std::size_t i = 0; i < scene.groups.size(); ++i) DrawGroup(scene, i, state.objects);
+  state.acceleration = Draw(scene, nullptr, "acceleration").Vector();
+  const double side = scene.world.Real("world.side");
+  for (const ObjectState& object : state.objects) state.fill_fraction += object.solid.Volume();
+  state.fill_fraction /= side * side * side;
+  return state;
+}
+
+InitialState MakeInitialState(const compiler::Scene& scene) {
+  InitialState state = DrawObjects(scene);
+  Place(scene, state);
+  return state;
+}
+
+}  // namespace cdb::library

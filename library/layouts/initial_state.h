@@ -1,0 +1,52 @@
+// The scene before its first cycle: every object drawn and placed. In double and from the plan
+// alone, so that it is the same for every precision, detector and machine.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+#include "compiler/plan.h"
+#include "library/objects/solid.h"
+
+namespace cdb::library {
+
+/// One object. SI units.
+struct ObjectState {
+  std::size_t group = 0;  ///< index into Scene::groups
+  Solid solid;
+  Pose pose;
+  Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
+  double mass = 1;  ///< 0 where the object is fixed
+  double friction = 0;
+  double rolling_friction = 0;
+  double restitution = 0;
+  double linear_damping = 0;
+  double angular_damping = 0;
+  double margin = 0;
+  double contact_stiffness = std::numeric_limits<double>::infinity();  ///< infinite: rigid
+  double contact_damping = 0;
+  bool ccd = false;
+
+  bool IsFixed() const { return mass == 0; }
+};
+
+struct InitialState {
+  std::vector<ObjectState> objects;  ///< group by group, in the order of the plan
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+  double fill_fraction = 0;  ///< the objects' volume over the cube's
+};
+
+/// Draws and places. Throws SceneError where a distribution gives no usable value, an object does
+/// not fit into the cube, or no free place is found (layouts/placement.h).
+InitialState MakeInitialState(const compiler::Scene& scene);
+
+/// The objects without a place, and the acceleration: the first half of MakeInitialState.
+InitialState DrawObjects(const compiler::Scene& scene);
+
+/// `objects.orientation`: a turn about the vector's direction by its length, rad. std::sin and
+/// std::cos decide the last bit.
+Eigen::Quaterniond TurnAbout(const Eigen::Vector3d& rotation_vector);
+
+}  // namespace cdb::library

@@ -1,0 +1,49 @@
+// Finds a place for every object: inside the cube, touching neither a wall nor another object.
+#pragma once
+
+#include "compiler/plan.h"
+#include "library/layouts/initial_state.h"
+
+namespace cdb::library {
+
+/// Draws again for one object, and for all together, before the search is given up. The looks at
+/// voxels count too.
+inline constexpr std::uint64_t kMaxTriesOfOne = 100000;
+inline constexpr std::uint64_t kMinTriesOfAll = 1000000;
+inline constexpr std::uint64_t kMeanTriesOfAll = 1000;  ///< times the objects
+
+/// Up to this fraction of the cube, boxes around what is no ball included, plain redrawing goes on
+/// until kMaxTriesOfOne; beyond it an object that missed kMissesBeforeVoxels times in a row goes to
+/// the voxels.
+inline constexpr double kMaxPlainFill = 0.25;
+inline constexpr std::uint64_t kMissesBeforeVoxels = 1000;
+
+/// What equal solids fill where no further one finds a free place by chance: a little above .3841
+/// for balls (Zhang and Torquato 2013) and .4227 for aligned cubes, the most of the other shapes.
+/// Holds for many objects that are short against the cube: then a group that needs more is refused
+/// before the first draw.
+inline constexpr double kMaxFillOfBalls = 0.40;
+inline constexpr double kMaxFillOfOthers = 0.45;
+inline constexpr std::uint64_t kManyObjects = 1000;
+inline constexpr double kShortOfSide = 0.25;
+
+/// Sets the position of every object of `state`, in order, from the stream `<group>.location`.
+///   uniform  each coordinate uniform over where the object fits between the walls: what is left of
+///            "uniform over the cube" once places that touch a wall are drawn again
+///   normal   each coordinate normal with mean 0 and a third of the wall's coordinate as standard
+///            deviation, drawn again until it fits
+/// A place that touches another object of any group is drawn again. Objects lie inside the cube
+/// also where walls are absent. Boxes are compared first, by a grid with a cell for each object,
+/// then the solids: O(N) while the cube is not crowded.
+///
+/// In a crowded cube, uniform draws come from the voxels that still hold a free place
+/// (layouts/free_voxels.h), which changes no probability. So equal solids find a place for as long
+/// as there is one, and the end is proven. A normal layout is only drawn again: its voxels would
+/// need weights, and it crowds at the centre long before it is full.
+///
+/// Throws SceneError, saying how full the cube is, how much of it was filled and what to change,
+/// where an object is larger than the cube, no free place is left, the objects can never fit, or
+/// the limits above are reached; it never goes on for ever. One thread; the same on every machine.
+void Place(const compiler::Scene& scene, InitialState& state);
+
+}  // namespace cdb::library

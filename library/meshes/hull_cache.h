@@ -1,0 +1,38 @@
+// Decompositions that were computed before, in files named by what they are of: the mesh, the
+// options, the libraries. Any number of processes may share a folder.
+//
+// Errors: those of Decompose. A damaged file is computed anew; where the folder cannot be written,
+// that is said and nothing else comes of it. Threads: any.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "library/meshes/decompose.h"
+
+namespace cdb::library {
+
+/// `$CDB_CACHE`, else `$XDG_CACHE_HOME/cdb`, else `$HOME/.cache/cdb`; empty where none is set.
+std::filesystem::path CacheFolder();
+
+/// 64 hex digits: of the bytes of vertices and triangles, the options and DecomposerVersion.
+std::string CacheKey(const Mesh& mesh, const DecomposeOptions& options);
+
+enum class CacheUse {
+  kFound,
+  kStored,     ///< computed and stored
+  kNotStored,  ///< computed; the folder cannot be written, or there is none
+};
+
+struct CachedDecomposition {
+  Decomposition decomposition;
+  CacheUse use = CacheUse::kNotStored;
+};
+
+/// `Decompose`, or what an earlier call has left in `folder`, which is made where it is missing.
+CachedDecomposition DecomposeOnce(const Mesh& mesh, std::string_view name,
+                                  const DecomposeOptions& options = {},
+                                  const std::filesystem::path& folder = CacheFolder());
+
+}  // namespace cdb::library

@@ -1,0 +1,63 @@
+// The parsers behind ParseMesh, one file each, and what they share. For library/meshes alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "library/meshes/mesh.h"
+
+namespace cdb::library::formats {
+
+Mesh ParseObj(std::string_view bytes, std::string_view name);
+Mesh ParseOff(std::string_view bytes, std::string_view name);
+Mesh ParsePly(std::string_view bytes, std::string_view name);
+Mesh ParseStl(std::string_view bytes, std::string_view name);
+
+/// Where in a file.
+struct Place {
+  enum class Unit { kLine, kByte };
+  Unit unit = Unit::kLine;
+  std::size_t number = 0;  ///< lines from 1, bytes from 0
+};
+
+/// Throws SceneError `name:12: what` or `name: byte 84: what`.
+[[noreturn]] void Refuse(std::string_view name, Place place, std::string_view what);
+
+/// Refuses what is not finite or larger than kLargestCoordinate.
+void CheckCoordinates(const Eigen::Vector3d& vertex, std::string_view name, Place place);
+/// The number that `word` is; refuses what is none.
+double Number(std::string_view word, std::string_view name, Place place);
+/// The same for whole numbers.
+std::int64_t Integer(std::string_view word, std::string_view name, Place place);
+
+/// Adds a fan; refuses fewer than three corners, corners from `vertices` on, and too many
+/// triangles.
+void AddPolygon(std::span<const std::uint32_t> corners, std::size_t vertices, Mesh& mesh,
+                std::string_view name, Place place);
+void AddVertex(const Eigen::Vector3d& vertex, Mesh& mesh, std::string_view name, Place place);
+
+/// A text's lines, with any of the three ends of line.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : text_(text) {}
+  /// False at the end of the text.
+  bool Next();
+  std::string_view line() const { return line_; }
+  Place place() const { return {Place::Unit::kLine, number_}; }
+  /// Of the first byte that Next has not passed.
+  std::size_t offset() const { return offset_; }
+
+ private:
+  std::string_view text_, line_;
+  std::size_t offset_ = 0, number_ = 0;
+};
+
+/// The words of a line, up to a `#`.
+void SplitWords(std::string_view line, std::vector<std::string_view>& words);
+std::string LowerCase(std::string_view text);
+
+}  // namespace cdb::library::formats

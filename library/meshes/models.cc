@@ -1,0 +1,64 @@
+#include "library/meshes/models.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "dsl/check.h"
+#include "library/meshes/topology.h"
+#include "library/scene_error.h"
+
+namespace cdb::library {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The files are what fetch-models writes.
+constexpr Model kModels[] = {
+    {"bunny", "bunny.off", "Stanford Computer Graphics Laboratory", false},
+    {"armadillo", "armadillo.off", "Stanford Computer Graphics Laboratory", false},
+    {"teapot", "teapot.obj", "Martin Newell, University of Utah", true},
+};
+
+}  // namespace
+
+std::span<const Model> Models() { return kModels; }
+
+const Model* FindModel(std::string_view name) {
+  const auto model = std::find_if(std::begin(kModels), std::end(kModels),
+                                  [&](const Model& m) { return m.name == name; });
+  return model == std::end(kModels) ? nullptr : model;
+}
+
+std::vector<fs::path> ModelFolders() {
+  if (const char* folder = std::getenv("CDB_MODELS"); folder != nullptr && *folder != '\0')
+    return {folder};
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw SceneError(fmt::format("models: set CDB_MODELS; /proc: {}", error.message()));
+  const fs::path folder = program.parent_path();
+  return {folder / "models", folder.parent_path() / "share" / "cdb" / "models"};
+}
+
+fs::path PathOf(const Model& model, std::span<const fs::path> folders) {
+  CDB_CHECK(!folders.empty());
+  std::string looked;
+  for (const fs::path& folder : folders) {
+    std::error_code error;
+    if (fs::exists(folder / model.file, error)) return folder / model.file;
+    looked += fmt::format("{}{}", looked.empty() ? "" : " and ", folder.string());
+  }
+  throw SceneError(
+      fmt::format("the model `{}` is not on this machine (looked for {} in {}); in cdb's source "
+                  "folder run: library/meshes/fetch-models '{}' {}",
+                  model.name, model.file, looked, folders[0].string(), model.name));
+}
+
+Mesh LoadModel(const Model& model, std::span<const fs::path> folders) {
+  const fs::path file = PathOf(model, folders);
+  const Mesh mesh = ReadMesh(file);
+  return Watertight(model.has_holes ? CloseHoles(mesh, file.string()) : mesh, file.string());
+}
+
+}  // namespace cdb::library

@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "library/meshes/mesh_formats.h"
+
+namespace cdb::library::formats {
+namespace {
+
+// Names, groups, materials, normals, textures and display: none of them moves a face.
+constexpr std::string_view kNoSurface[] = {
+    "vt",     "vn",       "vp",     "g",      "o",        "s",         "mg",
+    "usemtl", "mtllib",   "usemap", "maplib", "l",        "p",         "bevel",
+    "lod",    "c_interp", "ctech",  "stech",  "d_interp", "trace_obj", "shadow_obj"};
+
+/// Joins the lines that a backslash continues.
+bool NextLine(Lines& lines, std::string& text, Place& place) {
+  if (!lines.Next()) return false;
+  place = lines.place();
+  text = lines.line();
+  while (text.ends_with('\\')) {
+    text.back() = ' ';
+    if (!lines.Next()) break;
+    text += lines.line();
+  }
+  return true;
+}
+
+}  // namespace
+
+Mesh ParseObj(std::string_view bytes, std::string_view name) {
+  // A face may come before its vertices, so all of them are kept until the number is known.
+  struct Face {
+    std::size_t begin;  ///< of its corners
+    Place place;
+  };
+  std::vector<Face> faces;
+  std::vector<std::uint32_t> corners;
+  Mesh mesh;
+  Lines lines(bytes);
+  std::string text;
+  std::vector<std::string_view> words;
+  for (Place place; NextLine(lines, text, place);) {
+    SplitWords(text, words);
+    if (words.empty()) continue;
+    if (words[0] == "v") {
+      // Beyond the third: a weight or a colour.
+      if (words.size() < 4) Refuse(name, place, "a vertex needs 3 coordinates");
+      AddVertex({Number(words[1], name, place), Number(words[2], name, place),
+                 Number(words[3], name, place)},
+                mesh, name, place);
+    } else if (words[0] == "f" || words[0] == "fo") {
+      faces.push_back({corners.size(), place});
+      for (std::size_t i = 1; i < words.size(); ++i) {
+        std::string_view rest = words[i];
+        const std::size_t slash = std::min(rest.find('/'), rest.size());
+        const std::int64_t index = Integer(rest.substr(0, slash), name, place);
+        // vertex/texture/normal, the last two of which may be missing.
+        for (int part = 1; slash < words[i].size() && part <= 3; ++part) {
+          rest.remove_prefix(std::min(rest.find('/'), rest.size()));
+          if (rest.empty()) break;
+          rest.remove_prefix(1);
+          const std::string_view other = rest.substr(0, rest.find('/'));
+          if (part == 3) Refuse(name, place, fmt::format("`{}` has too many parts", words[i]));
+          if (!other.empty()) Integer(other, name, place);
+        }
+        const auto count = static_cast<std::int64_t>(mesh.vertices.size());
+        const std::int64_t from_zero = index < 0 ? count + index : index - 1;
+        if (index == 0 || from_zero < 0 || index > static_cast<std::int64_t>(kMaxVertices))
+          Refuse(name, place,
+                 fmt::format("a face has vertex {}; they count from 1, or back from -1 with {} "
+                             "before this line",
+                             index, count));
+        corners.push_back(static_cast<std::uint32_t>(from_zero));
+      }
+    } else if (std::find(std::begin(kNoSurface), std::end(kNoSurface), words[0]) ==
+               std::end(kNoSurface)) {
+      Refuse(name, place, fmt::format("cannot read `{}`; export the model as polygons", words[0]));
+    }
+  }
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::size_t end = i + 1 < faces.size() ? faces[i + 1].begin : corners.size();
+    AddPolygon(std::span(corners).subspan(faces[i].begin, end - faces[i].begin),
+               mesh.vertices.size(), mesh, name, faces[i].place);
+  }
+  return mesh;
+}
+
+}  // namespace cdb::library::formats

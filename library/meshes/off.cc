@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include "library/meshes/mesh_formats.h"
+
+namespace cdb::library::formats {
+namespace {
+
+/// Lines that hold something.
+class OffReader {
+ public:
+  OffReader(std::string_view bytes, std::string_view name) : lines_(bytes), name_(name) {}
+
+  bool Next() {
+    while (lines_.Next()) {
+      SplitWords(lines_.line(), words_);
+      if (!words_.empty()) return true;
+    }
+    return false;
+  }
+  void Require(std::string_view what) {
+    if (!Next()) Refuse(name_, lines_.place(), fmt::format("the file ends before {}", what));
+  }
+  std::vector<std::string_view>& words() { return words_; }
+  Place place() const { return lines_.place(); }
+
+ private:
+  Lines lines_;
+  std::string_view name_;
+  std::vector<std::string_view> words_;
+};
+
+/// OFF with the prefixes for what a vertex carries besides: textures, colour, normal.
+bool IsHeader(std::string_view word) {
+  for (const std::string_view prefix : {"ST", "C", "N"})
+    if (word.starts_with(prefix)) word.remove_prefix(prefix.size());
+  return word == "OFF";
+}
+
+}  // namespace
+
+Mesh ParseOff(std::string_view bytes, std::string_view name) {
+  OffReader reader(bytes, name);
+  reader.Require("its first word");
+  auto& words = reader.words();
+  if (!IsHeader(words[0]))
+    Refuse(name, reader.place(),
+           fmt::format("starts with `{}`; should start with OFF, STOFF, COFF or NOFF", words[0]));
+  words.erase(words.begin());
+  if (!words.empty() && words[0] == "BINARY")
+    Refuse(name, reader.place(), "binary OFF is not read; export the model as text");
+  if (words.empty()) reader.Require("the numbers of vertices and faces");
+  if (words.size() < 2 || words.size() > 3)
+    Refuse(name, reader.place(), "should be the numbers of vertices, faces and edges");
+  std::uint64_t counts[2];
+  for (int i = 0; i < 2; ++i) {
+    const std::int64_t count = Integer(words[i], name, reader.place());
+    // Each has a line of its own of two bytes or more.
+    if (count < 0 || static_cast<std::uint64_t>(count) > bytes.size() / 2)
+      Refuse(name, reader.place(),
+             fmt::format("says {} {}, which cannot be in {} bytes", count,
+                         i == 0 ? "vertices" : "faces", bytes.size()));
+    counts[i] = static_cast<std::uint64_t>(count);
+  }
+  if (words.size() == 3) Integer(words[2], name, reader.place());
+
+  Mesh mesh;
+  for (std::uint64_t i = 0; i < counts[0]; ++i) {
+    reader.Require(fmt::format("vertex {} of {}", i + 1, counts[0]));
+    if (words.size() < 3)
+      Refuse(name, reader.place(), "should be a line with the 3 coordinates of a vertex");
+    AddVertex({Number(words[0], name, reader.place()), Number(words[1], name, reader.place()),
+               Number(words[2], name, reader.place())},
+              mesh, name, reader.place());
+  }
+  std::vector<std::uint32_t> corners;
+  for (std::uint64_t i = 0; i < counts[1]; ++i) {
+    reader.Require(fmt::format("face {} of {}", i + 1, counts[1]));
+    const std::int64_t count = Integer(words[0], name, reader.place());
+    // What comes after the corners is the face's colour.
+    if (count < 0 || static_cast<std::uint64_t>(count) > words.size() - 1)
+      Refuse(name, reader.place(),
+             fmt::format("says {} corners and has {}", count, words.size() - 1));
+    corners.clear();
+    for (std::int64_t k = 1; k <= count; ++k) {
+      const std::int64_t corner = Integer(words[static_cast<std::size_t>(k)], name, reader.place());
+      if (corner < 0 || static_cast<std::uint64_t>(corner) >= counts[0])
+        Refuse(name, reader.place(),
+               fmt::format("a face has vertex {}, counted from 0, and there are {}", corner,
+                           counts[0]));
+      corners.push_back(static_cast<std::uint32_t>(corner));
+    }
+    AddPolygon(corners, mesh.vertices.size(), mesh, name, reader.place());
+  }
+  if (reader.Next())
+    Refuse(name, reader.place(),
+           fmt::format("goes on after the {} faces that its head says", counts[1]));
+  return mesh;
+}
+
+}  // namespace cdb::library::formats

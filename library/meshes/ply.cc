@@ -1,0 +1,329 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "library/meshes/mesh_formats.h"
+
+namespace cdb::library::formats {
+namespace {
+
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+struct TypeName {
+  std::string_view name;
+  Type type;
+};
+constexpr TypeName kTypes[] = {
+    {"char", Type::kInt8},       {"int8", Type::kInt8},       {"uchar", Type::kUint8},
+    {"uint8", Type::kUint8},     {"short", Type::kInt16},     {"int16", Type::kInt16},
+    {"ushort", Type::kUint16},   {"uint16", Type::kUint16},   {"int", Type::kInt32},
+    {"int32", Type::kInt32},     {"uint", Type::kUint32},     {"uint32", Type::kUint32},
+    {"float", Type::kFloat32},   {"float32", Type::kFloat32}, {"double", Type::kFloat64},
+    {"float64", Type::kFloat64},
+};
+
+std::size_t BytesOf(Type type) {
+  switch (type) {
+    case Type::kInt8:
+    case Type::kUint8:
+      return 1;
+    case Type::kInt16:
+    case Type::kUint16:
+      return 2;
+    case Type::kFloat64:
+      return 8;
+    default:
+      return 4;
+  }
+}
+
+bool IsFloat(Type type) { return type == Type::kFloat32 || type == Type::kFloat64; }
+
+struct Property {
+  std::string_view name;
+  Type type;
+  std::optional<Type> count;  ///< of a list: the type of its length
+};
+
+struct Element {
+  std::string_view name;
+  std::uint64_t count;
+  std::vector<Property> properties;
+  Place place;
+};
+
+/// The values after the header. All types fit in a double exactly.
+class Values {
+ public:
+  virtual ~Values() = default;
+  virtual double Next(Type type) = 0;
+  virtual Place place() = 0;
+  virtual std::size_t BytesLeft() = 0;
+  /// Bytes that a value takes at least.
+  virtual std::size_t LeastBytes(Type type) const = 0;
+  virtual bool IsAtEnd() = 0;
+};
+
+class TextValues : public Values {
+ public:
+  TextValues(std::string_view body, std::size_t header_lines, std::string_view name)
+      : lines_(body), size_(body.size()), header_lines_(header_lines), name_(name) {}
+
+  double Next(Type) override {
+    if (IsAtEnd()) Refuse(name_, place(), "the file ends before all that its header says");
+    return Number(words_[at_++], name_, place());
+  }
+  /// Of the next value, which may be lines further on.
+  Place place() override {
+    IsAtEnd();
+    return {Place::Unit::kLine, header_lines_ + lines_.place().number};
+  }
+  std::size_t BytesLeft() override { return size_ - lines_.offset() + lines_.line().size() + 1; }
+  std::size_t LeastBytes(Type) const override { return 2; }  // a digit and what parts it
+  bool IsAtEnd() override {
+    while (at_ == words_.size()) {
+      if (!lines_.Next()) return true;
+      SplitWords(lines_.line(), words_);
+      at_ = 0;
+    }
+    return false;
+  }
+
+ private:
+  Lines lines_;
+  std::size_t size_, header_lines_;
+  std::string_view name_;
+  std::vector<std::string_view> words_;
+  std::size_t at_ = 0;
+};
+
+class BinaryValues : public Values {
+ public:
+  BinaryValues(std::string_view bytes, std::size_t offset, bool big_endian, std::string_view name)
+      : bytes_(bytes), at_(offset), big_endian_(big_endian), name_(name) {}
+
+  double Next(Type type) override {
+    const std::size_t size = BytesOf(type);
+    if (size > BytesLeft()) Refuse(name_, place(), "the file ends before all that its header says");
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t from = big_endian_ ? at_ + i : at_ + size - 1 - i;
+      bits = bits << 8 | static_cast<unsigned char>(bytes_[from]);
+    }
+    at_ += size;
+    switch (type) {
+      case Type::kInt8:
+        return static_cast<std::int8_t>(bits);
+      case Type::kInt16:
+        return static_cast<std::int16_t>(bits);
+      case Type::kInt32:
+        return static_cast<std::int32_t>(bits);
+      case Type::kFloat32:
+        return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+      case Type::kFloat64:
+        return std::bit_cast<double>(bits);
+      default:
+        return static_cast<double>(bits);
+    }
+  }
+  Place place() override { return {Place::Unit::kByte, at_}; }
+  std::size_t BytesLeft() override { return bytes_.size() - at_; }
+  std::size_t LeastBytes(Type type) const override { return BytesOf(type); }
+  bool IsAtEnd() override { return at_ == bytes_.size(); }
+
+ private:
+  std::string_view bytes_;
+  std::size_t at_;
+  bool big_endian_;
+  std::string_view name_;
+};
+
+class PlyParser {
+ public:
+  PlyParser(std::string_view bytes, std::string_view name) : bytes_(bytes), name_(name) {}
+
+  Mesh Parse() {
+    ParseHeader();
+    for (const Element& element : elements_) {
+      if (element.name == "vertex")
+        ReadVertices(element);
+      else if (element.name == "face")
+        ReadFaces(element);
+      else
+        Skip(element);
+    }
+    if (!values_->IsAtEnd())
+      Refuse(name_, values_->place(), "goes on after all that its header says");
+    return std::move(mesh_);
+  }
+
+ private:
+  void ParseHeader() {
+    Lines lines(bytes_);
+    if (!lines.Next() || lines.line() != "ply")
+      Refuse(name_, lines.place(), "should start with a line `ply`");
+    std::vector<std::string_view> words;
+    std::string_view format;
+    for (;;) {
+      if (!lines.Next()) Refuse(name_, lines.place(), "the header has no `end_header`");
+      SplitWords(lines.line(), words);
+      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words[0] == "end_header") break;
+      if (words[0] == "format" && words.size() == 3) {
+        format = words[1];
+      } else if (words[0] == "element" && words.size() == 3) {
+        const std::int64_t count = Integer(words[2], name_, lines.place());
+        if (count < 0) Refuse(name_, lines.place(), fmt::format("{} elements", count));
+        elements_.push_back({words[1], static_cast<std::uint64_t>(count), {}, lines.place()});
+      } else if (words[0] == "property" && !elements_.empty() && words.size() == 3) {
+        elements_.back().properties.push_back(
+            {words[2], TypeOf(words[1], lines.place()), std::nullopt});
+      } else if (words[0] == "property" && !elements_.empty() && words.size() == 5 &&
+                 words[1] == "list") {
+        const Type count = TypeOf(words[2], lines.place());
+        if (IsFloat(count)) Refuse(name_, lines.place(), "a list's length must be a whole number");
+        elements_.back().properties.push_back({words[4], TypeOf(words[3], lines.place()), count});
+      } else {
+        Refuse(name_, lines.place(), fmt::format("cannot read `{}`", lines.line()));
+      }
+    }
+    if (format == "ascii")
+      values_ =
+          std::make_unique<TextValues>(bytes_.substr(lines.offset()), lines.place().number, name_);
+    else if (format == "binary_little_endian" || format == "binary_big_endian")
+      values_ = std::make_unique<BinaryValues>(bytes_, lines.offset(),
+                                               format == "binary_big_endian", name_);
+    else
+      Refuse(name_, lines.place(),
+             fmt::format("the format `{}` is not one of ascii, binary_little_endian and "
+                         "binary_big_endian",
+                         format));
+    for (const Element& element : elements_) {
+      if (element.name == "vertex" && vertices_) Refuse(name_, element.place, "vertices twice");
+      if (element.name == "vertex") vertices_ = element.count;
+      if (element.name == "tristrips" || element.name == "tristrip")
+        Refuse(name_, element.place, "triangle strips are not read; export the model as triangles");
+    }
+    if (!vertices_) Refuse(name_, lines.place(), "the header has no `element vertex`");
+  }
+
+  Type TypeOf(std::string_view word, Place place) const {
+    for (const TypeName& type : kTypes)
+      if (type.name == word) return type.type;
+    Refuse(name_, place, fmt::format("`{}` is not a type of a property", word));
+  }
+
+  /// Refuses a count that cannot be in the rest of the file, before anything is made for it.
+  void CheckCount(const Element& element) {
+    std::uint64_t least = 0;
+    for (const Property& property : element.properties)
+      least += values_->LeastBytes(property.count.value_or(property.type));
+    if (element.count > 0 && least == 0)
+      Refuse(name_, element.place, fmt::format("`{}` has no properties", element.name));
+    // The last value of a text needs nothing after it.
+    if (element.count > 0 && element.count > (values_->BytesLeft() + 1) / least)
+      Refuse(name_, element.place,
+             fmt::format("says {} of `{}`, which cannot be in the {} bytes left; the file is cut "
+                         "off or damaged",
+                         element.count, element.name, values_->BytesLeft()));
+  }
+
+  std::uint64_t ListLength(const Property& property) {
+    const Place place = values_->place();
+    const double length = values_->Next(*property.count);
+    if (!(length >= 0) || length != std::floor(length) ||
+        length >
+            static_cast<double>((values_->BytesLeft() + 1) / values_->LeastBytes(property.type)))
+      Refuse(name_, place,
+             fmt::format("a list of {} values cannot be in the rest of the file", length));
+    return static_cast<std::uint64_t>(length);
+  }
+
+  void SkipValue(const Property& property) {
+    const std::uint64_t length = property.count ? ListLength(property) : 1;
+    for (std::uint64_t i = 0; i < length; ++i) values_->Next(property.type);
+  }
+
+  void Skip(const Element& element) {
+    CheckCount(element);
+    for (std::uint64_t i = 0; i < element.count; ++i)
+      for (const Property& property : element.properties) SkipValue(property);
+  }
+
+  void ReadVertices(const Element& element) {
+    CheckCount(element);
+    std::vector<int> axis_of;  // by property; below 0: not a coordinate
+    std::array<int, 3> times{};
+    for (const Property& property : element.properties) {
+      const bool is_axis = !property.count && property.name.size() == 1 &&
+                           property.name[0] >= 'x' && property.name[0] <= 'z';
+      axis_of.push_back(is_axis ? property.name[0] - 'x' : -1);
+      if (is_axis) ++times[static_cast<std::size_t>(axis_of.back())];
+    }
+    if (times != std::array{1, 1, 1})
+      Refuse(name_, element.place, "a vertex needs each of the properties x, y and z once");
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      Eigen::Vector3d vertex;
+      const Place place = values_->place();
+      for (std::size_t k = 0; k < axis_of.size(); ++k) {
+        if (axis_of[k] < 0)
+          SkipValue(element.properties[k]);
+        else
+          vertex[axis_of[k]] = values_->Next(element.properties[k].type);
+      }
+      AddVertex(vertex, mesh_, name_, place);
+    }
+  }
+
+  void ReadFaces(const Element& element) {
+    CheckCount(element);
+    const Property* indices = nullptr;
+    for (const Property& property : element.properties)
+      if (property.count &&
+          (property.name == "vertex_indices" || property.name == "vertex_index")) {
+        if (indices != nullptr) Refuse(name_, element.place, "two lists of a face's vertices");
+        indices = &property;
+      }
+    if (indices == nullptr && element.count > 0)
+      Refuse(name_, element.place, "a face needs the property `list ... vertex_indices`");
+    std::vector<std::uint32_t> corners;
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      for (const Property& property : element.properties) {
+        if (&property != indices) {
+          SkipValue(property);
+          continue;
+        }
+        const Place place = values_->place();
+        corners.clear();
+        for (std::uint64_t left = ListLength(property); left > 0; --left) {
+          const double corner = values_->Next(property.type);
+          if (!(corner >= 0 && corner < static_cast<double>(*vertices_)) ||
+              corner != std::floor(corner))
+            Refuse(name_, place,
+                   fmt::format("a face has vertex {}, counted from 0, and there are {}", corner,
+                               *vertices_));
+          corners.push_back(static_cast<std::uint32_t>(corner));
+        }
+        AddPolygon(corners, *vertices_, mesh_, name_, place);
+      }
+    }
+  }
+
+  std::string_view bytes_, name_;
+  std::vector<Element> elements_;
+  std::optional<std::uint64_t> vertices_;
+  std::unique_ptr<Values> values_;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+Mesh ParsePly(std::string_view bytes, std::string_view name) {
+  return PlyParser(bytes, name).Parse();
+}
+
+}  // namespace cdb::library::formats

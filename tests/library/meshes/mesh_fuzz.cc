@@ -1,0 +1,41 @@
+// Any bytes, read as a mesh of each format: an error that names the file, or a mesh; and of a mesh
+// an error, or a solid whose volume, centre and hull are numbers.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "dsl/check.h"
+#include "library/meshes/convex_hull.h"
+#include "library/meshes/mass_properties.h"
+#include "library/meshes/mesh.h"
+#include "library/meshes/topology.h"
+#include "library/scene_error.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cdb::library;
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  for (const std::string name : {"fuzz.obj", "fuzz.off", "fuzz.ply", "fuzz.stl"}) try {
+      const Mesh mesh = ParseMesh(bytes, name);
+      CDB_CHECK(!mesh.triangles.empty() || name == "fuzz.stl");
+      for (const Eigen::Vector3d& vertex : mesh.vertices) CDB_CHECK(vertex.allFinite());
+      for (const Triangle& triangle : mesh.triangles)
+        for (const std::uint32_t vertex : triangle) CDB_CHECK(vertex < mesh.vertices.size());
+      // Closing holes must never make a closed mesh worse, nor fail but by an error.
+      try {
+        CloseHoles(mesh, name);
+      } catch (const SceneError&) {
+      }
+      const Mesh solid = Watertight(mesh, name);
+      CDB_CHECK(Watertight(solid, name) == solid);
+      const MassProperties mass = MassPropertiesOf(solid);
+      CDB_CHECK(mass.volume > 0 && mass.centre.allFinite() && mass.inertia.allFinite());
+      if (const auto hull = TryConvexHull(solid.vertices))
+        CDB_CHECK(SignedVolume(Watertight(SurfaceOf(*hull), name)) > 0);
+    } catch (const SceneError& error) {
+      CDB_CHECK(std::string_view(error.what()).starts_with(name) ||
+                std::string_view(error.what()).starts_with("Qhull"));
+    }
+  return 0;
+}

@@ -1,0 +1,182 @@
+#include "library/meshes/mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "library/meshes/mass_properties.h"
+#include "library/meshes/topology.h"
+#include "tests/library/meshes/test_meshes.h"
+
+namespace cdb::library {
+namespace {
+
+using namespace testing;
+using Eigen::Vector3d;
+
+Mesh Sample() { return BoxMesh({-1, 0.25, -3}, {1.5, 2, 1e-3}); }
+
+std::string Refused(std::string_view bytes, std::string_view name) {
+  return Refusal([&] { ParseMesh(bytes, name); });
+}
+bool Has(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
+}
+
+TEST(Mesh, EveryFormatWithSharedVerticesGivesTheSame) {
+  EXPECT_EQ(ParseMesh(ToOff(Sample()), "a.off"), Sample());
+  EXPECT_EQ(ParseMesh(ToObj(Sample()), "a.obj"), Sample());
+  EXPECT_EQ(ParseMesh(ToPly(Sample()), "a.ply"), Sample());
+  EXPECT_EQ(ParseMesh(ToBinaryPly(Sample(), false), "a.PLY"), Sample());
+  EXPECT_EQ(ParseMesh(ToBinaryPly(Sample(), true), "a.ply"), Sample());
+}
+
+TEST(Mesh, StlSharesVerticesAgain) {
+  const Mesh text = ParseMesh(ToStl(Sample()), "a.stl");
+  EXPECT_EQ(text.vertices.size(), 8u);
+  EXPECT_EQ(text.triangles.size(), 12u);
+  EXPECT_DOUBLE_EQ(SignedVolume(Watertight(text, "a.stl")), SignedVolume(Sample()));
+  const Mesh binary = ParseMesh(ToBinaryStl(Sample()), "a.stl");
+  EXPECT_EQ(binary.vertices.size(), 8u);
+  EXPECT_EQ(binary.triangles, text.triangles);
+  for (std::size_t i = 0; i < 8; ++i)
+    EXPECT_EQ(binary.vertices[i], text.vertices[i].cast<float>().cast<double>());
+}
+
+TEST(Mesh, ReadsAFile) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("cdb-mesh-" + std::to_string(::getpid()) + ".off");
+  std::ofstream(file) << ToOff(Sample());
+  EXPECT_EQ(ReadMesh(file), Sample());
+  std::filesystem::remove(file);
+  EXPECT_EQ(Refusal([&] { ReadMesh(file); }), file.string() + ": there is no such file");
+  EXPECT_TRUE(Has(Refusal([&] { ReadMesh(file.parent_path()); }), "is not a file"));
+}
+
+TEST(Mesh, ObjCountsBackAndForwardAndJoinsLines) {
+  const Mesh mesh = ParseMesh(
+      "f 1 2 3 \\\n 4\nv 0 0 0 1 1 1\rv +1 0 0\r\nv 1 1 0\nv 0 1 0\nf -1 -2 -3\n", "a.obj");
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {3, 2, 1}}));
+}
+
+TEST(Mesh, PolygonsBecomeFans) {
+  const Mesh mesh = ParseMesh(
+      "NOFF 5 1\n0 0 0 0 0 1\n1 0 0 0 0 1\n2 1 0 0 0 1\n1 2 0 0 0 1\n"
+      "0 1 0 0 0 1\n5 0 1 2 3 4\n",
+      "a.off");
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
+}
+
+struct Broken {
+  const char *name, *text, *says;
+};
+class EveryBrokenText : public ::testing::TestWithParam<Broken> {};
+INSTANTIATE_TEST_SUITE_P(
+    Mesh, EveryBrokenText,
+    ::testing::Values(
+        Broken{"a.doc", "", "a.doc: cannot tell the format"},
+        Broken{"a.obj", "v 0 0 0\n", "a.obj: has no faces"},
+        Broken{"a.obj", "v 0 0\n", "a.obj:1: a vertex needs 3"},
+        Broken{"a.obj", "v 0 0 nan\n", "a.obj:1: `nan` should be a number"},
+        Broken{"a.obj", "\nv 0 0 1e999\n", "a.obj:2: `1e999` should be a number"},
+        Broken{"a.obj", "v 0 0 1e16\n", "a.obj:1: the coordinate 1e+16 is not"},
+        Broken{"a.obj", "v 0 0 0x\n", "a.obj:1: `0x` should be a number"},
+        Broken{"a.obj", "v 0 0 0\nf 1 1 2\n", "a.obj:2: a face has vertex 1, counted from 0"},
+        Broken{"a.obj", "v 0 0 0\nf 0 1 1\n", "a.obj:2: a face has vertex 0; they count from 1"},
+        Broken{"a.obj", "v 0 0 0\nf -2 1 1\n", "a.obj:2: a face has vertex -2"},
+        Broken{"a.obj", "v 0 0 0\nf 1 -9223372036854775808 1\n", "a.obj:2: a face has vertex -9"},
+        Broken{"a.obj", "v 0 0 0\nf 1 1 9223372036854775807\n", "a.obj:2: a face has vertex 9"},
+        Broken{"a.obj", "v 0 0 0\nf 1 1\n", "a.obj:2: a face needs 3 corners"},
+        Broken{"a.obj", "v 0 0 0\nf 1 1 1/1/1/1\n", "a.obj:2: `1/1/1/1` has too many parts"},
+        Broken{"a.obj", "v 0 0 0\nf 1 1 1/x\n", "a.obj:2: `x` should be a whole number"},
+        Broken{"a.obj", "cstype bezier\n", "a.obj:1: cannot read `cstype`"},
+        Broken{"a.off", "", "the file ends before its first word"},
+        Broken{"a.off", "4OFF\n", "a.off:1: starts with `4OFF`"},
+        Broken{"a.off", "OFF BINARY\n", "a.off:1: binary OFF is not read"},
+        Broken{"a.off", "OFF\n-1 3 0\n", "a.off:2: says -1 vertices"},
+        Broken{"a.off", "OFF\n4000000000 3 0\n", "a.off:2: says 4000000000 vertices, which cannot"},
+        Broken{"a.off", "OFF\n1 8 0\n0 0 0\n", "a.off:3: the file ends before face 1 of 8"},
+        Broken{"a.off", "OFF\n1 1 0\n0 0\n", "a.off:3: should be a line with the 3 coordinates"},
+        Broken{"a.off", "OFF\n1 1 0\n0 0 0\n3 0 0\n", "a.off:4: says 3 corners and has 2"},
+        Broken{"a.off", "OFF\n1 1 0\n0 0 0\n2 0 0\n", "a.off:4: a face needs 3 corners"},
+        Broken{"a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 1\n", "a.off:4: a face has vertex 1"},
+        Broken{"a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 0\n3 0 0 0\n", "a.off:5: goes on after"},
+        Broken{"a.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n",
+               "a.stl:4: the file ends where a coordinate should be"},
+        Broken{"a.stl", "solid x\nfacet normal 0 0 1\nouter vertex\n",
+               "a.stl:3: `vertex` where `loop` should be"},
+        Broken{"a.stl", "solid x\n", "a.stl:1: the file ends where `endsolid` should be"},
+        Broken{"a.stl", "x", "a.stl: byte 1: the file ends before the number of triangles"},
+        Broken{"a.ply", "PLY\n", "a.ply:1: should start with a line `ply`"},
+        Broken{"a.ply", "ply\nformat ascii 1.0\n", "the header has no `end_header`"},
+        Broken{"a.ply", "ply\nformat mixed 1.0\nend_header\n", "the format `mixed` is not one"},
+        Broken{"a.ply", "ply\nformat ascii 1.0\nend_header\n", "has no `element vertex`"},
+        Broken{"a.ply", "ply\nproperty int x\n", "a.ply:2: cannot read `property int x`"},
+        Broken{"a.ply", "ply\nelement vertex 1\nproperty long x\n", "`long` is not a type"},
+        Broken{"a.ply", "ply\nelement face 1\nproperty list float int vertex_index\n",
+               "a.ply:3: a list's length must be a whole number"},
+        Broken{"a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int x\n"
+               "property int x\nproperty int x\nproperty int x\nproperty int z\nend_header\n"
+               "1 1 1 1 1 1\n",
+               "a.ply:3: a vertex needs each of the properties x, y and z once"},
+        Broken{"a.ply", "ply\nformat ascii 1.0\nelement vertex 99\nend_header\n",
+               "a.ply:3: `vertex` has no properties"},
+        Broken{"a.ply",
+               "ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\n",
+               "a.ply:3: `18446744073709551615` should be a whole number"},
+        Broken{"a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 9223372036854775807\nproperty int x\n"
+               "property int y\nproperty int z\nend_header\n0 0 0\n",
+               "a.ply:3: says 9223372036854775807 of `vertex`, which cannot"},
+        Broken{"a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int y\n"
+               "property int z\nelement face 1\nproperty list int int vertex_index\nend_header\n"
+               "0 0 0\n1000000 0 0 0\n",
+               "a.ply:11: a list of 1000000 values cannot be"},
+        Broken{"a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int y\n"
+               "property int z\nelement face 1\nproperty list int int vertex_index\nend_header\n"
+               "0 0 0\n3 0 0 0.5\n",
+               "a.ply:11: a face has vertex 0.5"},
+        Broken{"a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 0\nelement tristrips 1\nend_header\n",
+               "a.ply:4: triangle strips are not read"}));
+TEST_P(EveryBrokenText, IsRefusedByLine) {
+  const std::string message = Refused(GetParam().text, GetParam().name);
+  EXPECT_TRUE(Has(message, GetParam().says)) << message;
+}
+
+TEST(Mesh, CutOffFilesAreRefused) {
+  for (const bool big : {false, true}) {
+    const std::string ply = ToBinaryPly(Sample(), big);
+    for (std::size_t cut = 1; cut < ply.size(); ++cut)
+      EXPECT_TRUE(Refused(ply.substr(0, ply.size() - cut), "a.ply").starts_with("a.ply:"));
+    EXPECT_TRUE(Has(Refused(ply + "x", "a.ply"), "goes on after all"));
+  }
+  const std::string stl = ToBinaryStl(Sample());
+  EXPECT_TRUE(Has(Refused(stl.substr(5, stl.size() - 6), "a.stl"), "cut off"));
+  std::string lies = stl;
+  lies[0] = 'S' + 1;
+  lies[83] = '\x7f';
+  EXPECT_TRUE(Has(Refused(lies, "a.stl"), "byte 80: says 21307")) << Refused(lies, "a.stl");
+}
+
+TEST(Mesh, BinaryNumbersAreFinite) {
+  std::string stl = ToBinaryStl(Sample());
+  for (std::size_t i = 84 + 12 + 4; i < 84 + 12 + 8; ++i) stl[i] = '\xff';
+  EXPECT_TRUE(Has(Refused(stl, "a.stl"), "a.stl: byte 96: the coordinate"));
+}
+
+TEST(Mesh, MergingDropsWhatCollapses) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}, {1, 0, 0}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 2}, {0, 3, 1}};
+  const Mesh merged = MergeEqualVertices(mesh);
+  EXPECT_EQ(merged.vertices.size(), 3u);
+  EXPECT_EQ(merged.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}}));
+}
+
+}  // namespace
+}  // namespace cdb::library

@@ -1,0 +1,122 @@
+#include "library/meshes/models.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "library/meshes/hull_cache.h"
+#include "library/meshes/mass_properties.h"
+#include "library/meshes/overlap_volume.h"
+#include "tests/library/meshes/test_meshes.h"
+
+namespace cdb::library {
+namespace {
+
+using namespace testing;
+namespace fs = std::filesystem;
+
+class ModelFolder : public ::testing::Test {
+ protected:
+  ModelFolder() {
+    std::string name = (fs::temp_directory_path() / "cdb-models-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~ModelFolder() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+TEST_F(ModelFolder, IsTheVariablesOrBesideTheProgram) {
+  const char* kept = std::getenv("CDB_MODELS");
+  const std::string before = kept == nullptr ? "" : kept;
+  setenv("CDB_MODELS", "/somewhere", 1);
+  EXPECT_EQ(ModelFolders(), std::vector<fs::path>{"/somewhere"});
+  unsetenv("CDB_MODELS");
+  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path();
+  EXPECT_EQ(ModelFolders(),
+            (std::vector<fs::path>{program / "models",
+                                   program.parent_path() / "share" / "cdb" / "models"}));
+  if (!before.empty()) setenv("CDB_MODELS", before.c_str(), 1);
+}
+
+TEST_F(ModelFolder, TheFirstThatHasItCounts) {
+  const Model& bunny = *FindModel("bunny");
+  const std::vector<fs::path> both = {folder_ / "a", folder_ / "b"};
+  EXPECT_EQ(Refusal([&] { PathOf(bunny, both); }),
+            "the model `bunny` is not on this machine (looked for bunny.off in " +
+                both[0].string() + " and " + both[1].string() +
+                "); in cdb's source folder run: library/meshes/fetch-models '" + both[0].string() +
+                "' bunny");
+  fs::create_directories(both[1]);
+  std::ofstream(both[1] / "bunny.off") << ToOff(InsideOut(AngleMesh()));
+  EXPECT_EQ(PathOf(bunny, both), both[1] / "bunny.off");
+  EXPECT_EQ(LoadModel(bunny, both), AngleMesh());
+  fs::create_directories(both[0]);
+  std::ofstream(both[0] / "bunny.off") << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_TRUE(Refusal([&] {
+                LoadModel(bunny, both);
+              }).starts_with((both[0] / "bunny.off").string() + ": is not watertight: 3 edges"));
+}
+
+TEST_F(ModelFolder, OnlyTheTeapotsHolesAreClosed) {
+  Mesh open = BoxMesh({0, 0, 0}, {1, 1, 1});
+  open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
+  std::ofstream(folder_ / "teapot.obj") << ToObj(open);
+  EXPECT_DOUBLE_EQ(SignedVolume(LoadModel(*FindModel("teapot"), std::vector{folder_})), 1);
+  EXPECT_EQ(FindModel("kettle"), nullptr);
+}
+
+TEST_F(ModelFolder, FetchingIsRefusedWhereItIsWrong) {
+  const std::string script = CDB_SOURCE_DIR "/library/meshes/fetch-models";
+  const auto run = [&](const std::string& arguments) {
+    const int status = std::system((script + " " + arguments + " >/dev/null 2>&1").c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  EXPECT_EQ(run(""), 2);
+  EXPECT_EQ(run("--help"), 2);
+  EXPECT_EQ(run("'" + folder_.string() + "' kettle"), 2);
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+/// The models themselves, where they are.
+class EveryModel : public ::testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    try {
+      PathOf(*FindModel(GetParam()), ModelFolders());
+    } catch (const SceneError& error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Models, EveryModel, ::testing::Values("bunny", "armadillo", "teapot"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST_P(EveryModel, IsASolid) {
+  const Mesh mesh = LoadModel(*FindModel(GetParam()), ModelFolders());
+  const MassProperties mass = MassPropertiesOf(mesh);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);
+  EXPECT_TRUE(box.contains(mass.centre));
+  // The integrals count twice what is inside twice, the rays once: only the teapot's parts overlap.
+  const double once = OverlapVolumeOf(mesh, mesh).first;
+  const bool overlaps = std::string_view(GetParam()) == "teapot";
+  EXPECT_NEAR(mass.volume / once, 1, overlaps ? 0.01 : 1e-3);
+}
+
+TEST_P(EveryModel, IsWellStoodForByItsHulls) {
+  const Mesh mesh = LoadModel(*FindModel(GetParam()), ModelFolders());
+  const CachedDecomposition cached = DecomposeOnce(mesh, GetParam());
+  const Decomposition& pieces = cached.decomposition;
+  RecordProperty("hulls", static_cast<int>(pieces.hulls.size()));
+  RecordProperty("iou", std::to_string(pieces.iou));
+  EXPECT_GE(pieces.hulls.size(), 5u);
+  EXPECT_LE(pieces.hulls.size(), 60u);
+  EXPECT_GE(pieces.iou, 0.88);
+  EXPECT_LE(pieces.volume_error, 0.12);
+}
+
+}  // namespace
+}  // namespace cdb::library

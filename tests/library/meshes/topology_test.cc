@@ -1,0 +1,113 @@
+#include "library/meshes/topology.h"
+
+#include <gtest/gtest.h>
+
+#include "library/meshes/mass_properties.h"
+#include "library/meshes/primitives.h"
+#include "tests/library/meshes/test_meshes.h"
+
+namespace cdb::library {
+namespace {
+
+using namespace testing;
+using Eigen::Vector3d;
+
+Mesh Cube(double half = 1, const Vector3d& at = Vector3d::Zero()) {
+  return BoxMesh(at - Vector3d::Constant(half), at + Vector3d::Constant(half));
+}
+std::string Refused(const Mesh& mesh) {
+  return Refusal([&] { Watertight(mesh, "m"); });
+}
+
+TEST(Topology, ClosedMeshesStayAsTheyAre) {
+  for (const Mesh& mesh : {Cube(), AngleMesh(), SphereMesh(2, 2), TetrahedronMesh(1),
+                           TorusMesh(3, 1, 12, 8), Joined(Cube(), Cube(1, {5, 0, 0}))})
+    EXPECT_EQ(Watertight(mesh, "m"), mesh);
+}
+
+TEST(Topology, OpenEdgesAreCountedAndPlaced) {
+  Mesh open = Cube();
+  open.triangles.pop_back();
+  EXPECT_EQ(Refused(open),
+            "m: is not watertight: 3 edges of one face only, the first from (1, -1, -1) to "
+            "(1, -1, 1); close the holes in a modelling program");
+}
+
+TEST(Topology, FacesMustAgree) {
+  Mesh mesh = Cube();
+  std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
+  EXPECT_EQ(Refused(mesh).substr(0, 47), "m: 3 edges where the two faces disagree which s");
+  // Two cubes that share an edge, by the same vertices.
+  const Mesh crowded = MergeEqualVertices(Joined(Cube(), Cube(1, {2, 2, 0})));
+  EXPECT_EQ(Refused(crowded).substr(0, 36), "m: 1 edge of more than two faces, th");
+  Mesh twice = Cube();
+  twice.triangles.push_back({0, 1, 1});
+  EXPECT_EQ(Refused(twice).substr(0, 42), "m: 1 of 13 triangles have a vertex twice, ");
+}
+
+TEST(Topology, InsideOutIsTurnedRound) {
+  const Mesh turned = Watertight(InsideOut(Cube()), "m");
+  EXPECT_DOUBLE_EQ(SignedVolume(turned), 8);
+  EXPECT_EQ(turned, Cube());
+}
+
+TEST(Topology, APartInsideOutIsACavityOrAnError) {
+  const Mesh hollow = Joined(Cube(2), InsideOut(Cube(1)));
+  EXPECT_DOUBLE_EQ(SignedVolume(Watertight(hollow, "m")), 64 - 8);
+  EXPECT_EQ(Refused(Joined(Cube(2), InsideOut(Cube(1, {5, 0, 0})))),
+            "m: the part from (4, -1, -1) to (6, 1, 1) is inside out, and in no other part as a "
+            "cavity would be; turn its faces round");
+}
+
+TEST(Topology, NoVolumeIsRefused) {
+  Mesh flat;
+  flat.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  flat.triangles = {{0, 1, 2}, {0, 2, 1}};
+  EXPECT_EQ(Refused(flat), "m: has no volume; a flat or folded surface is no solid");
+  EXPECT_EQ(Refused({}), "m: has no faces; a model needs a closed surface");
+}
+
+TEST(Topology, UnusedVerticesAreDropped) {
+  Mesh mesh = Cube();
+  mesh.vertices.insert(mesh.vertices.begin(), {9, 9, 9});
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& vertex : t) ++vertex;
+  EXPECT_EQ(Watertight(mesh, "m"), Cube());
+}
+
+TEST(Topology, SeamsAreClosedAndTouchingPartsStayApart) {
+  // Each face with vertices of its own.
+  Mesh split;
+  const Mesh cube = Cube();
+  for (const Triangle& t : cube.triangles)
+    for (const Vector3d& corner : CornersOf(cube, t)) split.vertices.push_back(corner);
+  for (std::uint32_t i = 0; i < 36; i += 3) split.triangles.push_back({i, i + 1, i + 2});
+  EXPECT_EQ(Watertight(split, "m").vertices.size(), 8u);
+  EXPECT_EQ(Watertight(Joined(Cube(), Cube(1, {2, 2, 0})), "m").vertices.size(), 16u);
+}
+
+TEST(Topology, PartsAreCounted) {
+  EXPECT_EQ(PartsOf(Joined(Cube(), Cube(1, {5, 0, 0}))).back(), 1u);
+  EXPECT_EQ(PartsOf(AngleMesh()), std::vector<std::uint32_t>(20, 0));
+}
+
+TEST(Topology, HolesAreCapped) {
+  Mesh open = Cube();
+  open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 4);  // two sides
+  const Mesh closed = Watertight(CloseHoles(open, "m"), "m");
+  EXPECT_EQ(closed.vertices.size(), 10u);
+  EXPECT_DOUBLE_EQ(SignedVolume(closed), 8);
+  Mesh corner = Cube();
+  corner.triangles.pop_back();
+  EXPECT_EQ(Watertight(CloseHoles(corner, "m"), "m").triangles.size(), 12u);
+  EXPECT_EQ(CloseHoles(Cube(), "m"), Cube());
+  // Two triangles that share a corner only leave holes that touch there.
+  Mesh touching = Cube();
+  touching.triangles.erase(touching.triangles.begin());      // 0 2 3
+  touching.triangles.erase(touching.triangles.begin() + 4);  // 0 5 4
+  EXPECT_EQ(Refusal([&] { CloseHoles(touching, "m"); }),
+            "m: holes touch at (-1, -1, -1); close them in a modelling program");
+}
+
+}  // namespace
+}  // namespace cdb::library
