@@ -1,0 +1,57 @@
+// What each subcommand of `cdb` does, once its arguments are parsed.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace cdb::runtime {
+
+/// Exit statuses of every command.
+enum ExitStatus {
+  kExitGood = 0,
+  kExitScenario = 1,  ///< the scenario is wrong
+  kExitWorld = 2,     ///< the world refused, or the command line is wrong
+  kExitRuns = 3,      ///< complete, but a run ended badly
+};
+
+/// The world refused: said on standard error, exit status 2.
+class CommandError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct PlanArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::string out;   ///< empty: a table on standard output; `-`: YAML there
+  bool why = false;  ///< what each run leaves out, in place of the table
+  std::string only;  ///< the id of the one run that `why` is about, or empty
+};
+
+struct RunArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::string out;  ///< empty: `<benchmark>.h5` in the current folder
+  std::uint64_t jobs = 1;
+  std::string shard;  ///< `K/N`, or empty
+  std::string only;   ///< the id of one run, or empty
+  bool fresh = false;
+  bool quiet = false;
+};
+
+int CheckCommand(const std::vector<std::string>& files);
+int PlanCommand(const PlanArguments& arguments);
+int RunCommand(const RunArguments& arguments);
+int ShowCommand(const std::string& file, const std::vector<std::string>& by);
+int MergeCommand(const std::string& out, const std::vector<std::string>& shards);
+/// `check`: change nothing, exit status 1 where something would change.
+int FormatCommand(const std::vector<std::string>& files, bool check);
+/// A topic or a parameter; empty for the list of them.
+int DocCommand(const std::string& name);
+/// `objects`, `detectors`, `layouts`, `scenarios`, or empty for all.
+int ListCommand(const std::string& what);
+
+}  // namespace cdb::runtime

@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include "compiler/needs.h"
+#include "compiler/schema.h"
+#include "dsl/diagnostics.h"
+#include "library/catalogue.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/console.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/reference.h"
+#include "runtime/cli/table.h"
+#include "runtime/measure/series.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+using compiler::Parameter;
+
+std::string OneParameter(const Parameter& parameter) {
+  std::string text = fmt::format("{}\n  {}\n", parameter.FullName(), parameter.doc);
+  text += fmt::format("  takes    {}\n", parameter.Takes());
+  text += fmt::format("  default  {}\n", parameter.default_text);
+  if (!parameter.unit.empty()) text += fmt::format("  unit     {}\n", parameter.unit);
+  return text;
+}
+
+std::string AllParameters() {
+  Table table;
+  table.AddColumn("parameter", false);
+  table.AddColumn("default", false);
+  table.AddColumn("unit", false);
+  table.AddColumn("", false);
+  for (const Parameter& parameter : compiler::Schema())
+    table.AddRow({parameter.FullName(), std::string(parameter.default_text),
+                  std::string(parameter.unit), std::string(parameter.doc)});
+  return table.Text();
+}
+
+std::string AllSeriesText() {
+  Table table;
+  table.AddColumn("dataset", false);
+  table.AddColumn("recorded by", false);
+  table.AddColumn("unit", false);
+  table.AddColumn("", false);
+  for (const Series& series : AllSeries())
+    table.AddRow({std::string(series.name), std::string(series.records), std::string(series.unit),
+                  std::string(series.doc)});
+  return table.Text();
+}
+
+std::string AllComponents() {
+  Table table;
+  table.AddColumn("component", false);
+  table.AddColumn("what it is", false);
+  table.AddColumn("without it", false);
+  for (const compiler::ComponentInfo& info : compiler::Components())
+    table.AddRow({std::string(info.name), std::string(info.doc),
+                  info.IsVisible() ? std::string(info.changes) : "only time changes"});
+  return table.Text();
+}
+
+template <typename Rows, typename Doc>
+std::string Names(const char* title, const Rows& rows, Doc doc) {
+  Table table;
+  table.AddColumn(title, false);
+  table.AddColumn("", false);
+  for (const auto& row : rows) table.AddRow({std::string(row.name), doc(row)});
+  return table.Text();
+}
+
+std::string Objects() {
+  return Names("objects", library::ObjectTypes(), [](const library::ObjectType& type) {
+    return type.refusal.empty() ? std::string(type.doc)
+                                : fmt::format("{} (not yet: {})", type.doc, type.refusal);
+  });
+}
+
+std::string Detectors() {
+  return Names("detectors", library::Detectors(), [](const library::DetectorInfo& detector) {
+    const std::string limit =
+        detector.max_bodies == 0 ? "" : fmt::format("; at most {} bodies", detector.max_bodies);
+    return fmt::format("{} phase, {}: {}{}", detector.phases, detector.source, detector.doc, limit);
+  });
+}
+
+std::string Layouts() {
+  return Names("layouts", library::Layouts(),
+               [](const library::LayoutInfo& layout) { return std::string(layout.doc); });
+}
+
+/// The scenarios of the library with their first comment line.
+std::string Scenarios() {
+  Table table;
+  table.AddColumn("scenarios", false);
+  table.AddColumn("", false);
+  const std::string folder = ScenarioLibrary();
+  std::vector<fs::path> files;
+  std::error_code error;
+  if (!folder.empty())
+    for (const auto& entry : fs::recursive_directory_iterator(folder, error))
+      if (entry.path().extension() == ".cdb") files.push_back(entry.path());
+  if (files.empty()) return "scenarios: none come with this version yet\n";
+  std::ranges::sort(files);
+  for (const fs::path& file : files) {
+    std::string line;
+    std::ifstream in(file);
+    std::getline(in, line);
+    line.erase(0, std::min(line.find_first_not_of("# "), line.size()));
+    table.AddRow({fs::relative(file, folder, error).replace_extension().string(), line});
+  }
+  return table.Text();
+}
+
+struct Topic {
+  std::string_view name, doc;
+  std::string (*text)();
+};
+
+constexpr Topic kTopics[] = {
+    {"language", "how a .cdb file is written", [] { return std::string(kLanguageReference); }},
+    {"parameters", "every parameter with its default", AllParameters},
+    {"omit", "what a run leaves out, and when",
+     [] { return std::string(kOmitReference) + AllComponents() + "\n"; }},
+    {"results", "what a results file holds",
+     [] { return std::string(kResultsReference) + AllSeriesText(); }},
+    {"objects", "what can be placed", Objects},
+    {"detectors", "what can be timed", Detectors},
+    {"layouts", "how objects can be placed", Layouts},
+    {"scenarios", "what comes with cdb, for `use`", Scenarios},
+};
+
+}  // namespace
+
+int DocCommand(const std::string& name) {
+  if (name.empty()) {
+    Print(Names("cdb doc", kTopics, [](const Topic& topic) { return std::string(topic.doc); }));
+    Print("  or the name of a parameter: cdb doc size\n");
+    return kExitGood;
+  }
+  bool found = false;
+  for (const Topic& topic : kTopics) {
+    if (topic.name != name) continue;
+    Print(topic.text());
+    found = true;
+  }
+  std::vector<std::string> names;
+  for (const Parameter& parameter : compiler::Schema()) {
+    names.push_back(parameter.FullName());
+    names.emplace_back(parameter.name);
+    const std::string last(parameter.name.substr(parameter.name.find('.') + 1));
+    if (name != parameter.FullName() && name != parameter.name && name != last) continue;
+    Print(OneParameter(parameter));
+    found = true;
+  }
+  if (found) return kExitGood;
+  for (const Topic& topic : kTopics) names.emplace_back(topic.name);
+  const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
+  throw CommandError(fmt::format("there is nothing about '{}'; {}", name,
+                                 near.empty() ? std::string("`cdb doc` lists what there is")
+                                              : fmt::format("did you mean '{}'?", near)));
+}
+
+int ListCommand(const std::string& what) {
+  bool found = false;
+  for (const std::string_view name : {"objects", "detectors", "layouts", "scenarios"}) {
+    if (!what.empty() && what != name) continue;
+    for (const Topic& topic : kTopics)
+      if (topic.name == name) Print((found ? "\n" : "") + topic.text());
+    found = true;
+  }
+  if (found) return kExitGood;
+  throw CommandError(fmt::format(
+      "there is no list of '{}'; there are objects, detectors, layouts, scenarios", what));
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,77 @@
+#include "runtime/cli/inputs.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "compiler/plan_yaml.h"
+#include "dsl/diagnostics.h"
+#include "dsl/render.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/console.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsPlanFile(const std::string& file) {
+  return file.ends_with(".yaml") || file.ends_with(".yml");
+}
+
+void CheckBenchmarkName(const std::string& name, const std::vector<std::string>& names,
+                        const std::string& file) {
+  for (const std::string& known : names)
+    if (known == name) return;
+  const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
+  throw CommandError(fmt::format("{} has no benchmark '{}'; {}", file, name,
+                                 near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                                              : fmt::format("did you mean '{}'?", near)));
+}
+
+}  // namespace
+
+std::string ScenarioLibrary() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const fs::path& folder :
+       {program / ".." / "library" / "scenarios", program / ".." / "share" / "cdb" / "scenarios"})
+    if (fs::is_directory(folder, error)) return folder.lexically_normal().string();
+  return {};
+}
+
+compiler::Compilation CompileAndReport(const std::string& file,
+                                       const std::optional<std::string>& benchmark) {
+  compiler::Compilation result =
+      compiler::Compile(file, compiler::ReadFromDisk, {ScenarioLibrary(), benchmark});
+  dsl::RenderOptions options;
+  options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
+  const std::string text = dsl::Render(result.diagnostics, options);
+  Say(text);
+  return result;
+}
+
+std::vector<compiler::Plan> LoadPlans(const std::string& file,
+                                      const std::optional<std::string>& benchmark) {
+  if (IsPlanFile(file)) {
+    compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
+    if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
+    return {std::move(plan)};
+  }
+  std::error_code error;
+  if (!fs::exists(file, error)) ReadText(file);
+  compiler::Compilation result = CompileAndReport(file, benchmark);
+  if (!result.diagnostics.has_errors() && benchmark)
+    CheckBenchmarkName(*benchmark, result.benchmarks, file);
+  return std::move(result.plans);
+}
+
+std::string ReadText(const std::string& file) {
+  std::string why;
+  auto text = compiler::ReadFromDisk(file, why);
+  if (!text) throw CommandError(fmt::format("cannot read '{}': {}", file, why));
+  return std::move(*text);
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,29 @@
+// Files that commands take: scenarios, plans, and where the library lies.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "compiler/plan.h"
+
+namespace cdb::runtime {
+
+/// The folder of the scenarios that come with cdb: beside the program's build, or installed. Empty
+/// where there is none.
+std::string ScenarioLibrary();
+
+/// Compiles and prints every diagnostic on standard error.
+compiler::Compilation CompileAndReport(const std::string& file,
+                                       const std::optional<std::string>& benchmark);
+
+/// The plans of a `.cdb` file or of a plan as YAML. Empty after diagnostics were printed (exit
+/// status 1). Throws CommandError, compiler::PlanError.
+std::vector<compiler::Plan> LoadPlans(const std::string& file,
+                                      const std::optional<std::string>& benchmark);
+
+/// The whole text of a file. Throws CommandError.
+std::string ReadText(const std::string& file);
+
+}  // namespace cdb::runtime

@@ -1,0 +1,145 @@
+// The command line of cdb.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <exception>
+
+#include "dsl/diagnostics.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/console.h"
+
+namespace {
+
+using namespace cdb::runtime;
+
+/// Commands of the design that this version has not got: refused by name.
+struct NotYet {
+  const char* name;
+  const char* what;
+};
+constexpr NotYet kNotYet[] = {
+    {"report", "a page of a results file"},
+    {"view", "a scene in the browser"},
+    {"submit", "a sweep on a cluster"},
+};
+
+int Main(int argc, char** argv) {
+  CLI::App app("cdb turns a small language into measured physics: `cdb run FILE.cdb`");
+  app.set_version_flag("--version", "cdb " CDB_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough(false);
+  int status = kExitGood;
+
+  std::vector<std::string> files;
+  auto* check = app.add_subcommand("check", "check scenario files: every error with its place");
+  check->add_option("FILE", files, "scenario files")->required();
+  check->callback([&] { status = CheckCommand(files); });
+
+  PlanArguments plan_arguments;
+  std::string plan_benchmark;
+  auto* plan = app.add_subcommand("plan", "print the expanded runs of a scenario file");
+  plan->add_option("FILE", plan_arguments.file, "scenario file, or a plan")->required();
+  plan->add_option("-b,--benchmark", plan_benchmark, "only this benchmark");
+  plan->add_option("-o,--out", plan_arguments.out, "write the plan as YAML; - for standard output");
+  plan->add_flag("--why", plan_arguments.why,
+                 "place the objects of each run, and say what it leaves out and why");
+  plan->add_option("--only", plan_arguments.only, "with --why: this one run");
+  plan->callback([&] {
+    if (!plan_benchmark.empty()) plan_arguments.benchmark = plan_benchmark;
+    status = PlanCommand(plan_arguments);
+  });
+
+  RunArguments run_arguments;
+  std::string run_benchmark, plugin;
+  auto* run = app.add_subcommand("run", "run a scenario file or a plan; goes on where it stopped");
+  run->add_option("FILE", run_arguments.file, "scenario file, or a plan as YAML")->required();
+  run->add_option("-b,--benchmark", run_benchmark, "only this benchmark");
+  run->add_option("-o,--out", run_arguments.out,
+                  "results file, or a folder for them (default: BENCHMARK.h5)");
+  run->add_option("-j,--jobs", run_arguments.jobs, "runs at a time; timings want 1 (default)")
+      ->check(CLI::Range(1, 4096));
+  run->add_option("--shard", run_arguments.shard,
+                  "K/N: only the K-th of N parts; merge them later");
+  run->add_option("--only", run_arguments.only,
+                  "run this one run by itself, into RUN.h5 (ids: cdb plan)");
+  run->add_flag("--fresh", run_arguments.fresh, "forget results and shards and start over");
+  run->add_flag("-q,--quiet", run_arguments.quiet, "print nothing but errors");
+  run->add_option("--plugin", plugin, "a detector of your own (not yet)");
+  run->callback([&] {
+    if (!plugin.empty())
+      throw CommandError(
+          "--plugin: plug-in detectors are not part of this version yet; `cdb list "
+          "detectors` shows those that are");
+    if (!run_benchmark.empty()) run_arguments.benchmark = run_benchmark;
+    status = RunCommand(run_arguments);
+  });
+
+  std::string results;
+  std::vector<std::string> by;
+  auto* show = app.add_subcommand("show", "a summary of a results file on the terminal");
+  show->add_option("FILE", results, "results file")->required();
+  show->add_option("--by", by, "axes that make the rows (quantity,detector)")->delimiter(',');
+  show->callback([&] { status = ShowCommand(results, by); });
+
+  std::string merged;
+  std::vector<std::string> shards;
+  auto* merge = app.add_subcommand("merge", "make a results file of shards, as far as they go");
+  merge->add_option("-o,--out", merged, "results file")->required();
+  merge->add_option("SHARDS", shards, "folders of shards, or shards")->required();
+  merge->callback([&] { status = MergeCommand(merged, shards); });
+
+  bool only_check = false;
+  auto* fmt_command = app.add_subcommand("fmt", "lay scenario files out in the one standard way");
+  fmt_command->add_option("FILE", files, "scenario files")->required();
+  fmt_command->add_flag("--check", only_check, "change nothing; exit status 1 if it would");
+  fmt_command->callback([&] { status = FormatCommand(files, only_check); });
+
+  std::string topic, kind;
+  auto* doc = app.add_subcommand("doc", "the reference: language, parameters, results");
+  doc->add_option("NAME", topic, "a topic or a parameter");
+  doc->callback([&] { status = DocCommand(topic); });
+  auto* list = app.add_subcommand("list", "what a scenario can name");
+  list->add_option("KIND", kind, "objects, detectors, layouts or scenarios");
+  list->callback([&] { status = ListCommand(kind); });
+
+  for (const NotYet& command : kNotYet) {
+    auto* refused = app.add_subcommand(command.name, fmt::format("{} (not yet)", command.what));
+    refused->allow_extras()->callback([&command] {
+      throw CommandError(fmt::format("`cdb {}` is not part of this version yet", command.name));
+    });
+  }
+
+  if (argc > 1 && argv[1][0] != '-') {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    if (std::ranges::find(names, argv[1]) == names.end()) {
+      const std::string_view near = cdb::dsl::DidYouMean(argv[1], {names.begin(), names.end()});
+      throw CommandError(fmt::format("there is no command '{}'; {}", argv[1],
+                                     near.empty() ? std::string("`cdb --help` lists them")
+                                                  : fmt::format("did you mean '{}'?", near)));
+    }
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitGood : kExitWorld;
+  }
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // A limit on the size of files is an error of the write that meets it, with a message; not our
+  // end.
+  std::signal(SIGXFSZ, SIG_IGN);
+  try {
+    return Main(argc, argv);
+  } catch (const std::exception& error) {
+    Say(fmt::format("cdb: {}\n", error.what()));
+  }
+  return kExitWorld;
+}

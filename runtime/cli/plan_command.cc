@@ -1,0 +1,190 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string_view>
+
+#include "compiler/needs.h"
+#include "compiler/plan_yaml.h"
+#include "dsl/format.h"
+#include "dsl/parser.h"
+#include "dsl/render.h"
+#include "library/layouts/initial_state.h"
+#include "library/scene_error.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/console.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/table.h"
+#include "runtime/needs/needs.h"
+#include "runtime/store/safe_file.h"
+
+namespace cdb::runtime {
+namespace {
+
+/// What a run leaves out and what that changes a measurement by; `?` where the placed objects
+/// decide.
+std::string LeftOut(const compiler::Scene& scene) {
+  using compiler::Fate;
+  std::string names;
+  for (const compiler::Need& need : compiler::AnalyseNeeds(scene)) {
+    const compiler::ComponentInfo& info = InfoOf(need.component);
+    if (!info.IsVisible() || (need.fate != Fate::kLeftOut && need.fate != Fate::kOpen)) continue;
+    names += fmt::format("{}{}{}", names.empty() ? "" : " ", info.name,
+                         need.fate == Fate::kOpen ? "?" : "");
+  }
+  return names.empty() ? "-" : names;
+}
+
+/// `walls: left out: …` for each component, in columns.
+std::string InColumns(std::string_view needs) {
+  std::size_t widest = 0;
+  for (const compiler::ComponentInfo& info : compiler::Components())
+    widest = std::max(widest, info.name.size());
+  std::string text;
+  while (!needs.empty()) {
+    const std::string_view line = needs.substr(0, needs.find('\n'));
+    needs.remove_prefix(std::min(needs.size(), line.size() + 1));
+    const std::size_t name = line.find(": "), fate = line.find(": ", name + 2);
+    text += fmt::format("  {:{}}  {:8}  {}\n", line.substr(0, name), widest,
+                        line.substr(name + 2, fate - name - 2), line.substr(fate + 2));
+  }
+  return text;
+}
+
+/// False where the scene cannot be made, or needs what `omit` names.
+bool SayWhy(const compiler::Scene& scene) {
+  try {
+    const library::InitialState state = library::MakeInitialState(scene);
+    Print(InColumns(NeedsText(SettleNeeds(scene, state).needs)));
+    return true;
+  } catch (const library::SceneError& error) {
+    Print(fmt::format("  this run fails: {}\n", error.what()));
+    return false;
+  }
+}
+
+int WhyCommand(const std::vector<compiler::Plan>& plans, const std::string& only) {
+  bool good = true, found = false;
+  for (const compiler::Plan& plan : plans) {
+    const std::vector<std::size_t>* last = nullptr;
+    for (const compiler::Run& run : plan.runs) {
+      if (!only.empty() && run.id != only) continue;
+      // Repeats are the same scene.
+      if (last != nullptr && run.at == *last) continue;
+      last = &run.at;
+      const std::string alike = only.empty() && plan.repeats > 1
+                                    ? fmt::format(" and {} more alike", plan.repeats - 1)
+                                    : std::string();
+      Print(fmt::format("{}{}  {}: {}{}\n", found ? "\n" : "", run.id, plan.benchmark,
+                        Describe(plan, run), alike));
+      good = SayWhy(run.scene) && good;
+      std::fflush(stdout);
+      found = true;
+    }
+  }
+  if (!found)
+    throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", only));
+  return good ? kExitGood : kExitScenario;
+}
+
+std::string PlanTable(const compiler::Plan& plan) {
+  std::string grid;
+  for (const compiler::Axis& axis : plan.axes)
+    grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
+  if (plan.repeats > 1) grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", plan.repeats);
+  std::string text = fmt::format(
+      "{}: {} {}{}{}\n", plan.benchmark, plan.runs.size(), plan.runs.size() == 1 ? "run" : "runs",
+      grid.empty() ? "" : " = " + grid,
+      plan.skipped.empty() ? "" : fmt::format(", {} left out by skip", plan.skipped.size()));
+  Table table;
+  table.AddColumn("run", false);
+  for (const compiler::Axis& axis : plan.axes) table.AddColumn(axis.name, !axis.IsText());
+  if (plan.repeats > 1) table.AddColumn("rep", true);
+  table.AddColumn("objects", true);
+  table.AddColumn("side", true);
+  table.AddColumn("cycles", true);
+  table.AddColumn("left out", false);
+  for (const compiler::Run& run : plan.runs) {
+    std::vector<std::string> row = {run.id};
+    for (std::size_t i = 0; i < plan.axes.size(); ++i) {
+      const compiler::Coordinate& value = plan.axes[i].values[run.at[i]];
+      const auto* number = std::get_if<double>(&value);
+      row.push_back(number ? compiler::FormatReal(*number) : std::get<std::string>(value));
+    }
+    if (plan.repeats > 1) row.push_back(fmt::format("{}", run.rep));
+    row.push_back(fmt::format("{}", run.scene.ObjectCount()));
+    row.push_back(compiler::FormatReal(run.scene.world.Real("world.side")));
+    row.push_back(fmt::format("{}", run.scene.world.Count("cycles")));
+    row.push_back(LeftOut(run.scene));
+    table.AddRow(std::move(row));
+  }
+  return text + table.Text();
+}
+
+}  // namespace
+
+int CheckCommand(const std::vector<std::string>& files) {
+  int status = kExitGood;
+  for (const std::string& file : files) {
+    ReadText(file);
+    const auto result = CompileAndReport(file, std::nullopt);
+    if (result.diagnostics.has_errors()) {
+      status = kExitScenario;
+      continue;
+    }
+    for (const compiler::Plan& plan : result.plans)
+      Print(fmt::format("{}: {}: {} {}\n", file, plan.benchmark, plan.runs.size(),
+                        plan.runs.size() == 1 ? "run" : "runs"));
+  }
+  return status;
+}
+
+int PlanCommand(const PlanArguments& arguments) {
+  if (arguments.why && !arguments.out.empty())
+    throw CommandError("--why prints what runs leave out and -o writes a plan: one at a time");
+  if (!arguments.why && !arguments.only.empty())
+    throw CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
+  const auto plans = LoadPlans(arguments.file, arguments.benchmark);
+  if (plans.empty()) return kExitScenario;
+  if (arguments.why) return WhyCommand(plans, arguments.only);
+  if (arguments.out.empty()) {
+    for (std::size_t i = 0; i < plans.size(); ++i) Print((i > 0 ? "\n" : "") + PlanTable(plans[i]));
+    return kExitGood;
+  }
+  if (plans.size() > 1)
+    throw CommandError(fmt::format("{} has {} benchmarks and a plan is of one: choose it by -b",
+                                   arguments.file, plans.size()));
+  const std::string yaml = compiler::ToYaml(plans[0]);
+  if (arguments.out == "-") {
+    Print(yaml);
+  } else {
+    WriteWhole(yaml, arguments.out);
+  }
+  return kExitGood;
+}
+
+int FormatCommand(const std::vector<std::string>& files, bool check) {
+  int status = kExitGood;
+  for (const std::string& file : files) {
+    const auto source = std::make_shared<const dsl::Source>(file, ReadText(file));
+    dsl::Diagnostics diagnostics;
+    dsl::Parse(source, diagnostics);
+    if (diagnostics.has_errors()) {
+      const std::string text = dsl::Render(diagnostics);
+      Say(text);
+      status = kExitScenario;
+      continue;
+    }
+    const std::string formatted = dsl::Format(*source);
+    if (formatted == source->text()) continue;
+    if (check) {
+      Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
+      status = kExitScenario;
+    } else {
+      WriteWhole(formatted, file);
+    }
+  }
+  return status;
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,143 @@
+#include "runtime/cli/reference.h"
+
+namespace cdb::runtime {
+
+const std::string_view kLanguageReference = R"reference(THE .cdb LANGUAGE
+
+A file says which scenes to run, which parameters to vary and what to measure. It is a list of
+`name value` statements in named blocks; a value is a constant, a distribution (drawn anew for each
+object) or a sweep (one run for each value). What is left out has the paper's default, so
+`benchmark b { }` is a whole benchmark.
+
+  # Does a long, thin shape slow the broad phase down?
+  benchmark aspect "the title of the results" {
+    objects {
+      quantity  sweep(1000 .. 5000 step 1000)
+      type      any(sphere, cuboid, cylinder, cone)
+      aspect    1 : 1 : sweep(1 .. 5)
+    }
+    detector    sweep(simple, sap, dbvt)
+  }
+
+LEXICAL RULES
+  UTF-8; # begins a comment. A statement ends with its line or with `;`; inside ( ) and in lists a
+  line may break after `,`. Numbers: 50  -9.8  1e6  1_000_000  0xAA. Texts: "..." with \" \\ \n \t.
+  `benchmark`, `use`, `let`, `cases` and `skip` cannot name anything else.
+
+FILES
+  use "other"                 the lets and benchmarks of other.cdb: beside this file, else in the
+                              library. Its benchmarks are for `from`; only a file's own are run.
+  let name = value            a name for any value
+  benchmark name { ... }      one results file
+  benchmark name from base { ... }   takes the statements of base and lays its own over them; what
+                              is set again keeps its place in the order of axes; a `let` of the
+                              same name, and `cases` of the same name, replace those of the base
+
+STATEMENTS
+  name value                  a setting; once in a block. `objects.size 5`, or `size 5` in objects { }
+  objects { ... }             the objects; several groups have names: objects pebbles { ... }, and
+                              then pebbles.size. world { } and solver { } shorten names likewise.
+  cases load { calm { ... } storm { ... } }    an axis of named sets of settings, laid over the rest;
+                              unnamed, the axis is `case`. A case may sweep: the axis then holds the
+                              values of every case, and cells that no case has are skipped.
+  skip when quantity > 3000 and detector == simple     leaves points out; they keep their cell.
+                              Names are axes, lets and parameters; and, or, not, ( ), == != < <= > >=
+  omit auto                   leaves out what a scene provably does not need; `omit none` times
+                              everything; `omit walls, solver` leaves out these: `cdb doc omit`
+
+VALUES
+  arithmetic                  + - * / ^ and ( ); exact as long as numbers are whole and fit 64 bits.
+                              Vectors add, and stretch by a number.
+  names                       a let; another parameter of the same run: world.side 20 * objects.quantity
+  (x, y, z)                   a vector; 0 stands for (0, 0, 0)
+  1 : y : z                   a ratio
+  on off true false           a switch
+
+  uniform(a, b)               each value between alike; for a vector parameter, or with vectors,
+                              component by component
+  normal(m, s)                mean and standard deviation; normal(m, variance: v), normal(m, sd: s)
+  log_uniform(a, b)           the logarithm is uniform; a, b > 0
+  any(x, y 3)                 one of them, y three times as often
+                              What falls outside a parameter's domain (size <= 0) is drawn again.
+                              Each distribution has a stream of its own, seeded by `seed` and the
+                              parameter's name, so that one does not move when another is added.
+
+SWEEPS
+  sweep(v, v, ...)            an axis; wherever a constant may stand, also inside a vector, a ratio or
+  sweep(a .. b)               a distribution. a .. b counts by one and hits b
+  a .. b step d               a + i*d, never added up
+  a .. b count n [log]        n values, both ends included
+  let n = sweep(10, 100)      every use of n is the same axis, called n
+  sweep(1 .. 5) as z          an axis called z. Else it takes its parameter's name: quantity,
+                              aspect_z, pebbles_size; in `20 * sweep(1, 2)` its values are 20 and 40.
+  Two sweeps are two axes, the first written varying slowest; file-level lets come before the rest.
+  A value stands on an axis once: `repeats` is what measures a point again.
+
+OBJECTS
+  A side is size times its part of aspect: the full extent along x, y and z. An object's own origin
+  is its centre of mass; a cone's lies a quarter of its height above the base. Turned objects are
+  given by `orientation`, the axis times the angle in rad, or `random`.
+  location uniform draws each coordinate between the walls, normal with mean 0 and a third of the
+  wall's coordinate as standard deviation; a place that touches a wall or an object is drawn again.
+  Objects lie inside the cube also where it has no walls. Where they find no place the run fails and
+  says how full the cube is.
+
+NOT YET
+  bunny, armadillo, mesh( ), hull( ), accuracy { } and plug-in detectors are refused.
+)reference";
+
+const std::string_view kOmitReference = R"reference(WHAT A RUN LEAVES OUT
+
+A scene rarely needs all of the engine. What it provably does not need is left out: every object is
+in the same place in every cycle, to the last bit, and the run is faster.
+
+  omit auto                   all that the scene does not need; the default
+  omit none                   nothing: everything is timed
+  omit walls, raycast_tree    just these; a scene that needs one of them is an error
+  omit sweep(none, auto)      an axis; `cases { }` are an axis whose values are lists
+
+The numbers of a scenario decide some of it: where the acceleration is 0 nothing applies gravity.
+The rest is decided when the objects are drawn and placed, by the worker, before the first cycle:
+where each object can get to in the whole run, and whom it may meet on the way.
+  `auto` keeps detection wherever `record` has timing, counts or contacts, which ask for it. A list
+that names detection leaves it out all the same: it says that nothing is to be detected.
+  What meets after all is hard to foretell, so the run watches. Where an object comes near a wall that
+it was proven not to reach, or touches two things at once, so that the order of contacts might matter,
+`auto` starts the run again with all walls, and a list fails; `needs` in the results says so.
+  What changes a measurement is named by `cdb show`, and the results say for each run what became of
+each part and why (`omitted`, `needs`). Before a run, `cdb plan FILE` has it as far as the numbers
+go, and `cdb plan --why FILE` places the objects and tells all of it.
+  Behind `omit`, `sleeping` is the part of that name; elsewhere it is the switch.
+
+)reference";
+
+const std::string_view kResultsReference = R"reference(THE RESULTS FILE
+
+One benchmark, one HDF5 file that is netCDF-4 too: the whole sweep as one tensor with named axes.
+For axes quantity and detector:
+
+  quantity(quantity)                      coordinate, one for each axis
+  detector(detector)                      text; the attribute `labels` holds the words too
+  rep(rep)  phase(phase)  cycle(cycle)    phase: broad narrow detect solve integrate step
+  duration(quantity, detector, rep, phase, cycle)    ns; NaN where a cycle did not run
+  pairs, contacts, ... (quantity, detector, rep, cycle)
+  status(quantity, detector, rep)         0 missing 1 done 2 skipped 3 failed 4 crashed 5 timed_out
+  n_cycles                                cycles that really ran
+  state_hash                              of every body's position, orientation and velocities after
+                                          the last cycle; the same plan gives the same, always
+  omitted                                 parts of the engine that the run left out: `cdb doc omit`
+  needs                                   what became of each part and why, a line each
+  run_id, message, host, started, load, peak_rss, place_time, build_time, fill_fraction
+  /provenance                             build, machine, plan_text, scenario_text
+
+An axis that is called like a dataset above is stored as NAME_axis: `cases load { }` as load_axis.
+
+`record contacts` adds a ragged list: contact_body, contact_point, contact_normal, contact_distance
+over `contact`, cell after cell; `contacts` says how many rows each cycle has, contact_first where
+those of a run begin.
+Phases: broad is updating the boxes and finding pairs, narrow is contacts, detect is both and what
+lies between, step is the whole cycle. Each is stamped by itself; nothing is subtracted.
+
+)reference";
+
+}  // namespace cdb::runtime

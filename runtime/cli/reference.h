@@ -1,0 +1,12 @@
+// The texts of `cdb doc`.
+#pragma once
+
+#include <string_view>
+
+namespace cdb::runtime {
+
+extern const std::string_view kLanguageReference;
+extern const std::string_view kResultsReference;
+extern const std::string_view kOmitReference;
+
+}  // namespace cdb::runtime

@@ -1,0 +1,269 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "compiler/plan_yaml.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/console.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/provenance.h"
+#include "runtime/cli/show.h"
+#include "runtime/schedule/progress.h"
+#include "runtime/schedule/schedule.h"
+#include "runtime/schedule/stop.h"
+#include "runtime/store/store.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+ShardChoice ParseShard(const std::string& text) {
+  if (text.empty()) return {};
+  ShardChoice choice;
+  const char* end = text.data() + text.size();
+  const auto [slash, first] = std::from_chars(text.data(), end, choice.index);
+  if (first == std::errc{} && slash != end && *slash == '/') {
+    const auto [stop, second] = std::from_chars(slash + 1, end, choice.count);
+    if (second == std::errc{} && stop == end && choice.index >= 1 && choice.index <= choice.count)
+      return choice;
+  }
+  throw CommandError(
+      fmt::format("--shard {} is not K/N: the K-th of N parts, from 1/N to N/N", text));
+}
+
+fs::path ResultPath(const RunArguments& arguments, const compiler::Plan& plan,
+                    std::size_t plan_count) {
+  std::error_code error;
+  if (arguments.out.empty()) return plan.benchmark + ".h5";
+  if (fs::is_directory(arguments.out, error))
+    return fs::path(arguments.out) / (plan.benchmark + ".h5");
+  if (plan_count > 1)
+    throw CommandError(fmt::format(
+        "{} has {} benchmarks and '{}' holds one: name a folder, or choose a benchmark by -b",
+        arguments.file, plan_count, arguments.out));
+  const fs::path folder = fs::path(arguments.out).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error))
+    throw CommandError(fmt::format("there is no folder '{}' for '{}'; make it first",
+                                   folder.string(), arguments.out));
+  return arguments.out;
+}
+
+/// The run `id` of one of `plans` as a plan of its own, called like the run.
+compiler::Plan OnlyRun(const std::vector<compiler::Plan>& plans, const std::string& id) {
+  for (const compiler::Plan& plan : plans) {
+    const auto found = std::ranges::find(plan.runs, id, &compiler::Run::id);
+    if (found == plan.runs.end()) continue;
+    compiler::Plan one = plan;
+    one.benchmark = id;
+    one.title = fmt::format("{}: {}", plan.benchmark, Describe(plan, *found));
+    one.repeats = 1;
+    one.skipped.clear();
+    for (std::size_t i = 0; i < one.axes.size(); ++i)
+      one.axes[i].values = {plan.axes[i].values[found->at[i]]};
+    compiler::Run run = *found;
+    run.at.assign(one.axes.size(), 0);
+    run.rep = 0;
+    run.id = compiler::RunId(run.scene, run.rep);
+    one.runs = {run};
+    return one;
+  }
+  throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", id));
+}
+
+/// The shards of `out.h5` lie in `out.runs`.
+fs::path ShardFolder(fs::path out) { return out.replace_extension(".runs"); }
+
+bool IsComplete(const ResultFile& file, const compiler::Plan& plan) {
+  return std::ranges::all_of(plan.runs, [&](const compiler::Run& run) {
+    return file.ReadStatus({run.at, run.rep}) != Status::kMissing;
+  });
+}
+
+/// The result that stands there already. Empty where there is none or it has to be made anew.
+bool IsThereAlready(const fs::path& out, const compiler::Plan& plan) {
+  std::error_code error;
+  if (!fs::exists(out, error)) return false;
+  const ResultFile file(out);
+  if (file.plan_sha256() != plan.Sha256())
+    throw CommandError(fmt::format(
+        "'{}' holds the results of another plan and is left as it is; name another file "
+        "by -o, or say --fresh to write over it",
+        out.string()));
+  return IsComplete(file, plan);
+}
+
+/// Says to other runners that somebody works in a folder of shards. Shared while runs are carried
+/// out; the last one out gets it for itself, and only then may shards be removed.
+class FolderLock {
+ public:
+  /// Makes the folder where there is none.
+  explicit FolderLock(const fs::path& folder) : folder_(folder) {
+    for (;;) {
+      std::error_code error;
+      fs::create_directories(folder, error);
+      fd_ = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (fd_ < 0)
+        throw CommandError(fmt::format(
+            "cannot make the folder '{}' for the shards: {}; nothing was changed: choose another "
+            "place by -o",
+            folder.string(), error ? error.message() : std::strerror(errno)));
+      // Where the file system knows no locks, two runners on one result are the user's to avoid.
+      flock(fd_, LOCK_SH);
+      struct stat here = {}, there = {};
+      if (fstat(fd_, &here) == 0 && stat(folder.c_str(), &there) == 0 &&
+          here.st_ino == there.st_ino && here.st_dev == there.st_dev)
+        return;
+      close(fd_);  // removed by the runner that held it
+    }
+  }
+  /// A folder that nothing came into goes again.
+  ~FolderLock() {
+    if (TakeForMyself()) rmdir(folder_.c_str());
+    close(fd_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+  /// False where another runner is at work.
+  bool TakeForMyself() { return flock(fd_, LOCK_EX | LOCK_NB) == 0; }
+
+ private:
+  fs::path folder_;
+  int fd_ = -1;
+};
+
+/// Removes the shards that `Merge` has verified, and nothing else.
+void RemoveShards(const compiler::Plan& plan, const fs::path& folder) {
+  std::error_code ignored;
+  for (const compiler::Run& run : plan.runs) fs::remove(folder / (run.id + ".h5"), ignored);
+  fs::remove(folder / "plan.yaml", ignored);
+  fs::remove(folder, ignored);
+}
+
+int ShowResult(const fs::path& out, bool quiet) {
+  const ShowText shown = Show(ResultFile(out));
+  if (!quiet) Print(fmt::format("{}\n{}\n", shown.text, out.string()));
+  return shown.bad_cells > 0 ? kExitRuns : kExitGood;
+}
+
+int RunPlan(const compiler::Plan& plan, const fs::path& out, const RunArguments& arguments,
+            const ShardChoice& shard, const Provenance& provenance, const StopFlag& stop) {
+  const fs::path folder = ShardFolder(out);
+  std::error_code error;
+  if (!arguments.fresh && IsThereAlready(out, plan)) {
+    // Shards are still there where the last runner was killed right after it had merged them.
+    if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
+    if (!arguments.quiet)
+      Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
+    return ShowResult(out, arguments.quiet);
+  }
+  FolderLock lock(folder);
+  ExecuteOptions options;
+  options.folder = folder;
+  options.jobs = arguments.jobs;
+  options.shard = shard;
+  options.fresh = arguments.fresh;
+  options.provenance = provenance;
+  options.stop = &stop;
+  ProgressListener silent;
+  Progress progress(StandardError());
+  ProgressListener& listener = arguments.quiet ? silent : static_cast<ProgressListener&>(progress);
+  const Summary summary = Execute(plan, options, listener);
+  if (summary.signal != 0) {
+    Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
+                    summary.ended(), summary.ended() + summary.left, folder.string()));
+    return 128 + summary.signal;
+  }
+  if (options.shard.count > 1) {
+    if (!arguments.quiet)
+      Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n", Describe(summary),
+                        out.string(), folder.string()));
+    return summary.HasBadRuns() ? kExitRuns : kExitGood;
+  }
+  RemoveStaleTemporaries(out.has_parent_path() ? out.parent_path() : ".");
+  // Another runner may have been faster with the same plan.
+  if (arguments.fresh || !IsThereAlready(out, plan)) Merge(plan, provenance, folder, out);
+  if (lock.TakeForMyself()) RemoveShards(plan, folder);
+  return ShowResult(out, arguments.quiet);
+}
+
+}  // namespace
+
+int RunCommand(const RunArguments& arguments) {
+  const ShardChoice shard = ParseShard(arguments.shard);
+  auto plans = LoadPlans(arguments.file, arguments.benchmark);
+  if (plans.empty()) return kExitScenario;
+  if (!arguments.only.empty()) plans = {OnlyRun(plans, arguments.only)};
+  std::vector<fs::path> outs;
+  for (const compiler::Plan& plan : plans)
+    outs.push_back(ResultPath(arguments, plan, plans.size()));
+  if (BuildType() != "Release" && !arguments.quiet)
+    Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
+                    BuildType()));
+  Provenance provenance = CollectProvenance();
+  provenance["jobs"] = fmt::format("{}", arguments.jobs);
+  // A sweep does not end because nobody reads its log any more.
+  std::signal(SIGPIPE, SIG_IGN);
+  StopFlag stop;
+  const StopOnSignals signals(stop);
+  int status = kExitGood;
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    const int one = RunPlan(plans[i], outs[i], arguments, shard, provenance, stop);
+    status = std::max(status, one);
+    if (stop.requested()) return one;
+  }
+  return status;
+}
+
+int ShowCommand(const std::string& file, const std::vector<std::string>& by) {
+  const ShowText shown = Show(ResultFile(file), {by});
+  Print(shown.text);
+  return shown.bad_cells > 0 ? kExitRuns : kExitGood;
+}
+
+int MergeCommand(const std::string& out, const std::vector<std::string>& shards) {
+  // The plan lies beside the shards of a run.
+  std::error_code error;
+  std::string plan_file;
+  std::vector<fs::path> places;
+  for (const std::string& place : shards) {
+    places.emplace_back(place);
+    const fs::path folder =
+        fs::is_directory(place, error) ? fs::path(place) : fs::path(place).parent_path();
+    const fs::path beside = folder / "plan.yaml";
+    if (plan_file.empty() && fs::exists(beside, error)) plan_file = beside.string();
+  }
+  if (plan_file.empty())
+    throw CommandError(fmt::format(
+        "there is no plan.yaml in or beside '{}'; merge takes the folders that shards are in, as "
+        "`cdb run` makes them",
+        fmt::join(shards, "', '")));
+  const compiler::Plan plan = compiler::FromYaml(ReadText(plan_file), plan_file);
+  if (fs::exists(out, error)) {
+    const ResultFile there{out};
+    if (there.plan_sha256() != plan.Sha256())
+      throw CommandError(fmt::format(
+          "'{}' holds the results of another plan and is left as it is; name another file", out));
+  }
+  Merge(plan, CollectProvenance(), places, out);
+  const ResultFile file{out};
+  std::size_t missing = 0;
+  for (const compiler::Run& run : plan.runs)
+    if (file.ReadStatus({run.at, run.rep}) == Status::kMissing) ++missing;
+  Say(fmt::format("{} of {} runs in '{}'; the shards are left where they are\n",
+                  plan.runs.size() - missing, plan.runs.size(), out));
+  return kExitGood;
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,34 @@
+// A results file as tables on a terminal (`cdb show`).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "runtime/store/store.h"
+
+namespace cdb::runtime {
+
+struct ShowOptions {
+  /// Axes that make the rows; everything else is pooled. Empty: all axes together where that is at
+  /// most kMaxRows rows, else each axis by itself.
+  std::vector<std::string> by;
+};
+
+inline constexpr std::size_t kMaxRows = 60;
+
+struct ShowText {
+  std::string text;
+  std::size_t bad_cells = 0;  ///< failed, crashed, timed out, or not finite
+};
+
+/// What runs did without, as far as it changes the figures; median, 5th and 95th percentile of
+/// every phase, pairs and contacts; the ratio between detectors. Cells that did not end well are in
+/// none of it, and said so. Throws StoreError, also for an axis that the file has not got.
+ShowText Show(const ResultFile& file, const ShowOptions& options = {});
+
+/// The value below which a part `p` of the sorted values lies, between two of them in proportion;
+/// NaN for none.
+double Percentile(const std::vector<double>& sorted, double p);
+
+}  // namespace cdb::runtime

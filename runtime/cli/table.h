@@ -1,0 +1,31 @@
+// Columns of text that line up.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace cdb::runtime {
+
+/// A table for a terminal: a head, a rule, rows. Numbers to the right, words to the left.
+class Table {
+ public:
+  /// `right`: aligned to the right.
+  void AddColumn(std::string head, bool right);
+  void AddRow(std::vector<std::string> cells);
+  bool empty() const { return rows_.empty(); }
+  /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
+  std::string Text() const;
+
+ private:
+  struct Column {
+    std::string head;
+    bool right;
+  };
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// Three significant digits without an exponent: `0.0123`, `1.23`, `12345`.
+std::string ShortNumber(double value);
+
+}  // namespace cdb::runtime

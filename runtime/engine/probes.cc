@@ -1,0 +1,212 @@
+#include "runtime/engine/probes.h"
+
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <limits>
+#include <system_error>
+
+namespace cdb::runtime {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d ToEigen(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+bool IsFinite(const btVector3& v) {
+  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+}
+
+bool IsFinite(const btRigidBody& body) {
+  const btMatrix3x3& basis = body.getWorldTransform().getBasis();
+  return IsFinite(body.getWorldTransform().getOrigin()) && IsFinite(basis[0]) &&
+         IsFinite(basis[1]) && IsFinite(basis[2]) && IsFinite(body.getLinearVelocity()) &&
+         IsFinite(body.getAngularVelocity());
+}
+
+void WriteAll(int fd, const char* bytes, std::size_t size) {
+  while (size > 0) {
+    const ssize_t written = write(fd, bytes, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0)
+      throw std::system_error(errno, std::generic_category(), "cannot write the contacts");
+    bytes += written;
+    size -= static_cast<std::size_t>(written);
+  }
+}
+
+}  // namespace
+
+Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recording, int contacts_fd)
+    : engine_(engine),
+      cycles_(scene.world.Count("cycles")),
+      streams_contacts_(scene.world.Lists("record", "contacts")),
+      all_walls_(scene.world.WordOr("world.walls") == "all"),
+      floor_(scene.world.WordOr("world.walls") == "floor"),
+      contacts_fd_(contacts_fd),
+      duration_(recording.Reals("duration")),
+      kinetic_energy_(recording.Reals("kinetic_energy")),
+      energy_(recording.Reals("energy")),
+      max_penetration_(recording.Reals("max_penetration")),
+      max_speed_(recording.Reals("max_speed")),
+      motion_ratio_(recording.Reals("motion_ratio")),
+      heap_(recording.Reals("heap")),
+      poses_(recording.Reals("poses")),
+      pairs_(recording.Ints("pairs")),
+      manifolds_(recording.Ints("manifolds")),
+      contacts_(recording.Ints("contacts")),
+      escaped_(recording.Ints("escaped")),
+      asleep_(recording.Ints("asleep")),
+      removed_(recording.Ints("removed")),
+      non_finite_(recording.Ints("non_finite")) {
+  if (motion_ratio_.empty()) return;
+  last_positions_.resize(engine.objects().size());
+  touches_.resize(engine.objects().size() + kWallCount);
+}
+
+void Probes::Begin() {
+  for (std::size_t i = 0; i < last_positions_.size(); ++i)
+    last_positions_[i] = engine_.objects()[i]->getWorldTransform().getOrigin();
+}
+
+void Probes::Record(std::uint64_t cycle) {
+  if (!duration_.empty() && engine_.timed_world() != nullptr) {
+    const auto durations = engine_.timed_world()->Durations();
+    for (std::size_t phase = 0; phase < durations.size(); ++phase)
+      duration_[phase * cycles_ + cycle] = durations[phase];
+  }
+  // First, as the rest may use the heap.
+  if (!heap_.empty()) {
+    const struct mallinfo2 info = mallinfo2();
+    heap_[cycle] = static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+  }
+  if (!pairs_.empty()) pairs_[cycle] = engine_.world().getPairCache()->getNumOverlappingPairs();
+  if (!manifolds_.empty() || !contacts_.empty() || !max_penetration_.empty())
+    RecordManifolds(cycle);
+  if (!max_speed_.empty()) RecordStability(cycle);
+  if (!motion_ratio_.empty()) RecordMotionRatio(cycle);
+  if (!energy_.empty()) RecordEnergy(cycle);
+  if (!poses_.empty()) RecordPoses(cycle);
+}
+
+void Probes::RecordManifolds(std::uint64_t cycle) {
+  btDispatcher& dispatcher = *engine_.world().getDispatcher();
+  std::int32_t manifolds = 0, contacts = 0;
+  double deepest = 0;
+  std::ranges::fill(touches_, 0);
+  contact_records_.clear();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+    const int count = manifold.getNumContacts();
+    if (count == 0) continue;
+    const int a = manifold.getBody0()->getUserIndex();
+    const int b = manifold.getBody1()->getUserIndex();
+    ++manifolds;
+    contacts += count;
+    if (!touches_.empty())
+      touches_[static_cast<std::size_t>(a)] = touches_[static_cast<std::size_t>(b)] = 1;
+    for (int j = 0; j < count; ++j) {
+      const btManifoldPoint& point = manifold.getContactPoint(j);
+      const double distance = static_cast<double>(point.getDistance());
+      deepest = std::max(deepest, -distance);
+      if (!streams_contacts_) continue;
+      const Vector3d at = ToEigen(point.getPositionWorldOnA());
+      const Vector3d normal = ToEigen(point.m_normalWorldOnB);
+      contact_records_.push_back({static_cast<double>(a),
+                                  static_cast<double>(b),
+                                  {at.x(), at.y(), at.z()},
+                                  {normal.x(), normal.y(), normal.z()},
+                                  distance});
+    }
+  }
+  if (!manifolds_.empty()) manifolds_[cycle] = manifolds;
+  if (!contacts_.empty()) contacts_[cycle] = contacts;
+  if (!max_penetration_.empty()) max_penetration_[cycle] = deepest;
+  if (!contact_records_.empty())
+    WriteAll(contacts_fd_, reinterpret_cast<const char*>(contact_records_.data()),
+             contact_records_.size() * sizeof(ContactRecord));
+}
+
+bool Probes::IsBeyondWall(const btVector3& centre) const {
+  const double half = engine_.side() / 2;
+  const Vector3d at = ToEigen(centre);
+  if (all_walls_) return at.cwiseAbs().maxCoeff() > half;
+  return floor_ && at.y() < -half;
+}
+
+void Probes::RecordStability(std::uint64_t cycle) {
+  double fastest = 0;
+  std::int32_t escaped = 0, asleep = 0, removed = 0, non_finite = 0;
+  for (const auto& body : engine_.objects()) {
+    if (!IsFinite(*body)) {
+      ++non_finite;
+      continue;
+    }
+    escaped += IsBeyondWall(body->getWorldTransform().getOrigin());
+    if (body->isStaticObject()) continue;  // Bullet marks fixed bodies as asleep
+    fastest = std::max(fastest, ToEigen(body->getLinearVelocity()).norm());
+    asleep += body->getActivationState() == ISLAND_SLEEPING;
+    removed += body->getActivationState() == DISABLE_SIMULATION;
+  }
+  max_speed_[cycle] = fastest;
+  escaped_[cycle] = escaped;
+  asleep_[cycle] = asleep;
+  removed_[cycle] = removed;
+  non_finite_[cycle] = non_finite;
+}
+
+void Probes::RecordMotionRatio(std::uint64_t cycle) {
+  const double timestep = static_cast<double>(engine_.timestep());
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < last_positions_.size(); ++i) {
+    const btRigidBody& body = *engine_.objects()[i];
+    const btVector3& position = body.getWorldTransform().getOrigin();
+    const Vector3d way = ToEigen(position) - ToEigen(last_positions_[i]);
+    last_positions_[i] = position;
+    // Bullet moves a body by its velocity at the end of the step.
+    const double to_go = ToEigen(body.getLinearVelocity()).norm() * timestep;
+    if (body.isStaticObject() || !body.isActive() || touches_[i] || !(to_go > 0)) continue;
+    least = std::min(least, way.norm() / to_go);
+  }
+  // "No value" where nothing moves without contact.
+  if (std::isfinite(least)) motion_ratio_[cycle] = least;
+}
+
+void Probes::RecordEnergy(std::uint64_t cycle) {
+  const Vector3d& g = engine_.initial_state().acceleration;
+  const double half_timestep = static_cast<double>(engine_.timestep()) / 2;
+  double kinetic = 0, other = 0;
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
+    const library::ObjectState& object = engine_.initial_state().objects[i];
+    if (object.IsFixed()) continue;
+    const btRigidBody& body = *engine_.objects()[i];
+    const Vector3d v = ToEigen(body.getLinearVelocity());
+    // The axes of a body are its principal ones.
+    const Vector3d spin = ToEigen(body.getAngularVelocity() * body.getWorldTransform().getBasis());
+    const Vector3d inertia = object.solid.InertiaPerMass();
+    kinetic += object.mass / 2 * (v.squaredNorm() + inertia.dot(spin.cwiseAbs2()));
+    // x* = x + v dt with v = v + g dt: v^2/2 - g.x + dt g.v/2 stays as it is in free flight.
+    const Vector3d x = ToEigen(body.getWorldTransform().getOrigin());
+    other += object.mass * (half_timestep * g.dot(v) - g.dot(x));
+  }
+  if (!kinetic_energy_.empty()) kinetic_energy_[cycle] = kinetic;
+  energy_[cycle] = kinetic + other;
+}
+
+void Probes::RecordPoses(std::uint64_t cycle) {
+  auto at = poses_.subspan(cycle * engine_.objects().size() * kPoseSize).begin();
+  for (const auto& body : engine_.objects()) {
+    const btTransform& pose = body->getWorldTransform();
+    const btQuaternion turn = pose.getRotation();
+    for (int i = 0; i < 3; ++i) *at++ = static_cast<double>(pose.getOrigin()[i]);
+    for (const btScalar part : {turn.x(), turn.y(), turn.z(), turn.w()})
+      *at++ = static_cast<double>(part);
+  }
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,45 @@
+// Takes what a scene records between two cycles. Nothing here runs inside a timed cycle, and
+// nothing is taken that the scene does not record.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runtime/engine/engine.h"
+#include "runtime/measure/recording.h"
+
+namespace cdb::runtime {
+
+/// Engine and recording must outlive it. Not for several threads.
+class Probes {
+ public:
+  /// `contacts_fd` receives the ContactRecords of `record contacts`; without effect otherwise.
+  Probes(const compiler::Scene& scene, Engine& engine, Recording& recording, int contacts_fd);
+
+  /// Call once before the first recorded cycle: where the objects' ways begin.
+  void Begin();
+  /// Call after each recorded cycle. Throws std::system_error where a contact cannot be written.
+  void Record(std::uint64_t cycle);
+
+ private:
+  void RecordManifolds(std::uint64_t cycle);
+  void RecordStability(std::uint64_t cycle);
+  void RecordEnergy(std::uint64_t cycle);
+  void RecordPoses(std::uint64_t cycle);
+  void RecordMotionRatio(std::uint64_t cycle);
+  bool IsBeyondWall(const btVector3& centre) const;
+
+  Engine& engine_;
+  const std::uint64_t cycles_;
+  const bool streams_contacts_, all_walls_, floor_;
+  const int contacts_fd_;
+  std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, max_speed_;
+  std::span<double> motion_ratio_, heap_, poses_;
+  std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_;
+  std::vector<btVector3> last_positions_;  ///< empty where `motion_ratio` is not recorded
+  std::vector<char> touches_;              ///< by body, walls too: has a contact in this cycle
+  std::vector<ContactRecord> contact_records_;
+};
+
+}  // namespace cdb::runtime

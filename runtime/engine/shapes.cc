@@ -1,0 +1,162 @@
+#include "runtime/engine/shapes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "library/scene_error.h"
+
+namespace cdb::runtime {
+namespace {
+
+using library::Shape;
+using library::Solid;
+
+/// The schema's default; a margin written out as 0.04 means the same.
+constexpr double kBulletMargin = 0.04;
+
+btVector3 ToBullet(const Eigen::Vector3d& v) {
+  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
+}
+
+/// Of the ellipse in the x-z plane with the half axes of `half`, the point farthest along
+/// `direction`.
+btVector3 EllipsePoint(const btVector3& half, const btVector3& direction) {
+  const btScalar x = half.x() * direction.x();
+  const btScalar z = half.z() * direction.z();
+  const btScalar length = btSqrt(x * x + z * z);
+  if (!(length > 0)) return {half.x(), 0, 0};
+  return {half.x() * (x / length), 0, half.z() * (z / length)};
+}
+
+bool IsRoundCapsule(const Solid& solid) {
+  return solid.shape == Shape::kCapsule && solid.sides.x() == solid.sides.z() &&
+         solid.sides.y() >= solid.sides.x();
+}
+
+double EffectiveMargin(const Solid& solid, double margin) {
+  // Bullet's sphere and capsule are all margin.
+  if (solid.IsBall() || IsRoundCapsule(solid)) return 0;
+  const double least = solid.HalfExtents().minCoeff();
+  if (margin == kBulletMargin) return std::min(margin, least / 10);
+  if (margin >= least)
+    throw library::SceneError(
+        fmt::format("margin {:.6g} m leaves nothing of an object whose least half extent is {:.6g} "
+                    "m; make it smaller",
+                    margin, least));
+  return margin;
+}
+
+}  // namespace
+
+SolidShape::SolidShape(const Solid& solid, btScalar margin)
+    : solid_(solid),
+      core_(ToBullet(solid.HalfExtents()) - btVector3(margin, margin, margin)),
+      core_shift_(static_cast<btScalar>(solid.BoxCentre())) {
+  m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
+  m_implicitShapeDimensions = core_;
+  btConvexInternalShape::setMargin(margin);
+}
+
+btVector3 SolidShape::localGetSupportingVertexWithoutMargin(const btVector3& direction) const {
+  switch (solid_.shape) {
+    case Shape::kEllipsoid: {
+      const btVector3 scaled = core_ * direction;
+      const btScalar length = scaled.length();
+      if (!(length > 0)) return {core_.x(), 0, 0};
+      return core_ * (scaled / length);
+    }
+    case Shape::kCylinder: {
+      btVector3 point = EllipsePoint(core_, direction);
+      point.setY(direction.y() < 0 ? -core_.y() : core_.y());
+      return point;
+    }
+    case Shape::kCone: {
+      const btVector3 tip(0, core_shift_ + core_.y(), 0);
+      btVector3 rim = EllipsePoint(core_, direction);
+      rim.setY(core_shift_ - core_.y());
+      return direction.dot(tip) > direction.dot(rim) ? tip : rim;
+    }
+    case Shape::kCapsule: {
+      const btScalar straight = static_cast<btScalar>(solid_.StraightHalf());
+      const btVector3 caps(core_.x(), core_.y() - straight, core_.z());
+      const btVector3 scaled = caps * direction;
+      const btScalar length = scaled.length();
+      btVector3 point = length > 0 ? caps * (scaled / length) : btVector3(caps.x(), 0, 0);
+      point.setY(point.y() + (direction.y() < 0 ? -straight : straight));
+      return point;
+    }
+    case Shape::kTetrahedron: {
+      btVector3 farthest = core_;
+      for (int axis = 0; axis < 3; ++axis) {
+        btVector3 corner = -core_;
+        corner[axis] = core_[axis];
+        if (direction.dot(corner) > direction.dot(farthest)) farthest = corner;
+      }
+      return farthest;
+    }
+    case Shape::kCuboid:
+      break;
+  }
+  return {direction.x() < 0 ? -core_.x() : core_.x(), direction.y() < 0 ? -core_.y() : core_.y(),
+          direction.z() < 0 ? -core_.z() : core_.z()};
+}
+
+btVector3 SolidShape::localGetSupportingVertex(const btVector3& direction) const {
+  const btVector3 point = localGetSupportingVertexWithoutMargin(direction);
+  const btScalar length = direction.length();
+  if (!(length > 0)) return point;
+  return point + direction * (getMarginNV() / length);
+}
+
+void SolidShape::batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* directions,
+                                                                   btVector3* points,
+                                                                   int count) const {
+  for (int i = 0; i < count; ++i) points[i] = localGetSupportingVertexWithoutMargin(directions[i]);
+}
+
+void SolidShape::getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const {
+  const btMatrix3x3& basis = pose.getBasis();
+  const btScalar margin = getMarginNV();
+  for (int axis = 0; axis < 3; ++axis) {
+    // A row of the basis is the world's axis in the body's frame.
+    const btVector3& direction = basis[axis];
+    const btScalar origin = pose.getOrigin()[axis];
+    upper[axis] = origin + direction.dot(localGetSupportingVertexWithoutMargin(direction)) + margin;
+    lower[axis] =
+        origin + direction.dot(localGetSupportingVertexWithoutMargin(-direction)) - margin;
+  }
+  upper.setW(0);
+  lower.setW(0);
+}
+
+void SolidShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
+  inertia = mass * ToBullet(solid_.InertiaPerMass());
+}
+
+btConvexShape* ShapePool::Get(const Solid& solid, double margin) {
+  const double effective = EffectiveMargin(solid, margin);
+  auto& shape =
+      shapes_[{solid.shape, solid.sides.x(), solid.sides.y(), solid.sides.z(), effective}];
+  if (shape != nullptr) return shape.get();
+  const btVector3 half = ToBullet(solid.HalfExtents());
+  const auto bullet_margin = static_cast<btScalar>(effective);
+  if (solid.IsBall()) {
+    shape = std::make_unique<btSphereShape>(half.x());
+  } else if (IsRoundCapsule(solid)) {
+    shape =
+        std::make_unique<btCapsuleShape>(half.x(), static_cast<btScalar>(2 * solid.StraightHalf()));
+  } else if (solid.shape == Shape::kCuboid) {
+    shape = std::make_unique<btBoxShape>(half);
+    shape->setMargin(bullet_margin);  // moves the core, not the outside
+  } else if (solid.shape == Shape::kCylinder && solid.sides.x() == solid.sides.z()) {
+    shape = std::make_unique<btCylinderShape>(half);
+    shape->setMargin(bullet_margin);
+  } else {
+    shape = std::make_unique<SolidShape>(solid, bullet_margin);
+  }
+  return shape.get();
+}
+
+}  // namespace cdb::runtime

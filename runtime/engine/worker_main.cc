@@ -1,0 +1,106 @@
+// The worker: one process for one run. `cdb run` starts it with three descriptors
+// (runtime/measure/recording.h); it reads the run, writes the recording and ends.
+// Exit status: 0 when the recording says how the run ended, 2 when that was not possible.
+
+#include <LinearMath/btScalar.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "compiler/plan_yaml.h"
+#include "runtime/engine/precision.h"
+#include "runtime/engine/run_scene.h"
+
+namespace cdb::runtime {
+namespace {
+
+constexpr int kCannotReport = 2;
+/// Followed by the reason; a worker gives it to itself.
+constexpr const char* kKeepWalls = "--keep-walls";
+
+std::string ReadAll(int fd) {
+  std::string text;
+  char buffer[65536];
+  for (;;) {
+    const ssize_t count = read(fd, buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw std::system_error(errno, std::generic_category(), "cannot read the run");
+    if (count == 0) return text;
+    text.append(buffer, static_cast<std::size_t>(count));
+  }
+}
+
+bool HasDescriptors() {
+  for (const int fd : {kRunFd, kRecordingFd, kContactsFd})
+    if (fcntl(fd, F_GETFD) < 0) return false;
+  return true;
+}
+
+/// The same run from the start in a process that has done nothing yet, with all walls.
+[[noreturn]] void StartAgain(const char* program, Recording& recording, const Tripped& tripped) {
+  recording.Clear();
+  if (lseek(kRunFd, 0, SEEK_SET) != 0 || ftruncate(kContactsFd, 0) != 0 ||
+      lseek(kContactsFd, 0, SEEK_SET) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot start again");
+  execl("/proc/self/exe", program, kKeepWalls, tripped.what(), nullptr);
+  throw std::system_error(errno, std::generic_category(), "cannot start again");
+}
+
+int RunWorker(const char* program, const std::string& keep_walls) {
+  // A runner that is killed must not leave workers behind.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const compiler::Run run = compiler::RunFromYaml(ReadAll(kRunFd), "run");
+  Recording recording = Recording::Open(kRecordingFd, run.scene);
+  const std::string mismatch = PrecisionMismatch();
+  if (!mismatch.empty()) {
+    ReportFailure(recording, mismatch);
+  } else if (run.scene.world.WordOr("precision") != EnginePrecision()) {
+    ReportFailure(recording, fmt::format("the run asks for {} precision, this worker has {}",
+                                         run.scene.world.WordOr("precision"), EnginePrecision()));
+  } else {
+    try {
+      RunScene(run, recording, kContactsFd, keep_walls).release();  // the system takes it down
+    } catch (const Tripped& tripped) {
+      StartAgain(program, recording, tripped);
+    }
+  }
+  recording.header().peak_rss_bytes = PeakRssBytes();
+  return 0;
+}
+
+}  // namespace
+}  // namespace cdb::runtime
+
+int main(int argc, char** argv) {
+  using namespace cdb::runtime;
+  if (argc == 2 && std::string_view(argv[1]) == "--version") {
+    fmt::print("cdb {}, Bullet {}.{}, {} precision\n", CDB_VERSION, btGetVersion() / 100,
+               btGetVersion() % 100, EnginePrecision());
+    return 0;
+  }
+  const bool keeps_walls = argc == 3 && std::string_view(argv[1]) == kKeepWalls;
+  if ((argc != 1 && !keeps_walls) || !HasDescriptors()) {
+    fmt::print(stderr,
+               "{}: this program runs one run of a plan for `cdb run` and is not started by hand; "
+               "use `cdb run FILE.cdb`\n",
+               argv[0]);
+    return kCannotReport;
+  }
+  try {
+    const int status = RunWorker(argv[0], keeps_walls ? argv[2] : "");
+    std::fflush(nullptr);
+    _exit(status);  // nothing left to take down that the system does not
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", argv[0], error.what());
+    return kCannotReport;
+  }
+}

@@ -1,0 +1,112 @@
+#include "runtime/measure/recording.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace cdb::runtime {
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+
+std::size_t Aligned(std::size_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+}  // namespace
+
+Recording::Recording(int fd, const compiler::Scene& scene, bool create) : fd_(fd) {
+  bytes_ = Aligned(sizeof(RecordingHeader));
+  for (const Series& series : AllSeries()) {
+    if (!series.IsRecordedBy(scene)) continue;
+    const std::size_t bytes =
+        series.ItemBytes() * series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount());
+    places_.push_back({&series, bytes_, bytes});
+    bytes_ += Aligned(bytes);
+  }
+  if (create && ftruncate(fd_, static_cast<off_t>(bytes_)) != 0)
+    throw std::system_error(errno, std::generic_category(), "no memory for the recording of a run");
+  struct stat status = {};
+  if (fstat(fd_, &status) != 0 || static_cast<std::size_t>(status.st_size) != bytes_)
+    throw std::runtime_error("the recording does not belong to this run");
+  void* memory = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd_, 0);
+  if (memory == MAP_FAILED)
+    throw std::system_error(errno, std::generic_category(), "cannot map the recording of a run");
+  header_ = static_cast<RecordingHeader*>(memory);
+}
+
+Recording Recording::Create(const compiler::Scene& scene) {
+  const int fd = memfd_create("cdb-recording", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (fd < 0)
+    throw std::system_error(errno, std::generic_category(), "no memory for the recording of a run");
+  Recording recording(fd, scene, true);
+  // A worker that cuts it short would take the runner with it, which reads it still.
+  fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW);
+  recording.Clear();
+  return recording;
+}
+
+void Recording::Clear() {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  header_ = new (header_) RecordingHeader{};
+  header_->magic = RecordingHeader::kMagic;
+  header_->bytes = bytes_;
+  header_->peak_rss_bytes = header_->place_ns = header_->build_ns = header_->fill_fraction = kNone;
+  for (const Place& place : places_) {
+    if (place.series->type == SeriesType::kInt32) {
+      std::ranges::fill(Ints(place.series->name), -1);
+    } else {
+      std::ranges::fill(Reals(place.series->name), kNone);
+    }
+  }
+}
+
+Recording Recording::Open(int fd, const compiler::Scene& scene) {
+  Recording recording(fd, scene, false);
+  if (recording.header().magic != RecordingHeader::kMagic ||
+      recording.header().bytes != recording.bytes_)
+    throw std::runtime_error("the recording does not belong to this run");
+  return recording;
+}
+
+Recording::Recording(Recording&& other) noexcept
+    : fd_(std::exchange(other.fd_, -1)),
+      header_(std::exchange(other.header_, nullptr)),
+      bytes_(other.bytes_),
+      places_(std::move(other.places_)) {}
+
+Recording::~Recording() {
+  if (header_ != nullptr) munmap(header_, bytes_);
+  if (fd_ >= 0) close(fd_);
+}
+
+std::span<std::byte> Recording::Find(const Series& series) const {
+  for (const Place& place : places_)
+    if (place.series == &series)
+      return {reinterpret_cast<std::byte*>(header_) + place.offset, place.bytes};
+  return {};
+}
+
+std::span<std::int32_t> Recording::Ints(std::string_view series) {
+  const auto bytes = Find(*FindSeries(series));
+  return {reinterpret_cast<std::int32_t*>(bytes.data()), bytes.size() / sizeof(std::int32_t)};
+}
+
+std::span<double> Recording::Reals(std::string_view series) {
+  const auto bytes = Find(*FindSeries(series));
+  return {reinterpret_cast<double*>(bytes.data()), bytes.size() / sizeof(double)};
+}
+
+std::span<const std::byte> Recording::Bytes(const Series& series) const { return Find(series); }
+
+}  // namespace cdb::runtime

@@ -1,0 +1,88 @@
+// The memory that a worker writes its measurements into and the runner reads: a file without a name
+// that both map. What a worker wrote before it crashed or ran out of time is kept, and recording a
+// value is a store, not a system call.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan.h"
+#include "runtime/measure/series.h"
+
+namespace cdb::runtime {
+
+/// How far a worker got.
+enum class WorkerOutcome : std::int32_t { kRunning = 0, kDone = 1, kFailed = 2 };
+
+/// The head of the memory. The worker writes, the runner reads after the worker has ended.
+struct RecordingHeader {
+  static constexpr std::uint64_t kMagic = 0x32'47'4e'49'44'52'43'00;  // "\0CRDING2"
+  std::uint64_t magic;
+  std::uint64_t bytes;  ///< of the whole memory
+  std::atomic<std::uint64_t> cycles_done;
+  std::atomic<WorkerOutcome> outcome;
+  char state_hash[20];    ///< 16 hex digits after the last cycle; empty before
+  char message[2048];     ///< why it failed, in the user's words
+  char omitted[256];      ///< names of the components left out (compiler/needs.h)
+  char needs[4096];       ///< what became of each component, and why
+  double peak_rss_bytes;  ///< of the worker process; NaN where it did not get that far
+  double place_ns;        ///< finding a place for every object
+  double build_ns;        ///< settling what is left out, and making the world
+  double fill_fraction;   ///< objects' volume over the cube's
+};
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+
+/// A mapping of one run's recording. Not copied; unmapped and closed at the end. Not for several
+/// threads.
+class Recording {
+ public:
+  /// Runner: makes the memory for `scene`, filled with "no value" (-1 and NaN). Throws
+  /// std::system_error.
+  static Recording Create(const compiler::Scene& scene);
+  /// Worker: maps what the runner made, every page touched, so that no cycle pays for a page fault.
+  /// Throws std::runtime_error where the memory is not a recording of this scene.
+  static Recording Open(int fd, const compiler::Scene& scene);
+
+  Recording(Recording&& other) noexcept;
+  Recording& operator=(Recording&&) = delete;
+  ~Recording();
+
+  /// As Create left it: for a run that starts again.
+  void Clear();
+
+  int fd() const { return fd_; }
+  RecordingHeader& header() { return *header_; }
+  const RecordingHeader& header() const { return *header_; }
+
+  /// The values of a series, laid out as `Series::shape` says; empty where the scene does not
+  /// record it.
+  std::span<std::int32_t> Ints(std::string_view series);
+  std::span<double> Reals(std::string_view series);
+  /// The same as bytes.
+  std::span<const std::byte> Bytes(const Series& series) const;
+
+ private:
+  Recording(int fd, const compiler::Scene& scene, bool create);
+  std::span<std::byte> Find(const Series& series) const;
+
+  int fd_ = -1;
+  RecordingHeader* header_ = nullptr;
+  std::size_t bytes_ = 0;
+  struct Place {
+    const Series* series;
+    std::size_t offset, bytes;
+  };
+  std::vector<Place> places_;
+};
+
+/// The worker's descriptors, set up by whoever starts it: one run as YAML to read, the recording,
+/// and a file that ContactRecords are appended to (there also where the run records no contacts).
+inline constexpr int kRunFd = 3;
+inline constexpr int kRecordingFd = 4;
+inline constexpr int kContactsFd = 5;
+
+}  // namespace cdb::runtime

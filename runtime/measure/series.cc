@@ -1,0 +1,75 @@
+#include "runtime/measure/series.h"
+
+#include <algorithm>
+
+#include "compiler/schema.h"
+
+namespace cdb::runtime {
+namespace {
+
+using enum SeriesType;
+using enum SeriesShape;
+
+constexpr Series kSeries[] = {
+    {"duration", "timing", kFloat64, kPhase, "ns", "time of each phase of a cycle"},
+    {"pairs", "counts", kInt32, kScalar, "", "potentially colliding pairs of the broad phase"},
+    {"manifolds", "counts", kInt32, kScalar, "", "contact manifolds that hold a point"},
+    {"contacts", "counts contacts", kInt32, kScalar, "", "contact points"},
+    {"kinetic_energy", "energy stability", kFloat64, kScalar, "J", "translation and rotation"},
+    {"energy", "energy stability", kFloat64, kScalar, "J",
+     "kinetic and potential energy with the integrator's own term, m dt g.v / 2"},
+    {"max_penetration", "stability", kFloat64, kScalar, "m",
+     "deepest contact; 0 where none overlaps"},
+    {"max_speed", "stability", kFloat64, kScalar, "m/s", "of any object's centre of mass"},
+    {"escaped", "stability", kInt32, kScalar, "", "objects with their centre beyond a wall"},
+    {"asleep", "stability", kInt32, kScalar, "", "objects that Bullet has put to sleep"},
+    {"removed", "stability", kInt32, kScalar, "",
+     "objects whose simulation Bullet has switched off"},
+    {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not a number"},
+    {"motion_ratio", "stability", kFloat64, kScalar, "",
+     "least way gone over way to go, |dx| / (|v| dt), of the objects that move without contact"},
+    {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle"},
+    {"poses", "poses", kFloat64, kPose, "",
+     "centre of mass and orientation quaternion after the cycle"},
+};
+
+constexpr std::string_view kPhaseNames[] = {"broad", "narrow",    "detect",
+                                            "solve", "integrate", "step"};
+
+}  // namespace
+
+std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) const {
+  switch (shape) {
+    case kScalar:
+      return cycles;
+    case kPhase:
+      return cycles * kPhaseCount;
+    case kPose:
+      return cycles * objects * kPoseSize;
+  }
+  return 0;
+}
+
+bool Series::IsRecordedBy(const compiler::Scene& scene) const {
+  const auto* asked = std::get_if<compiler::WordList>(&scene.world.Get("record"));
+  return asked != nullptr &&
+         std::any_of(asked->begin(), asked->end(),
+                     [&](const std::string& word) { return compiler::ListsWord(records, word); });
+}
+
+bool Series::IsRecordedBy(const compiler::Plan& plan) const {
+  return std::any_of(plan.runs.begin(), plan.runs.end(),
+                     [&](const compiler::Run& run) { return IsRecordedBy(run.scene); });
+}
+
+std::span<const Series> AllSeries() { return kSeries; }
+
+const Series* FindSeries(std::string_view name) {
+  const auto* row = std::find_if(std::begin(kSeries), std::end(kSeries),
+                                 [&](const Series& series) { return series.name == name; });
+  return row == std::end(kSeries) ? nullptr : row;
+}
+
+std::span<const std::string_view> PhaseNames() { return kPhaseNames; }
+
+}  // namespace cdb::runtime

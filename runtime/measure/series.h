@@ -1,0 +1,62 @@
+// THE table of series: what a run can record in each cycle. Worker, store and `cdb show` read it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "compiler/plan.h"
+
+namespace cdb::runtime {
+
+enum class SeriesType { kInt32, kFloat64 };
+
+/// The dimension a series has beside the cycle.
+enum class SeriesShape {
+  kScalar,  ///< [cycle]
+  kPhase,   ///< [phase, cycle]
+  kPose,    ///< [cycle, body, pose]: x y z qx qy qz qw
+};
+
+struct Series {
+  std::string_view name;     ///< the dataset
+  std::string_view records;  ///< space-separated words of `record`, any of which asks for it
+  SeriesType type = SeriesType::kFloat64;
+  SeriesShape shape = SeriesShape::kScalar;
+  std::string_view unit;  ///< as results files write it; empty where it has none
+  std::string_view doc;   ///< the dataset's long_name
+
+  std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
+  /// Values of one run of so many cycles and objects.
+  std::size_t ValueCount(std::uint64_t cycles, std::uint64_t objects) const;
+  /// `scene` asks for it.
+  bool IsRecordedBy(const compiler::Scene& scene) const;
+  /// Any run of `plan` asks for it.
+  bool IsRecordedBy(const compiler::Plan& plan) const;
+};
+
+std::span<const Series> AllSeries();
+/// Null where there is none.
+const Series* FindSeries(std::string_view name);
+
+/// The phases of a cycle, in the order of the `phase` axis. Each is stamped by itself, in
+/// nanoseconds.
+enum Phase { kBroad, kNarrow, kDetect, kSolve, kIntegrate, kStep, kPhaseCount };
+std::span<const std::string_view> PhaseNames();
+
+/// Components of a pose.
+inline constexpr std::size_t kPoseSize = 7;
+
+/// One contact point of `record contacts`, as the worker streams it; doubles throughout so that a
+/// reader needs one type. body: index of the object, walls after the last object; point on the
+/// first body's surface, m; unit normal from the second body to the first; distance, m, negative
+/// where they overlap.
+struct ContactRecord {
+  double body_a, body_b;
+  double point[3];
+  double normal[3];
+  double distance;
+};
+
+}  // namespace cdb::runtime

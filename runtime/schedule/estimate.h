@@ -1,0 +1,57 @@
+// How long the runs that are left will take, learned from those that have ended.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "compiler/plan.h"
+
+namespace cdb::runtime {
+
+/// A run is predicted from the mean of its like (same detector, objects, cycles), else by a power
+/// law of the time of a cycle in the number of objects, fitted to its detector's runs, else to all
+/// runs. Not for several threads.
+class TimeEstimate {
+ public:
+  explicit TimeEstimate(const std::vector<const compiler::Run*>& to_do);
+
+  /// `run` took `wall_s`. What a run that ended badly took says nothing about others: give none.
+  void Ended(const compiler::Run& run, std::optional<double> wall_s);
+
+  /// Seconds; none before anything has ended.
+  std::optional<double> Predict(const compiler::Run& run) const;
+  /// The sum over all that has not ended.
+  std::optional<double> Left() const;
+
+ private:
+  /// Runs that are alike.
+  struct Kind {
+    std::string detector;
+    double objects, cycles;
+    double timeout_s;
+    auto operator<=>(const Kind&) const = default;
+  };
+  struct Times {
+    std::size_t left = 0, ended = 0;
+    double sum_s = 0;
+  };
+  /// Of log(seconds a cycle) on log(objects): least squares from running sums.
+  struct Fit {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+    void Add(double objects, double cycle_s);
+    double CycleSeconds(double objects) const;
+  };
+
+  static Kind KindOf(const compiler::Run& run);
+  std::optional<double> Predict(const Kind& kind, const Times& times) const;
+
+  std::map<Kind, Times> kinds_;
+  std::map<std::string, Fit> fits_;
+  Fit all_;
+};
+
+}  // namespace cdb::runtime

@@ -1,0 +1,129 @@
+#include "runtime/schedule/folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <system_error>
+#include <unordered_set>
+#include <utility>
+
+#include "compiler/plan_yaml.h"
+#include "runtime/schedule/launcher.h"
+#include "runtime/store/safe_file.h"
+
+namespace cdb::runtime {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kPlanName = "plan.yaml";
+constexpr std::string_view kShardEnding = ".h5";
+constexpr std::string_view kBrokenEnding = ".h5.broken";
+
+/// `0123456789abcdef.h5` → the run's id; anything else is not a shard of ours and left alone.
+std::string ShardRunId(const std::string& name, std::string_view ending) {
+  constexpr std::size_t kIdDigits = 16;
+  if (name.size() != kIdDigits + ending.size() || !name.ends_with(ending)) return {};
+  const std::string id = name.substr(0, kIdDigits);
+  return id.find_first_not_of("0123456789abcdef") == std::string::npos ? id : std::string();
+}
+
+[[noreturn]] void FailStore(std::string_view doing, const fs::path& file, int error) {
+  throw StoreError(fmt::format("cannot {} {}: {}", doing, file.string(),
+                               std::generic_category().message(error)));
+}
+
+template <typename Visit>
+void ForEachName(const fs::path& folder, Visit visit) {
+  std::error_code error;
+  fs::directory_iterator entry(folder, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error))
+    visit(entry->path().filename().string());
+  if (error) FailStore("read the folder", folder, error.value());
+}
+
+[[noreturn]] void RefuseMixture(const fs::path& shard) {
+  throw ScheduleError(fmt::format(
+      "{} is a shard of another plan; two plans are never mixed in one folder. Name another result "
+      "with -o, or forget what {} holds with --fresh",
+      shard.string(), shard.parent_path().string()));
+}
+
+}  // namespace
+
+ShardFolder::ShardFolder(const compiler::Plan& plan, fs::path folder, bool fresh)
+    : folder_(std::move(folder)), plan_sha256_(plan.Sha256()) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) FailStore("make the folder", folder_, error.value());
+  if (!fresh) RefuseOthers(plan);
+  RemoveStaleTemporaries(folder_);
+  if (fresh) Clear();
+}
+
+void ShardFolder::RefuseOthers(const compiler::Plan& plan) const {
+  std::unordered_set<std::string_view> ids;
+  for (const compiler::Run& run : plan.runs) ids.insert(run.id);
+  ForEachName(folder_, [&](const std::string& name) {
+    const std::string id = ShardRunId(name, kShardEnding);
+    if (!id.empty() && !ids.contains(id)) RefuseMixture(folder_ / name);
+  });
+}
+
+void ShardFolder::Clear() const {
+  ForEachName(folder_, [&](const std::string& name) {
+    if (ShardRunId(name, kShardEnding).empty() && ShardRunId(name, kBrokenEnding).empty() &&
+        name != kPlanName)
+      return;
+    const fs::path file = folder_ / name;
+    if (unlink(file.c_str()) != 0 && errno != ENOENT) FailStore("remove", file, errno);
+  });
+}
+
+void ShardFolder::WritePlan(const compiler::Plan& plan) const {
+  const std::string text = compiler::ToYaml(plan);
+  const fs::path file = folder_ / kPlanName;
+  {
+    std::ifstream in(file, std::ios::binary);
+    if (in && std::string(std::istreambuf_iterator<char>(in), {}) == text) return;
+  }
+  WriteWhole(text, file);
+}
+
+std::optional<Status> ShardFolder::Find(const compiler::Run& run,
+                                        std::vector<std::string>& warnings) const {
+  const fs::path shard = folder_ / (run.id + std::string(kShardEnding));
+  // What the system refuses to open is not broken: setting it aside would hide a good shard.
+  const int fd = open(shard.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0 && errno == ENOENT) return std::nullopt;
+  if (fd < 0) FailStore("read", shard, errno);
+  close(fd);
+
+  std::string fault;
+  try {
+    const ShardInfo info = ReadShardInfo(shard);
+    if (info.plan_sha256 != plan_sha256_) RefuseMixture(shard);
+    if (info.run_id == run.id && info.status != Status::kMissing && info.status != Status::kSkipped)
+      return info.status;
+    fault = shard.string() + ": is the shard of another run";
+  } catch (const StoreError& error) {
+    // Without what it tells a person to do: it is done here.
+    fault = error.what();
+    fault = fault.substr(0, fault.find("; it was left as it is"));
+  }
+  const fs::path broken = shard.string() + ".broken";
+  // Another driver may have set it aside already.
+  if (rename(shard.c_str(), broken.c_str()) != 0 && errno != ENOENT)
+    FailStore("set aside", shard, errno);
+  warnings.push_back(
+      fmt::format("{}; it is now {}, and its run is run again", fault, broken.filename().string()));
+  return std::nullopt;
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,48 @@
+// What the schedule needs of the system: start a run, and learn how it ended. Tests put a fake
+// behind it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "compiler/plan.h"
+#include "runtime/measure/recording.h"
+#include "runtime/store/store.h"
+
+namespace cdb::runtime {
+
+/// The world refused (no worker program, cannot fork, a folder of another plan): the message names
+/// the thing, what was kept and the remedy. Exit status 2.
+class ScheduleError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// How a run ended. `result.series` point into `recording`, so both are kept until the shard is
+/// written.
+struct Ending {
+  std::size_t slot = 0;
+  double wall_s = 0;  ///< from start to end of the worker
+  RunResult result;
+  std::unique_ptr<Recording> recording;
+};
+
+/// Carries out runs, one a slot. Not for several threads.
+class Launcher {
+ public:
+  /// Ends what is still running.
+  virtual ~Launcher() = default;
+
+  /// Starts `run` in a slot that is free; `run` outlives it. Throws ScheduleError.
+  virtual void Start(std::size_t slot, const compiler::Run& run) = 0;
+
+  /// The next run that ended. None where `seconds` passed first or the user asked to stop; a run
+  /// that has ended by then is handed out before a stop is heeded.
+  virtual std::optional<Ending> Wait(double seconds) = 0;
+
+  /// Ends all that is running and forgets it.
+  virtual void StopAll() = 0;
+};
+
+}  // namespace cdb::runtime

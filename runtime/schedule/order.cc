@@ -1,0 +1,109 @@
+#include "runtime/schedule/order.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "runtime/schedule/launcher.h"
+
+namespace cdb::runtime {
+namespace {
+
+/// Runs that differ in nothing but the detector.
+struct Rivals {
+  std::string point;  ///< names the scene without its detector
+  std::uint64_t rep = 0;
+  double work = 0;
+  std::vector<const compiler::Run*> runs;
+};
+
+/// Two runs of one point have the same.
+std::string PointKey(const compiler::Run& run) {
+  compiler::Scene scene = run.scene;
+  scene.world.values.erase("detector");
+  return compiler::RunId(scene, 0);
+}
+
+/// In grid order, the repeats one after the other.
+std::vector<Rivals> GroupRivals(const compiler::Plan& plan) {
+  std::vector<Rivals> groups;
+  std::unordered_set<std::string_view> seen;
+  std::unordered_map<std::string, std::size_t> places;
+  for (const compiler::Run& run : plan.runs) {
+    if (!seen.insert(run.id).second) continue;
+    const std::string point = PointKey(run);
+    const auto [place, is_new] =
+        places.try_emplace(fmt::format("{} {}", point, run.rep), groups.size());
+    if (is_new) groups.push_back({point, run.rep, 0, {}});
+    groups[place->second].runs.push_back(&run);
+    groups[place->second].work += EstimatedWork(run);
+  }
+  std::ranges::stable_sort(groups, {}, &Rivals::rep);
+  return groups;
+}
+
+/// Fisher and Yates, by hand: std::shuffle differs between standard libraries, and every node of a
+/// cluster must come to the same order.
+void Shuffle(std::vector<const compiler::Run*>& runs, std::uint64_t seed) {
+  for (std::size_t i = runs.size(); i > 1; --i) {
+    seed = compiler::StreamSeed(seed, "order");
+    std::swap(runs[i - 1], runs[seed % i]);
+  }
+}
+
+/// The heaviest first, each to the shard that has least so far.
+std::vector<Rivals> Pick(std::vector<Rivals> groups, ShardChoice shard) {
+  std::vector<std::size_t> heaviest(groups.size());
+  std::iota(heaviest.begin(), heaviest.end(), std::size_t{0});
+  std::ranges::stable_sort(heaviest, std::greater<>{},
+                           [&groups](std::size_t i) { return groups[i].work; });
+  std::map<std::pair<double, std::uint64_t>, int> loads;  // a queue by load, then by index
+  for (std::uint64_t i = 1; i <= std::min<std::uint64_t>(shard.count, groups.size()); ++i)
+    loads.emplace(std::pair{0.0, i}, 0);
+  std::vector<bool> is_ours(groups.size());
+  for (const std::size_t i : heaviest) {
+    const auto [load, index] = loads.begin()->first;
+    loads.erase(loads.begin());
+    loads.emplace(std::pair{load + groups[i].work, index}, 0);
+    is_ours[i] = index == shard.index;
+  }
+  std::vector<Rivals> ours;
+  for (std::size_t i = 0; i < groups.size(); ++i)
+    if (is_ours[i]) ours.push_back(std::move(groups[i]));
+  return ours;
+}
+
+}  // namespace
+
+double EstimatedWork(const compiler::Run& run) {
+  const compiler::Settings& world = run.scene.world;
+  const auto cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));
+  const auto objects = static_cast<double>(run.scene.ObjectCount());
+  // A cycle of an empty world costs about as much as ten objects, a process and its shard about as
+  // much as ten thousand objects for one cycle.
+  return 10'000 + cycles * (10 + objects);
+}
+
+std::vector<const compiler::Run*> OrderRuns(const compiler::Plan& plan, ShardChoice shard) {
+  if (shard.index < 1 || shard.index > shard.count)
+    throw ScheduleError(fmt::format("there is no shard {} of {}: shards count from 1 to {}",
+                                    shard.index, shard.count,
+                                    std::max<std::uint64_t>(shard.count, 1)));
+  const std::string hash = plan.Sha256();
+  std::vector<Rivals> groups = GroupRivals(plan);
+  if (shard.count > 1) groups = Pick(std::move(groups), shard);
+  std::vector<const compiler::Run*> order;
+  for (Rivals& rivals : groups) {
+    Shuffle(rivals.runs, compiler::StreamSeed(rivals.rep, hash + rivals.point));
+    order.insert(order.end(), rivals.runs.begin(), rivals.runs.end());
+  }
+  return order;
+}
+
+}  // namespace cdb::runtime

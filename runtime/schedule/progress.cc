@@ -1,0 +1,255 @@
+#include "runtime/schedule/progress.h"
+
+#include <fmt/format.h>
+#include <langinfo.h>
+#include <locale.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+
+namespace cdb::runtime {
+namespace {
+
+constexpr double kDrawInterval = 0.1;  // s
+constexpr std::size_t kBarCells = 20;
+constexpr std::size_t kFewColumns = 50;  // columns; below, the bar gives way to the figures
+
+constexpr std::size_t kSmallPlan = 40;  // runs, each worth a line of a log
+constexpr double kLineInterval = 5;     // s
+constexpr double kLongSilence = 60;     // s
+constexpr double kLineShare = 0.05;
+
+/// Characters, taken as columns: names and numbers are ASCII, our own signs one column wide.
+std::size_t Width(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+std::string Cut(std::string text, std::size_t width, bool is_utf8) {
+  if (Width(text) <= width) return text;
+  const std::string_view dots = is_utf8 ? "…" : "...";
+  std::size_t keep = width > Width(dots) ? width - Width(dots) : 0;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const bool is_start = (text[at] & 0xc0) != 0x80;
+    if (is_start && keep-- == 0) break;
+    ++at;
+  }
+  text.resize(at);
+  return width >= Width(dots) ? text + std::string(dots) : text;
+}
+
+std::string Bar(double share, bool is_utf8) {
+  constexpr std::string_view kEighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+  const std::size_t steps = is_utf8 ? 8 : 1;
+  const auto filled = static_cast<std::size_t>(share * static_cast<double>(kBarCells * steps));
+  std::string bar;
+  for (std::size_t i = 0; i < filled / steps; ++i) bar += is_utf8 ? "█" : "#";
+  if (is_utf8) bar += kEighths[filled % steps];
+  bar.append(kBarCells - Width(bar), is_utf8 ? ' ' : '.');
+  return is_utf8 ? "▕" + bar + "▏" : "[" + bar + "]";
+}
+
+std::string Ended(const RunResult& result, double wall_s) {
+  if (result.status == Status::kDone) return "done in " + DurationText(wall_s);
+  return fmt::format("{}: {}",
+                     result.status == Status::kTimedOut ? std::string_view("timed out")
+                                                        : StatusName(result.status),
+                     result.message);
+}
+
+bool LocaleIsUtf8() {
+  locale_t locale = newlocale(LC_CTYPE_MASK, "", nullptr);
+  if (locale == nullptr) return false;
+  const bool is_utf8 = std::string_view(nl_langinfo_l(CODESET, locale)) == "UTF-8";
+  freelocale(locale);
+  return is_utf8;
+}
+
+}  // namespace
+
+ProgressOutput StandardError() {
+  const char* term = std::getenv("TERM");
+  ProgressOutput output;
+  output.is_terminal = isatty(STDERR_FILENO) == 1 && term != nullptr && *term != '\0' &&
+                       std::string_view(term) != "dumb";
+  output.is_utf8 = LocaleIsUtf8();
+  output.now_s = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
+  output.columns = [] {
+    constexpr std::size_t kUsual = 80;
+    winsize size = {};
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsual;
+    return std::size_t{size.ws_col};
+  };
+  output.write = [](std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) return;  // a sweep does not end because nobody looks on
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+  };
+  return output;
+}
+
+std::string DurationText(double seconds) {
+  const double s = std::max(seconds, 0.0);
+  if (s < 0.1) return fmt::format("{:.0f} ms", s * 1000);
+  if (s < 9.95) return fmt::format("{:.1f} s", s);
+  if (s < 89.5) return fmt::format("{:.0f} s", s);
+  const double minutes = std::round(s / 60);
+  if (minutes < 60) return fmt::format("{:.0f} min", minutes);
+  if (minutes < 24 * 60)
+    return fmt::format("{:.0f} h {:.0f} min", std::floor(minutes / 60), std::fmod(minutes, 60));
+  const double hours = std::round(s / 3600);
+  return fmt::format("{:.0f} d {:.0f} h", std::floor(hours / 24), std::fmod(hours, 24));
+}
+
+Progress::Progress(ProgressOutput output) : output_(std::move(output)) {}
+
+void Progress::Begin(const compiler::Plan& plan, const std::vector<const compiler::Run*>& to_do,
+                     const Summary& resumed, std::size_t jobs) {
+  plan_ = &plan;
+  estimate_.emplace(to_do);
+  jobs_ = jobs;
+  ended_ = resumed.ended();
+  bad_ = ended_ - resumed.done;
+  total_ = to_do.size() + ended_;
+  line_ended_ = ended_;
+  line_s_ = output_.now_s();
+  drawn_s_ = line_s_ - kDrawInterval;
+  if (output_.is_terminal) return Draw(true);
+  std::string text = fmt::format("{}: {} run{}", plan.benchmark, total_, total_ == 1 ? "" : "s");
+  if (ended_ > 0) text += fmt::format(", {} of them there already", ended_);
+  if (jobs > 1) text += fmt::format(", {} at a time", jobs);
+  Line(text);
+}
+
+void Progress::RunStarted(const compiler::Run& run) {
+  running_.push_back({&run, output_.now_s()});
+  if (output_.is_terminal) Draw(false);
+}
+
+void Progress::RunEnded(const compiler::Run& run, const RunResult& result, double wall_s) {
+  std::erase_if(running_, [&run](const Running& one) { return one.run == &run; });
+  const bool is_telling = result.status == Status::kDone || result.status == Status::kTimedOut;
+  estimate_->Ended(run, is_telling ? std::optional(wall_s) : std::nullopt);
+  Advance(result.status);
+  const bool is_bad = result.status != Status::kDone;
+  if (output_.is_terminal) {
+    if (is_bad) Line(fmt::format("{}: {}", Name(run), Ended(result, wall_s)));
+    return Draw(ended_ == total_);
+  }
+  const double now_s = output_.now_s();
+  const double silence = now_s - line_s_;
+  const double step = static_cast<double>(ended_ - line_ended_);
+  const bool is_due =
+      total_ <= kSmallPlan || ended_ == total_ ||
+      (silence >= kLineInterval &&
+       (step >= kLineShare * static_cast<double>(total_) || silence >= kLongSilence));
+  if (!is_due && !is_bad) return;
+  std::string text = fmt::format("{}  {}: {}", Share(), Name(run), Ended(result, wall_s));
+  if (is_due) {
+    line_s_ = now_s;
+    line_ended_ = ended_;
+    if (!is_bad && total_ > kSmallPlan && ended_ < total_) {
+      if (const std::string left = TimeLeft(); !left.empty()) text += "; " + left;
+    }
+  }
+  Line(text);
+}
+
+void Progress::RunFound(const compiler::Run& run, Status status) {
+  estimate_->Ended(run, std::nullopt);
+  Advance(status);
+  if (output_.is_terminal) Draw(false);
+}
+
+void Progress::Warn(const std::string& text) {
+  Line("warning: " + text);
+  if (output_.is_terminal && plan_ != nullptr) Draw(true);
+}
+
+void Progress::Tick() {
+  if (output_.is_terminal) Draw(false);
+}
+
+void Progress::End() { Clear(); }
+
+void Progress::Advance(Status status) {
+  ++ended_;
+  bad_ += status != Status::kDone;
+}
+
+std::string Progress::Name(const compiler::Run& run) const {
+  return compiler::Describe(*plan_, run);
+}
+
+std::string Progress::Share() const {
+  const std::size_t percent = total_ == 0 ? 100 : ended_ * 100 / total_;
+  const std::string total = std::to_string(total_);
+  return fmt::format("{:>{}}/{} {:>3} %", ended_, total.size(), total, percent);
+}
+
+std::string Progress::TimeLeft() const {
+  if (ended_ == total_) return {};
+  auto left = estimate_->Left();
+  if (!left) return {};
+  const double now_s = output_.now_s();
+  for (const Running& one : running_)
+    *left -= std::min(now_s - one.since_s, estimate_->Predict(*one.run).value_or(0));
+  const std::size_t at_a_time = std::min(jobs_, total_ - ended_);
+  // Whole seconds: a bar that counts down milliseconds only flickers.
+  const double seconds =
+      std::ceil(*left / static_cast<double>(std::max<std::size_t>(at_a_time, 1)));
+  return (seconds < 10 ? fmt::format("{:.0f} s", std::max(seconds, 1.0)) : DurationText(seconds)) +
+         " left";
+}
+
+std::string Progress::BarLine(std::size_t columns) const {
+  const double share = total_ == 0 ? 1 : static_cast<double>(ended_) / static_cast<double>(total_);
+  std::string text = columns < kFewColumns ? "" : Bar(share, output_.is_utf8) + " ";
+  text += Share();
+  if (const std::string left = TimeLeft(); !left.empty()) text += "  " + left;
+  if (bad_ > 0) text += fmt::format("  {} failed", bad_);
+  if (!running_.empty()) text += "  " + Name(*running_.back().run);
+  // The last column stays free: a full line makes some terminals wrap.
+  return Cut(std::move(text), columns > 0 ? columns - 1 : 0, output_.is_utf8);
+}
+
+void Progress::Line(const std::string& text) {
+  Clear();
+  output_.write("cdb: " + text + "\n");
+}
+
+void Progress::Clear() {
+  if (drawn_width_ == 0) return;
+  // A terminal made narrower since has wrapped the bar; we stand in the last of its lines.
+  const std::size_t columns = std::max<std::size_t>(output_.columns(), 1);
+  const std::size_t above = (drawn_width_ - 1) / columns;
+  output_.write((above > 0 ? fmt::format("\x1b[{}A", above) : "") + "\r\x1b[J");
+  drawn_width_ = 0;
+}
+
+void Progress::Draw(bool is_urgent) {
+  const double now_s = output_.now_s();
+  if (drawn_width_ > 0 && !is_urgent && now_s - drawn_s_ < kDrawInterval) return;
+  const std::size_t columns = output_.columns();
+  const std::string line = BarLine(columns);
+  const std::size_t above =
+      drawn_width_ > 0 ? (drawn_width_ - 1) / std::max<std::size_t>(columns, 1) : 0;
+  // In one piece, the new line before the rest of the old is cleared: nothing flickers.
+  output_.write((above > 0 ? fmt::format("\x1b[{}A\r\x1b[J", above) : "\r") + line + "\x1b[K");
+  drawn_width_ = Width(line);
+  drawn_s_ = now_s;
+}
+
+}  // namespace cdb::runtime

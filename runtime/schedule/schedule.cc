@@ -1,0 +1,212 @@
+#include "runtime/schedule/schedule.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "dsl/check.h"
+#include "runtime/measure/series.h"
+#include "runtime/schedule/folder.h"
+#include "runtime/schedule/worker.h"
+
+namespace cdb::runtime {
+namespace {
+
+constexpr double kTick = 1;  // s
+
+/// One call of Execute.
+/// A shard is as wide as the widest run of the plan, and is made in memory. Said before hours of
+/// work rather than after.
+void CheckMemory(const compiler::Plan& plan) {
+  double bytes = 0;
+  for (const Series& series : AllSeries())
+    if (series.IsRecordedBy(plan))
+      bytes += static_cast<double>(series.ItemBytes() *
+                                   series.ValueCount(plan.MaxCycles(), plan.MaxObjects()));
+  std::ifstream info("/proc/meminfo");
+  for (std::string name; info >> name; std::getline(info, name)) {
+    double kib = 0;
+    // Recording and shard stand side by side.
+    if (name == "MemAvailable:" && info >> kib && 2 * bytes > 0.8 * 1024 * kib)
+      throw ScheduleError(fmt::format(
+          "{}: one run records up to {:.3g} GB and this machine has {:.3g} GB of memory free; take "
+          "fewer cycles or objects, or record less",
+          plan.benchmark, bytes / 1e9, kib * 1024 / 1e9));
+  }
+}
+
+class Execution {
+ public:
+  Execution(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
+            ProgressListener& listener)
+      : plan_(plan),
+        options_(options),
+        launcher_(launcher),
+        listener_(listener),
+        slots_(std::max<std::size_t>(options.jobs, 1)) {}
+
+  Summary Run() {
+    CheckMemory(plan_);
+    const std::vector<const compiler::Run*> all = OrderRuns(plan_, options_.shard);
+    folder_.emplace(plan_, options_.folder, options_.fresh);
+    std::vector<std::string> warnings;
+    for (const compiler::Run* run : all) {
+      if (const auto status = folder_->Find(*run, warnings)) {
+        summary_.Count(*status);
+        ++summary_.resumed;
+      } else {
+        queue_.push_back(run);
+      }
+      for (const std::string& warning : std::exchange(warnings, {})) listener_.Warn(warning);
+    }
+    folder_->WritePlan(plan_);
+    const EndGuard guard{*this};
+    listener_.Begin(plan_, queue_, summary_, slots_.size());
+    Work();
+    return summary_;
+  }
+
+ private:
+  /// However the work ends, no worker and no progress bar is left behind.
+  struct EndGuard {
+    Execution& execution;
+    ~EndGuard() {
+      execution.launcher_.StopAll();
+      execution.listener_.End();
+    }
+  };
+
+  void Work() {
+    while (FillSlots()) {
+      std::optional<Ending> ending = launcher_.Wait(kTick);
+      if (ending) {
+        Keep(std::move(*ending));
+      } else if (IsStopped()) {
+        break;
+      } else {
+        listener_.Tick();
+      }
+    }
+    if (!IsStopped()) return;
+    summary_.signal = options_.stop->signal();
+    summary_.left = queue_.size() - next_;
+    for (const compiler::Run* run : slots_) summary_.left += run != nullptr;
+  }
+
+  bool IsStopped() const { return options_.stop != nullptr && options_.stop->requested(); }
+
+  /// False where nothing runs and nothing is left to start.
+  bool FillSlots() {
+    bool is_busy = false;
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
+      if (slots_[slot] == nullptr && !IsStopped()) {
+        if (const compiler::Run* run = NextRun()) {
+          launcher_.Start(slot, *run);
+          slots_[slot] = run;
+          listener_.RunStarted(*run);
+        }
+      }
+      is_busy |= slots_[slot] != nullptr;
+    }
+    return is_busy;
+  }
+
+  const compiler::Run* NextRun() {
+    while (next_ < queue_.size()) {
+      const compiler::Run* run = queue_[next_++];
+      std::vector<std::string> warnings;
+      const auto status = folder_->Find(*run, warnings);
+      for (const std::string& warning : warnings) listener_.Warn(warning);
+      if (!status) return run;
+      summary_.Count(*status);
+      ++summary_.resumed;
+      listener_.RunFound(*run, *status);
+    }
+    return nullptr;
+  }
+
+  void Keep(Ending ending) {
+    CDB_CHECK(ending.slot < slots_.size() && slots_[ending.slot] != nullptr);
+    const compiler::Run& run = *slots_[ending.slot];
+    try {
+      writer_.Write(run, ending.result, folder_->path());
+    } catch (const StoreError& error) {
+      throw StoreError(
+          fmt::format("{}\n{} of {} runs are safe in {}; the same command goes on from there",
+                      error.what(), summary_.ended(),
+                      summary_.ended() + queue_.size() - next_ + Busy(), folder_->path().string()));
+    }
+    slots_[ending.slot] = nullptr;
+    summary_.Count(ending.result.status);
+    listener_.RunEnded(run, ending.result, ending.wall_s);
+  }
+
+  std::size_t Busy() const {
+    return slots_.size() - static_cast<std::size_t>(std::ranges::count(slots_, nullptr));
+  }
+
+  const compiler::Plan& plan_;
+  const ExecuteOptions& options_;
+  Launcher& launcher_;
+  ProgressListener& listener_;
+  const ShardWriter writer_{plan_, options_.provenance};
+  std::optional<ShardFolder> folder_;
+  std::vector<const compiler::Run*> queue_;
+  std::size_t next_ = 0;                     // of queue_
+  std::vector<const compiler::Run*> slots_;  // what runs in each, or null
+  Summary summary_;
+};
+
+}  // namespace
+
+void Summary::Count(Status status) {
+  switch (status) {
+    case Status::kDone:
+      ++done;
+      return;
+    case Status::kFailed:
+      ++failed;
+      return;
+    case Status::kCrashed:
+      ++crashed;
+      return;
+    case Status::kTimedOut:
+      ++timed_out;
+      return;
+    case Status::kMissing:
+    case Status::kSkipped:
+      break;
+  }
+  CDB_CHECK(!"a run that was carried out has a status of its own");
+}
+
+std::string Describe(const Summary& summary) {
+  const std::size_t total = summary.ended() + summary.left;
+  std::string text = fmt::format("{} run{}: {} done", total, total == 1 ? "" : "s", summary.done);
+  const auto add = [&text](std::size_t count, std::string_view what) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  };
+  add(summary.failed, "failed");
+  add(summary.crashed, "crashed");
+  add(summary.timed_out, "timed out");
+  add(summary.left, "not run");
+  if (summary.resumed > 0) text += fmt::format(" ({} of them before)", summary.resumed);
+  return text;
+}
+
+Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options,
+                ProgressListener& listener) {
+  ProcessLauncher launcher(FindWorkers(plan), std::max<std::size_t>(options.jobs, 1), options.stop);
+  return Execute(plan, options, launcher, listener);
+}
+
+Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
+                ProgressListener& listener) {
+  return Execution(plan, options, launcher, listener).Run();
+}
+
+}  // namespace cdb::runtime

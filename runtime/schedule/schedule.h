@@ -1,0 +1,76 @@
+// Plan to shards: carries out every run that the folder has not got yet, one worker process each.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "compiler/plan.h"
+#include "runtime/schedule/launcher.h"
+#include "runtime/schedule/order.h"
+#include "runtime/schedule/stop.h"
+#include "runtime/store/store.h"
+
+namespace cdb::runtime {
+
+struct ExecuteOptions {
+  std::filesystem::path folder;  ///< of the shards; made where it does not exist
+  std::size_t jobs = 1;          ///< runs at a time
+  ShardChoice shard = {};
+  bool fresh = false;  ///< forget what the folder holds
+  Provenance provenance = {};
+  const StopFlag* stop = nullptr;  ///< may be null
+};
+
+/// How the runs of the shard that was asked for stand, each counted once, whoever carried it out.
+struct Summary {
+  std::size_t done = 0, failed = 0, crashed = 0, timed_out = 0;
+  std::size_t resumed = 0;  ///< of these, found in the folder
+  std::size_t left = 0;     ///< not carried out: the user asked to stop
+  int signal = 0;           ///< that asked to stop; 0 where none did
+
+  std::size_t ended() const { return done + failed + crashed + timed_out; }
+  /// Exit status 3.
+  bool HasBadRuns() const { return ended() != done; }
+  void Count(Status status);
+  bool operator==(const Summary&) const = default;
+};
+
+/// `75 runs: 73 done (12 before), 1 crashed, 1 timed out`.
+std::string Describe(const Summary& summary);
+
+/// Hears how the work goes. All calls come from the thread of Execute.
+class ProgressListener {
+ public:
+  virtual ~ProgressListener() = default;
+  /// `to_do` in the order they will start; `resumed` runs are there already.
+  virtual void Begin(const compiler::Plan&, const std::vector<const compiler::Run*>& /*to_do*/,
+                     const Summary& /*resumed*/, std::size_t /*jobs*/) {}
+  virtual void RunStarted(const compiler::Run&) {}
+  /// Its shard is written.
+  virtual void RunEnded(const compiler::Run&, const RunResult&, double /*wall_s*/) {}
+  /// Somebody else has carried it out meanwhile.
+  virtual void RunFound(const compiler::Run&, Status) {}
+  virtual void Warn(const std::string&) {}
+  /// About once a second while nothing else happens.
+  virtual void Tick() {}
+  /// The last call, also where an error ends the work.
+  virtual void End() {}
+};
+
+/// Carries out the plan. What has a whole shard in the folder is not run again, whatever its
+/// status; a broken shard is set aside as `<name>.broken`, with a warning, and its run is run
+/// again. Every shard is on the disk before the next run starts in its slot. A stop ends the
+/// workers and keeps what is finished. With several jobs each slot has a processor of its own where
+/// there are enough. Throws ScheduleError (no worker program, cannot start a process, a shard of
+/// another plan) and StoreError (disk full, no such folder); finished runs are kept. To be called
+/// from a thread that outlives the call: workers die with the thread that started them.
+Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options,
+                ProgressListener& listener);
+
+/// The same with another way to carry out a run, for tests.
+Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
+                ProgressListener& listener);
+
+}  // namespace cdb::runtime

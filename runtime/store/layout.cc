@@ -1,0 +1,389 @@
+#include "runtime/store/layout.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ctime>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "compiler/schema.h"
+#include "dsl/check.h"
+
+namespace cdb::runtime {
+namespace {
+
+using h5::Type;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+/// One chunk fits HDF5's chunk cache of 1 MiB.
+constexpr std::uint64_t kLargestChunk = (1 << 20) - 1;
+/// netCDF's mark, by its file format specification, of a dimension without a coordinate.
+constexpr std::string_view kNoCoordinate = "This is a netCDF dimension but not a netCDF variable.";
+/// Separators of `labels`, in order of preference.
+constexpr std::string_view kSeparators = " ;|\t\n";
+
+std::vector<double> Indices(std::uint64_t n) {
+  std::vector<double> indices(n);
+  for (std::size_t i = 0; i < n; ++i) indices[i] = static_cast<double>(i);
+  return indices;
+}
+
+Dimension Counted(std::string name, std::uint64_t size, std::string doc) {
+  return {std::move(name), size, Type::kInt32, Indices(size), {}, {{"long_name", std::move(doc)}}};
+}
+
+/// Readers that cannot read text datasets (Octave) find the labels in an attribute; nothing where
+/// one contains every separator.
+Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc) {
+  Dimension dimension{std::move(name), texts.size(), Type::kText, {}, {}, {}};
+  for (const char separator : kSeparators) {
+    const bool is_free = std::ranges::all_of(texts, [&](const std::string& text) {
+      return !text.empty() && text.find(separator) == std::string::npos;
+    });
+    if (!is_free) continue;
+    std::string labels = fmt::format("{}", fmt::join(texts, std::string(1, separator)));
+    if (labels.size() > 32000) break;  // attributes have an end; the dataset has not
+    dimension.attributes = {{"labels", std::move(labels)},
+                            {"labels_separator", std::string(1, separator)}};
+    break;
+  }
+  if (!doc.empty()) dimension.attributes.emplace("long_name", std::move(doc));
+  dimension.texts = std::move(texts);
+  return dimension;
+}
+
+/// The parameter's line in the schema; the axis' own name for a `let` or `cases`.
+std::string LongName(const compiler::Axis& axis) {
+  const std::string_view name = axis.parameter;
+  const compiler::Parameter* row = compiler::FindParameter(name, false);
+  if (row == nullptr) row = compiler::FindParameter(name.substr(name.find('.') + 1), true);
+  return std::string(row != nullptr ? row->doc : axis.name);
+}
+
+Dimension AxisDimension(const compiler::Axis& axis, const compiler::Run* run, std::size_t index) {
+  std::vector<compiler::Coordinate> values = axis.values;
+  if (run != nullptr) values = {axis.values[run->at[index]]};
+  Dimension dimension;
+  if (axis.IsText()) {
+    std::vector<std::string> texts;
+    for (const auto& value : values) texts.push_back(std::get<std::string>(value));
+    dimension = Labelled(axis.name, std::move(texts), "");
+  } else {
+    // By the whole axis, so that a shard's coordinate has the type of the merged one.
+    dimension = {axis.name, values.size(), axis.IsInteger() ? Type::kInt32 : Type::kFloat64, {}, {},
+                 {}};
+    for (const auto& value : values) dimension.numbers.push_back(std::get<double>(value));
+  }
+  dimension.attributes.emplace("axis_name", axis.name);
+  dimension.attributes.emplace("parameter", axis.parameter);
+  dimension.attributes.emplace("units", axis.unit);
+  dimension.attributes.emplace("long_name", LongName(axis));
+  return dimension;
+}
+
+/// Whole if that fits; else the cycles are split evenly, and then the bodies.
+h5::Shape ChunkOf(const Array& array, std::size_t outer) {
+  h5::Shape chunk = array.shape;
+  std::fill_n(chunk.begin(), outer, 1);
+  for (const char* name : {"cycle", "body", "contact"}) {
+    const auto found = std::ranges::find(array.dimensions, name);
+    if (found == array.dimensions.end()) continue;
+    std::uint64_t& n = chunk[static_cast<std::size_t>(found - array.dimensions.begin())];
+    const std::uint64_t others = h5::Product(chunk) / n * h5::ItemBytes(array.type);
+    const std::uint64_t most = std::max<std::uint64_t>(1, kLargestChunk / others);
+    const std::uint64_t pieces = (n + most - 1) / most;
+    n = (n + pieces - 1) / pieces;
+  }
+  return chunk;
+}
+
+class Maker {
+ public:
+  Maker(const PlanFacts& facts, const compiler::Run* run) : facts_(facts), run_(run) {}
+
+  Layout Make(const compiler::Plan& plan, std::uint64_t contact_rows) {
+    for (std::size_t i = 0; i < plan.axes.size(); ++i) {
+      layout_.dimensions.push_back(AxisDimension(plan.axes[i], run_, i));
+      grid_.push_back("");  // named below, when the other names are known
+    }
+    // HDF5 has at most 32 dimensions.
+    if (plan.axes.size() > 28)
+      throw StoreError(
+          fmt::format("{}: {} axes are more than a result has room for (28); nothing "
+                      "was written: sweep fewer parameters",
+                      plan.benchmark, plan.axes.size()));
+    Dimension rep = Counted("rep", run_ != nullptr ? 1 : plan.repeats, "timed repeat of a point");
+    if (run_ != nullptr) rep.numbers = {static_cast<double>(run_->rep)};
+    layout_.dimensions.push_back(std::move(rep));
+    grid_.push_back("rep");
+    for (const Dimension& dimension : layout_.dimensions) layout_.grid.push_back(dimension.size);
+    std::vector<std::string> phases(PhaseNames().begin(), PhaseNames().end());
+    layout_.dimensions.push_back(Labelled("phase", phases, "part of a cycle that is timed"));
+    layout_.dimensions.push_back(Counted("cycle", facts_.cycles, "recorded cycle"));
+    if (facts_.poses) {
+      layout_.dimensions.push_back(
+          Counted("body", facts_.bodies, "object, in the order of its group and within it"));
+      layout_.dimensions.push_back(Labelled("pose", {"x", "y", "z", "qx", "qy", "qz", "qw"},
+                                            "centre of mass, m, and quaternion"));
+    }
+    if (facts_.contacts) AddContactDimensions(contact_rows);
+    for (const Series* series : facts_.series) AddSeries(*series);
+    if (facts_.contacts) AddContacts();
+    AddRunArrays();
+    NameAxes(plan);
+    return std::move(layout_);
+  }
+
+ private:
+  std::uint64_t Extent(const std::string& dimension) const {
+    const auto found = std::ranges::find(layout_.dimensions, dimension, &Dimension::name);
+    CDB_CHECK(found != layout_.dimensions.end());
+    return found->size;
+  }
+
+  /// An array over the grid and `inner` dimensions.
+  Array& Add(std::string name, Type type, const std::vector<std::string>& inner, bool over_grid) {
+    Array array{std::move(name), type, {}, {}, {}, 0, false, {}, nullptr};
+    if (over_grid) {
+      array.dimensions = grid_;
+      array.shape = layout_.grid;
+    }
+    for (const std::string& dimension : inner) {
+      array.dimensions.push_back(dimension);
+      array.shape.push_back(Extent(dimension));
+    }
+    layout_.arrays.push_back(std::move(array));
+    return layout_.arrays.back();
+  }
+
+  void AddSeries(const Series& series) {
+    std::vector<std::string> inner = {"cycle"};
+    if (series.shape == SeriesShape::kPhase) inner = {"phase", "cycle"};
+    if (series.shape == SeriesShape::kPose) inner = {"cycle", "body", "pose"};
+    const bool is_int = series.type == SeriesType::kInt32;
+    Array& array =
+        Add(std::string(series.name), is_int ? Type::kInt32 : Type::kFloat64, inner, true);
+    array.chunk = ChunkOf(array, layout_.grid.size());
+    array.fill = is_int ? -1 : kNaN;
+    array.has_fill_value = true;
+    array.series = &series;
+    array.attributes = {{"units", std::string(series.unit)},
+                        {"long_name", std::string(series.doc)}};
+    if (facts_.contacts && series.name == "contacts") {
+      array.attributes.emplace("sample_dimension", "contact");
+      array.attributes.emplace(
+          "comment",
+          "a cell's contacts stand in contact_* one cycle after the other, from row contact_first");
+    }
+  }
+
+  void AddContactDimensions(std::uint64_t rows) {
+    layout_.dimensions.push_back({"contact", rows, Type::kInt32, {}, {}, {}});
+    layout_.dimensions.push_back(Labelled("contact_side", {"a", "b"}, "body of a contact"));
+    layout_.dimensions.push_back(Labelled("xyz", {"x", "y", "z"}, "component of a vector"));
+  }
+
+  void AddContacts() {
+    const auto add = [this](const char* name, Type type, std::vector<std::string> inner,
+                            const char* unit, const char* doc) {
+      inner.insert(inner.begin(), "contact");
+      Array& array = Add(name, type, inner, false);
+      // An array without elements cannot have chunks.
+      if (array.shape[0] > 0) array.chunk = ChunkOf(array, 0);
+      array.fill = type == Type::kInt32 ? -1 : kNaN;
+      array.has_fill_value = true;
+      array.attributes = {{"units", unit}, {"long_name", doc}};
+    };
+    add("contact_body", Type::kInt32, {"contact_side"}, "",
+        "index of the object; the walls -x +x -y +y -z +z follow the last object");
+    add("contact_point", Type::kFloat64, {"xyz"}, "m", "contact point on body a");
+    add("contact_normal", Type::kFloat64, {"xyz"}, "", "unit normal from body b to body a");
+    add("contact_distance", Type::kFloat64, {}, "m", "distance of the bodies; negative in overlap");
+    Array& first = Add("contact_first", Type::kFloat64, {}, true);
+    first.fill = kNaN;
+    first.has_fill_value = true;
+    first.attributes = {{"long_name", "the run's first row in contact_*; none recorded: no value"}};
+  }
+
+  void AddRunArrays() {
+    for (const RunNumber& number : RunNumbers()) {
+      Array& array = Add(number.name, number.type, {}, true);
+      array.fill = number.missing;
+      array.has_fill_value = number.type == Type::kFloat64;
+      array.attributes = {{"units", number.unit}, {"long_name", number.doc}};
+    }
+    for (const RunText& text : RunTexts())
+      Add(text.name, Type::kText, {}, true).attributes = {{"long_name", text.doc}};
+  }
+
+  /// An axis that is called like something else of the file (`cases load`) gets `_axis`; its
+  /// attribute `axis_name` keeps the name that the scenario gave it.
+  void NameAxes(const compiler::Plan& plan) {
+    std::set<std::string> taken = {"provenance", "accuracy", "verdict"};
+    for (const Array& array : layout_.arrays) taken.insert(array.name);
+    for (std::size_t i = plan.axes.size(); i < layout_.dimensions.size(); ++i)
+      taken.insert(layout_.dimensions[i].name);
+    for (std::size_t i = 0; i < plan.axes.size(); ++i) {
+      std::string& name = layout_.dimensions[i].name;
+      while (!taken.insert(name).second) name += "_axis";
+      for (Array& array : layout_.arrays)
+        if (array.dimensions.size() >= grid_.size() && array.dimensions[i].empty())
+          array.dimensions[i] = name;
+    }
+  }
+
+  const PlanFacts& facts_;
+  const compiler::Run* run_;
+  Layout layout_;
+  std::vector<std::string> grid_;
+};
+
+std::string Now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+}  // namespace
+
+PlanFacts::PlanFacts(const compiler::Plan& plan)
+    : sha256(plan.Sha256()),
+      cycles(std::max<std::uint64_t>(1, plan.MaxCycles())),
+      bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
+      poses(plan.Records("poses")),
+      contacts(plan.Records("contacts")) {
+  for (const Series& row : AllSeries())
+    if (row.IsRecordedBy(plan)) series.push_back(&row);
+}
+
+const std::vector<RunNumber>& RunNumbers() {
+  using R = const RunResult&;
+  static const std::vector<RunNumber> kNumbers = {
+      {"status", Type::kInt8, "", "how the run ended", 0,
+       [](R r) { return static_cast<double>(r.status); }},
+      {"n_cycles", Type::kInt32, "", "cycles that really ran", 0,
+       [](R r) { return static_cast<double>(r.n_cycles); }},
+      {"started", Type::kFloat64, "seconds since 1970-01-01 00:00:00", "when the run began", kNaN,
+       [](R r) { return r.started_s; }},
+      {"load", Type::kFloat64, "", "the machine's one-minute load average when the run began", kNaN,
+       [](R r) { return r.load; }},
+      {"peak_rss", Type::kFloat64, "bytes", "most memory that the run's process held", kNaN,
+       [](R r) { return r.peak_rss_bytes; }},
+      {"place_time", Type::kFloat64, "ns", "time of finding a place for every object", kNaN,
+       [](R r) { return r.place_ns; }},
+      {"build_time", Type::kFloat64, "ns", "time of making the world", kNaN,
+       [](R r) { return r.build_ns; }},
+      {"fill_fraction", Type::kFloat64, "", "volume of the objects over that of the world", kNaN,
+       [](R r) { return r.fill_fraction; }},
+  };
+  return kNumbers;
+}
+
+const std::vector<RunText>& RunTexts() {
+  using compiler::Run;
+  using R = const RunResult&;
+  static const std::vector<RunText> kTexts = {
+      {"state_hash", "of every body's position, orientation and velocities after the last cycle",
+       [](const Run&, R r) { return r.state_hash; }},
+      {"run_id", "hash of all that decides the run's result; the name of its shard",
+       [](const Run& run, R) { return run.id; }},
+      {"host", "the machine that the run ran on", [](const Run&, R r) { return r.host; }},
+      {"message", "why the run did not end well", [](const Run&, R r) { return r.message; }},
+      {"omitted", "parts of the engine that were left out, separated by spaces",
+       [](const Run&, R r) { return r.omitted; }},
+      {"needs", "what became of each part of the engine and why, one line each",
+       [](const Run&, R r) { return r.needs; }},
+  };
+  return kTexts;
+}
+
+const Array& Layout::Get(std::string_view name) const {
+  const auto found = std::ranges::find(arrays, name, &Array::name);
+  CDB_CHECK(found != arrays.end());
+  return *found;
+}
+
+std::uint64_t ChunksOfCell(const Array& array, std::size_t outer) {
+  std::uint64_t count = 1;
+  for (std::size_t d = outer; d < array.shape.size(); ++d)
+    count *= (array.shape[d] + array.chunk[d] - 1) / array.chunk[d];
+  return count;
+}
+
+h5::Shape ChunkStart(const Array& array, const h5::Shape& cell, std::uint64_t index) {
+  h5::Shape start = cell;
+  start.resize(array.shape.size());
+  for (std::size_t d = array.shape.size(); d-- > cell.size();) {
+    const std::uint64_t n = (array.shape[d] + array.chunk[d] - 1) / array.chunk[d];
+    start[d] = index % n * array.chunk[d];
+    index /= n;
+  }
+  return start;
+}
+
+Layout MakeLayout(const compiler::Plan& plan, const PlanFacts& facts, const compiler::Run* run,
+                  std::uint64_t contact_rows) {
+  return Maker(facts, run).Make(plan, contact_rows);
+}
+
+void CreateArrays(h5::File& file, const Layout& layout) {
+  for (const Dimension& dimension : layout.dimensions) {
+    h5::Dataset dataset =
+        file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});
+    const bool is_text = dimension.type == Type::kText;
+    if (is_text) {
+      dataset.WriteText(dimension.texts);
+    } else if (!dimension.numbers.empty()) {
+      dataset.Write(dimension.numbers);
+    }
+    const bool has_coordinate = is_text || !dimension.numbers.empty();
+    dataset.MakeScale(has_coordinate ? dimension.name
+                                     : fmt::format("{}{:10}", kNoCoordinate, dimension.size));
+    for (const auto& [name, text] : dimension.attributes) dataset.SetText(name.c_str(), text);
+  }
+  std::vector<h5::Group::Attachment> attachments;
+  for (const Array& array : layout.arrays) {
+    h5::Dataset dataset =
+        file.CreateDataset({array.name, array.type, array.shape, array.chunk, array.fill});
+    if (array.has_fill_value) dataset.SetNumbers("_FillValue", array.type, {{array.fill}});
+    for (const auto& [name, text] : array.attributes) dataset.SetText(name.c_str(), text);
+    if (array.name == "status") {
+      dataset.SetNumbers("flag_values", Type::kInt8, {{0, 1, 2, 3, 4, 5}});
+      dataset.SetText("flag_meanings", "missing done skipped failed crashed timed_out");
+    }
+    attachments.push_back({array.name, array.dimensions});
+  }
+  file.AttachScales(attachments);
+}
+
+void WriteHead(h5::File& file, const compiler::Plan& plan, const PlanFacts& facts,
+               const Layout& layout, std::string_view what) {
+  const std::string now = Now();
+  file.SetText("title", plan.title.empty() ? plan.benchmark : plan.title);
+  file.SetText("source", plan.source);
+  file.SetText("schema", kSchema);
+  file.SetNumber("schema_version", Type::kInt32, kSchemaVersion);
+  file.SetText("history", fmt::format("{} cdb: {}", now, what));
+  file.SetText("date_created", now);
+  file.SetText("plan_sha256", facts.sha256);
+  file.SetText("benchmark", plan.benchmark);
+  std::string axes;
+  for (std::size_t i = 0; i < plan.axes.size(); ++i)
+    axes.append(i == 0 ? "" : " ").append(layout.dimensions[i].name);
+  file.SetText("axes", axes);
+}
+
+void CheckHead(const h5::File& file, const std::string& name) {
+  if (file.Text("schema") != kSchema)
+    throw StoreError(
+        fmt::format("{}: is HDF5, but not a result of cdb; it was left as it is: "
+                    "choose another file",
+                    name));
+  const double version = file.Number("schema_version");
+  if (version != kSchemaVersion)
+    throw StoreError(
+        fmt::format("{}: is a result of schema version {}, and this cdb reads version "
+                    "{}; it was left as it is: use the cdb that wrote it",
+                    name, version, kSchemaVersion));
+}
+
+}  // namespace cdb::runtime

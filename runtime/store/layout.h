@@ -1,0 +1,100 @@
+// THE description of a results file: which dimensions and arrays it has, and their attributes. A
+// shard and the merged file are made from it alike.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan.h"
+#include "runtime/measure/series.h"
+#include "runtime/store/hdf5_file.h"
+#include "runtime/store/store.h"
+
+namespace cdb::runtime {
+
+inline constexpr std::string_view kSchema = "cdb-results";
+/// Raised when a reader of the version before would misunderstand a file.
+inline constexpr int kSchemaVersion = 1;
+
+/// What follows from all runs of a plan together.
+struct PlanFacts {
+  explicit PlanFacts(const compiler::Plan& plan);
+  std::string sha256;
+  std::uint64_t cycles;               ///< extent of `cycle`
+  std::uint64_t bodies;               ///< extent of `body`
+  std::vector<const Series*> series;  ///< that some run records
+  bool poses, contacts;               ///< some run records them
+};
+
+/// An array over the grid that holds one number for each run.
+struct RunNumber {
+  const char* name;
+  h5::Type type;
+  const char* unit;
+  const char* doc;
+  double missing;  ///< where there is no run
+  double (*get)(const RunResult&);
+};
+const std::vector<RunNumber>& RunNumbers();
+
+/// The same for text; empty where there is no run.
+struct RunText {
+  const char* name;
+  const char* doc;
+  std::string (*get)(const compiler::Run&, const RunResult&);
+};
+const std::vector<RunText>& RunTexts();
+
+/// A dimension with its coordinate, a dataset of the same name.
+struct Dimension {
+  std::string name;
+  std::uint64_t size = 0;
+  h5::Type type = h5::Type::kInt32;
+  std::vector<double> numbers;     ///< the coordinate; `size` of them,
+  std::vector<std::string> texts;  ///< or of these; neither: a dimension without a coordinate
+  std::map<std::string, std::string> attributes;
+};
+
+struct Array {
+  std::string name;
+  h5::Type type = h5::Type::kFloat64;
+  std::vector<std::string> dimensions;
+  h5::Shape shape;
+  h5::Shape chunk;  ///< empty: contiguous
+  double fill = 0;
+  bool has_fill_value = false;  ///< readers are told of `fill`
+  std::map<std::string, std::string> attributes;
+  const Series* series = nullptr;
+};
+
+struct Layout {
+  std::vector<Dimension> dimensions;  ///< the axes first, in the order of the plan, then `rep`
+  std::vector<Array> arrays;
+  h5::Shape grid;  ///< extents of the axes and of `rep`
+
+  const Array& Get(std::string_view name) const;
+};
+
+/// Of the merged file, or of the shard of `run` (every axis and `rep` of length 1) where that is
+/// not null. `contact_rows`: extent of `contact`.
+Layout MakeLayout(const compiler::Plan& plan, const PlanFacts& facts, const compiler::Run* run,
+                  std::uint64_t contact_rows);
+
+/// Makes every dataset, with scales and attributes; coordinates are filled, arrays are not.
+void CreateArrays(h5::File& file, const Layout& layout);
+
+/// The attributes of the file itself. `what` is the line of `history`.
+void WriteHead(h5::File& file, const compiler::Plan& plan, const PlanFacts& facts,
+               const Layout& layout, std::string_view what);
+/// Throws StoreError where `file` is not of this schema and version.
+void CheckHead(const h5::File& file, const std::string& name);
+
+/// Chunks that a chunked array has for one cell of the grid (`outer` dimensions), and the first
+/// element of the one numbered `index` of cell `cell`.
+std::uint64_t ChunksOfCell(const Array& array, std::size_t outer);
+h5::Shape ChunkStart(const Array& array, const h5::Shape& cell, std::uint64_t index);
+
+}  // namespace cdb::runtime

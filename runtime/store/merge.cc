@@ -1,0 +1,377 @@
+// Many shards into one file, without touching a value: chunks are copied as they stand, filtered.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <unordered_map>
+#include <utility>
+
+#include "compiler/plan_yaml.h"
+#include "runtime/store/layout.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/shard.h"
+#include "runtime/store/store.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A chunk that the merged file must hold.
+struct CopiedChunk {
+  std::uint32_t series;  ///< index in Merger::series_
+  std::uint32_t chunk;   ///< index within the cell
+  std::size_t cell;
+  std::uint64_t checksum;
+};
+
+/// The same for rows of a contact array.
+struct CopiedRows {
+  const char* array;
+  h5::Shape start, count;
+  std::uint64_t checksum;  ///< of the values as doubles
+};
+
+/// A run and every cell of the grid that it fills.
+struct Cells {
+  const compiler::Run* run;
+  std::vector<std::size_t> cells;
+};
+
+std::size_t FlatIndex(const h5::Shape& grid, const std::vector<std::size_t>& at,
+                      std::uint64_t rep) {
+  std::size_t index = 0;
+  for (std::size_t i = 0; i < at.size(); ++i) index = index * grid[i] + at[i];
+  return index * grid.back() + rep;
+}
+
+h5::Shape Unflatten(const h5::Shape& grid, std::size_t index) {
+  h5::Shape cell(grid.size());
+  for (std::size_t i = grid.size(); i-- > 0; index /= grid[i]) cell[i] = index % grid[i];
+  return cell;
+}
+
+class Merger {
+ public:
+  Merger(const compiler::Plan& plan, const Provenance& provenance,
+         const std::vector<fs::path>& shards)
+      : plan_(plan), provenance_(provenance), shards_(shards), facts_(plan) {
+    h5::Shape grid;
+    for (const compiler::Axis& axis : plan.axes) grid.push_back(axis.values.size());
+    grid.push_back(plan.repeats);
+    FindRuns(grid);
+    PlaceContacts(h5::Product(grid));
+    layout_ = MakeLayout(plan, facts_, nullptr, contact_rows_);
+    for (const Array& array : layout_.arrays)
+      if (array.series != nullptr) series_.push_back(&array);
+    is_cut_known_.assign(series_.size(), false);
+    for (const RunNumber& number : RunNumbers())
+      numbers_.emplace_back(h5::Product(grid), number.missing);
+    for (const RunText& text : RunTexts()) {
+      texts_.emplace_back(h5::Product(grid));
+      if (std::string_view(text.name) != "run_id") continue;
+      for (const Cells& cells : runs_)
+        for (const std::size_t cell : cells.cells) texts_.back()[cell] = cells.run->id;
+    }
+    for (const auto& point : plan.skipped)
+      for (std::uint64_t rep = 0; rep < plan.repeats; ++rep)
+        numbers_[0][FlatIndex(grid, point, rep)] = static_cast<double>(Status::kSkipped);
+  }
+
+  void Write(const fs::path& path) {
+    h5::File file = h5::File::Create(path);
+    CreateArrays(file, layout_);
+    const std::size_t merged = CopyShards(file);
+    WriteHead(file, plan_, facts_, layout_,
+              fmt::format("merged {} of {} runs", merged, runs_.size()));
+    for (std::size_t i = 0; i < numbers_.size(); ++i)
+      file.OpenDataset(RunNumbers()[i].name).Write(numbers_[i]);
+    for (std::size_t i = 0; i < texts_.size(); ++i)
+      file.OpenDataset(RunTexts()[i].name).WriteText(texts_[i]);
+    if (facts_.contacts) file.OpenDataset("contact_first").Write(contact_first_);
+    WriteProvenance(file);
+    file.Close();
+  }
+
+  /// Reads the closed file back and holds it against what came from the shards.
+  void Verify(const fs::path& path) const {
+    const h5::File file = h5::File::Open(path);
+    std::vector<h5::Dataset> series;
+    for (const Array* array : series_) series.push_back(file.OpenDataset(array->name));
+    h5::RawChunk chunk;
+    for (const CopiedChunk& copied : copied_) {
+      const Array& array = *series_[copied.series];
+      const h5::Shape cell = Unflatten(layout_.grid, copied.cell);
+      if (!series[copied.series].ReadChunk(ChunkStart(array, cell, copied.chunk), chunk) ||
+          Checksum(chunk.bytes) != copied.checksum)
+        throw h5::Error(fmt::format("{} did not come back as it was written", array.name));
+    }
+    for (const CopiedRows& copied : copied_rows_) {
+      const std::vector<double> values =
+          file.OpenDataset(copied.array).Read(copied.start, copied.count);
+      if (Checksum(std::as_bytes(std::span(values))) != copied.checksum)
+        throw h5::Error(fmt::format("{} did not come back as it was written", copied.array));
+    }
+    if (facts_.contacts &&
+        !std::ranges::equal(file.OpenDataset("contact_first").Read(), contact_first_, SameBits))
+      throw h5::Error("contact_first did not come back as it was written");
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+      const char* name = RunNumbers()[i].name;
+      const std::vector<double> values = file.OpenDataset(name).Read();
+      if (!std::ranges::equal(values, numbers_[i], SameBits))
+        throw h5::Error(fmt::format("{} did not come back as it was written", name));
+    }
+    for (std::size_t i = 0; i < texts_.size(); ++i) {
+      const char* name = RunTexts()[i].name;
+      if (file.OpenDataset(name).ReadText() != texts_[i])
+        throw h5::Error(fmt::format("{} did not come back as it was written", name));
+    }
+  }
+
+ private:
+  static constexpr const char* kContactArrays[] = {"contact_body", "contact_point",
+                                                   "contact_normal", "contact_distance"};
+
+  static bool SameBits(double a, double b) { return a == b || (a != a && b != b); }
+
+  void FindRuns(const h5::Shape& grid) {
+    std::unordered_map<std::string_view, std::size_t> index;
+    for (const compiler::Run& run : plan_.runs) {
+      const auto [found, is_new] = index.try_emplace(run.id, runs_.size());
+      if (is_new) runs_.push_back({&run, {}});
+      runs_[found->second].cells.push_back(FlatIndex(grid, run.at, run.rep));
+    }
+  }
+
+  /// The first place that has the run's shard; where none has, a path that there is not.
+  fs::path PathOf(const compiler::Run& run) const {
+    const std::string name = run.id + ".h5";
+    for (const fs::path& place : shards_) {
+      std::error_code error;
+      const fs::path path = fs::is_directory(place, error) ? place / name : place;
+      if (path.filename() == name &&
+          fs::symlink_status(path, error).type() != fs::file_type::not_found)
+        return path;
+    }
+    return name + " (in no place)";
+  }
+
+  bool IsThere(const compiler::Run& run) const {
+    std::error_code error;
+    return fs::symlink_status(PathOf(run), error).type() != fs::file_type::not_found;
+  }
+
+  h5::File OpenOf(const compiler::Run& run) const {
+    const fs::path path = PathOf(run);
+    h5::File shard = OpenShard(path);
+    if (shard.Text("plan_sha256") != facts_.sha256)
+      throw StoreError(fmt::format(
+          "{}: belongs to another plan than `{}`; nothing was merged, and it was left as it is: "
+          "start over with --fresh, or choose another name (-o)",
+          path.string(), plan_.benchmark));
+    if (shard.Text("run_id") != run.id)
+      throw StoreError(
+          fmt::format("{}: holds the run {} under another name; nothing was merged: "
+                      "rename or remove it",
+                      path.string(), shard.Text("run_id")));
+    return shard;
+  }
+
+  /// Rows of contacts in grid order; a run that fills two cells stands there twice.
+  void PlaceContacts(std::size_t cells) {
+    if (!facts_.contacts) return;
+    contact_first_.assign(cells, std::numeric_limits<double>::quiet_NaN());
+    std::vector<std::uint64_t> rows(cells, 0);
+    std::vector<bool> recorded(cells, false);
+    for (const Cells& run : runs_) {
+      if (!IsThere(*run.run)) continue;
+      const h5::File shard = OpenOf(*run.run);
+      const double first = shard.OpenDataset("contact_first").Read().at(0);
+      for (const std::size_t cell : run.cells) {
+        recorded[cell] = first == first;
+        rows[cell] = shard.OpenDataset("contact_distance").shape().at(0);
+      }
+    }
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+      if (recorded[cell]) contact_first_[cell] = static_cast<double>(contact_rows_);
+      contact_rows_ += rows[cell];
+    }
+  }
+
+  /// Returns how many there were.
+  std::size_t CopyShards(h5::File& file) {
+    std::vector<h5::Dataset> series, contacts;
+    for (const Array* array : series_) series.push_back(file.OpenDataset(array->name));
+    if (facts_.contacts)
+      for (const char* name : kContactArrays) contacts.push_back(file.OpenDataset(name));
+    std::size_t merged = 0;
+    for (const Cells& run : runs_) {
+      if (!IsThere(*run.run)) continue;
+      const h5::File shard = OpenOf(*run.run);
+      try {
+        for (std::size_t i = 0; i < series.size(); ++i) CopySeries(shard, run.cells, i, series[i]);
+        ReadRunArrays(shard, run.cells);
+        for (std::size_t i = 0; i < contacts.size(); ++i)
+          CopyContacts(kContactArrays[i], shard.OpenDataset(kContactArrays[i]), run.cells,
+                       contacts[i]);
+      } catch (const std::out_of_range&) {
+        throw StoreError(
+            fmt::format("{}: lacks the values of its run; nothing was merged: remove "
+                        "it and its run is done again",
+                        PathOf(*run.run).string()));
+      }
+      file.CheckWritten();
+      ++merged;
+    }
+    return merged;
+  }
+
+  void CopySeries(const h5::File& shard, const std::vector<std::size_t>& cells, std::size_t index,
+                  h5::Dataset& target) {
+    const Array& array = *series_[index];
+    const h5::Dataset source = shard.OpenDataset(array.name);
+    h5::Shape shape = array.shape;
+    std::fill_n(shape.begin(), layout_.grid.size(), 1);
+    // How an array is cut into chunks follows from plan and schema version; asking is slow.
+    const bool is_cut_alike = is_cut_known_[index] || source.ChunkShape() == array.chunk;
+    is_cut_known_[index] = true;
+    if (source.type() != array.type || source.shape() != shape || !is_cut_alike)
+      throw h5::Error(fmt::format("{} of a shard has another shape", array.name));
+    const h5::Shape origin(layout_.grid.size(), 0);
+    const std::uint64_t chunks = ChunksOfCell(array, origin.size());
+    h5::RawChunk chunk;
+    for (std::uint32_t i = 0; i < chunks; ++i) {
+      if (!source.ReadChunk(ChunkStart(array, origin, i), chunk)) continue;  // no cycle of it ran
+      const std::uint64_t checksum = Checksum(chunk.bytes);
+      for (const std::size_t cell : cells) {
+        target.WriteChunk(ChunkStart(array, Unflatten(layout_.grid, cell), i), chunk);
+        copied_.push_back({static_cast<std::uint32_t>(index), i, cell, checksum});
+      }
+    }
+  }
+
+  void ReadRunArrays(const h5::File& shard, const std::vector<std::size_t>& cells) {
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+      const double value = shard.OpenDataset(RunNumbers()[i].name).Read().at(0);
+      for (const std::size_t cell : cells) numbers_[i][cell] = value;
+    }
+    for (std::size_t i = 0; i < texts_.size(); ++i) {
+      const std::string text = shard.OpenDataset(RunTexts()[i].name).ReadText().at(0);
+      for (const std::size_t cell : cells) texts_[i][cell] = text;
+    }
+    for (auto& [name, text] : shard.OpenGroup("provenance").Texts()) {
+      std::vector<std::string>& all = run_facts_[name];
+      all.resize(numbers_[0].size());
+      for (const std::size_t cell : cells) all[cell] = text;
+    }
+  }
+
+  void CopyContacts(const char* name, const h5::Dataset& source,
+                    const std::vector<std::size_t>& cells, h5::Dataset& target) {
+    const std::vector<double> values = source.Read();
+    if (values.empty()) return;
+    const std::uint64_t checksum = Checksum(std::as_bytes(std::span(values)));
+    for (const std::size_t cell : cells) {
+      h5::Shape start(source.shape().size(), 0);
+      start[0] = static_cast<std::uint64_t>(contact_first_[cell]);
+      target.Write(start, source.shape(), values);
+      copied_rows_.push_back({name, std::move(start), source.shape(), checksum});
+    }
+  }
+
+  /// Facts of the runs; what differs between them is an array. Where no run has a fact, it is one
+  /// of this process.
+  void WriteProvenance(h5::File& file) {
+    h5::Group group = file.CreateGroup("provenance");
+    const std::vector<std::string>& ids = Texts("run_id");
+    const std::vector<double>& status = numbers_[0];
+    for (const auto& [name, text] : provenance_)
+      if (!run_facts_.contains(name)) group.SetText(name.c_str(), text);
+    for (const auto& [name, all] : run_facts_) {
+      std::set<std::string_view> different;
+      for (std::size_t cell = 0; cell < all.size(); ++cell)
+        if (!ids[cell].empty() && status[cell] != static_cast<double>(Status::kMissing))
+          different.insert(all[cell]);
+      if (different.size() == 1) {
+        group.SetText(name.c_str(), *different.begin());
+        continue;
+      }
+      group.CreateDataset({name, h5::Type::kText, layout_.grid, {}, 0}).WriteText(all);
+      file.AttachScalesLate({"provenance/" + name, layout_.Get("status").dimensions});
+    }
+    const auto write = [&](const char* name, const std::string& text) {
+      group.CreateDataset({name, h5::Type::kText, {}, {}, 0}).WriteText({{text}});
+    };
+    write("plan_text", compiler::ToYaml(plan_));
+    write("scenario_text", plan_.scenario_text);
+  }
+
+  const std::vector<std::string>& Texts(std::string_view name) const {
+    std::size_t i = 0;
+    while (RunTexts()[i].name != name) ++i;
+    return texts_[i];
+  }
+
+  const compiler::Plan& plan_;
+  const Provenance& provenance_;
+  const std::vector<fs::path> shards_;
+  const PlanFacts facts_;
+  std::vector<Cells> runs_;  ///< each id once, in grid order
+  Layout layout_;
+  std::vector<const Array*> series_;
+  std::vector<bool> is_cut_known_;  ///< as series_
+  std::vector<CopiedChunk> copied_;
+  std::vector<CopiedRows> copied_rows_;
+  std::vector<std::vector<double>> numbers_;     ///< as RunNumbers()
+  std::vector<std::vector<std::string>> texts_;  ///< as RunTexts()
+  std::vector<double> contact_first_;
+  std::uint64_t contact_rows_ = 0;
+  std::map<std::string, std::vector<std::string>> run_facts_;
+};
+
+}  // namespace
+
+void Merge(const compiler::Plan& plan, const Provenance& provenance, const fs::path& folder,
+           const fs::path& out) {
+  Merge(plan, provenance, std::vector{folder}, out);
+}
+
+void Merge(const compiler::Plan& plan, const Provenance& provenance,
+           const std::vector<fs::path>& shards, const fs::path& out) {
+  std::error_code not_there;
+  for (const fs::path& place : shards)
+    if (!fs::is_regular_file(place, not_there)) RequireFolder(place, "shards");
+  RequireFolder(out.has_parent_path() ? out.parent_path() : ".", "the result");
+  std::error_code ignored;
+  if (fs::is_directory(out, ignored))
+    throw StoreError(
+        fmt::format("{}: is a folder where the result should go; the shards were left "
+                    "as they are: choose another name (-o)",
+                    out.string()));
+  const fs::path temporary = TemporaryName(out);
+  try {
+    Merger merger(plan, provenance, shards);
+    merger.Write(temporary);
+    merger.Verify(temporary);
+  } catch (const h5::Error& error) {
+    fs::remove(temporary, ignored);
+    throw StoreError(
+        fmt::format("{}: cannot merge the shards: {}; they are all kept in {}: make "
+                    "room or mend it, and merge again",
+                    out.string(), error.what(), shards.empty() ? "" : shards.front().string()));
+  } catch (...) {
+    fs::remove(temporary, ignored);
+    throw;
+  }
+  Publish(temporary, out);
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,239 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "dsl/check.h"
+#include "runtime/store/hdf5_file.h"
+#include "runtime/store/layout.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/shard.h"
+#include "runtime/store/store.h"
+
+namespace cdb::runtime {
+namespace {
+
+h5::File OpenAny(const std::filesystem::path& path) {
+  if (IsSealed(path)) return OpenShard(path);
+  h5::File file = h5::File::Open(path);
+  CheckHead(file, path.string());
+  return file;
+}
+
+std::vector<std::string> Words(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
+
+}  // namespace
+
+struct ResultFile::Impl {
+  Impl(const std::filesystem::path& path, h5::File opened)
+      : name(path.string()), file(std::move(opened)) {
+    sha256 = file.Text("plan_sha256");
+    title = file.Text("title");
+    benchmark = file.Text("benchmark");
+    source = file.Text("source");
+    for (const std::string& axis_name : Words(file.Text("axes"))) {
+      const h5::Dataset dataset = file.OpenDataset(axis_name);
+      compiler::Axis axis{
+          dataset.Text("axis_name"), dataset.Text("parameter"), dataset.Text("units"), {}};
+      if (dataset.type() == h5::Type::kText) {
+        for (std::string& text : dataset.ReadText()) axis.values.emplace_back(std::move(text));
+      } else {
+        for (const double value : dataset.Read()) axis.values.emplace_back(value);
+      }
+      grid.push_back(axis.values.size());
+      axes.push_back(std::move(axis));
+    }
+    grid.push_back(Extent("rep"));
+    cycles = Extent("cycle");
+    if (file.OpenDataset("status").shape() != grid)
+      throw h5::Error("its axes do not fit its arrays");
+  }
+
+  std::uint64_t Extent(const char* dimension) const {
+    return h5::Product(file.OpenDataset(dimension).shape());
+  }
+
+  std::size_t FlatIndex(const Cell& cell) const {
+    CDB_CHECK(cell.at.size() + 1 == grid.size() && cell.rep < grid.back());
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < cell.at.size(); ++i) {
+      CDB_CHECK(cell.at[i] < grid[i]);
+      index = index * grid[i] + cell.at[i];
+    }
+    return index * grid.back() + cell.rep;
+  }
+
+  /// An array over the grid, read once.
+  template <typename Value, typename Read>
+  const Value& AtCell(std::map<std::string, std::vector<Value>, std::less<>>& arrays,
+                      std::string_view dataset, const Cell& cell, Read read) {
+    auto found = arrays.find(dataset);
+    if (found == arrays.end()) {
+      const h5::Dataset array = file.OpenDataset(std::string(dataset));
+      if (array.shape() != grid)
+        throw h5::Error(fmt::format("{} is not an array over the grid", dataset));
+      found = arrays.emplace(dataset, read(array)).first;
+    }
+    return found->second[FlatIndex(cell)];
+  }
+
+  double Number(std::string_view dataset, const Cell& cell) {
+    return AtCell(numbers, dataset, cell, [](const h5::Dataset& array) { return array.Read(); });
+  }
+
+  /// All values of a cell in a series, kept until the next: chunks hold whole cells, and each is
+  /// unpacked once. `inner` is what the series has beside the grid.
+  const std::vector<double>& Block(std::string_view dataset, const Cell& cell, std::size_t inner) {
+    const std::size_t index = FlatIndex(cell);
+    auto found = series.find(dataset);
+    if (found == series.end()) {
+      h5::Dataset array = file.OpenDataset(std::string(dataset));
+      if (array.shape().size() != grid.size() + inner ||
+          !std::equal(grid.begin(), grid.end(), array.shape().begin()))
+        throw h5::Error(fmt::format("{} is not a series of that kind", dataset));
+      found = series.emplace(dataset, Series{std::move(array), {}, {}}).first;
+    }
+    auto& [array, at, values] = found->second;
+    if (at != index) {
+      h5::Shape start(cell.at.begin(), cell.at.end());
+      start.push_back(cell.rep);
+      h5::Shape count(start.size(), 1);
+      for (std::size_t d = start.size(); d < array.shape().size(); ++d)
+        count.push_back(array.shape()[d]);
+      start.resize(count.size(), 0);
+      values = array.Read(start, count);
+      at = index;
+    }
+    return values;
+  }
+
+  std::size_t CyclesOf(const Cell& cell) {
+    return static_cast<std::size_t>(
+        std::clamp(Number("n_cycles", cell), 0.0, static_cast<double>(cycles)));
+  }
+
+  /// Errors of HDF5 in our own form.
+  template <typename Read>
+  auto Reading(Read read) -> decltype(read()) {
+    try {
+      return read();
+    } catch (const h5::Error& error) {
+      throw StoreError(
+          fmt::format("{}: cannot be read: {}; it was left as it is", name, error.what()));
+    }
+  }
+
+  struct Series {
+    h5::Dataset array;
+    std::optional<std::size_t> at;  ///< the cell of `values`
+    std::vector<double> values;
+  };
+
+  std::string name;
+  h5::File file;
+  std::string sha256, title, benchmark, source;
+  std::vector<compiler::Axis> axes;
+  h5::Shape grid;
+  std::uint64_t cycles = 0;
+  std::map<std::string, std::vector<double>, std::less<>> numbers;
+  std::map<std::string, std::vector<std::string>, std::less<>> texts;
+  std::map<std::string, Series, std::less<>> series;
+};
+
+ResultFile::ResultFile(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status))
+    throw StoreError(fmt::format("{}: there is no such file; `cdb run` makes one", file.string()));
+  if (std::filesystem::is_directory(status))
+    throw StoreError(
+        fmt::format("{}: is a folder, not a result; name the .h5 file", file.string()));
+  try {
+    impl_ = std::make_unique<Impl>(file, OpenAny(file));
+  } catch (const h5::Error& failed) {
+    throw StoreError(
+        fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: merge "
+                    "it again from its shards",
+                    file.string(), failed.what()));
+  }
+}
+
+ResultFile::ResultFile(ResultFile&&) noexcept = default;
+ResultFile::~ResultFile() = default;
+
+const std::string& ResultFile::plan_sha256() const { return impl_->sha256; }
+const std::string& ResultFile::title() const { return impl_->title; }
+const std::string& ResultFile::benchmark() const { return impl_->benchmark; }
+const std::string& ResultFile::source() const { return impl_->source; }
+const std::vector<compiler::Axis>& ResultFile::axes() const { return impl_->axes; }
+std::uint64_t ResultFile::repeats() const { return impl_->grid.back(); }
+std::uint64_t ResultFile::cycles() const { return impl_->cycles; }
+bool ResultFile::Has(std::string_view dataset) const {
+  return impl_->file.Has(std::string(dataset));
+}
+
+Status ResultFile::ReadStatus(const Cell& cell) const {
+  const double status = impl_->Reading([&] { return impl_->Number("status", cell); });
+  if (!(status >= 0 && status <= static_cast<double>(Status::kTimedOut)))
+    throw StoreError(
+        fmt::format("{}: holds the status {}, which this cdb does not know; it was "
+                    "left as it is: use the cdb that wrote it",
+                    impl_->name, status));
+  return static_cast<Status>(status);
+}
+
+std::uint64_t ResultFile::ReadCycleCount(const Cell& cell) const {
+  return impl_->Reading([&] { return std::uint64_t{impl_->CyclesOf(cell)}; });
+}
+
+std::string ResultFile::ReadText(std::string_view dataset, const Cell& cell) const {
+  return impl_->Reading([&] {
+    return impl_->AtCell(impl_->texts, dataset, cell,
+                         [](const h5::Dataset& array) { return array.ReadText(); });
+  });
+}
+
+double ResultFile::ReadReal(std::string_view dataset, const Cell& cell) const {
+  return impl_->Reading([&] { return impl_->Number(dataset, cell); });
+}
+
+std::vector<double> ResultFile::ReadSeries(std::string_view dataset, const Cell& cell) const {
+  return impl_->Reading([&] {
+    const std::vector<double>& block = impl_->Block(dataset, cell, 1);
+    return std::vector(block.begin(), block.begin() + static_cast<long>(impl_->CyclesOf(cell)));
+  });
+}
+
+std::vector<double> ResultFile::ReadDuration(Phase phase, const Cell& cell) const {
+  CDB_CHECK(phase >= 0 && phase < kPhaseCount);
+  return impl_->Reading([&] {
+    const std::vector<double>& block = impl_->Block("duration", cell, 2);
+    const auto begin = block.begin() + static_cast<long>(phase * impl_->cycles);
+    return std::vector(begin, begin + static_cast<long>(impl_->CyclesOf(cell)));
+  });
+}
+
+std::string ResultFile::ReadProvenance(std::string_view name) const {
+  return impl_->Reading([&]() -> std::string {
+    const h5::Group group = impl_->file.OpenGroup("provenance");
+    const std::string key(name);
+    if (!group.Has(key)) return group.Text(key.c_str());
+    const h5::Dataset dataset = group.OpenDataset(key);
+    std::vector<std::string> texts = dataset.ReadText();
+    std::erase(texts, "");
+    std::ranges::sort(texts);
+    const auto repeated = std::ranges::unique(texts);
+    texts.erase(repeated.begin(), repeated.end());
+    return fmt::format("{}", fmt::join(texts, "; "));
+  });
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,41 @@
+// Files that are there whole or not at all: written under a temporary name, fsynced, renamed; and a
+// seal at a file's end that tells a whole file from a damaged one. Knows nothing of HDF5.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cdb::runtime {
+
+/// `<final>.<host>.<pid>.tmp`, beside the final file, so that the rename stays on one file system.
+std::filesystem::path TemporaryName(const std::filesystem::path& final_name);
+
+/// Throws StoreError where `folder` is no folder; `use` says what it should hold.
+void RequireFolder(const std::filesystem::path& folder, std::string_view use);
+
+/// fsyncs `temporary`, renames it to `final_name`, fsyncs the folder. Throws StoreError, with the
+/// temporary removed.
+void Publish(const std::filesystem::path& temporary, const std::filesystem::path& final_name);
+
+/// Writes `text` to `final_name`, safely. Throws StoreError, with nothing changed.
+void WriteWhole(std::string_view text, const std::filesystem::path& final_name);
+
+/// Writes `bytes` and their seal to `final_name`, safely. Throws StoreError, with nothing changed.
+void WriteSealed(std::span<const std::byte> bytes, const std::filesystem::path& final_name);
+
+/// What `WriteSealed` wrote, without the seal. Throws StoreError for a file that cannot be read or
+/// that is not byte for byte what was written.
+std::vector<std::byte> ReadSealed(const std::filesystem::path& file);
+
+/// The file ends with a seal; says nothing about what stands before it.
+bool IsSealed(const std::filesystem::path& file);
+
+/// A 64-bit checksum that any change of a single byte changes. Not against malice.
+std::uint64_t Checksum(std::span<const std::byte> bytes);
+
+}  // namespace cdb::runtime

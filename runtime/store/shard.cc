@@ -1,0 +1,168 @@
+// One run's file: made in memory and written by ourselves, so that a full disk is met by a plain
+// write() and never by HDF5, which cannot close a file that it cannot write.
+#include "runtime/store/shard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "compiler/plan_yaml.h"
+#include "dsl/check.h"
+#include "runtime/store/layout.h"
+#include "runtime/store/safe_file.h"
+
+namespace cdb::runtime {
+namespace {
+
+/// Rows of the run's contacts: as many as its series `contacts` counts in the cycles that ran.
+std::uint64_t ContactRows(const compiler::Run& run, const RunResult& result) {
+  if (!run.scene.world.Lists("record", "contacts")) return 0;
+  std::uint64_t rows = 0;
+  for (const auto& [series, bytes] : result.series) {
+    if (series->name != "contacts") continue;
+    for (std::size_t i = 0; i < result.n_cycles; ++i) {
+      std::int32_t n = 0;
+      std::memcpy(&n, &bytes[i * sizeof(n)], sizeof(n));
+      rows += static_cast<std::uint64_t>(std::max(n, 0));
+    }
+  }
+  return rows;
+}
+
+/// The cycles that ran; the file keeps fill values for the rest.
+void WriteSeries(h5::File& file, const Layout& layout, const compiler::Run& run,
+                 const RunResult& result) {
+  const std::uint64_t cycles = run.scene.world.Count("cycles");
+  const std::uint64_t objects = run.scene.ObjectCount();
+  for (const auto& [series, bytes] : result.series) {
+    CDB_CHECK(bytes.size() == series->ItemBytes() * series->ValueCount(cycles, objects));
+    h5::Shape inner = {cycles};
+    if (series->shape == SeriesShape::kPhase) inner = {kPhaseCount, cycles};
+    if (series->shape == SeriesShape::kPose) inner = {cycles, objects, kPoseSize};
+    h5::Shape data_shape(layout.grid.size(), 1);
+    data_shape.insert(data_shape.end(), inner.begin(), inner.end());
+    h5::Shape count = data_shape;
+    count[layout.grid.size() + (series->shape == SeriesShape::kPhase ? 1 : 0)] = result.n_cycles;
+    h5::Dataset dataset = file.OpenDataset(layout.Get(series->name).name);
+    dataset.Write(h5::Shape(count.size(), 0), count, bytes.data(), data_shape);
+  }
+}
+
+/// A run that was killed may have counted contacts that it did not hand over: rows of fill values.
+void WriteContacts(h5::File& file, const RunResult& result, std::uint64_t rows) {
+  const std::size_t n = std::min<std::size_t>(rows, result.contacts.size());
+  std::vector<std::int32_t> bodies;
+  std::vector<double> points, normals, distances;
+  for (const ContactRecord& contact : std::span(result.contacts).first(n)) {
+    bodies.push_back(static_cast<std::int32_t>(contact.body_a));
+    bodies.push_back(static_cast<std::int32_t>(contact.body_b));
+    points.insert(points.end(), std::begin(contact.point), std::end(contact.point));
+    normals.insert(normals.end(), std::begin(contact.normal), std::end(contact.normal));
+    distances.push_back(contact.distance);
+  }
+  const auto write = [&](const char* name, const auto& values, h5::Shape shape) {
+    file.OpenDataset(name).Write(h5::Shape(shape.size(), 0), shape,
+                                 std::as_bytes(std::span(values)).data(), shape);
+  };
+  write("contact_body", bodies, {n, 2});
+  write("contact_point", points, {n, 3});
+  write("contact_normal", normals, {n, 3});
+  write("contact_distance", distances, {n});
+}
+
+std::vector<std::byte> MakeImage(const compiler::Plan& plan, const PlanFacts& facts,
+                                 const compiler::Run& run, const RunResult& result,
+                                 const Provenance& provenance) {
+  const std::uint64_t rows = ContactRows(run, result);
+  const Layout layout = MakeLayout(plan, facts, &run, rows);
+  h5::File file = h5::File::CreateInMemory();
+  WriteHead(file, plan, facts, layout, fmt::format("run {}", run.id));
+  file.SetText("run_id", run.id);
+  CreateArrays(file, layout);
+  WriteSeries(file, layout, run, result);
+  if (facts.contacts) {
+    WriteContacts(file, result, rows);
+    if (run.scene.world.Lists("record", "contacts"))
+      file.OpenDataset("contact_first").Write({{0.0}});
+  }
+  for (const RunNumber& number : RunNumbers())
+    file.OpenDataset(number.name).Write({{number.get(result)}});
+  for (const RunText& text : RunTexts())
+    file.OpenDataset(text.name).WriteText({{text.get(run, result)}});
+  h5::Group group = file.CreateGroup("provenance");
+  for (const auto& [name, text] : provenance) group.SetText(name.c_str(), text);
+  group.CreateDataset({"run_text", h5::Type::kText, {}, {}, 0})
+      .WriteText({{compiler::RunToYaml(run)}});
+  return file.Image();
+}
+
+}  // namespace
+
+struct ShardWriter::Impl {
+  const compiler::Plan& plan;
+  const Provenance& provenance;
+  PlanFacts facts;
+};
+
+ShardWriter::ShardWriter(const compiler::Plan& plan, const Provenance& provenance)
+    : impl_(new Impl{plan, provenance, PlanFacts(plan)}) {}
+
+ShardWriter::~ShardWriter() = default;
+
+void ShardWriter::Write(const compiler::Run& run, const RunResult& result,
+                        const std::filesystem::path& folder) const {
+  CDB_CHECK(result.n_cycles <= run.scene.world.Count("cycles"));
+  RequireFolder(folder, "shards");
+  const std::filesystem::path file = folder / (run.id + ".h5");
+  try {
+    WriteSealed(MakeImage(impl_->plan, impl_->facts, run, result, impl_->provenance), file);
+  } catch (const h5::Error& error) {
+    throw StoreError(
+        fmt::format("{}: cannot be made: {}; nothing was written", file.string(), error.what()));
+  }
+}
+
+void WriteShard(const compiler::Plan& plan, const compiler::Run& run, const RunResult& result,
+                const Provenance& provenance, const std::filesystem::path& folder) {
+  ShardWriter(plan, provenance).Write(run, result, folder);
+}
+
+h5::File OpenShard(const std::filesystem::path& path) {
+  const std::vector<std::byte> image = ReadSealed(path);
+  try {
+    h5::File file = h5::File::OpenImage(image);
+    CheckHead(file, path.string());
+    return file;
+  } catch (const h5::Error& error) {
+    throw StoreError(
+        fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "
+                    "its run is done again",
+                    path.string(), error.what()));
+  }
+}
+
+ShardInfo ReadShardInfo(const std::filesystem::path& path) {
+  const h5::File file = OpenShard(path);
+  try {
+    const std::vector<double> status = file.OpenDataset("status").Read();
+    const std::string id = file.Text("run_id");
+    if (status.size() != 1 || id.empty()) throw h5::Error("it does not hold one run");
+    return {id, file.Text("plan_sha256"), static_cast<Status>(status[0])};
+  } catch (const h5::Error& error) {
+    throw StoreError(
+        fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "
+                    "its run is done again",
+                    path.string(), error.what()));
+  }
+}
+
+std::string_view StatusName(Status status) {
+  constexpr std::string_view kNames[] = {"missing", "done",    "skipped",
+                                         "failed",  "crashed", "timed_out"};
+  const auto index = static_cast<std::size_t>(status);
+  CDB_CHECK(index < std::size(kNames));
+  return kNames[index];
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,139 @@
+// Results on disk: one shard a run, merged into one file. Source: the results contract in
+// README.md, "The results file". Nothing here knows how runs come about; nothing else knows HDF5.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "compiler/plan.h"
+#include "runtime/measure/series.h"
+
+namespace cdb::runtime {
+
+/// The world refused: the message names the file, the cause, what was kept and the remedy. Exit
+/// status 2.
+class StoreError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// `flag_values` of `status`, in this order.
+enum class Status : std::int8_t { kMissing, kDone, kSkipped, kFailed, kCrashed, kTimedOut };
+/// `done`, `timed_out`.
+std::string_view StatusName(Status status);
+
+/// All that one run left behind. `series` point into memory of the caller.
+struct RunResult {
+  Status status = Status::kMissing;
+  std::uint64_t n_cycles = 0;
+  double started_s = 0;  ///< since 1970-01-01 00:00:00 UTC
+  std::string state_hash;
+  std::string host;
+  std::string message;  ///< why it did not end well; empty where it did
+  std::string omitted;  ///< names of the components left out, separated by spaces
+  std::string needs;    ///< what became of each component: a line each (compiler/needs.h)
+  double load = 0;      ///< the machine's one-minute load average when the run began
+  double peak_rss_bytes = 0, place_ns = 0, build_ns = 0, fill_fraction = 0;
+  std::vector<std::pair<const Series*, std::span<const std::byte>>> series;
+  std::vector<ContactRecord>
+      contacts;  ///< of all cycles in order; as many a cycle as the series `contacts` says
+};
+
+/// Facts of build and machine for `/provenance`, by name: `cdb_version`, `bullet_version`,
+/// `compiler`, `cpu`, `build_type`…
+using Provenance = std::map<std::string, std::string>;
+
+/// Writes one shard for each run of a plan. What follows from the plan alone is worked out once, in
+/// the constructor: where there are many runs it takes longer than writing one. Holds references to
+/// plan and provenance. Threads: Write may be called by several at once, for different runs.
+class ShardWriter {
+ public:
+  ShardWriter(const compiler::Plan& plan, const Provenance& provenance);
+  ~ShardWriter();
+
+  /// Writes `folder/<run id>.h5`: under a temporary name, closed, fsynced, renamed, and the folder
+  /// fsynced; when it returns the run is safe. Throws StoreError; then no file of the final name
+  /// was made or changed.
+  void Write(const compiler::Run& run, const RunResult& result,
+             const std::filesystem::path& folder) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
+
+/// `ShardWriter(plan, provenance).Write(run, result, folder)`: for one run.
+void WriteShard(const compiler::Plan& plan, const compiler::Run& run, const RunResult& result,
+                const Provenance& provenance, const std::filesystem::path& folder);
+
+/// Removes temporaries in `folder` that processes of this host left behind when they were killed;
+/// those of living processes and of other hosts stay. Throws StoreError where there is no folder.
+void RemoveStaleTemporaries(const std::filesystem::path& folder);
+
+struct ShardInfo {
+  std::string run_id;
+  std::string plan_sha256;
+  Status status;
+};
+/// Throws StoreError for what is not a whole shard (truncated, not HDF5, another schema version).
+ShardInfo ReadShardInfo(const std::filesystem::path& file);
+
+/// Makes `out` from `shards`, folders of them or single files (of a run that stands twice, the
+/// first): under a temporary name, verified against the shards, fsynced, renamed. Runs without a
+/// shard are cells with status `missing`. The shards are left alone. Throws StoreError; then `out`
+/// is as before.
+void Merge(const compiler::Plan& plan, const Provenance& provenance,
+           const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out);
+void Merge(const compiler::Plan& plan, const Provenance& provenance,
+           const std::filesystem::path& folder, const std::filesystem::path& out);
+
+/// A results file or a shard opened for reading. Not for several threads.
+class ResultFile {
+ public:
+  /// Throws StoreError.
+  explicit ResultFile(const std::filesystem::path& file);
+  ResultFile(ResultFile&&) noexcept;
+  ~ResultFile();
+
+  const std::string& plan_sha256() const;
+  const std::string& title() const;
+  const std::string& benchmark() const;
+  const std::string& source() const;  ///< the scenario file, as it was named
+  /// The axes of the sweep, without rep, phase and cycle.
+  const std::vector<compiler::Axis>& axes() const;
+  std::uint64_t repeats() const;
+  std::uint64_t cycles() const;
+  bool Has(std::string_view dataset) const;
+
+  /// A cell: the index on each axis, and the repeat.
+  struct Cell {
+    std::vector<std::size_t> at;
+    std::uint64_t rep = 0;
+  };
+  Status ReadStatus(const Cell& cell) const;
+  std::uint64_t ReadCycleCount(const Cell& cell) const;
+  std::string ReadText(std::string_view dataset,
+                       const Cell& cell) const;  ///< `state_hash`, `message`, `omitted`
+  double ReadReal(std::string_view dataset,
+                  const Cell& cell) const;  ///< `peak_rss`, `build_time`, …
+  /// One scalar series of a cell, the cycles that ran; one phase of `duration`. Integers come as
+  /// doubles.
+  std::vector<double> ReadSeries(std::string_view dataset, const Cell& cell) const;
+  std::vector<double> ReadDuration(Phase phase, const Cell& cell) const;
+  /// `/provenance`: `plan_text`, `scenario_text`, and its attributes.
+  std::string ReadProvenance(std::string_view name) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cdb::runtime

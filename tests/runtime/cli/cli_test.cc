@@ -1,0 +1,410 @@
+// The command line from outside: what goes where, and with which exit status.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <string>
+
+#include "compiler/needs.h"
+#include "compiler/schema.h"
+#include "runtime/cli/provenance.h"
+#include "runtime/store/store.h"
+#include "tests/runtime/cli/program.h"
+
+namespace cdb::runtime {
+namespace {
+
+const char kSmall[] =
+    "benchmark small {\n  cycles 20\n  world.side 400\n  detector sweep(sap, dbvt)\n"
+    "  objects { quantity sweep(5, 20); type any(sphere, cuboid, cylinder, cone)\n"
+    "    linear_velocity uniform(-200, 200) }\n}\n";
+
+/// The state hash of every run, by its id; fails where one is missing or did not end well.
+std::map<std::string, std::string> Hashes(const std::filesystem::path& file) {
+  const ResultFile result(file);
+  std::map<std::string, std::string> hashes;
+  ResultFile::Cell cell;
+  cell.at.assign(result.axes().size(), 0);
+  for (;;) {
+    for (cell.rep = 0; cell.rep < result.repeats(); ++cell.rep) {
+      const Status status = result.ReadStatus(cell);
+      if (status == Status::kSkipped) continue;
+      EXPECT_EQ(status, Status::kDone);
+      const std::string hash = result.ReadText("state_hash", cell);
+      EXPECT_EQ(hash.size(), 16u);
+      hashes[result.ReadText("run_id", cell)] = hash;
+    }
+    std::size_t i = cell.at.size();
+    while (i > 0 && ++cell.at[i - 1] == result.axes()[i - 1].values.size()) cell.at[--i] = 0;
+    if (i == 0) return hashes;
+  }
+}
+
+TEST(Run, GivesATableAFileAndNothingElse) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  const Finished run = program.Run({"run", "small.cdb"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("Median of a cycle"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("small.h5"), std::string::npos);
+  EXPECT_NE(run.err.find("4/4"), std::string::npos) << run.err;
+  EXPECT_TRUE(program.Exists("small.h5"));
+  EXPECT_FALSE(program.Exists("small.runs"));
+  EXPECT_EQ(Hashes(program.folder() / "small.h5").size(), 4u);
+}
+
+TEST(Run, IsRepeatableToTheBit) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  EXPECT_EQ(program.Run({"plan", "small.cdb", "-o", "plan.yaml"}).status, 0);
+  EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "-o", "one.h5"}).status, 0);
+  EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "-o", "two.h5"}).status, 0);
+  EXPECT_EQ(program.Run({"run", "plan.yaml", "-q", "-o", "yaml.h5"}).status, 0);
+  EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "-j", "2", "-o", "jobs.h5"}).status, 0);
+  const auto one = Hashes(program.folder() / "one.h5");
+  EXPECT_EQ(one.size(), 4u);
+  for (const char* other : {"two.h5", "yaml.h5", "jobs.h5"})
+    EXPECT_EQ(one, Hashes(program.folder() / other)) << other;
+}
+
+TEST(Run, MarksTimingsThatAreNotToBeQuoted) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  const auto has = [](const Finished& finished, const char* part) {
+    return finished.out.find(part) != std::string::npos;
+  };
+  const Finished one = program.Run({"run", "small.cdb", "-o", "one.h5"});
+  EXPECT_EQ(has(one, "not timings to quote"), BuildType() != "Release") << one.out;
+  EXPECT_FALSE(has(one, "several runs at a time")) << one.out;
+  const Finished two = program.Run({"run", "small.cdb", "-j", "2", "-o", "two.h5"});
+  EXPECT_TRUE(has(two, "several runs at a time (jobs 2)")) << two.out;
+  EXPECT_EQ(ResultFile(program.folder() / "two.h5").ReadProvenance("build_type"), BuildType());
+}
+
+TEST(Run, KnowsWhatIsDone) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  ASSERT_EQ(program.Run({"run", "small.cdb"}).status, 0);
+  const std::string before = program.Read("small.h5");
+  const Finished again = program.Run({"run", "small.cdb"});
+  EXPECT_EQ(again.status, 0);
+  EXPECT_NE(again.err.find("complete"), std::string::npos) << again.err;
+  EXPECT_EQ(program.Read("small.h5"), before);
+
+  program.Write("small.cdb", std::string(kSmall) + "# another comment\n");
+  EXPECT_EQ(program.Run({"run", "small.cdb"}).status, 0) << "a comment does not make another plan";
+
+  std::string other = kSmall;
+  other.replace(other.find("cycles 20"), 9, "cycles 21");
+  program.Write("small.cdb", other);
+  const Finished refused = program.Run({"run", "small.cdb"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("another plan"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("--fresh"), std::string::npos);
+  EXPECT_EQ(program.Read("small.h5"), before);
+  EXPECT_EQ(program.Run({"run", "small.cdb", "--fresh"}).status, 0);
+  EXPECT_NE(program.Read("small.h5"), before);
+}
+
+TEST(Run, InShardsIsTheSameAsWhole) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  ASSERT_EQ(program.Run({"run", "small.cdb", "-q", "-o", "whole.h5"}).status, 0);
+  for (const char* shard : {"1/2", "2/2"})
+    EXPECT_EQ(program.Run({"run", "small.cdb", "--shard", shard}).status, 0);
+  EXPECT_FALSE(program.Exists("small.h5"));
+  EXPECT_EQ(program.Run({"merge", "-o", "small.h5", "small.runs"}).status, 0);
+  EXPECT_TRUE(program.Exists("small.runs")) << "merge leaves the shards";
+  EXPECT_EQ(Hashes(program.folder() / "whole.h5"), Hashes(program.folder() / "small.h5"));
+
+  // The shards of two machines: some in a folder, some by name.
+  ASSERT_EQ(program
+                .Shell("rm small.h5; mkdir a b; cp small.runs/plan.yaml a; cd small.runs;"
+                       "set -- *.h5; cp $1 $2 ../a; cp $3 $4 ../b")
+                .status,
+            0);
+  EXPECT_EQ(program.Shell("$CDB merge -o small.h5 a b/*.h5").status, 0)
+      << program.Read("stderr.txt");
+  EXPECT_EQ(Hashes(program.folder() / "whole.h5"), Hashes(program.folder() / "small.h5"));
+}
+
+TEST(Run, AllBenchmarksOfAFileIntoAFolder) {
+  const Program program;
+  program.Write("two.cdb", "benchmark a { cycles 2 }\nbenchmark b { cycles 3 }\n");
+  EXPECT_EQ(program.Run({"run", "two.cdb", "-q"}).status, 0);
+  EXPECT_TRUE(program.Exists("a.h5") && program.Exists("b.h5"));
+  std::filesystem::create_directory(program.folder() / "out");
+  EXPECT_EQ(program.Run({"run", "two.cdb", "-q", "-o", "out", "-b", "b"}).status, 0);
+  EXPECT_TRUE(program.Exists("out/b.h5") && !program.Exists("out/a.h5"));
+  const Finished one = program.Run({"run", "two.cdb", "-o", "x.h5"});
+  EXPECT_EQ(one.status, 2);
+  EXPECT_NE(one.err.find("-b"), std::string::npos) << one.err;
+  const Finished unknown = program.Run({"run", "two.cdb", "-b", "aa"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("did you mean"), std::string::npos) << unknown.err;
+}
+
+TEST(Run, AFailedRunIsDataAndExitStatus3) {
+  const Program program;
+  program.Write(
+      "full.cdb",
+      "benchmark full { cycles 5; world.side 100; objects { size 60; quantity sweep(1, 40) } }");
+  const Finished run = program.Run({"run", "full.cdb"});
+  EXPECT_EQ(run.status, 3) << run.err;
+  EXPECT_NE(run.out.find("did not end well"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("quantity 40"), std::string::npos) << run.out;
+  const ResultFile file(program.folder() / "full.h5");
+  EXPECT_EQ(file.ReadStatus({{0}, 0}), Status::kDone);
+  EXPECT_EQ(file.ReadStatus({{1}, 0}), Status::kFailed);
+  EXPECT_FALSE(file.ReadText("message", {{1}, 0}).empty());
+  EXPECT_EQ(program.Run({"show", "full.h5"}).status, 3);
+
+  // What `show` tells to run it again with does just that.
+  const std::size_t command = run.out.find("cdb run full.cdb -b full --only ");
+  ASSERT_NE(command, std::string::npos) << run.out;
+  const std::string line = run.out.substr(command + 4, run.out.find('\n', command) - command - 4);
+  EXPECT_EQ(program.Shell("$CDB " + line).status, 3);
+  const std::string id = line.substr(line.size() - 16);
+  const ResultFile again(program.folder() / (id + ".h5"));
+  EXPECT_EQ(again.ReadStatus({{0}, 0}), Status::kFailed);
+  EXPECT_EQ(again.axes()[0].values, (std::vector<compiler::Coordinate>{40.0}));
+  EXPECT_EQ(program.Run({"run", "full.cdb", "--only", "nothing"}).status, 2);
+}
+
+TEST(Run, OneByItselfEndsInTheSameState) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  ASSERT_EQ(program.Run({"run", "small.cdb", "-q"}).status, 0);
+  for (const auto& [id, hash] : Hashes(program.folder() / "small.h5")) {
+    ASSERT_EQ(program.Run({"run", "small.cdb", "-q", "--only", id}).status, 0);
+    EXPECT_EQ(Hashes(program.folder() / (id + ".h5")).begin()->second, hash);
+  }
+}
+
+TEST(Run, ATimeoutEndsARunAndKeepsItsCycles) {
+  const Program program;
+  program.Write("slow.cdb", "benchmark slow { cycles 2000000; timeout 0.5; objects.quantity 5 }");
+  const Finished run = program.Run({"run", "slow.cdb"});
+  EXPECT_EQ(run.status, 3) << run.err;
+  const ResultFile file(program.folder() / "slow.h5");
+  EXPECT_EQ(file.ReadStatus({{}, 0}), Status::kTimedOut);
+  EXPECT_GT(file.ReadCycleCount({{}, 0}), 0u);
+}
+
+TEST(Run, WhatNoMemoryHoldsIsRefusedBeforeAnythingRuns) {
+  const Program program;
+  // 10^14 bytes of poses.
+  program.Write("huge.cdb",
+                "benchmark huge { cycles 2000000000; record poses; objects.quantity 1000 }");
+  const Finished run = program.Run({"run", "huge.cdb"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.err.find("huge: one run records up to"), std::string::npos) << run.err;
+  EXPECT_FALSE(program.Exists("huge.h5") || program.Exists("huge.runs"));
+}
+
+TEST(Check, FindsEveryErrorAndLeavesNoFile) {
+  const Program program;
+  program.Write("bad.cdb", "benchmark a { cycles 0; colour red; objects.type cuboyd }\n");
+  for (const char* command : {"check", "plan", "run"}) {
+    const Finished finished = program.Run({command, "bad.cdb"});
+    EXPECT_EQ(finished.status, 1) << command;
+    EXPECT_EQ(finished.out, "") << command;
+    for (const char* part : {"bad.cdb:1:22", "colour", "did you mean 'cuboid'?"})
+      EXPECT_NE(finished.err.find(part), std::string::npos) << command << ": " << finished.err;
+  }
+  EXPECT_EQ(program.Run({"plan", "bad.cdb", "-o", "p.yaml"}).status, 1);
+  EXPECT_FALSE(program.Exists("p.yaml") || program.Exists("a.h5") || program.Exists("a.runs"));
+}
+
+TEST(Plan, PrintsRunsAndWritesYaml) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  const Finished table = program.Run({"plan", "small.cdb"});
+  EXPECT_EQ(table.status, 0);
+  EXPECT_NE(table.out.find("small: 4 runs = 2 detector x 2 quantity"), std::string::npos)
+      << table.out;
+  EXPECT_EQ(program.Run({"plan", "small.cdb", "-o", "p.yaml"}).out, "");
+  EXPECT_EQ(program.Run({"plan", "p.yaml"}).out, table.out);
+  EXPECT_EQ(program.Run({"plan", "p.yaml", "-o", "-"}).out, program.Read("p.yaml"));
+}
+
+TEST(Plan, SaysWhatEachRunLeavesOut) {
+  const Program program;
+  program.Write("o.cdb",
+                "benchmark o { cycles 5; objects { quantity 1; size 5 }\n"
+                "detector sweep(sap, dbvt); omit sweep(auto, none) }");
+  const Finished table = program.Run({"plan", "o.cdb"});
+  EXPECT_EQ(table.status, 0) << table.err;
+  const auto row = [&](const std::string& pattern) {
+    return std::regex_search(table.out, std::regex(pattern));
+  };
+  EXPECT_TRUE(row("cycles +left out\n")) << table.out;
+  EXPECT_TRUE(row("sap +auto .* 5  walls\\? raycast_tree solver\\? sleeping\\?\n")) << table.out;
+  EXPECT_TRUE(row("dbvt +auto .* 5  walls\\? solver\\? sleeping\\?\n")) << table.out;
+  EXPECT_TRUE(row("sap +none .* 5  -\n")) << table.out;
+
+  const Finished why = program.Run({"plan", "--why", "o.cdb"});
+  EXPECT_EQ(why.status, 0) << why.err;
+  // A fall of a few millimetres in a cube of 50 m: nothing is open any more, nothing touches.
+  EXPECT_EQ(why.out.find("open"), std::string::npos) << why.out;
+  EXPECT_TRUE(std::regex_search(why.out, std::regex("\n  walls           left out  for 6 of 6")))
+      << why.out;
+  EXPECT_TRUE(std::regex_search(why.out, std::regex("\n  raycast_tree    none      dbvt has none")))
+      << why.out;
+  EXPECT_TRUE(std::regex_search(why.out, std::regex("\n  gravity         kept      the accel")))
+      << why.out;
+  EXPECT_NE(why.out.find("  o: detector sap, omit auto\n"), std::string::npos) << why.out;
+
+  const std::string id = table.out.substr(table.out.find("\n  ", table.out.find("---")) + 3, 16);
+  const Finished only = program.Run({"plan", "--why", "o.cdb", "--only", id});
+  EXPECT_EQ(only.status, 0) << only.err;
+  EXPECT_EQ(only.out.find(id), 0u) << only.out;
+  EXPECT_EQ(why.out.find(only.out), 0u) << "the first of them all";
+  EXPECT_EQ(std::ranges::count(only.out, '\n'),
+            1 + static_cast<int>(compiler::Components().size()));
+
+  EXPECT_EQ(program.Run({"plan", "--why", "o.cdb", "--only", "nothing"}).status, 2);
+  EXPECT_EQ(program.Run({"plan", "o.cdb", "--only", id}).status, 2);
+  EXPECT_EQ(program.Run({"plan", "--why", "o.cdb", "-o", "p.yaml"}).status, 2);
+  EXPECT_FALSE(program.Exists("p.yaml"));
+}
+
+TEST(Plan, WhySaysRepeatsOnceAndGoesOnAfterARunThatFails) {
+  const Program program;
+  // No place for 40; and two that stand on one another cannot do without a solver.
+  program.Write("f.cdb",
+                "benchmark f { repeats 3; cycles 300; world.side 100; omit solver\n"
+                "objects { size 60; quantity sweep(40, 1, 0) } }");
+  const Finished why = program.Run({"plan", "--why", "f.cdb"});
+  EXPECT_EQ(why.status, 1) << why.err;
+  const auto count = [&](const std::string& part) {
+    int n = 0;
+    for (std::size_t at = why.out.find(part); at != std::string::npos;
+         at = why.out.find(part, at + 1))
+      ++n;
+    return n;
+  };
+  EXPECT_EQ(count(" and 2 more alike\n"), 3) << why.out;
+  EXPECT_EQ(count("  this run fails: "), 2) << why.out;
+  EXPECT_EQ(count("  this run fails: omit solver: this scene needs it: "), 1) << why.out;
+  EXPECT_EQ(count("\n  solver          left out "), 1) << why.out;
+}
+
+TEST(Run, KeepsWhatItLeftOutWithTheResults) {
+  const Program program;
+  program.Write(
+      "o.cdb",
+      "benchmark o { cycles 20; objects { quantity 20; size 5; linear_velocity uniform(-9, 9) }\n"
+      "detector sap32; omit sweep(none, auto, raycast_tree) }");
+  const Finished run = program.Run({"run", "o.cdb"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const ResultFile file(program.folder() / "o.h5");
+  const auto text = [&](const char* name, std::size_t at) {
+    return file.ReadText(name, {{at}, 0});
+  };
+  EXPECT_EQ(text("omitted", 0), "");
+  EXPECT_EQ(text("omitted", 1).find("walls raycast_tree solver "), 0u) << text("omitted", 1);
+  EXPECT_EQ(text("omitted", 2), "raycast_tree");
+  EXPECT_NE(text("needs", 0).find("walls: kept: omit none\n"), std::string::npos);
+  EXPECT_NE(text("needs", 1).find("detection: kept: record timing"), std::string::npos);
+  EXPECT_NE(text("needs", 2).find("walls: kept: omit does not list it\n"), std::string::npos);
+  for (const std::size_t at : {1, 2}) {
+    EXPECT_EQ(text("state_hash", at), text("state_hash", 0)) << "it was needed after all";
+  }
+  EXPECT_NE(run.out.find("  Left out in 2 of 3 runs: raycast_tree ("), std::string::npos)
+      << run.out;
+  EXPECT_NE(run.out.find("  Left out in 1 of 3 runs: walls ("), std::string::npos) << run.out;
+
+  // `--why` said the same before the run, in columns.
+  const Finished why = program.Run({"plan", "--why", "o.cdb", "--only", text("run_id", 1)});
+  std::string columns = why.out.substr(why.out.find('\n') + 1);
+  columns = std::regex_replace(columns, std::regex("^  |\n  "), "\n");
+  columns = std::regex_replace(columns, std::regex("  +"), ": ");
+  EXPECT_EQ(columns, "\n" + text("needs", 1));
+}
+
+TEST(Run, AListThatAPlacedSceneNeedsFailsThatRun) {
+  const Program program;
+  program.Write("l.cdb",
+                "benchmark l { cycles 300; omit walls; world.side 60; objects { size 50\n"
+                "quantity 1 } }");
+  const Finished run = program.Run({"run", "l.cdb"});
+  EXPECT_EQ(run.status, 3) << run.err;
+  EXPECT_NE(run.out.find("omit walls: this scene needs"), std::string::npos) << run.out;
+  EXPECT_EQ(program.Run({"plan", "--why", "l.cdb"}).status, 1);
+}
+
+TEST(Format, LaysOutInPlace) {
+  const Program program;
+  program.Write("x.cdb", "benchmark b{cycles 5;   objects.size 3 # s\n}");
+  EXPECT_EQ(program.Run({"fmt", "--check", "x.cdb"}).status, 1);
+  EXPECT_EQ(program.Run({"fmt", "x.cdb"}).status, 0);
+  EXPECT_EQ(program.Run({"fmt", "--check", "x.cdb"}).status, 0);
+  EXPECT_EQ(program.Run({"check", "x.cdb"}).status, 0);
+}
+
+TEST(Doc, KnowsEveryParameter) {
+  const Program program;
+  const Finished all = program.Run({"doc", "parameters"});
+  EXPECT_EQ(all.status, 0);
+  for (const auto& parameter : compiler::Schema()) {
+    EXPECT_NE(all.out.find(parameter.FullName()), std::string::npos);
+    EXPECT_EQ(program.Run({"doc", parameter.FullName()}).status, 0) << parameter.name;
+  }
+  for (const char* topic :
+       {"language", "omit", "results", "objects", "detectors", "layouts", "scenarios"})
+    EXPECT_GT(program.Run({"doc", topic}).out.size(), 20u) << topic;
+  const Finished omit = program.Run({"doc", "omit"});
+  for (const auto& component : compiler::Components())
+    for (const std::string_view part : {component.name, component.doc, component.changes})
+      EXPECT_NE(omit.out.find(part), std::string::npos) << part;
+  EXPECT_NE(omit.out.find("default  auto"), std::string::npos) << "the parameter as well";
+  EXPECT_EQ(program.Run({"doc", "detecter"}).status, 2);
+  EXPECT_EQ(program.Run({"list", "detectors"}).status, 0);
+}
+
+TEST(Examples, AreWellWrittenAndSayWhatTheyAre) {
+  const Program program;
+  int count = 0;
+  std::string all;
+  for (const auto& entry : std::filesystem::directory_iterator(CDB_SOURCE_DIR "/examples")) {
+    if (entry.path().extension() != ".cdb") continue;
+    ++count;
+    const std::string file = entry.path().string();
+    const Finished check = program.Run({"check", file});
+    EXPECT_EQ(check.status, 0) << check.err;
+    EXPECT_EQ(check.err, "") << "an example has no warnings";
+    EXPECT_EQ(program.Run({"fmt", "--check", file}).status, 0) << file;
+    const auto text = program.Shell("head -2 '" + file + "'").out;
+    EXPECT_EQ(text.find("# "), 0u) << file;
+    EXPECT_NE(text.find("\n# Look at "), std::string::npos) << file;
+    all += program.Shell("grep -v '^#' '" + file + "'").out;
+  }
+  EXPECT_GE(count, 5);
+  for (const auto& parameter : compiler::Schema()) {
+    const std::string name(parameter.name.substr(parameter.name.find('.') + 1));
+    EXPECT_TRUE(std::regex_search(all, std::regex("\\b" + name + "\\b")))
+        << name << " is in no example";
+  }
+}
+
+TEST(CommandLine, RefusesByName) {
+  const Program program;
+  EXPECT_EQ(program.Run({}).status, 2);
+  EXPECT_EQ(program.Run({"runn"}).status, 2);
+  EXPECT_EQ(program.Run({"--version"}).status, 0);
+  for (const char* later : {"report", "view", "submit"}) {
+    const Finished finished = program.Run({later, "x"});
+    EXPECT_EQ(finished.status, 2);
+    EXPECT_NE(finished.err.find(later), std::string::npos);
+  }
+  program.Write("b.cdb", "benchmark b { }");
+  EXPECT_EQ(program.Run({"run", "b.cdb", "--plugin", "x.so"}).status, 2);
+  EXPECT_EQ(program.Run({"run", "b.cdb", "--shard", "3/2"}).status, 2);
+  EXPECT_EQ(program.Run({"run", "b.cdb", "-j", "0"}).status, 2);
+  EXPECT_FALSE(program.Exists("b.h5"));
+}
+
+}  // namespace
+}  // namespace cdb::runtime

@@ -1,0 +1,227 @@
+// Nothing that was finished is lost: kills at any moment, and a world that refuses.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <set>
+#include <thread>
+
+#include "runtime/store/store.h"
+#include "tests/runtime/cli/program.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+// 3 x 2 x 2 runs that take long enough to be hit.
+const char kSweep[] =
+    "benchmark sweep {\n  cycles 60\n  world.side 600\n  objects { quantity sweep(20, 60, 120)\n"
+    "    type any(sphere, cuboid, cone); linear_velocity uniform(-300, 300) }\n"
+    "  detector sweep(sap32, dbvt)\n  precision sweep(single, double)\n}\n";
+
+/// `hash hash …` in the order of the grid; `-` where a run is missing.
+std::string Hashes(const fs::path& path) {
+  const ResultFile file(path);
+  std::string all;
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 2; ++b)
+      for (std::size_t c = 0; c < 2; ++c) {
+        const ResultFile::Cell cell = {{a, b, c}, 0};
+        all += file.ReadStatus(cell) == Status::kDone ? file.ReadText("state_hash", cell) : "-";
+        all += ' ';
+      }
+  return all;
+}
+
+std::set<std::string> Shards(const fs::path& folder) {
+  std::set<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".h5") names.insert(entry.path().filename().string());
+  return names;
+}
+
+TEST(Kill, TwentyTimesAtRandomMomentsLosesNothing) {
+  const Program program;
+  program.Write("sweep.cdb", kSweep);
+  ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "alone.h5"}).status, 0);
+  const std::string expected = Hashes(program.folder() / "alone.h5");
+  ASSERT_EQ(expected.find('-'), std::string::npos);
+
+  // The moments follow from how long a whole sweep takes here, not from a clock that the test was
+  // written by.
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "timed.h5"}).status, 0);
+  const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - begin;
+
+  std::mt19937_64 random(20);
+  int kills = 0;
+  std::set<std::string> kept;
+  for (int round = 0; kills < 20; ++round) {
+    ASSERT_LT(round, 200) << "no run is ever caught";
+    const std::string jobs = round % 2 == 0 ? "1" : "2";
+    const pid_t child =
+        program.Start({CdbPath(), "run", "sweep.cdb", "-q", "-j", jobs, "-o", "killed.h5"});
+    const double part = static_cast<double>(random() >> 11) * 0x1p-53;
+    std::this_thread::sleep_for(whole * part * 0.5);
+    kill(child, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    const std::set<std::string> now = Shards(program.folder() / "killed.runs");
+    if (fs::exists(program.folder() / "killed.h5")) {
+      // It was done before the kill: begin anew, so that every kill finds work.
+      EXPECT_EQ(Hashes(program.folder() / "killed.h5"), expected);
+      fs::remove(program.folder() / "killed.h5");
+      fs::remove_all(program.folder() / "killed.runs");
+      kept.clear();
+    } else {
+      for (const std::string& shard : kept) EXPECT_TRUE(now.contains(shard)) << shard << " is lost";
+      kept = now;
+    }
+    if (WIFSIGNALED(status)) ++kills;
+  }
+  EXPECT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "killed.h5"}).status, 0);
+  EXPECT_EQ(Hashes(program.folder() / "killed.h5"), expected);
+  EXPECT_FALSE(program.Exists("killed.runs"));
+  for (const auto& entry : fs::directory_iterator(program.folder()))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path() << " is left over";
+}
+
+TEST(Kill, RightAfterTheMergeLeavesNoShardsForEver) {
+  const Program program;
+  program.Write("sweep.cdb", kSweep);
+  ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "--shard", "1/1"}).status, 0);
+  fs::create_directory(program.folder() / "copy");
+  fs::rename(program.folder() / "sweep.h5", program.folder() / "copy" / "sweep.h5");
+  for (const char* part : {"1/2", "2/2"})
+    ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "--shard", part}).status, 0);
+  fs::rename(program.folder() / "copy" / "sweep.h5", program.folder() / "sweep.h5");
+  ASSERT_TRUE(program.Exists("sweep.runs"));
+  EXPECT_EQ(program.Run({"run", "sweep.cdb", "-q"}).status, 0);
+  EXPECT_FALSE(program.Exists("sweep.runs"));
+}
+
+TEST(Stop, CtrlCKeepsWhatIsFinished) {
+  const Program program;
+  program.Write("long.cdb",
+                "benchmark long { cycles 2000; world.side 2000; objects.quantity sweep(5 .. 60) }");
+  const pid_t child = program.Start({CdbPath(), "run", "long.cdb", "-q"});
+  while (Shards(program.folder() / "long.runs").empty())
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  kill(child, SIGINT);
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_NE(program.Read("stderr.txt").find("the same command goes on"), std::string::npos);
+  EXPECT_FALSE(Shards(program.folder() / "long.runs").empty());
+  EXPECT_EQ(program.Run({"merge", "-o", "part.h5", "long.runs"}).status, 0);
+  EXPECT_EQ(ResultFile(program.folder() / "part.h5").ReadStatus({{55}, 0}), Status::kMissing);
+}
+
+/// Two runs of five are done; what follows must not cost them.
+class World : public testing::Test {
+ protected:
+  void SetUp() override {
+    program_.Write("w.cdb", "benchmark w { cycles 5; objects.quantity sweep(2 .. 6) }");
+    ASSERT_EQ(program_.Run({"run", "w.cdb", "-q", "--shard", "1/3"}).status, 0);
+    shards_ = Shards(program_.folder() / "w.runs");
+    ASSERT_FALSE(shards_.empty());
+  }
+
+  /// Exit status 2, a message that has all of `parts`, and no shard lost.
+  void ExpectRefused(const Finished& finished, const std::vector<std::string>& parts) {
+    EXPECT_EQ(finished.status, 2) << finished.err;
+    for (const std::string& part : parts)
+      EXPECT_NE(finished.err.find(part), std::string::npos) << part << " in: " << finished.err;
+    const auto now = Shards(program_.folder() / "w.runs");
+    for (const std::string& shard : shards_) EXPECT_TRUE(now.contains(shard));
+    EXPECT_FALSE(program_.Exists("w.h5"));
+  }
+
+  Program program_;
+  std::set<std::string> shards_;
+};
+
+TEST_F(World, MissingFolder) {
+  ExpectRefused(program_.Run({"run", "w.cdb", "-o", "no/such/w.h5"}), {"no/such", "no/such/w.h5"});
+}
+
+TEST_F(World, MissingFile) {
+  ExpectRefused(program_.Run({"run", "nowhere.cdb"}), {"nowhere.cdb", "No such file"});
+  ExpectRefused(program_.Run({"show", "nowhere.h5"}), {"nowhere.h5"});
+  ExpectRefused(program_.Run({"plan", "nowhere.yaml"}), {"nowhere.yaml"});
+}
+
+TEST_F(World, FullDisk) {
+  // A limit on the size of files is what a full disk looks like to a writer. 32 blocks of 512 bytes
+  // are too few for a shard.
+  ExpectRefused(program_.Shell("trap '' XFSZ; ulimit -f 32; exec \"$CDB\" run w.cdb"), {"w.runs"});
+  EXPECT_EQ(program_.Run({"run", "w.cdb", "-q"}).status, 0);
+}
+
+TEST_F(World, TargetCannotBeWritten) {
+  // Root may write anywhere, so the target is a name that cannot be a file.
+  fs::create_directory(program_.folder() / "w.h5.d");
+  ExpectRefused(program_.Run({"run", "w.cdb", "-o", "w.cdb/w.h5"}), {"w.cdb"});
+  if (geteuid() != 0) {
+    fs::create_directory(program_.folder() / "locked");
+    fs::permissions(program_.folder() / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+    ExpectRefused(program_.Run({"run", "w.cdb", "-o", "locked/w.h5"}), {"locked"});
+  }
+}
+
+TEST_F(World, ShardOfAnotherPlan) {
+  program_.Write("w.cdb", "benchmark w { cycles 6; objects.quantity sweep(2 .. 6) }");
+  ExpectRefused(program_.Run({"run", "w.cdb"}), {"w.runs", "another plan", "--fresh"});
+}
+
+TEST_F(World, TruncatedShardIsRunAgain) {
+  const fs::path shard = program_.folder() / "w.runs" / *shards_.begin();
+  fs::resize_file(shard, fs::file_size(shard) / 2);
+  const Finished finished = program_.Run({"run", "w.cdb"});
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_NE(finished.err.find(shards_.begin()->substr(0, 16)), std::string::npos) << finished.err;
+  EXPECT_EQ(ResultFile(program_.folder() / "w.h5").ReadStatus({{4}, 0}), Status::kDone);
+}
+
+TEST_F(World, MissingWorker) {
+  fs::create_directory(program_.folder() / "bin");
+  fs::copy_file(CdbPath(), program_.folder() / "bin" / "cdb");
+  ExpectRefused(program_.Shell("bin/cdb run w.cdb"), {"cdb-worker-f32"});
+}
+
+TEST(Race, TwoRunnersOfOneResultBothEndWell) {
+  const Program program;
+  program.Write("sweep.cdb", kSweep);
+  ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "alone.h5"}).status, 0);
+  for (int round = 0; round < 5; ++round) {
+    const pid_t one = program.Start({CdbPath(), "run", "sweep.cdb", "-q", "-o", "both.h5"});
+    const pid_t two = program.Start({CdbPath(), "run", "sweep.cdb", "-q", "-o", "both.h5"});
+    for (const pid_t runner : {one, two}) {
+      int status = 0;
+      ASSERT_EQ(waitpid(runner, &status, 0), runner);
+      EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << program.Read("stderr.txt");
+    }
+    EXPECT_EQ(Hashes(program.folder() / "alone.h5"), Hashes(program.folder() / "both.h5"));
+    EXPECT_FALSE(program.Exists("both.runs"));
+    fs::remove(program.folder() / "both.h5");
+  }
+}
+
+TEST_F(World, NoResultsFile) {
+  program_.Write("text.h5", "this is no HDF5");
+  ExpectRefused(program_.Run({"show", "text.h5"}), {"text.h5"});
+  ExpectRefused(program_.Run({"merge", "-o", "x.h5", "text.h5"}), {"plan.yaml"});
+  ExpectRefused(program_.Run({"merge", "-o", "x.h5", "w.runs", "no.runs"}), {"no.runs"});
+}
+
+}  // namespace
+}  // namespace cdb::runtime

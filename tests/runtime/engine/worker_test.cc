@@ -1,0 +1,169 @@
+// The worker program, started as `cdb run` starts it.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "compiler/plan_yaml.h"
+#include "tests/runtime/engine/engine_fixture.h"
+
+namespace cdb::test {
+namespace {
+
+using Eigen::Vector3d;
+
+compiler::Run WorkerRun() {
+  compiler::Run run;
+  run.scene = EngineScene(40, 280);
+  SetWorld(run.scene, "cycles", std::uint64_t{100});
+  SetWorld(run.scene, "acceleration", Vector3d(0, -98, 0));
+  SetGroup(run.scene, "type", AnyType());
+  SetGroup(run.scene, "linear_velocity", Normal(0.0, 60.0));
+  run.id = compiler::RunId(run.scene, run.rep);
+  return run;
+}
+
+/// `fd` at or above 100, so that moving it to 3, 4 or 5 overwrites none of the others.
+int OutOfTheWay(int fd) { return fcntl(fd, F_DUPFD, 100); }
+
+/// Starts the worker with the text on descriptor 3 and gives its exit status.
+int Start(const std::string& text, const runtime::Recording& recording,
+          const std::vector<std::string>& environment = {}) {
+  const int run_fd = memfd_create("run", 0);
+  const int contacts_fd = memfd_create("contacts", 0);
+  EXPECT_EQ(write(run_fd, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  lseek(run_fd, 0, SEEK_SET);
+  const pid_t child = fork();
+  if (child == 0) {
+    const int fds[] = {OutOfTheWay(run_fd), OutOfTheWay(recording.fd()), OutOfTheWay(contacts_fd)};
+    dup2(fds[0], runtime::kRunFd);
+    dup2(fds[1], runtime::kRecordingFd);
+    dup2(fds[2], runtime::kContactsFd);
+    for (const std::string& variable : environment) putenv(const_cast<char*>(variable.c_str()));
+    execl(CDB_WORKER, CDB_WORKER, static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  close(run_fd);
+  close(contacts_fd);
+  int status = -1;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+TEST(Worker, GivesWhatTheSameRunGivesHere) {
+  const compiler::Run run = WorkerRun();
+  const std::string expected = RunHere(run.scene).hash();
+  // Other addresses each time: the system's own, and an environment that moves the stack.
+  for (std::size_t i = 0; i < 5; ++i) {
+    runtime::Recording recording = runtime::Recording::Create(run.scene);
+    const std::vector<std::string> environment = {"PADDING=" + std::string(i * 1237, 'x')};
+    ASSERT_EQ(Start(compiler::RunToYaml(run), recording, environment), 0);
+    EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kDone)
+        << recording.header().message;
+    EXPECT_EQ(recording.header().state_hash, expected);
+    EXPECT_EQ(recording.header().cycles_done.load(), 100u);
+    EXPECT_GT(recording.header().peak_rss_bytes, 1e6);
+    EXPECT_GT(recording.Reals("duration").back(), 0);
+  }
+}
+
+/// Two objects that do not touch and whose boxes overlap, from a seed that places them so.
+compiler::Scene Neighbours() {
+  compiler::Scene scene = EngineScene(2, 250);
+  SetWorld(scene, "cycles", std::uint64_t{200});
+  SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    SeedStreams(scene, seed);
+    const library::InitialState state = library::MakeInitialState(scene);
+    const Vector3d apart = state.objects[0].pose.position - state.objects[1].pose.position;
+    if (apart.cwiseAbs().maxCoeff() < 45 && apart.norm() > 55) return scene;
+  }
+  ADD_FAILURE() << "no seed places two objects so";
+  return scene;
+}
+
+TEST(Worker, StartsAgainWithAllWallsWhereItTrips) {
+  // When they come to rest, the way in which dbvt forgets pairs could matter.
+  compiler::Run run;
+  run.scene = Neighbours();
+  run.id = compiler::RunId(run.scene, run.rep);
+  runtime::Recording recording = runtime::Recording::Create(run.scene);
+  ASSERT_EQ(Start(compiler::RunToYaml(run), recording), 0);
+  ASSERT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kDone)
+      << recording.header().message;
+  const Recorded here = RunHere(run.scene);
+  EXPECT_EQ(recording.header().state_hash, here.hash());
+  EXPECT_EQ(std::string(recording.header().needs), std::string(here.header().needs));
+  EXPECT_NE(std::string(recording.header().needs).find("walls: kept: object 1 came to rest"),
+            std::string::npos)
+      << recording.header().needs;
+  EXPECT_EQ(recording.header().cycles_done.load(), 200u);
+  // A list is held to its word.
+  SetWorld(run.scene, "omit", compiler::WordList{"walls"});
+  run.id = compiler::RunId(run.scene, run.rep);
+  ASSERT_EQ(Start(compiler::RunToYaml(run), recording), 0);
+  EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kFailed);
+  EXPECT_NE(std::string(recording.header().message).find("omit walls: this scene needs them"),
+            std::string::npos);
+}
+
+TEST(Worker, ReportsASceneThatCannotBe) {
+  compiler::Run run = WorkerRun();
+  SetGroup(run.scene, "size", 300.0);
+  run.id = compiler::RunId(run.scene, run.rep);
+  runtime::Recording recording = runtime::Recording::Create(run.scene);
+  EXPECT_EQ(Start(compiler::RunToYaml(run), recording), 0);
+  EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kFailed);
+  EXPECT_NE(std::string(recording.header().message).find("does not fit"), std::string::npos);
+}
+
+TEST(Worker, RefusesARunOfTheOtherPrecision) {
+  compiler::Run run = WorkerRun();
+  SetWorld(run.scene, "precision", Word(sizeof(btScalar) == 4 ? "double" : "single"));
+  run.id = compiler::RunId(run.scene, run.rep);
+  runtime::Recording recording = runtime::Recording::Create(run.scene);
+  EXPECT_EQ(Start(compiler::RunToYaml(run), recording), 0);
+  EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kFailed);
+  EXPECT_NE(std::string(recording.header().message).find("precision"), std::string::npos);
+}
+
+TEST(Worker, SaysByItsStatusWhatItCannotReport) {
+  const compiler::Run run = WorkerRun();
+  runtime::Recording recording = runtime::Recording::Create(run.scene);
+  EXPECT_EQ(Start("no: run", recording), 2);
+  EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kRunning);
+  compiler::Run other = run;
+  SetWorld(other.scene, "cycles", std::uint64_t{101});
+  other.id = compiler::RunId(other.scene, other.rep);
+  EXPECT_EQ(Start(compiler::RunToYaml(other), recording), 2);
+}
+
+std::string Output(const std::string& command, int* status) {
+  FILE* pipe = popen(command.c_str(), "r");
+  std::string text(4096, '\0');
+  text.resize(fread(text.data(), 1, text.size(), pipe));
+  *status = WEXITSTATUS(pclose(pipe));
+  return text;
+}
+
+TEST(Worker, StartedByHandSaysWhatToUse) {
+  int status = 0;
+  const std::string text =
+      Output(std::string(CDB_WORKER) + " 3<&- 4<&- 5<&- 2>&1 </dev/null", &status);
+  EXPECT_EQ(status, 2);
+  EXPECT_NE(text.find("cdb run"), std::string::npos) << text;
+}
+
+TEST(Worker, Version) {
+  int status = 1;
+  const std::string text = Output(std::string(CDB_WORKER) + " --version", &status);
+  EXPECT_EQ(status, 0);
+  EXPECT_NE(text.find("Bullet 3.24"), std::string::npos) << text;
+  EXPECT_NE(text.find(runtime::EnginePrecision()), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace cdb::test

@@ -1,0 +1,149 @@
+#include "tests/runtime/schedule/plans.h"
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "compiler/schema.h"
+
+namespace cdb::runtime::test {
+namespace {
+
+using compiler::ParameterType;
+using compiler::Settings;
+using compiler::Value;
+using compiler::Word;
+
+/// A value that the parameter takes; which one does not matter to the schedule.
+Value AnyValue(const compiler::Parameter& parameter) {
+  const bool is_list = parameter.type == ParameterType::kWords;
+  if (!is_list && parameter.HasWord(parameter.default_text))
+    return Word{std::string(parameter.default_text)};
+  switch (parameter.type) {
+    case ParameterType::kCount:
+      return std::uint64_t{1};
+    case ParameterType::kReal:
+      return 0.5;
+    case ParameterType::kSwitch:
+      return false;
+    case ParameterType::kVector:
+      return Eigen::Vector3d(0, 0, 0);
+    case ParameterType::kRatio:
+      return compiler::Ratio{{1, 1, 1}};
+    case ParameterType::kWords:
+      return compiler::WordList{std::string(parameter.AllWords().at(0))};
+    case ParameterType::kWord:
+      break;
+  }
+  return Word{std::string(parameter.AllWords().at(0))};
+}
+
+Settings AnySettings(bool grouped) {
+  Settings settings;
+  for (const compiler::Parameter& parameter : compiler::Schema())
+    if (parameter.grouped == grouped)
+      settings.values.emplace(std::string(parameter.name), AnyValue(parameter));
+  return settings;
+}
+
+void Set(Settings& settings, const std::string& name, Value value) {
+  settings.values.at(name) = std::move(value);
+}
+
+compiler::Run MakeRun(const PlanShape& shape, std::uint64_t quantity, const std::string& detector,
+                      std::uint64_t seed, std::uint64_t rep) {
+  static const Settings world = AnySettings(false);
+  static const Settings group = AnySettings(true);
+  compiler::Run run;
+  run.rep = rep;
+  run.scene.world = world;
+  run.scene.groups.push_back({"objects", group});
+  Set(run.scene.groups[0].settings, "quantity", quantity);
+  Set(run.scene.world, "cycles", shape.cycles);
+  Set(run.scene.world, "warmup", std::uint64_t{0});
+  Set(run.scene.world, "seed", seed);
+  Set(run.scene.world, "detector", Word{detector});
+  Set(run.scene.world, "precision", Word{shape.precision});
+  Set(run.scene.world, "repeats", shape.repeats);
+  Set(run.scene.world, "record", compiler::WordList(shape.record));
+  if (shape.timeout_s > 0) Set(run.scene.world, "timeout", shape.timeout_s);
+  run.scene.seeds.emplace("objects.location", compiler::StreamSeed(seed, "objects.location"));
+  run.id = compiler::RunId(run.scene, rep);
+  return run;
+}
+
+compiler::Plan NewPlan(std::uint64_t repeats) {
+  compiler::Plan plan;
+  plan.benchmark = "study";
+  plan.title = "a study";
+  plan.source = "study.cdb";
+  plan.scenario_text = "benchmark study { }\n";
+  plan.repeats = repeats;
+  return plan;
+}
+
+}  // namespace
+
+compiler::Plan MakePlan(const PlanShape& shape) {
+  compiler::Plan plan = NewPlan(shape.repeats);
+  plan.axes.resize(2);
+  plan.axes[0] = {"quantity", "objects.quantity", "", {}};
+  plan.axes[1] = {"detector", "detector", "", {}};
+  for (const std::uint64_t quantity : shape.quantities)
+    plan.axes[0].values.emplace_back(static_cast<double>(quantity));
+  for (const std::string& detector : shape.detectors) plan.axes[1].values.emplace_back(detector);
+  for (std::size_t i = 0; i < shape.quantities.size(); ++i)
+    for (std::size_t j = 0; j < shape.detectors.size(); ++j)
+      for (std::uint64_t rep = 0; rep < shape.repeats; ++rep) {
+        plan.runs.push_back(
+            MakeRun(shape, shape.quantities[i], shape.detectors[j], shape.seed, rep));
+        plan.runs.back().at = {i, j};
+      }
+  return plan;
+}
+
+compiler::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const PlanShape& shape) {
+  compiler::Plan plan = NewPlan(1);
+  plan.axes.push_back({"seed", "seed", "", {}});
+  for (const std::uint64_t seed : seeds) {
+    plan.axes[0].values.emplace_back(static_cast<double>(seed));
+    plan.runs.push_back(MakeRun(shape, 3, "dbvt", seed, 0));
+    plan.runs.back().at = {plan.runs.size() - 1};
+  }
+  return plan;
+}
+
+TestFolder::TestFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "cdb-schedule-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for a test");
+  path_ = name;
+}
+
+TestFolder::~TestFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::vector<std::string> NamesIn(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+std::string ReadText(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw std::runtime_error("cannot read " + file.string());
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void WriteText(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+}  // namespace cdb::runtime::test

@@ -1,0 +1,72 @@
+// Plans for the tests of the schedule, built by hand.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "compiler/plan.h"
+
+namespace cdb::runtime::test {
+
+/// What the test worker does with a run whose seed is this; with any other it records every cycle
+/// and reports.
+enum Behaviour : std::uint64_t {
+  kFinishes = 100,
+  kFails,              ///< reports a failure after two cycles
+  kSegfaults,          ///< after three cycles
+  kAborts,             ///< with text on standard error
+  kHangs,              ///< after four cycles
+  kHangsDeaf,          ///< and ignores every signal that it can, with a child that does so too
+  kDiesHalfway,        ///< SIGKILL after half its cycles, the next one begun
+  kFloodsErrors,       ///< 32 MiB on standard error, then finishes
+  kFloodsAndDies,      ///< 32 MiB on standard error, then a last line and exit status 7
+  kClosesFiles,        ///< closes all it was given, then ends with status 0
+  kEndsWithoutReport,  ///< exit status 0 at once
+  kLiesAboutCycles,    ///< reports done after half its cycles
+  kSpoilsHeader,       ///< writes nonsense over the head of its recording, then crashes
+  kWritesBinary,       ///< bytes that are no text on standard error, then exit status 1
+  kTellsPlace,         ///< finishes; `pairs` hold its processors, signals and descriptors
+  kContacts,           ///< finishes; cycle i has i contacts
+  kContactsLost,       ///< crashes, with the contacts of its last two cycles unwritten
+};
+
+struct PlanShape {
+  std::vector<std::uint64_t> quantities = {1, 2, 3};
+  std::vector<std::string> detectors = {"dbvt", "sap", "simple"};
+  std::uint64_t repeats = 1;
+  std::uint64_t cycles = 10;
+  std::uint64_t seed = kFinishes;
+  std::string precision = "single";
+  double timeout_s = 0;  ///< 0: none
+  std::vector<std::string> record = {"timing", "counts"};
+};
+
+/// Axes quantity and detector.
+compiler::Plan MakePlan(const PlanShape& shape = {});
+
+/// One run for each behaviour, on an axis `seed`; no timeout unless given.
+compiler::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds,
+                                 const PlanShape& shape = {});
+
+/// A folder of a test's own, removed at the end.
+class TestFolder {
+ public:
+  TestFolder();
+  ~TestFolder();
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The names in a folder, sorted.
+std::vector<std::string> NamesIn(const std::filesystem::path& folder);
+
+std::string ReadText(const std::filesystem::path& file);
+void WriteText(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace cdb::runtime::test

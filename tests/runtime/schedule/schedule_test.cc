@@ -1,0 +1,371 @@
+#include "runtime/schedule/schedule.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include "compiler/plan_yaml.h"
+#include "tests/runtime/schedule/plans.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+using test::MakePlan;
+using test::TestFolder;
+
+/// Ends each run at once, the last started first, as `behave` says.
+class FakeLauncher : public Launcher {
+ public:
+  std::function<Status(const compiler::Run&)> behave = [](const auto&) { return Status::kDone; };
+  std::function<void()> before_wait = [] {};
+  std::vector<std::string> started;  // run ids, in order
+  std::size_t most_at_once = 0;
+  int stops = 0;
+
+  std::vector<std::pair<std::size_t, const compiler::Run*>> running;
+
+  void Start(std::size_t slot, const compiler::Run& run) override {
+    for (const auto& [taken, other] : running) EXPECT_NE(taken, slot);
+    started.push_back(run.id);
+    running.emplace_back(slot, &run);
+    most_at_once = std::max(most_at_once, running.size());
+  }
+  std::optional<Ending> Wait(double) override {
+    before_wait();
+    if (running.empty()) return std::nullopt;
+    const auto [slot, run] = running.back();
+    Ending ending;
+    ending.slot = slot;
+    ending.result.status = behave(*run);
+    if (ending.result.status == Status::kMissing) return std::nullopt;
+    running.pop_back();
+    ending.result.host = "here";
+    return ending;
+  }
+  void StopAll() override {
+    ++stops;
+    running.clear();
+  }
+};
+
+struct Ears : ProgressListener {
+  std::vector<std::string> warnings;
+  std::size_t to_do = 0, began = 0, ended = 0, found = 0, ticks = 0, ends = 0;
+  void Begin(const compiler::Plan&, const std::vector<const compiler::Run*>& runs, const Summary&,
+             std::size_t) override {
+    to_do = runs.size();
+  }
+  void RunStarted(const compiler::Run&) override { ++began; }
+  void RunEnded(const compiler::Run&, const RunResult&, double) override { ++ended; }
+  void RunFound(const compiler::Run&, Status) override { ++found; }
+  void Warn(const std::string& text) override { warnings.push_back(text); }
+  void Tick() override { ++ticks; }
+  void End() override { ++ends; }
+};
+
+std::vector<std::string> ShardNames(const compiler::Plan& plan) {
+  std::set<std::string> names;
+  for (const compiler::Run& run : plan.runs) names.insert(run.id + ".h5");
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> WithPlan(std::vector<std::string> names) {
+  names.push_back("plan.yaml");
+  std::ranges::sort(names);
+  return names;
+}
+
+class ScheduleTest : public testing::Test {
+ protected:
+  Summary Run(const compiler::Plan& to_run) { return Execute(to_run, options, launcher, ears); }
+
+  TestFolder root;
+  ExecuteOptions options{.folder = root.path() / "study.runs"};
+  FakeLauncher launcher;
+  Ears ears;
+  compiler::Plan plan = MakePlan();
+};
+
+TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
+  const Summary summary = Run(plan);
+  EXPECT_EQ(summary, (Summary{.done = 9}));
+  EXPECT_FALSE(summary.HasBadRuns());
+  std::vector<std::string> order;
+  for (const compiler::Run* run : OrderRuns(plan)) order.push_back(run->id);
+  EXPECT_EQ(launcher.started, order);
+  EXPECT_EQ(launcher.most_at_once, 1u);
+  EXPECT_EQ(test::NamesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_TRUE(test::ReadText(options.folder / "plan.yaml") == compiler::ToYaml(plan));
+  for (const std::string& name : ShardNames(plan)) {
+    const ShardInfo info = ReadShardInfo(options.folder / name);
+    EXPECT_EQ(info.run_id + ".h5", name);
+    EXPECT_EQ(info.plan_sha256, plan.Sha256());
+    EXPECT_EQ(info.status, Status::kDone);
+  }
+  EXPECT_EQ(ears.to_do, 9u);
+  EXPECT_EQ(ears.began, 9u);
+  EXPECT_EQ(ears.ended, 9u);
+  EXPECT_EQ(ears.ends, 1u);
+}
+
+TEST_F(ScheduleTest, HasAsManyAtOnceAsJobs) {
+  options.jobs = 4;
+  EXPECT_EQ(Run(plan), (Summary{.done = 9}));
+  EXPECT_EQ(launcher.most_at_once, 4u);
+  EXPECT_EQ(test::NamesIn(options.folder), WithPlan(ShardNames(plan)));
+}
+
+TEST_F(ScheduleTest, CountsHowRunsEnded) {
+  launcher.behave = [this](const compiler::Run& run) {
+    constexpr Status kKinds[] = {Status::kDone, Status::kFailed, Status::kCrashed,
+                                 Status::kTimedOut};
+    return kKinds[(&run - plan.runs.data()) % 4];
+  };
+  const Summary summary = Run(plan);
+  EXPECT_EQ(summary, (Summary{.done = 3, .failed = 2, .crashed = 2, .timed_out = 2}));
+  EXPECT_TRUE(summary.HasBadRuns());
+  EXPECT_EQ(Describe(summary), "9 runs: 3 done, 2 failed, 2 crashed, 2 timed out");
+  // A run that ended badly has a shard and is not run again.
+  launcher.started.clear();
+  const Summary again = Run(plan);
+  EXPECT_TRUE(launcher.started.empty());
+  EXPECT_EQ(again, (Summary{.done = 3, .failed = 2, .crashed = 2, .timed_out = 2, .resumed = 9}));
+}
+
+TEST_F(ScheduleTest, DescribesASummary) {
+  EXPECT_EQ(Describe({.done = 1}), "1 run: 1 done");
+  EXPECT_EQ(Describe({.done = 3, .resumed = 2, .left = 4}),
+            "7 runs: 3 done, 4 not run (2 of them before)");
+}
+
+TEST_F(ScheduleTest, GoesOnWhereItStopped) {
+  Run(plan);
+  const auto names = ShardNames(plan);
+  for (const std::size_t i : {1, 4, 8}) fs::remove(options.folder / names[i]);
+  const auto kept = fs::last_write_time(options.folder / names[0]);
+  launcher.started.clear();
+  EXPECT_EQ(Run(plan), (Summary{.done = 9, .resumed = 6}));
+  EXPECT_EQ(launcher.started.size(), 3u);
+  for (const std::string& id : launcher.started)
+    EXPECT_TRUE(id + ".h5" == names[1] || id + ".h5" == names[4] || id + ".h5" == names[8]);
+  EXPECT_EQ(fs::last_write_time(options.folder / names[0]), kept);
+  EXPECT_EQ(ears.to_do, 3u);
+}
+
+TEST_F(ScheduleTest, FreshStartsOver) {
+  Run(plan);
+  test::WriteText(options.folder / "notes.txt", "mine");
+  test::WriteText(options.folder / "mine.h5", "mine too");
+  test::WriteText(options.folder / "00112233aabbccdd.h5", "of another plan");
+  test::WriteText(options.folder / "00112233aabbccdd.h5.broken", "");
+  launcher.started.clear();
+  options.fresh = true;
+  EXPECT_EQ(Run(plan), (Summary{.done = 9}));
+  EXPECT_EQ(launcher.started.size(), 9u);
+  auto names = WithPlan(ShardNames(plan));
+  names.insert(names.end(), {"mine.h5", "notes.txt"});
+  std::ranges::sort(names);
+  EXPECT_EQ(test::NamesIn(options.folder), names) << "what is not ours stays";
+}
+
+TEST_F(ScheduleTest, RefusesAShardOfAnotherPlanAndChangesNothing) {
+  Run(plan);
+  const std::string text = test::ReadText(options.folder / "plan.yaml");
+  // Other runs; then the same runs under another plan, which is to be told by the hash inside.
+  compiler::Plan renamed = plan;
+  renamed.benchmark = "other";
+  for (const compiler::Plan& other : {MakePlan({.quantities = {9}}), renamed}) {
+    launcher.started.clear();
+    try {
+      Run(other);
+      ADD_FAILURE() << "mixed in";
+    } catch (const ScheduleError& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find("is a shard of another plan"), std::string::npos) << message;
+      EXPECT_NE(message.find("--fresh"), std::string::npos) << message;
+      EXPECT_NE(message.find(".h5"), std::string::npos) << message;
+    }
+    EXPECT_TRUE(launcher.started.empty());
+    EXPECT_TRUE(test::ReadText(options.folder / "plan.yaml") == text);
+    EXPECT_EQ(test::NamesIn(options.folder), WithPlan(ShardNames(plan)));
+  }
+}
+
+TEST_F(ScheduleTest, ANewTitleIsNotANewPlan) {
+  Run(plan);
+  plan.title = "a better title";
+  EXPECT_EQ(Run(plan), (Summary{.done = 9, .resumed = 9}));
+  EXPECT_TRUE(test::ReadText(options.folder / "plan.yaml") == compiler::ToYaml(plan));
+}
+
+TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
+  Run(plan);
+  const auto names = ShardNames(plan);
+  fs::resize_file(options.folder / names[2], fs::file_size(options.folder / names[2]) / 2);
+  test::WriteText(options.folder / names[3], "");
+  test::WriteText(options.folder / names[5], std::string(100000, 'x'));
+  // A whole shard under another's name.
+  fs::copy_file(options.folder / names[0], options.folder / names[7],
+                fs::copy_options::overwrite_existing);
+  launcher.started.clear();
+  EXPECT_EQ(Run(plan), (Summary{.done = 9, .resumed = 5}));
+  EXPECT_EQ(launcher.started.size(), 4u);
+  EXPECT_EQ(ears.warnings.size(), 4u);
+  for (const std::size_t i : {2, 3, 5, 7}) {
+    EXPECT_TRUE(fs::exists(options.folder / (names[i] + ".broken"))) << i;
+    EXPECT_EQ(ReadShardInfo(options.folder / names[i]).status, Status::kDone);
+    EXPECT_TRUE(std::ranges::any_of(ears.warnings, [&](const std::string& warning) {
+      return warning.find(names[i]) != std::string::npos;
+    }));
+  }
+}
+
+TEST_F(ScheduleTest, TakesWhatAnotherDriverFinishedMeanwhile) {
+  const auto order = OrderRuns(plan);
+  int waits = 0;
+  launcher.before_wait = [&] {
+    if (++waits != 2) return;
+    RunResult result;
+    result.status = Status::kCrashed;
+    WriteShard(plan, *order[3], result, {}, options.folder);
+  };
+  EXPECT_EQ(Run(plan), (Summary{.done = 8, .crashed = 1, .resumed = 1}));
+  EXPECT_EQ(launcher.started.size(), 8u);
+  EXPECT_EQ(ears.found, 1u);
+}
+
+TEST_F(ScheduleTest, AShardOfThePlanIsCarriedOutAlone) {
+  std::size_t runs = 0;
+  for (std::uint64_t index = 1; index <= 2; ++index) {
+    options.shard = {index, 2};
+    runs += Run(plan).done;
+  }
+  EXPECT_EQ(runs, 9u);
+  EXPECT_EQ(launcher.started.size(), 9u);
+  EXPECT_EQ(test::NamesIn(options.folder), WithPlan(ShardNames(plan)));
+}
+
+TEST_F(ScheduleTest, AStopKeepsWhatIsFinished) {
+  StopFlag stop;
+  options.stop = &stop;
+  options.jobs = 2;
+  launcher.behave = [&](const compiler::Run&) {
+    if (ears.ended == 3) stop.Request(15);
+    return ears.ended == 4 ? Status::kMissing : Status::kDone;  // the last never ends
+  };
+  const Summary summary = Run(plan);
+  EXPECT_EQ(summary, (Summary{.done = 4, .left = 5, .signal = 15}));
+  EXPECT_EQ(test::NamesIn(options.folder).size(), 5u);
+  EXPECT_TRUE(launcher.running.empty()) << "ended by the schedule";
+  EXPECT_EQ(ears.ends, 1u);
+  StopFlag none;
+  options.stop = &none;
+  launcher.behave = [](const auto&) { return Status::kDone; };
+  EXPECT_EQ(Run(plan), (Summary{.done = 9, .resumed = 4}));
+}
+
+TEST_F(ScheduleTest, AStopBeforeTheFirstRunRunsNothing) {
+  StopFlag stop;
+  stop.Request(2);
+  stop.Request(15);
+  options.stop = &stop;
+  EXPECT_EQ(Run(plan), (Summary{.left = 9, .signal = 2}));
+  EXPECT_TRUE(launcher.started.empty());
+}
+
+TEST_F(ScheduleTest, ListenersTickWhileNothingEnds) {
+  int waits = 0;
+  launcher.behave = [&](const compiler::Run&) {
+    return ++waits % 3 != 0 ? Status::kMissing : Status::kDone;
+  };
+  EXPECT_EQ(Run(plan), (Summary{.done = 9}));
+  EXPECT_EQ(ears.ticks, 18u);
+}
+
+TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
+  launcher.before_wait = [&] {
+    if (ears.ended != 4) return;
+    // A folder where the file should be: no file can be renamed onto it.
+    fs::create_directories(options.folder / (launcher.running.back().second->id + ".h5") / "x");
+  };
+  try {
+    Run(plan);
+    ADD_FAILURE() << "went on";
+  } catch (const StoreError& error) {
+    EXPECT_NE(std::string(error.what()).find("4 of 9 runs are safe in"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(launcher.stops, 1);
+  EXPECT_EQ(ears.ends, 1u);
+  std::size_t whole = 0;
+  for (const std::string& name : ShardNames(plan))
+    whole += fs::is_regular_file(options.folder / name);
+  EXPECT_EQ(whole, 4u);
+}
+
+TEST_F(ScheduleTest, ALauncherThatRefusesEndsTheWork) {
+  struct Refuser : FakeLauncher {
+    void Start(std::size_t slot, const compiler::Run& run) override {
+      if (started.size() == 3) throw ScheduleError("cannot start a run: no more processes");
+      FakeLauncher::Start(slot, run);
+    }
+  } refuser;
+  EXPECT_THROW(Execute(plan, options, refuser, ears), ScheduleError);
+  EXPECT_EQ(test::NamesIn(options.folder).size(), 4u);
+  EXPECT_EQ(ears.ends, 1u);
+}
+
+TEST_F(ScheduleTest, AFolderThatCannotBeIsNamed) {
+  test::WriteText(root.path() / "file", "");
+  options.folder = root.path() / "file" / "study.runs";
+  try {
+    Run(plan);
+    ADD_FAILURE();
+  } catch (const StoreError& error) {
+    EXPECT_NE(std::string(error.what()).find(options.folder.string()), std::string::npos);
+  }
+}
+
+TEST_F(ScheduleTest, AnEmptyPlanIsDone) {
+  plan.runs.clear();
+  EXPECT_EQ(Run(plan), Summary{});
+}
+
+TEST(StopTest, ASignalSetsTheFlag) {
+  StopFlag flag;
+  {
+    const StopOnSignals watch(flag);
+    EXPECT_FALSE(flag.requested());
+    raise(SIGTERM);
+    EXPECT_EQ(flag.signal(), SIGTERM);
+    raise(SIGINT);
+    EXPECT_EQ(flag.signal(), SIGTERM) << "the first counts";
+    struct sigaction now = {};
+    sigaction(SIGTERM, nullptr, &now);
+    EXPECT_EQ(now.sa_handler, SIG_DFL) << "a second one ends the process";
+  }
+  struct sigaction now = {};
+  sigaction(SIGHUP, nullptr, &now);
+  EXPECT_EQ(now.sa_handler, SIG_DFL);
+}
+
+TEST(StopTest, AnIgnoredSignalStaysIgnored) {
+  signal(SIGHUP, SIG_IGN);
+  StopFlag flag;
+  {
+    const StopOnSignals watch(flag);
+    raise(SIGHUP);
+    EXPECT_FALSE(flag.requested());
+  }
+  struct sigaction now = {};
+  sigaction(SIGHUP, nullptr, &now);
+  EXPECT_EQ(now.sa_handler, SIG_IGN);
+  signal(SIGHUP, SIG_DFL);
+}
+
+}  // namespace
+}  // namespace cdb::runtime

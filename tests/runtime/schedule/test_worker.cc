@@ -1,0 +1,212 @@
+// A worker that does what the seed of its run says: see Behaviour.
+#include <dirent.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "compiler/plan_yaml.h"
+#include "runtime/measure/recording.h"
+#include "tests/runtime/schedule/plans.h"
+
+namespace cdb::runtime::test {
+namespace {
+
+std::string ReadAll(int fd) {
+  std::string text;
+  char buffer[4096];
+  for (ssize_t got; (got = read(fd, buffer, sizeof buffer)) > 0;)
+    text.append(buffer, static_cast<std::size_t>(got));
+  return text;
+}
+
+void WriteErrors(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+    if (written <= 0) _exit(99);
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void FloodErrors() {
+  std::string lines;
+  while (lines.size() < 1 << 20) lines += "the same complaint, over and over\n";
+  for (int i = 0; i < 32; ++i) WriteErrors(lines);
+}
+
+[[noreturn]] void DieOf(int signal_number) {
+  signal(signal_number, SIG_DFL);  // a sanitizer has its own handler
+  raise(signal_number);
+  _exit(98);
+}
+
+[[noreturn]] void Hang(bool is_deaf) {
+  if (is_deaf) {
+    for (int i = 1; i < NSIG; ++i) signal(i, SIG_IGN);
+    if (fork() == 0) prctl(PR_SET_PDEATHSIG, SIGKILL);
+  }
+  while (true) pause();
+}
+
+class Worker {
+ public:
+  Worker(const compiler::Run& run, Recording& recording)
+      : recording_(recording),
+        cycles_(run.scene.world.Count("cycles")),
+        quantity_(run.scene.ObjectCount()),
+        with_contacts_(run.scene.world.Lists("record", "contacts")) {
+    RecordingHeader& header = recording_.header();
+    std::strncpy(header.omitted, "raycast_tree pools", sizeof header.omitted - 1);
+    std::strncpy(header.needs, "walls: kept: a test\npools: left out: a test\n",
+                 sizeof header.needs - 1);
+  }
+
+  /// Figures that a reader can foretell: cycle i has the duration 1000 * phase + i, and so on.
+  void Write(std::uint64_t cycle, bool with_contact_records = true) {
+    const auto i = static_cast<std::int32_t>(cycle);
+    if (const auto duration = recording_.Reals("duration"); !duration.empty())
+      for (std::size_t phase = 0; phase < kPhaseCount; ++phase)
+        duration[phase * cycles_ + cycle] = 1000.0 * static_cast<double>(phase) + i;
+    if (const auto pairs = recording_.Ints("pairs"); !pairs.empty())
+      pairs[cycle] = i * static_cast<std::int32_t>(quantity_);
+    if (const auto contacts = recording_.Ints("contacts"); !contacts.empty()) contacts[cycle] = i;
+    if (const auto poses = recording_.Reals("poses"); !poses.empty())
+      for (std::size_t k = 0; k < quantity_ * kPoseSize; ++k)
+        poses[cycle * quantity_ * kPoseSize + k] = static_cast<double>(k) + i;
+    if (!with_contacts_ || !with_contact_records) return;
+    for (std::uint64_t k = 0; k < cycle; ++k) {
+      ContactRecord record = {};
+      record.body_a = static_cast<double>(cycle);
+      record.body_b = static_cast<double>(k);
+      record.distance = -1;
+      if (write(kContactsFd, &record, sizeof record) != sizeof record) _exit(97);
+    }
+  }
+
+  void Cycle(std::uint64_t cycle, bool with_contact_records = true) {
+    Write(cycle, with_contact_records);
+    recording_.header().cycles_done.store(cycle + 1, std::memory_order_release);
+  }
+
+  void Cycles(std::uint64_t count) {
+    for (std::uint64_t cycle = 0; cycle < count; ++cycle) Cycle(cycle);
+  }
+
+  int Report(WorkerOutcome outcome, const char* message = "") {
+    RecordingHeader& header = recording_.header();
+    std::strncpy(header.message, message, sizeof header.message - 1);
+    std::strncpy(header.state_hash, "0123456789abcdef", sizeof header.state_hash - 1);
+    header.peak_rss_bytes = 4096;
+    header.place_ns = 1;
+    header.build_ns = 2;
+    header.fill_fraction = 0.25;
+    header.outcome.store(outcome, std::memory_order_release);
+    return 0;
+  }
+
+  std::uint64_t cycles() const { return cycles_; }
+  Recording& recording() { return recording_; }
+
+ private:
+  Recording& recording_;
+  std::uint64_t cycles_, quantity_;
+  bool with_contacts_;
+};
+
+/// Processors, the first of them, blocked or ignored signals, open descriptors, leads its group.
+void TellPlace(std::span<std::int32_t> told) {
+  cpu_set_t cpus;
+  sched_getaffinity(0, sizeof cpus, &cpus);
+  told[0] = CPU_COUNT(&cpus);
+  told[1] = 0;
+  while (!CPU_ISSET(told[1], &cpus)) ++told[1];
+  told[2] = 0;
+  sigset_t blocked;
+  sigprocmask(SIG_BLOCK, nullptr, &blocked);
+  for (int i = 1; i < SIGRTMIN; ++i) {
+    if (i == SIGKILL || i == SIGSTOP) continue;
+    struct sigaction action = {};
+    sigaction(i, nullptr, &action);
+    told[2] += sigismember(&blocked, i) == 1 || action.sa_handler == SIG_IGN;
+  }
+  told[3] = 0;
+  DIR* const folder = opendir("/proc/self/fd");
+  while (const dirent* entry = readdir(folder)) told[3] += entry->d_name[0] != '.';
+  --told[3];  // the folder itself
+  closedir(folder);
+  told[4] = getpgrp() == getpid();
+}
+
+int Behave(const compiler::Run& run, Recording& recording) {
+  Worker worker(run, recording);
+  const std::uint64_t cycles = worker.cycles();
+  switch (run.scene.world.Count("seed")) {
+    case kFails:
+      worker.Cycles(2);
+      return worker.Report(WorkerOutcome::kFailed, "the cube is 140 % full");
+    case kSegfaults:
+      worker.Cycles(3);
+      DieOf(SIGSEGV);
+    case kAborts:
+      WriteErrors("first line\nassertion `mass > 0` failed\n");
+      DieOf(SIGABRT);
+    case kHangs:
+    case kHangsDeaf:
+      worker.Cycles(4);
+      Hang(run.scene.world.Count("seed") == kHangsDeaf);
+    case kDiesHalfway:
+      worker.Cycles(cycles / 2);
+      worker.Write(cycles / 2);
+      DieOf(SIGKILL);
+    case kFloodsErrors:
+      FloodErrors();
+      break;
+    case kFloodsAndDies:
+      FloodErrors();
+      WriteErrors("the last straw\n");
+      _exit(7);
+    case kClosesFiles:
+      for (int fd = 0; fd < 64; ++fd) close(fd);
+      _exit(0);
+    case kEndsWithoutReport:
+      _exit(0);
+    case kLiesAboutCycles:
+      worker.Cycles(cycles / 2);
+      return worker.Report(WorkerOutcome::kDone);
+    case kSpoilsHeader:
+      worker.Cycles(1);
+      std::memset(static_cast<void*>(&recording.header()), 0xff, sizeof(RecordingHeader));
+      DieOf(SIGSEGV);
+    case kWritesBinary:
+      WriteErrors("caf\xc3\xa9 \xff\xfe\x01\x1b[31m \xc0\xaf end\n\n");
+      _exit(1);
+    case kTellsPlace:
+      worker.Cycles(cycles);
+      TellPlace(recording.Ints("pairs"));
+      return worker.Report(WorkerOutcome::kDone);
+    case kContactsLost:
+      for (std::uint64_t i = 0; i < cycles; ++i) worker.Cycle(i, i + 2 < cycles);
+      DieOf(SIGSEGV);
+    default:
+      break;
+  }
+  worker.Cycles(cycles);
+  return worker.Report(WorkerOutcome::kDone);
+}
+
+}  // namespace
+}  // namespace cdb::runtime::test
+
+int main() {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() == 1) return 96;  // the driver was gone before
+  const cdb::compiler::Run run =
+      cdb::compiler::RunFromYaml(cdb::runtime::test::ReadAll(cdb::runtime::kRunFd), "the run");
+  auto recording = cdb::runtime::Recording::Open(cdb::runtime::kRecordingFd, run.scene);
+  return cdb::runtime::test::Behave(run, recording);
+}

@@ -1,0 +1,156 @@
+// Files that are not what was written: refused by name, never believed, never a crash.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "runtime/store/hdf5_file.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
+
+namespace cdb::runtime {
+namespace {
+
+using testing::HasSubstr;
+
+class Damage : public testing::Test {
+ protected:
+  Damage() {
+    WriteShard(plan_, run_, FakeResult(run_).result, TestProvenance(), folder_.path());
+    shard_ = ReadFile(path_);
+  }
+
+  /// Info and merge refuse the file, and say which it is; reading it as a result ends in an error
+  /// or in what the header promises.
+  void ExpectRefused(const std::string& bytes, const std::string& what) {
+    SCOPED_TRACE(what);
+    WriteFile(path_, bytes);
+    try {
+      ReadShardInfo(path_);
+      ADD_FAILURE() << "was taken for a shard";
+    } catch (const StoreError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path_.string()));
+      EXPECT_THAT(error.what(), HasSubstr("remove it and its run is done again"));
+    }
+    EXPECT_THROW(Merge(plan_, {}, folder_.path(), folder_ / "out.h5"), StoreError);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out.h5"));
+    ReadAsResult(path_);
+  }
+
+  static void ReadAsResult(const std::filesystem::path& path) {
+    try {
+      const ResultFile file(path);
+      const ResultFile::Cell cell = {{0}, 0};
+      file.ReadStatus(cell);
+      file.ReadText("message", cell);
+      file.ReadDuration(kStep, cell);
+      file.ReadSeries("energy", cell);
+      file.ReadProvenance("run_text");
+    } catch (const StoreError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path.filename().string()));
+    }
+  }
+
+  const TemporaryFolder folder_;
+  const compiler::Plan plan_ = MakePlan({NumberAxis("quantity", {10, 20})}, 1, {.cycles = 50});
+  const compiler::Run& run_ = plan_.runs[0];
+  const std::filesystem::path path_ = folder_ / (run_.id + ".h5");
+  std::string shard_;
+};
+
+TEST_F(Damage, EveryKindOfTruncation) {
+  std::vector<std::size_t> lengths;
+  for (std::size_t n = 0; n <= 100; ++n) lengths.push_back(n);
+  for (std::size_t n = 101; n < shard_.size(); n += shard_.size() / 200) lengths.push_back(n);
+  for (std::size_t n = 1; n <= 60; ++n) lengths.push_back(shard_.size() - n);
+  for (const std::size_t n : lengths)
+    ExpectRefused(shard_.substr(0, n), "cut to " + std::to_string(n));
+}
+
+TEST_F(Damage, EveryKindOfFlippedByte) {
+  std::mt19937 random(20260101);
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < 100; ++i) places.push_back(i);
+  for (std::size_t i = 1; i <= 48; ++i) places.push_back(shard_.size() - i);
+  for (int i = 0; i < 400; ++i) places.push_back(random() % shard_.size());
+  for (const std::size_t place : places) {
+    std::string bytes = shard_;
+    bytes[place] = static_cast<char>(bytes[place] ^ (1 + random() % 255));
+    ExpectRefused(bytes, "changed at " + std::to_string(place));
+  }
+}
+
+TEST_F(Damage, HolesAndTails) {
+  ExpectRefused(shard_ + "x", "a byte too many");
+  ExpectRefused(shard_ + shard_, "twice");
+  ExpectRefused(std::string(shard_.size(), '\0'), "zeros");
+  std::string hole = shard_;
+  std::fill_n(hole.begin() + 4096, 4096, '\0');
+  ExpectRefused(hole, "a page of zeros");
+  ExpectRefused("benchmark b { }\n", "another file");
+}
+
+TEST_F(Damage, ChecksumSeesEverySingleByte) {
+  const auto bytes = std::as_bytes(std::span(shard_));
+  const std::uint64_t whole = Checksum(bytes);
+  for (std::size_t i = 0; i < 2000; ++i) {
+    std::string changed = shard_;
+    changed[i] = static_cast<char>(changed[i] + 1);
+    ASSERT_NE(Checksum(std::as_bytes(std::span(changed))), whole) << i;
+  }
+  EXPECT_NE(Checksum(bytes.first(8)), Checksum(bytes.first(7)));
+  const std::byte zeros[16] = {};
+  EXPECT_NE(Checksum(std::span(zeros).first(8)), Checksum(std::span(zeros).first(9)));
+}
+
+TEST_F(Damage, OtherSchemasAndVersionsAreNamed) {
+  const auto seal = [&](const char* schema, double version) {
+    h5::File file = h5::File::CreateInMemory();
+    file.SetText("schema", schema);
+    file.SetNumber("schema_version", h5::Type::kInt32, version);
+    WriteSealed(file.Image(), path_);
+    try {
+      ReadShardInfo(path_);
+    } catch (const StoreError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(seal("cdb-results", 77), HasSubstr("schema version 77"));
+  EXPECT_THAT(seal("climate", 1), HasSubstr("not a result of cdb"));
+  EXPECT_THAT(seal("cdb-results", 1), HasSubstr("no whole shard")) << "has the head and no arrays";
+}
+
+TEST_F(Damage, MergedFilesThatAreCutShortAreRefused) {
+  WriteShard(plan_, plan_.runs[1], FakeResult(plan_.runs[1]).result, {}, folder_.path());
+  Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
+  const std::string whole = ReadFile(folder_ / "out.h5");
+  for (std::size_t n = 0; n < whole.size(); n += 1 + whole.size() / 300) {
+    WriteFile(folder_ / "out.h5", whole.substr(0, n));
+    EXPECT_THROW(ResultFile(folder_ / "out.h5"), StoreError) << "cut to " << n;
+  }
+}
+
+TEST_F(Damage, WhatIsNoResultIsNamed) {
+  const auto message = [](const std::filesystem::path& path) {
+    try {
+      const ResultFile file(path);
+    } catch (const StoreError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(message(folder_ / "none.h5"), HasSubstr("no such file"));
+  EXPECT_THAT(message(folder_.path()), HasSubstr("is a folder"));
+  WriteFile(folder_ / "text.h5", "hello");
+  EXPECT_THAT(message(folder_ / "text.h5"), HasSubstr("not a whole result"));
+  h5::File::Create(folder_ / "foreign.h5").Close();
+  EXPECT_THAT(message(folder_ / "foreign.h5"), HasSubstr("not a result of cdb"));
+}
+
+}  // namespace
+}  // namespace cdb::runtime

@@ -1,0 +1,335 @@
+// The world refuses: full disks, folders that are not there, kill -9.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
+
+namespace cdb::runtime {
+namespace {
+
+using compiler::Plan;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Runs `body` in a process of its own; it returns an empty text where all went as it should.
+std::string InChild(const std::function<std::string()>& body) {
+  int ends[2];
+  if (pipe(ends) != 0) return "no pipe";
+  const pid_t child = fork();
+  if (child == 0) {
+    std::string text;
+    try {
+      text = body();
+    } catch (const std::exception& error) {
+      text = std::string("unexpected: ") + error.what();
+    }
+    text += '.';  // told from a child that died
+    const bool sent = write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    _exit(sent ? 0 : 1);
+  }
+  close(ends[1]);
+  std::string text;
+  char buffer[4096];
+  for (ssize_t n = 0; (n = read(ends[0], buffer, sizeof(buffer))) > 0;)
+    text.append(buffer, static_cast<std::size_t>(n));
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!WIFEXITED(status) || text.empty())
+    return "the process died, status " + std::to_string(status);
+  text.pop_back();
+  return text;
+}
+
+void LimitFiles(rlim_t bytes) {
+  signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit = {bytes, RLIM_INFINITY};
+  setrlimit(RLIMIT_FSIZE, &limit);
+}
+
+std::string ErrorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const StoreError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+Plan SmallPlan(std::size_t n = 6) {
+  std::vector<double> quantities;
+  for (std::size_t i = 0; i < n; ++i) quantities.push_back(static_cast<double>(i));
+  return MakePlan({NumberAxis("quantity", quantities)}, 1, {.cycles = 200});
+}
+
+TEST(FullDisk, WhileAShardIsWrittenLosesNothing) {
+  const Plan plan = SmallPlan();
+  const compiler::Run& run = plan.runs[0];
+  const FakeResult fake(run);
+  const TemporaryFolder folder;
+  WriteShard(plan, run, fake.result, {}, folder.path());
+  const std::string before = ReadFile(folder / (run.id + ".h5"));
+  for (const std::size_t limit :
+       {std::size_t{0}, std::size_t{1}, std::size_t{4096}, before.size() / 2, before.size() - 1}) {
+    SCOPED_TRACE(limit);
+    EXPECT_EQ(InChild([&]() -> std::string {
+                LimitFiles(limit);
+                const std::string error =
+                    ErrorOf([&] { WriteShard(plan, run, fake.result, {}, folder.path()); });
+                if (error.find("File too large") == std::string::npos) return "said " + error;
+                if (error.find(run.id) == std::string::npos) return "no file in " + error;
+                if (error.find("make room") == std::string::npos) return "no remedy in " + error;
+                // The driver goes on when there is room again.
+                LimitFiles(RLIM_INFINITY);
+                WriteShard(plan, plan.runs[1], FakeResult(plan.runs[1]).result, {}, folder.path());
+                ReadShardInfo(folder / (plan.runs[1].id + ".h5"));
+                std::filesystem::remove(folder / (plan.runs[1].id + ".h5"));
+                return "";
+              }),
+              "");
+    EXPECT_EQ(ReadFile(folder / (run.id + ".h5")), before);
+    EXPECT_THAT(FilesIn(folder.path()), ElementsAre(run.id + ".h5"));
+  }
+}
+
+TEST(FullDisk, WhileMergingLosesNothing) {
+  const Plan plan = SmallPlan();
+  const TemporaryFolder folder, target;
+  for (std::size_t i = 0; i < 3; ++i)
+    WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
+  const std::filesystem::path out = target / "out.h5";
+  Merge(plan, {}, folder.path(), out);
+  const std::string before = ReadFile(out);
+  const std::vector<std::string> shards = FilesIn(folder.path());
+  for (std::size_t limit = 0; limit < before.size(); limit += 1 + before.size() / 40) {
+    SCOPED_TRACE(limit);
+    EXPECT_EQ(InChild([&]() -> std::string {
+                LimitFiles(limit);
+                const std::string error = ErrorOf([&] { Merge(plan, {}, folder.path(), out); });
+                if (error.find(out.string()) == std::string::npos) return "no file in " + error;
+                if (error.find("File too large") == std::string::npos) return "said " + error;
+                if (FilesIn(target.path()).size() != 1) return "left a temporary";
+                if (ReadFile(out) != before) return "changed the result";
+                LimitFiles(RLIM_INFINITY);
+                const TemporaryFolder again;
+                WriteShard(plan, plan.runs[4], FakeResult(plan.runs[4]).result, {}, again.path());
+                Merge(plan, {}, again.path(), again / "out.h5");
+                const ResultFile file(again / "out.h5");
+                return file.ReadStatus({{4}, 0}) == Status::kDone ? "" : "cannot go on";
+              }),
+              "");
+  }
+  EXPECT_EQ(FilesIn(folder.path()), shards);
+}
+
+TEST(FullDisk, LeavesTheProcessAbleToEndInPeace) {
+  const Plan plan = SmallPlan();
+  const TemporaryFolder folder, target;
+  WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  // HDF5 tidies up when a process ends, and must not meet the file that it could not write.
+  const auto fail_and_exit = [&] {
+    LimitFiles(20000);
+    const std::string error = ErrorOf([&] { Merge(plan, {}, folder.path(), target / "out.h5"); });
+    std::size_t open_files = 0;
+    for ([[maybe_unused]] const auto& entry :
+         std::filesystem::directory_iterator("/proc/self/fd")) {
+      std::error_code ignored;
+      const auto file = std::filesystem::read_symlink(entry.path(), ignored).string();
+      if (file.find("out.h5") != std::string::npos) ++open_files;
+    }
+    if (error.empty() || open_files > 0) std::fputs("left a file open", stderr);
+    std::exit(error.empty() ? 1 : 0);
+  };
+  EXPECT_EXIT(fail_and_exit(), testing::ExitedWithCode(0), "^$");
+}
+
+/// A small file system of its own, in a mount namespace that ends with the process.
+bool MountSmallDisk(const std::filesystem::path& where, const char* size) {
+  return unshare(CLONE_NEWNS) == 0 &&
+         mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         mount("tmpfs", where.c_str(), "tmpfs", 0, size) == 0;
+}
+
+TEST(FullDisk, OfARealFileSystemIsNamed) {
+  const Plan plan = SmallPlan(40);
+  const TemporaryFolder folder;
+  const std::string outcome = InChild([&]() -> std::string {
+    if (!MountSmallDisk(folder.path(), "size=1m")) return "SKIP";
+    std::size_t written = 0;
+    std::string error;
+    for (const compiler::Run& run : plan.runs) {
+      const FakeResult fake(run);
+      error = ErrorOf([&] { WriteShard(plan, run, fake.result, {}, folder.path()); });
+      if (!error.empty()) break;
+      ++written;
+    }
+    if (error.find("No space left on device") == std::string::npos) return "said " + error;
+    if (FilesIn(folder.path()).size() != written || written == 0) return "lost or left a file";
+    for (const std::string& name : FilesIn(folder.path())) ReadShardInfo(folder / name);
+    error = ErrorOf([&] { Merge(plan, {}, folder.path(), folder / "out.h5"); });
+    if (error.find("No space left on device") == std::string::npos) return "said " + error;
+    if (FilesIn(folder.path()).size() != written) return "left a temporary";
+    return "";
+  });
+  if (outcome == "SKIP") GTEST_SKIP() << "may not mount here";
+  EXPECT_EQ(outcome, "");
+}
+
+TEST(ReadOnlyDisk, IsNamed) {
+  const Plan plan = SmallPlan();
+  const TemporaryFolder folder, shards;
+  const std::string outcome = InChild([&]() -> std::string {
+    if (!MountSmallDisk(folder.path(), "size=1m") ||
+        mount("none", folder.path().c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr) != 0)
+      return "SKIP";
+    const FakeResult fake(plan.runs[0]);
+    const std::string shard =
+        ErrorOf([&] { WriteShard(plan, plan.runs[0], fake.result, {}, folder.path()); });
+    if (shard.find("Read-only file system") == std::string::npos) return "said " + shard;
+    const std::string out = ErrorOf([&] { Merge(plan, {}, shards.path(), folder / "out.h5"); });
+    return out.find("Read-only file system") == std::string::npos ? "said " + out : "";
+  });
+  if (outcome == "SKIP") GTEST_SKIP() << "may not mount here";
+  EXPECT_EQ(outcome, "");
+}
+
+TEST(Folders, ThatCannotBeUsedAreNamed) {
+  const Plan plan = SmallPlan();
+  const FakeResult fake(plan.runs[0]);
+  const TemporaryFolder folder;
+  WriteFile(folder / "file", "x");
+  std::filesystem::create_directory(folder / "out.h5");
+  std::filesystem::create_directory(folder / (plan.runs[0].id + ".h5"));
+  const auto write = [&](const std::filesystem::path& where) {
+    return ErrorOf([&] { WriteShard(plan, plan.runs[0], fake.result, {}, where); });
+  };
+  EXPECT_THAT(write(folder / "none"), HasSubstr("No such file or directory"));
+  EXPECT_THAT(write(folder / "file"), HasSubstr("Not a directory"));
+  EXPECT_THAT(write(folder.path()), HasSubstr("Is a directory"));
+  const auto merge = [&](const std::filesystem::path& from, const std::filesystem::path& to) {
+    return ErrorOf([&] { Merge(plan, {}, from, to); });
+  };
+  const TemporaryFolder empty;
+  EXPECT_THAT(merge(folder / "none", folder / "a.h5"), HasSubstr("No such file or directory"));
+  EXPECT_THAT(merge(empty.path(), folder / "none/a.h5"), HasSubstr("No such file or directory"));
+  EXPECT_THAT(merge(empty.path(), folder / "file/a.h5"), HasSubstr("Not a directory"));
+  EXPECT_THAT(merge(empty.path(), folder / "out.h5"), HasSubstr("is a folder"));
+  EXPECT_THAT(FilesIn(folder.path()), ElementsAre(plan.runs[0].id + ".h5", "file", "out.h5"));
+}
+
+TEST(Errors, OfHdf5ArePrintedNowhere) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "text.h5", "hello");
+  testing::internal::CaptureStderr();
+  EXPECT_THROW(ResultFile(folder / "text.h5"), StoreError);
+  std::thread([&] { EXPECT_THROW(ResultFile(folder / "text.h5"), StoreError); }).join();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), IsEmpty());
+}
+
+TEST(Threads, WriteShardsSideBySide) {
+  const Plan plan = SmallPlan(24);
+  const Provenance provenance = TestProvenance();
+  const ShardWriter writer(plan, provenance);
+  const TemporaryFolder folder;
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 3; ++t)
+    threads.emplace_back([&, t] {
+      for (std::size_t i = t; i < plan.runs.size(); i += 3)
+        writer.Write(plan.runs[i], FakeResult(plan.runs[i]).result, folder.path());
+    });
+  for (std::thread& thread : threads) thread.join();
+  Merge(plan, provenance, folder.path(), folder / "out.h5");
+  const ResultFile file(folder / "out.h5");
+  for (const compiler::Run& run : plan.runs) {
+    const auto values = file.ReadDuration(kStep, {run.at, 0});
+    ASSERT_EQ(values.size(), 200u);
+    for (std::size_t i = 0; i < 200; ++i)
+      ASSERT_EQ(values[i], ValueAt(run, *FindSeries("duration"), kStep * 200 + i));
+  }
+}
+
+/// Starts `body` in a process, which says a byte after each piece of work; kills it some time
+/// later. Returns how many bytes it said.
+std::size_t KillDuring(std::mt19937& random, const std::function<void(int)>& body) {
+  int ends[2];
+  if (pipe(ends) != 0) throw std::runtime_error("no pipe");
+  const pid_t child = fork();
+  if (child == 0) {
+    body(ends[1]);
+    _exit(0);
+  }
+  close(ends[1]);
+  usleep(static_cast<useconds_t>(random() % 40000));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  std::size_t said = 0;
+  for (char c = 0; read(ends[0], &c, 1) == 1;) ++said;
+  close(ends[0]);
+  return said;
+}
+
+TEST(Kill, WhileShardsAreWrittenLosesNoFinishedRun) {
+  const Plan plan = SmallPlan(60);
+  const TemporaryFolder folder;
+  std::mt19937 random(7);
+  std::size_t finished = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    finished = std::max(finished, KillDuring(random, [&](int say) {
+                          const Provenance none;
+                          const ShardWriter writer(plan, none);
+                          for (const compiler::Run& run : plan.runs) {
+                            writer.Write(run, FakeResult(run).result, folder.path());
+                            if (write(say, "x", 1) != 1) _exit(1);
+                          }
+                        }));
+    std::size_t whole = 0;
+    for (const std::string& name : FilesIn(folder.path()))
+      if (name.ends_with(".h5")) {
+        EXPECT_EQ(ReadShardInfo(folder / name).run_id + ".h5", name);
+        ++whole;
+      }
+    EXPECT_GE(whole, finished);
+    RemoveStaleTemporaries(folder.path());
+    EXPECT_EQ(FilesIn(folder.path()).size(), whole) << "a temporary is left";
+  }
+}
+
+TEST(Kill, WhileMergingLeavesTheResultWhole) {
+  const Plan plan = SmallPlan(30);
+  const TemporaryFolder folder, target;
+  for (std::size_t i = 0; i < plan.runs.size(); ++i)
+    WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
+  const std::vector<std::string> shards = FilesIn(folder.path());
+  Merge(plan, {}, folder.path(), target / "out.h5");
+  std::mt19937 random(11);
+  for (int trial = 0; trial < 60; ++trial) {
+    KillDuring(random, [&](int) {
+      for (;;) Merge(plan, {}, folder.path(), target / "out.h5");
+    });
+    const ResultFile file(target / "out.h5");
+    for (const compiler::Run& run : plan.runs)
+      ASSERT_EQ(file.ReadDuration(kBroad, {run.at, 0}).back(),
+                ValueAt(run, *FindSeries("duration"), 199));
+    RemoveStaleTemporaries(target.path());
+    ASSERT_THAT(FilesIn(target.path()), ElementsAre("out.h5"));
+    ASSERT_EQ(FilesIn(folder.path()), shards);
+  }
+}
+
+}  // namespace
+}  // namespace cdb::runtime

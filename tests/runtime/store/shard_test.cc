@@ -1,0 +1,214 @@
+// One run there and back.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+
+#include "runtime/store/hdf5_file.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
+
+namespace cdb::runtime {
+namespace {
+
+using compiler::Plan;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const SceneSize kEverything = {
+    .cycles = 7,
+    .objects = 2,
+    .record = {"timing", "counts", "energy", "stability", "contacts", "poses", "memory"}};
+
+Plan TwoAxes(const SceneSize& size = kEverything) {
+  return MakePlan({NumberAxis("quantity", {10, 20, 30}), NumberAxis("size", {0.5, 1.5}, "m"),
+                   TextAxis("detector", {"simple", "dbvt"})},
+                  2, size);
+}
+
+/// Every series of a cell that holds one run, value by value.
+void ExpectSeries(const ResultFile& file, const ResultFile::Cell& cell, const compiler::Run& run,
+                  std::uint64_t n_cycles) {
+  const std::uint64_t cycles = run.scene.world.Count("cycles");
+  for (const Series& series : AllSeries()) {
+    if (!series.IsRecordedBy(run.scene) || series.shape == SeriesShape::kPose) continue;
+    for (std::size_t phase = 0; phase < kPhaseCount; ++phase) {
+      const bool by_phase = series.shape == SeriesShape::kPhase;
+      const std::vector<double> values = by_phase
+                                             ? file.ReadDuration(static_cast<Phase>(phase), cell)
+                                             : file.ReadSeries(series.name, cell);
+      ASSERT_EQ(values.size(), n_cycles) << series.name;
+      for (std::size_t i = 0; i < n_cycles; ++i)
+        ASSERT_EQ(values[i], ValueAt(run, series, by_phase ? phase * cycles + i : i))
+            << series.name << " phase " << phase << " cycle " << i;
+      if (!by_phase) break;
+    }
+  }
+}
+
+TEST(Shard, HoldsEverySeriesOfItsRun) {
+  const Plan plan = TwoAxes();
+  const TemporaryFolder folder;
+  const compiler::Run& run = plan.runs[13];
+  const FakeResult fake(run);
+  WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+  ASSERT_THAT(FilesIn(folder.path()), ElementsAre(run.id + ".h5"));
+
+  const ResultFile file(folder / (run.id + ".h5"));
+  EXPECT_EQ(file.plan_sha256(), plan.Sha256());
+  EXPECT_EQ(file.title(), plan.title);
+  EXPECT_EQ(file.repeats(), 1u);
+  EXPECT_EQ(file.cycles(), 7u);
+  ASSERT_EQ(file.axes().size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(file.axes()[i].name, plan.axes[i].name);
+    EXPECT_EQ(file.axes()[i].parameter, plan.axes[i].parameter);
+    EXPECT_EQ(file.axes()[i].unit, plan.axes[i].unit);
+    EXPECT_THAT(file.axes()[i].values, ElementsAre(plan.axes[i].values[run.at[i]]));
+  }
+  const ResultFile::Cell cell = {{0, 0, 0}, 0};
+  ExpectSeries(file, cell, run, 7);
+  EXPECT_EQ(file.ReadStatus(cell), Status::kDone);
+  EXPECT_EQ(file.ReadCycleCount(cell), 7u);
+  EXPECT_EQ(file.ReadText("state_hash", cell), fake.result.state_hash);
+  EXPECT_EQ(file.ReadText("run_id", cell), run.id);
+  EXPECT_EQ(file.ReadText("host", cell), fake.result.host);
+  EXPECT_EQ(file.ReadText("message", cell), "");
+  EXPECT_EQ(file.ReadText("omitted", cell), fake.result.omitted);
+  EXPECT_EQ(file.ReadText("needs", cell), fake.result.needs);
+  EXPECT_NE(fake.result.needs, "");
+  EXPECT_EQ(file.ReadReal("started", cell), fake.result.started_s);
+  EXPECT_EQ(file.ReadReal("load", cell), fake.result.load);
+  EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.peak_rss_bytes);
+  EXPECT_EQ(file.ReadReal("place_time", cell), fake.result.place_ns);
+  EXPECT_EQ(file.ReadReal("build_time", cell), fake.result.build_ns);
+  EXPECT_EQ(file.ReadReal("fill_fraction", cell), fake.result.fill_fraction);
+  EXPECT_EQ(file.ReadProvenance("cpu"), "a µ-processor");
+  EXPECT_THAT(file.ReadProvenance("run_text"), HasSubstr(run.id));
+  EXPECT_EQ(file.ReadProvenance("no such fact"), "");
+}
+
+TEST(Shard, HasNoDatasetThatNobodyAskedFor) {
+  const Plan plan = TwoAxes({.record = {"timing"}});
+  const TemporaryFolder folder;
+  WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  const ResultFile file(folder / (plan.runs[0].id + ".h5"));
+  for (const Series& series : AllSeries())
+    EXPECT_EQ(file.Has(series.name), series.name == "duration") << series.name;
+  for (const char* name : {"body", "pose", "contact", "contact_body", "contact_first"})
+    EXPECT_FALSE(file.Has(name)) << name;
+  EXPECT_THROW(file.ReadSeries("pairs", {{0, 0, 0}, 0}), StoreError);
+}
+
+TEST(Shard, OfARunThatCrashedKeepsItsCyclesAndNoMore) {
+  const Plan plan = TwoAxes();
+  const TemporaryFolder folder;
+  for (const std::uint64_t n_cycles : {0, 3}) {
+    const compiler::Run& run = plan.runs[n_cycles];
+    FakeResult fake(run, Status::kCrashed, 7);
+    fake.result.n_cycles = n_cycles;  // what is after them is not to be believed
+    WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+    const ResultFile file(folder / (run.id + ".h5"));
+    const ResultFile::Cell cell = {{0, 0, 0}, 0};
+    EXPECT_EQ(file.ReadStatus(cell), Status::kCrashed);
+    EXPECT_EQ(file.ReadCycleCount(cell), n_cycles);
+    EXPECT_EQ(file.ReadText("message", cell), fake.result.message);
+    EXPECT_EQ(file.ReadText("state_hash", cell), "");
+    ExpectSeries(file, cell, run, n_cycles);
+    // Readers of the file itself find fill values after them.
+    const h5::File raw = h5::File::OpenImage(ReadSealed(folder / (run.id + ".h5")));
+    const std::vector<double> pairs = raw.OpenDataset("pairs").Read();
+    const std::vector<double> poses = raw.OpenDataset("poses").Read();
+    ASSERT_EQ(pairs.size(), 7u);
+    ASSERT_EQ(poses.size(), 7u * 2 * kPoseSize);
+    for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i] == -1, i >= n_cycles) << i;
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      EXPECT_EQ(std::isnan(poses[i]), i >= n_cycles * 2 * kPoseSize) << i;
+  }
+}
+
+TEST(Shard, OfARunWithoutObjectsOrAxes) {
+  const Plan plan = MakePlan({}, 1, {.cycles = 1, .objects = 0, .record = {"poses", "contacts"}});
+  const TemporaryFolder folder;
+  FakeResult fake(plan.runs[0]);
+  WriteShard(plan, plan.runs[0], fake.result, {}, folder.path());
+  const ResultFile file(folder / (plan.runs[0].id + ".h5"));
+  EXPECT_TRUE(file.axes().empty());
+  EXPECT_EQ(file.ReadStatus({{}, 0}), Status::kDone);
+  EXPECT_EQ(file.ReadSeries("contacts", {{}, 0}).size(), 1u);
+}
+
+TEST(Shard, WrittenTwiceIsTheSame) {
+  const Plan plan = TwoAxes();
+  const TemporaryFolder folder;
+  const compiler::Run& run = plan.runs[5];
+  const FakeResult fake(run);
+  for (int i = 0; i < 2; ++i) WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+  ASSERT_THAT(FilesIn(folder.path()), ElementsAre(run.id + ".h5"));
+  ExpectSeries(ResultFile(folder / (run.id + ".h5")), {{0, 0, 0}, 0}, run, 7);
+}
+
+TEST(Shard, InfoNamesRunPlanAndStatus) {
+  const Plan plan = TwoAxes();
+  const TemporaryFolder folder;
+  const compiler::Run& run = plan.runs[2];
+  WriteShard(plan, run, FakeResult(run, Status::kTimedOut, 4).result, {}, folder.path());
+  const ShardInfo info = ReadShardInfo(folder / (run.id + ".h5"));
+  EXPECT_EQ(info.run_id, run.id);
+  EXPECT_EQ(info.plan_sha256, plan.Sha256());
+  EXPECT_EQ(info.status, Status::kTimedOut);
+}
+
+TEST(Shard, LongRunsAreCutIntoChunksUnderOneMebibyte) {
+  // 50,000 cycles of 6 phases are 2.4 MB, 3 cycles of 40,000 poses 2.2 MB each.
+  for (const SceneSize& size : {SceneSize{.cycles = 50000, .objects = 1, .record = {"timing"}},
+                                SceneSize{.cycles = 3, .objects = 40000, .record = {"poses"}}}) {
+    const Plan plan = MakePlan({NumberAxis("quantity", {10})}, 1, size);
+    const TemporaryFolder folder;
+    WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+    Merge(plan, {}, folder.path(), folder / "out.h5");
+    ExpectSeries(ResultFile(folder / "out.h5"), {{0}, 0}, plan.runs[0], size.cycles);
+  }
+}
+
+TEST(StatusNames, AreThoseOfTheContract) {
+  std::string names;
+  for (int i = 0; i <= static_cast<int>(Status::kTimedOut); ++i)
+    names += std::string(StatusName(static_cast<Status>(i))) + " ";
+  EXPECT_EQ(names, "missing done skipped failed crashed timed_out ");
+}
+
+TEST(StaleTemporaries, OfDeadProcessesOfThisHostAreRemoved) {
+  const pid_t dead = fork();
+  ASSERT_GE(dead, 0);
+  if (dead == 0) _exit(0);
+  ASSERT_EQ(waitpid(dead, nullptr, 0), dead);
+  std::array<char, 256> host = {};
+  ASSERT_EQ(gethostname(host.data(), host.size() - 1), 0);
+  const std::string run = "0123456789abcdef.h5";
+  const std::string here = run + "." + host.data() + ".";
+  const std::vector<std::string> kept = {
+      run,
+      run + ".tmp",
+      here + std::to_string(getpid()) + ".tmp",
+      here + "x.tmp",
+      here + ".tmp",
+      here + std::to_string(dead),
+      run + ".elsewhere." + std::to_string(dead) + ".tmp",
+      "plan.yaml",
+  };
+  const TemporaryFolder folder;
+  for (const std::string& name : kept) WriteFile(folder / name, "x");
+  WriteFile(folder / (here + std::to_string(dead) + ".tmp"), "x");
+  RemoveStaleTemporaries(folder.path());
+  EXPECT_THAT(FilesIn(folder.path()), testing::UnorderedElementsAreArray(kept));
+  EXPECT_THROW(RemoveStaleTemporaries(folder / "nowhere"), StoreError);
+}
+
+}  // namespace
+}  // namespace cdb::runtime

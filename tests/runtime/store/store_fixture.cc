@@ -1,0 +1,174 @@
+#include "tests/runtime/store/store_fixture.h"
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace cdb::runtime {
+namespace {
+
+/// Small, and different for each run of a plan.
+std::uint64_t NumberOf(const compiler::Run& run) {
+  return run.scene.world.Count("seed") * 10 + run.rep;
+}
+
+}  // namespace
+
+compiler::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit) {
+  compiler::Axis axis{name, "objects." + name, std::move(unit), {}};
+  for (const double value : values) axis.values.emplace_back(value);
+  return axis;
+}
+
+compiler::Axis TextAxis(std::string name, const std::vector<std::string>& values) {
+  compiler::Axis axis{name, name, "", {}};
+  for (const std::string& value : values) axis.values.emplace_back(value);
+  return axis;
+}
+
+void Resize(compiler::Run& run, const SceneSize& size) {
+  run.scene.world.values["cycles"] = size.cycles;
+  run.scene.world.values["record"] = size.record;
+  run.scene.groups = {{"objects", {{{"quantity", compiler::Value(size.objects)}}}}};
+  run.id = compiler::RunId(run.scene, run.rep);
+}
+
+compiler::Plan MakePlan(std::vector<compiler::Axis> axes, std::uint64_t repeats,
+                        const SceneSize& size, std::vector<std::vector<std::size_t>> skipped) {
+  compiler::Plan plan;
+  plan.benchmark = "fixture";
+  plan.title = "A plan for tests – µ";
+  plan.source = "fixture.cdb";
+  plan.scenario_text = "benchmark fixture { }\n";
+  plan.axes = std::move(axes);
+  plan.repeats = repeats;
+  plan.skipped = std::move(skipped);
+  std::uint64_t points = 1;
+  for (const compiler::Axis& axis : plan.axes) points *= axis.values.size();
+  for (std::uint64_t point = 0; point < points; ++point) {
+    std::vector<std::size_t> at(plan.axes.size());
+    std::uint64_t rest = point;
+    for (std::size_t i = at.size(); i-- > 0; rest /= plan.axes[i].values.size())
+      at[i] = rest % plan.axes[i].values.size();
+    if (std::ranges::find(plan.skipped, at) != plan.skipped.end()) continue;
+    for (std::uint64_t rep = 0; rep < repeats; ++rep) {
+      compiler::Run run;
+      run.at = at;
+      run.rep = rep;
+      run.scene.world.values["seed"] = point;
+      Resize(run, size);
+      plan.runs.push_back(std::move(run));
+    }
+  }
+  return plan;
+}
+
+double ValueAt(const compiler::Run& run, const Series& series, std::size_t index) {
+  if (series.name == "contacts") return ContactsIn(run, index);
+  const auto row = static_cast<double>(&series - AllSeries().data());
+  const double whole =
+      1e6 * (row + 1) + 1000 * static_cast<double>(NumberOf(run)) + static_cast<double>(index);
+  const bool is_whole = series.type == SeriesType::kInt32 || series.name == "duration";
+  return is_whole ? whole : whole + 0.1;
+}
+
+std::int32_t ContactsIn(const compiler::Run& run, std::size_t cycle) {
+  return static_cast<std::int32_t>((NumberOf(run) + cycle) % 4);
+}
+
+ContactRecord ContactAt(const compiler::Run& run, std::size_t row) {
+  const auto n = static_cast<double>(NumberOf(run));
+  const auto r = static_cast<double>(row);
+  return {r, r + 1, {n + 0.1, r + 0.2, 0.3}, {0, 1, n}, -0.001 * (n + 1) * (r + 1)};
+}
+
+FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_cycles) {
+  const std::uint64_t cycles = run.scene.world.Count("cycles");
+  const std::uint64_t objects = run.scene.ObjectCount();
+  for (const Series& series : AllSeries()) {
+    if (!series.IsRecordedBy(run.scene)) continue;
+    const std::size_t count = series.ValueCount(cycles, objects);
+    std::vector<std::byte>& bytes = memory_.emplace_back(count * series.ItemBytes());
+    const std::size_t per_cycle = series.shape == SeriesShape::kPose ? objects * kPoseSize : 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t cycle = i / per_cycle % cycles;
+      const bool ran = cycle < n_cycles;
+      if (series.type == SeriesType::kInt32) {
+        const std::int32_t value = ran ? static_cast<std::int32_t>(ValueAt(run, series, i)) : -1;
+        std::memcpy(&bytes[i * sizeof(value)], &value, sizeof(value));
+      } else {
+        const double value =
+            ran ? ValueAt(run, series, i) : std::numeric_limits<double>::quiet_NaN();
+        std::memcpy(&bytes[i * sizeof(value)], &value, sizeof(value));
+      }
+    }
+  }
+  std::size_t next = 0;
+  for (const Series& series : AllSeries())
+    if (series.IsRecordedBy(run.scene)) result.series.emplace_back(&series, memory_[next++]);
+  if (run.scene.world.Lists("record", "contacts")) {
+    std::size_t rows = 0;
+    for (std::size_t i = 0; i < n_cycles; ++i) rows += static_cast<std::size_t>(ContactsIn(run, i));
+    for (std::size_t row = 0; row < rows; ++row) result.contacts.push_back(ContactAt(run, row));
+  }
+  const auto n = static_cast<double>(NumberOf(run));
+  result.status = status;
+  result.n_cycles = n_cycles;
+  result.started_s = 1.7e9 + n + 0.5;
+  result.host = "nöde-" + std::to_string(NumberOf(run) % 3);
+  result.omitted = NumberOf(run) % 2 == 0 ? "walls raycast_tree" : "";
+  result.needs = "walls: left out: run " + std::to_string(NumberOf(run)) +
+                 "\ngravity: kept: the acceleration is (0, -9.8, 0)\n";
+  result.load = 0.25 + n;
+  result.peak_rss_bytes = 5e6 + n;
+  result.place_ns = 1000 + n;
+  result.build_ns = 2000 + n;
+  result.fill_fraction = 0.125;
+  if (status == Status::kDone) {
+    result.state_hash = run.id;
+  } else {
+    result.message = "ended by signal 11 (SIGSEGV) in cycle " + std::to_string(n_cycles);
+  }
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "cdb-store-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+Provenance TestProvenance() {
+  return {{"cdb_version", "0.1.0"}, {"bullet_version", "3.24"}, {"cpu", "a µ-processor"}};
+}
+
+std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+std::string ReadFile(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void WriteFile(const std::filesystem::path& file, const std::string& bytes) {
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out << bytes;
+  if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+}  // namespace cdb::runtime
