@@ -1,0 +1,144 @@
+// What leaving out saves: each scene twice in one program, with everything in it and with what
+// `omit` leaves out, cycle by cycle in strict alternation, the order swapped each time. Both must
+// be in the same state after every cycle. Scenes come from .cdb files; of each benchmark the last
+// run is taken. Usage: bench_omit_f32 [-r ROUNDS] [-c CYCLES] [FILE.cdb ...]
+
+#include <fmt/format.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "library/layouts/initial_state.h"
+#include "runtime/engine/engine.h"
+#include "runtime/engine/precision.h"
+#include "runtime/engine/state_hash.h"
+#include "runtime/engine/tripwire.h"
+#include "tests/bench/median.h"
+
+namespace cdb::bench {
+namespace {
+
+double HeapBytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+}
+
+/// One of the two worlds, and what it cost.
+struct Side {
+  std::unique_ptr<runtime::Engine> engine;
+  double build_ns = 0, heap = 0;
+  std::vector<double> steps;
+
+  void Build(const compiler::Scene& scene, const library::InitialState& state, bool lean) {
+    const double before = HeapBytes();
+    const auto begin = runtime::Now();
+    auto omissions = lean ? runtime::SettleNeeds(scene, state) : runtime::KeepEverything(scene);
+    engine = std::make_unique<runtime::Engine>(scene, state, std::move(omissions));
+    build_ns = static_cast<double>(runtime::Now() - begin);
+    heap = HeapBytes() - before;
+  }
+  void Step() {
+    engine->Step();
+    steps.push_back(engine->timed_world()->Durations()[runtime::kStep]);
+  }
+};
+
+struct Result {
+  double whole_us, lean_us, ratio;       ///< of a cycle
+  double whole_build_us, lean_build_us;  ///< start-up
+  double whole_heap, lean_heap;          ///< bytes
+  std::string note;
+};
+
+Result RunRound(const compiler::Scene& scene, std::uint64_t cycles, std::uint64_t round) {
+  const library::InitialState state = library::MakeInitialState(scene);
+  Side whole, lean;
+  // Whoever comes first gets the smoother memory.
+  if (round % 2 == 0) whole.Build(scene, state, false);
+  lean.Build(scene, state, true);
+  if (round % 2 == 1) whole.Build(scene, state, false);
+  runtime::Tripwire tripwire(*lean.engine);
+  std::string note = compiler::OmittedNames(lean.engine->omissions().needs);
+  for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
+    if (cycle % 2 == 0) whole.Step();
+    try {
+      tripwire.BeforeStep();
+      lean.Step();
+      tripwire.AfterStep();
+    } catch (const runtime::Tripped& tripped) {
+      note = fmt::format("starts again in cycle {} with all walls: {}", cycle, tripped.what());
+      if (cycle % 2 == 1) whole.Step();
+      break;
+    }
+    if (cycle % 2 == 1) whole.Step();
+    if (runtime::StateHash(*whole.engine) != runtime::StateHash(*lean.engine)) {
+      fmt::print(stderr, "cycle {}: the two worlds went different ways\n", cycle);
+      std::exit(1);
+    }
+  }
+  const double a = Median(whole.steps), b = Median(lean.steps);
+  return {a / 1e3,    b / 1e3,   a / b, whole.build_ns / 1e3, lean.build_ns / 1e3,
+          whole.heap, lean.heap, note};
+}
+
+void RunScene(const std::string& name, compiler::Scene scene, std::uint64_t rounds,
+              std::uint64_t cycles) {
+  if (scene.world.WordOr("precision") != runtime::EnginePrecision()) return;
+  scene.world.values.insert_or_assign("record", compiler::WordList{"timing"});
+  scene.world.values.insert_or_assign("omit", compiler::WordList{"auto"});
+  cycles = std::min(cycles, scene.world.Count("cycles"));
+  std::vector<Result> results;
+  for (std::uint64_t round = 0; round < rounds; ++round)
+    results.push_back(RunRound(scene, cycles, round));
+  const auto median = [&](auto member) {
+    std::vector<double> values;
+    for (const Result& result : results) values.push_back(result.*member);
+    return Median(values);
+  };
+  const auto [least, most] = std::ranges::minmax(results, {}, &Result::ratio);
+  fmt::print(
+      "{:<18} {:>6} {:>9.1f} {:>9.1f} {:>6.2f} {:>6.2f} .. {:<5.2f} {:>8.0f} {:>8.0f} "
+      "{:>8.0f} {:>8.0f}  {}\n",
+      name, scene.ObjectCount(), median(&Result::whole_us), median(&Result::lean_us),
+      median(&Result::ratio), least.ratio, most.ratio, median(&Result::whole_build_us),
+      median(&Result::lean_build_us), median(&Result::whole_heap) / 1024,
+      median(&Result::lean_heap) / 1024, results.front().note);
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace cdb::bench
+
+int main(int argc, char** argv) {
+  using namespace cdb;
+  std::uint64_t rounds = 5, cycles = 200;
+  std::vector<std::string> files;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if ((argument == "-r" || argument == "-c") && i + 1 < argc) {
+      (argument == "-r" ? rounds : cycles) = std::strtoull(argv[++i], nullptr, 10);
+    } else {
+      files.push_back(argument);
+    }
+  }
+  if (files.empty()) files = {CDB_SOURCE_DIR "/tests/bench/omit.cdb"};
+  fmt::print(
+      "{} precision, {} rounds of up to {} cycles; medians; ratio: none / auto, with the "
+      "range of the rounds\n",
+      runtime::EnginePrecision(), rounds, cycles);
+  fmt::print("{:<18} {:>6} {:>9} {:>9} {:>6} {:>15} {:>8} {:>8} {:>8} {:>8}\n", "scene", "N",
+             "none, us", "auto, us", "ratio", "range", "build us", "auto", "heap kB", "auto");
+  for (const std::string& file : files) {
+    const auto result = compiler::Compile(file, compiler::ReadFromDisk, {});
+    if (result.diagnostics.has_errors()) {
+      fmt::print(stderr, "{}: has errors; see cdb check\n", file);
+      return 1;
+    }
+    for (const compiler::Plan& plan : result.plans)
+      bench::RunScene(plan.benchmark, plan.runs.back().scene, rounds, cycles);
+  }
+}

@@ -1,0 +1,69 @@
+// What the store costs: a shard beside its fsync, a merge of many, reading a result back.
+//   bench_store [RUNS [CYCLES]]
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <string_view>
+#include <vector>
+
+#include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
+
+namespace {
+
+/// Wall and processor time since it was made; a busy machine shows in the first, fsync too.
+class Stopwatch {
+ public:
+  void Print(std::string_view what, double n) const {
+    const std::chrono::duration<double, std::milli> wall = Clock::now() - begin_;
+    const double cpu = 1000.0 * static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC;
+    fmt::print("{:<28} {:9.3f} ms  {:9.3f} ms of processor\n", what, wall.count() / n, cpu / n);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point begin_ = Clock::now();
+  std::clock_t cpu_ = std::clock();
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace cdb::runtime;
+  const int runs = argc > 1 ? std::atoi(argv[1]) : 1000;
+  const int cycles = argc > 2 ? std::atoi(argv[2]) : 1000;
+  std::vector<double> quantities;
+  for (int i = 1; i <= runs / 10; ++i) quantities.push_back(i * 10);
+  const cdb::compiler::Plan plan =
+      MakePlan({NumberAxis("quantity", quantities), TextAxis("detector", {"simple", "dbvt"})}, 5,
+               {.cycles = static_cast<std::uint64_t>(cycles)});
+  const Provenance provenance = TestProvenance();
+  const TemporaryFolder folder;
+  const auto n = static_cast<double>(plan.runs.size());
+  const FakeResult fake(plan.runs.front());
+  {
+    const ShardWriter writer(plan, provenance);
+    const Stopwatch watch;
+    for (const auto& run : plan.runs) writer.Write(run, fake.result, folder.path());
+    watch.Print("write a shard, with fsync", n);
+  }
+  {
+    const Stopwatch watch;
+    for (const auto& run : plan.runs) ReadShardInfo(folder / (run.id + ".h5"));
+    watch.Print("look at a shard", n);
+  }
+  {
+    const Stopwatch watch;
+    Merge(plan, provenance, folder.path(), folder / "out.h5");
+    watch.Print(fmt::format("merge {} runs", plan.runs.size()), 1);
+  }
+  const Stopwatch watch;
+  const ResultFile result(folder / "out.h5");
+  double sum_ns = 0;
+  for (const auto& run : plan.runs)
+    for (const double ns : result.ReadDuration(kStep, {run.at, run.rep})) sum_ns += ns;
+  watch.Print("read the step times of a run", n);
+  fmt::print("{} cycles a run, {} ns in all\n", cycles, sum_ns);
+}

@@ -1,0 +1,33 @@
+// Any text, compiled: no crash, every error has a place, and what has none makes a plan that reads
+// back from YAML.
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "compiler/compile.h"
+#include "compiler/plan_yaml.h"
+#include "dsl/check.h"
+#include "dsl/render.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cdb;
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  // The text stands for every file, so that `use` has something to find.
+  const auto read = [&](const std::string&, std::string&) -> std::optional<std::string> {
+    return text;
+  };
+  const compiler::Compilation result = compiler::Compile("fuzz.cdb", read);
+  for (const auto& diagnostic : result.diagnostics.all())
+    CDB_CHECK(diagnostic.kind != nullptr && diagnostic.span.source != nullptr &&
+              diagnostic.span.begin <= diagnostic.span.end &&
+              diagnostic.span.end <= diagnostic.span.source->text().size());
+  dsl::Render(result.diagnostics);
+  CDB_CHECK(result.plans.empty() || !result.diagnostics.has_errors());
+  for (const compiler::Plan& plan : result.plans) {
+    CDB_CHECK(!plan.runs.empty());
+    // Large grids say no more than small ones, and take long.
+    if (plan.runs.size() < 50)
+      CDB_CHECK(compiler::FromYaml(compiler::ToYaml(plan), "plan") == plan);
+  }
+  return 0;
+}

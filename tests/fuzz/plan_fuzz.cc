@@ -1,0 +1,19 @@
+// Any text, read as a plan: an error or a plan that is written back as it was read.
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "compiler/plan_yaml.h"
+#include "dsl/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cdb::compiler;
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  try {
+    const Plan plan = FromYaml(text, "fuzz.yaml");
+    CDB_CHECK(FromYaml(ToYaml(plan), "again") == plan);
+  } catch (const PlanError& error) {
+    CDB_CHECK(std::string(error.what()).starts_with("fuzz.yaml"));
+  }
+  return 0;
+}

@@ -1,0 +1,214 @@
+// Writes a real result whose every number is known, and what a reader must find in it:
+//   readers_fixture FOLDER
+// makes out.h5; numbers.tsv and texts.tsv with a line `name, shape, values` for each array (values
+// in the order of the file, last dimension fastest, NaN or the fill value -1 where there is none);
+// and medians.tsv with a line `coordinates, median step time` for each cell that ran.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
+
+namespace cdb::runtime {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::uint64_t kCycles = 5, kObjects = 2, kRepeats = 2;
+
+/// An array as the file should hold it.
+template <typename Value>
+struct Expected {
+  std::vector<std::uint64_t> shape;
+  std::vector<Value> values;
+};
+
+class Fixture {
+ public:
+  explicit Fixture(const std::filesystem::path& folder) : folder_(folder) {}
+
+  void Write() {
+    for (std::size_t i = 0; i < plan_.runs.size(); ++i) {
+      if (i == 5) continue;  // is missing
+      const compiler::Run& run = plan_.runs[i];
+      const FakeResult fake(run, i == 2 ? Status::kCrashed : Status::kDone, i == 2 ? 2 : kCycles);
+      WriteShard(plan_, run, fake.result, TestProvenance(), shards_.path());
+      results_.emplace(CellOf(run.at, run.rep), std::pair(&run, fake.result));
+    }
+    Merge(plan_, TestProvenance(), shards_.path(), folder_ / "out.h5");
+    Coordinates();
+    for (const Series& series : AllSeries())
+      if (series.IsRecordedBy(plan_)) ExpectSeries(series);
+    ExpectContacts();
+    ExpectRuns();
+    Print("numbers.tsv", numbers_, [](double value) { return fmt::format("{}", value); });
+    Print("texts.tsv", texts_, [](const std::string& text) { return text; });
+    PrintMedians();
+  }
+
+ private:
+  std::size_t CellOf(const std::vector<std::size_t>& at, std::uint64_t rep) const {
+    std::size_t cell = 0;
+    for (std::size_t i = 0; i < at.size(); ++i) cell = cell * plan_.axes[i].values.size() + at[i];
+    return cell * kRepeats + rep;
+  }
+
+  void Coordinates() {
+    for (const compiler::Axis& axis : plan_.axes) {
+      grid_.push_back(axis.values.size());
+      for (const compiler::Coordinate& value : axis.values) {
+        if (axis.IsText()) {
+          texts_[axis.name].shape = {grid_.back()};
+          texts_[axis.name].values.push_back(std::get<std::string>(value));
+        } else {
+          numbers_[axis.name].shape = {grid_.back()};
+          numbers_[axis.name].values.push_back(std::get<double>(value));
+        }
+      }
+    }
+    grid_.push_back(kRepeats);
+    cells_ = 1;
+    for (const std::uint64_t n : grid_) cells_ *= n;
+    numbers_["rep"] = {{kRepeats}, {0, 1}};
+    numbers_["cycle"] = {{kCycles}, {0, 1, 2, 3, 4}};
+    texts_["phase"] = {{kPhaseCount}, {PhaseNames().begin(), PhaseNames().end()}};
+    texts_["pose"] = {{kPoseSize}, {"x", "y", "z", "qx", "qy", "qz", "qw"}};
+  }
+
+  void ExpectSeries(const Series& series) {
+    Expected<double>& array = numbers_[std::string(series.name)];
+    array.shape = grid_;
+    if (series.shape == SeriesShape::kPhase) array.shape.push_back(kPhaseCount);
+    array.shape.push_back(kCycles);
+    if (series.shape == SeriesShape::kPose) {
+      array.shape.push_back(kObjects);
+      array.shape.push_back(kPoseSize);
+    }
+    const std::size_t count = series.ValueCount(kCycles, kObjects);
+    const std::size_t per_cycle = series.shape == SeriesShape::kPose ? kObjects * kPoseSize : 1;
+    const double fill = series.type == SeriesType::kInt32 ? -1 : kNaN;
+    array.values.assign(cells_ * count, fill);
+    for (const auto& [cell, result] : results_)
+      for (std::size_t i = 0; i < count; ++i)
+        if (i / per_cycle % kCycles < result.second.n_cycles)
+          array.values[cell * count + i] = ValueAt(*result.first, series, i);
+  }
+
+  void ExpectContacts() {
+    Expected<double> first = {grid_, std::vector<double>(cells_, kNaN)};
+    std::vector<double> bodies, points, normals, distances;
+    for (const auto& [cell, result] : results_) {
+      first.values[cell] = static_cast<double>(distances.size());
+      for (const ContactRecord& contact : result.second.contacts) {
+        bodies.insert(bodies.end(), {contact.body_a, contact.body_b});
+        points.insert(points.end(), std::begin(contact.point), std::end(contact.point));
+        normals.insert(normals.end(), std::begin(contact.normal), std::end(contact.normal));
+        distances.push_back(contact.distance);
+      }
+    }
+    const std::uint64_t n = distances.size();
+    numbers_["contact_first"] = std::move(first);
+    numbers_["contact_body"] = {{n, 2}, std::move(bodies)};
+    numbers_["contact_point"] = {{n, 3}, std::move(points)};
+    numbers_["contact_normal"] = {{n, 3}, std::move(normals)};
+    numbers_["contact_distance"] = {{n}, std::move(distances)};
+  }
+
+  void ExpectRuns() {
+    const auto number = [this](const char* name, double missing, auto get) {
+      Expected<double> array = {grid_, std::vector<double>(cells_, missing)};
+      for (const auto& [cell, result] : results_) array.values[cell] = get(result.second);
+      numbers_[name] = std::move(array);
+    };
+    number("status", 0, [](const RunResult& r) { return static_cast<double>(r.status); });
+    for (const auto& point : plan_.skipped)
+      for (std::uint64_t rep = 0; rep < kRepeats; ++rep)
+        numbers_["status"].values[CellOf(point, rep)] = static_cast<double>(Status::kSkipped);
+    number("n_cycles", 0, [](const RunResult& r) { return static_cast<double>(r.n_cycles); });
+    number("load", kNaN, [](const RunResult& r) { return r.load; });
+    number("peak_rss", kNaN, [](const RunResult& r) { return r.peak_rss_bytes; });
+    number("build_time", kNaN, [](const RunResult& r) { return r.build_ns; });
+    for (const char* name : {"state_hash", "host", "run_id", "message", "omitted"})
+      texts_[name] = {grid_, std::vector<std::string>(cells_)};
+    for (const auto& [cell, result] : results_) {
+      texts_["state_hash"].values[cell] = result.second.state_hash;
+      texts_["host"].values[cell] = result.second.host;
+      texts_["message"].values[cell] = result.second.message;
+      texts_["omitted"].values[cell] = result.second.omitted;
+    }
+    for (const compiler::Run& run : plan_.runs)
+      texts_["run_id"].values[CellOf(run.at, run.rep)] = run.id;
+  }
+
+  template <typename Value, typename Format>
+  void Print(const char* name, const std::map<std::string, Expected<Value>>& arrays,
+             Format format) const {
+    std::ofstream out(folder_ / name);
+    for (const auto& [dataset, array] : arrays) {
+      out << fmt::format("{}\t{}", dataset, fmt::join(array.shape, " "));
+      for (const Value& value : array.values) out << '\t' << format(value);
+      out << '\n';
+    }
+  }
+
+  void PrintMedians() const {
+    std::ofstream out(folder_ / "medians.tsv");
+    const Series& duration = *FindSeries("duration");
+    for (std::size_t point = 0; point < cells_ / kRepeats; ++point) {
+      std::vector<double> values;
+      for (std::uint64_t rep = 0; rep < kRepeats; ++rep) {
+        const auto found = results_.find(point * kRepeats + rep);
+        if (found == results_.end()) continue;
+        for (std::size_t i = 0; i < found->second.second.n_cycles; ++i)
+          values.push_back(ValueAt(*found->second.first, duration, kStep * kCycles + i));
+      }
+      if (values.empty()) continue;
+      std::ranges::sort(values);
+      const std::size_t half = values.size() / 2;
+      const double median =
+          values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+      std::size_t rest = point;
+      std::string text;
+      for (std::size_t i = plan_.axes.size(); i-- > 0; rest /= grid_[i]) {
+        const compiler::Coordinate& value = plan_.axes[i].values[rest % grid_[i]];
+        const auto* real = std::get_if<double>(&value);
+        text = (real != nullptr ? fmt::format("{}", *real) : std::get<std::string>(value)) + '\t' +
+               text;
+      }
+      out << text << fmt::format("{}\n", median);
+    }
+  }
+
+  const std::filesystem::path folder_;
+  const TemporaryFolder shards_;
+  const compiler::Plan plan_ =
+      MakePlan({NumberAxis("quantity", {10, 20, 30}), NumberAxis("size", {0.5, 1.25}, "m"),
+                TextAxis("detector", {"simple", "dbvt"})},
+               kRepeats,
+               {.cycles = kCycles,
+                .objects = kObjects,
+                .record = {"timing", "counts", "stability", "contacts", "poses"}},
+               {{1, 0, 1}});
+  std::vector<std::uint64_t> grid_;
+  std::size_t cells_ = 0;
+  std::map<std::size_t, std::pair<const compiler::Run*, RunResult>> results_;
+  std::map<std::string, Expected<double>> numbers_;
+  std::map<std::string, Expected<std::string>> texts_;
+};
+
+}  // namespace
+}  // namespace cdb::runtime
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 1;
+  std::filesystem::create_directories(argv[1]);
+  cdb::runtime::Fixture(argv[1]).Write();
+}
