@@ -6,6 +6,7 @@
 #include <set>
 
 #include "compiler/diagnostic_kinds.h"
+#include "compiler/evaluate_call.h"
 
 namespace cdb::compiler {
 namespace {
@@ -24,8 +25,9 @@ class Walker {
   void Sweeps(const Expr& expr, const Scope& scope, std::set<const Expr*>& found) {
     if (expr.kind == ExprKind::kCall && expr.text == "sweep") found.insert(&expr);
     for (const auto& item : expr.items) Sweeps(*item, scope, found);
-    for (const dsl::Argument& argument : expr.arguments) {
-      Sweeps(*argument.value, scope, found);
+    for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
+      const dsl::Argument& argument = expr.arguments[i];
+      Sweeps(*argument.value, ArgumentScope(expr, i, scope), found);
       if (argument.weight) Sweeps(*argument.weight, scope, found);
     }
     if (expr.kind != ExprKind::kPath) return;
@@ -68,7 +70,7 @@ class AxisFinder {
         full = key.first + "." + std::string(parameter.name);
       Statement statement{name, full, std::string(parameter.unit), key, setting.order, 0};
       for (const auto& value : setting.node->values)
-        Walk(*value, setting.scope, statement, -1, value.get());
+        Walk(*value, setting.scope, statement, {value.get()});
     }
     std::ranges::sort(axes_, {}, &SweepAxis::order);
     Check();
@@ -84,26 +86,41 @@ class AxisFinder {
     int count = 0;  ///< sweeps found in it so far
   };
 
-  /// `slot`: the whole value, vector component or argument of which `expr` is a part.
-  void Walk(const Expr& expr, const Scope& scope, Statement& statement, int component,
-            const Expr* slot) {
+  /// The part of a statement in which an expression stands.
+  struct Part {
+    const Expr* slot = nullptr;  ///< the whole value, vector component or argument
+    const CallInfo* word = nullptr;
+    const Parameter* argument = nullptr;
+    int component = -1;
+  };
+
+  void Walk(const Expr& expr, const Scope& scope, Statement& statement, const Part& part) {
     switch (expr.kind) {
       case ExprKind::kCall:
         if (expr.text == "sweep") {
-          Add(expr, scope, statement, component, *slot);
+          Add(expr, scope, statement, part);
           return;
         }
-        for (const dsl::Argument& argument : expr.arguments) {
-          Walk(*argument.value, scope, statement, component, argument.value.get());
-          if (argument.weight)
-            Walk(*argument.weight, scope, statement, component, argument.weight.get());
+        for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
+          const dsl::Argument& argument = expr.arguments[i];
+          Part inner = part;
+          inner.slot = argument.value.get();
+          if (const CallInfo* word = FindCall(expr.text)) {
+            inner.word = word;
+            inner.argument = ArgumentAt(*word, expr, i);
+          }
+          Walk(*argument.value, ArgumentScope(expr, i, scope), statement, inner);
+          inner.slot = argument.weight.get();
+          if (argument.weight) Walk(*argument.weight, scope, statement, inner);
         }
         return;
       case ExprKind::kVector:
       case ExprKind::kRatio:
         for (int i = 0; i < 3; ++i) {
-          const auto& part = expr.items[static_cast<std::size_t>(i)];
-          Walk(*part, scope, statement, i, part.get());
+          Part inner = part;
+          inner.slot = expr.items[static_cast<std::size_t>(i)].get();
+          inner.component = i;
+          Walk(*inner.slot, scope, statement, inner);
         }
         return;
       case ExprKind::kPath: {
@@ -111,39 +128,42 @@ class AxisFinder {
         if (!referent.let || !seen_.insert(referent.let->node).second) return;
         Statement let{referent.let->node->name.text, {}, {}, {}, referent.let->order, 0};
         const Expr& value = *referent.let->node->value;
-        Walk(value, referent.let->scope, let, -1, &value);
+        Walk(value, referent.let->scope, let, {&value});
         return;
       }
       default:
-        for (const auto& item : expr.items) Walk(*item, scope, statement, component, slot);
+        for (const auto& item : expr.items) Walk(*item, scope, statement, part);
     }
   }
 
-  void Add(const Expr& call, const Scope& scope, Statement& statement, int component,
-           const Expr& slot) {
+  void Add(const Expr& call, const Scope& scope, Statement& statement, const Part& part) {
     if (!seen_.insert(&call).second) return;
     SweepAxis axis;
     axis.call = &call;
     axis.name = statement.name;
-    if (component >= 0) axis.name += std::string("_") + "xyz"[component];
+    if (part.argument != nullptr) axis.name += "_" + std::string(part.argument->name);
+    if (part.component >= 0) axis.name += std::string("_") + "xyz"[part.component];
     if (call.axis) axis.name = call.axis->text;
     axis.span = call.axis ? call.axis->span : call.span;
     axis.parameter = statement.parameter;
-    axis.unit = statement.unit;
+    const bool own_unit = part.argument != nullptr && part.argument->unit != kParametersUnit;
+    axis.unit = own_unit ? std::string(part.argument->unit) : statement.unit;
     axis.key = statement.key;
-    axis.component = component;
+    axis.word = part.word;
+    axis.argument = part.argument;
+    axis.component = part.component;
     axis.order = {statement.order, statement.count++};
     const Sweep* sweep = evaluator_.FindSweep(call, scope);
     if (sweep == nullptr) return;
 
     // In `20 * sweep(1, 2)` the axis is what comes out, unless another axis has a part in it.
     std::set<const Expr*> in_slot;
-    Walker(layers_, evaluator_).Sweeps(slot, scope, in_slot);
+    Walker(layers_, evaluator_).Sweeps(*part.slot, scope, in_slot);
     const bool alone = in_slot.size() == 1 && !call.axis;
     std::vector<Term> terms;
     for (std::size_t i = 0; i < sweep->items.size(); ++i) {
       evaluator_.Choose(call, i);
-      const auto term = evaluator_.Evaluate(alone ? slot : call, scope);
+      const auto term = evaluator_.Evaluate(alone ? *part.slot : call, scope);
       if (!term) return;
       terms.push_back(*term);
     }

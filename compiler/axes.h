@@ -16,8 +16,11 @@ struct SweepAxis {
   const dsl::Expr* call = nullptr;
   std::string parameter, unit;
   std::optional<ParameterKey> key;  ///< of that parameter
-  int component = -1;               ///< 0, 1, 2: the sweep stands in a vector or a ratio
-  std::pair<int, int> order;        ///< of its statement, and its place therein
+  /// The argument of a word in which the sweep stands, `ring(radius: sweep(1, 2))`; else null.
+  const CallInfo* word = nullptr;
+  const Parameter* argument = nullptr;
+  int component = -1;         ///< 0, 1, 2: the sweep stands in a vector or a ratio
+  std::pair<int, int> order;  ///< of its statement, and its place therein
   std::vector<Coordinate> values;
 };
 

@@ -30,7 +30,8 @@ void CheckLets(const Scenario& scenario, dsl::Diagnostics& diagnostics) {
   for (const dsl::Diagnostic& fault : found.all())
     if (fault.kind == &kCircular || fault.kind == &kNotFinite || fault.kind == &kBadRange ||
         fault.kind == &kOutOfDomain || fault.kind == &kBadArguments ||
-        fault.kind == &kMisplacedSweep)
+        fault.kind == &kMisplacedSweep || fault.kind == &kNoSuchFile ||
+        fault.kind == &kContradiction)
       diagnostics.Report(*fault.kind, fault.span, fault.message, fault.help, fault.notes);
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "compiler/diagnostic_kinds.h"
-#include "library/catalogue.h"
 
 namespace cdb::compiler {
 namespace {
@@ -22,6 +21,8 @@ class Converter {
 
   std::optional<Value> Constant(const Term& term) const {
     if (const Word* word = term.word()) return FromWord(*word);
+    if (const Call* call = term.call())
+      return parameter_.TakesCall(call->name) ? std::optional(Value(*call)) : WrongKind(term);
     using enum ParameterType;
     switch (parameter_.type) {
       case kCount:
@@ -39,6 +40,9 @@ class Converter {
           if (!InDomain(part, FormatReal(part))) return std::nullopt;
         return Value(*ratio);
       }
+      case kText:
+        if (term.text()) return Value(*term.text());
+        break;
       case kSwitch:
       case kWord:
       case kWords:
@@ -58,6 +62,15 @@ class Converter {
       bool good = true;
       for (std::size_t i = 0; i < drawn.arguments.size(); ++i) {
         const dsl::Span& at = i < choices_.size() ? choices_[i] : span_;
+        if (drawn.arguments[i].call() && !parameter_.ChoosesCalls()) {
+          diagnostics_.Report(kBadArguments, at,
+                              fmt::format("{} goes on for the whole run and cannot be a choice "
+                                          "of any( )",
+                                          KindName(drawn.arguments[i])),
+                              "sweep(…) makes a run for each of several");
+          good = false;
+          continue;
+        }
         const auto value = Converter(parameter_, at, {}, diagnostics_).Constant(drawn.arguments[i]);
         good = good && value;
         if (value) distribution.arguments.push_back(*value);
@@ -93,12 +106,16 @@ class Converter {
   }
 
   std::nullopt_t WrongKind(const Term& term) const {
-    const auto* text = std::get_if<Text>(&term.what);
-    if (text != nullptr && parameter_.HasWord(text->text))
+    const Text* text = term.text();
+    if (text != nullptr && (parameter_.HasWord(text->text) || parameter_.TakesCall(text->text)))
       return Error(kWrongKind, fmt::format("'{}' takes a word, not a text", parameter_.name),
                    fmt::format("write {} without quotes", text->text));
-    return Error(kWrongKind, fmt::format("'{}' takes {}; this is {}", parameter_.name,
-                                         parameter_.Takes(), KindName(term)));
+    return Error(kWrongKind,
+                 fmt::format("'{}' takes {}; this is {}", parameter_.name, parameter_.Takes(),
+                             KindName(term)),
+                 text != nullptr && parameter_.TakesCall("mesh")
+                     ? fmt::format("write mesh({})", ToText(Value(*text)))
+                     : "");
   }
 
   bool InDomain(double value, const std::string& text) const {
@@ -125,14 +142,19 @@ class Converter {
   }
 
   std::optional<Value> FromVector(const Term& term) const {
-    if (term.vector()) return Value(*term.vector());
+    const auto not_zero = [this](const Eigen::Vector3d& vector) {
+      if (!parameter_.domain.not_zero || !vector.isZero(0)) return std::optional(Value(vector));
+      return std::optional<Value>(
+          Error(kOutOfDomain, fmt::format("'{}' must not be 0", parameter_.name)));
+    };
+    if (term.vector()) return not_zero(*term.vector());
     if (!term.number()) return WrongKind(term);
     if (term.number()->AsReal() != 0)
       return Error(
           kWrongKind,
           fmt::format("'{}' is a vector; of numbers only 0 stands for one", parameter_.name),
           fmt::format("write (0, {}, 0), say", term.number()->Text()));
-    return Value(Eigen::Vector3d(Eigen::Vector3d::Zero()));
+    return not_zero(Eigen::Vector3d::Zero());
   }
 
   std::optional<Value> FromWord(const Word& word) const {
@@ -141,15 +163,15 @@ class Converter {
       if (text == "on" || text == "true") return Value(true);
       if (text == "off" || text == "false") return Value(false);
     }
-    if (parameter_.HasWord(text)) {
-      if (parameter_.word_source == WordSource::kObjectTypes) {
-        const std::string_view refusal = library::FindObjectType(text)->refusal;
-        if (!refusal.empty())
-          return Error(kNotYet, fmt::format("'{}' is not to be had: {}", text, refusal));
-      }
-      return Value(word);
+    if (parameter_.HasWord(text)) return Value(word);
+    if (parameter_.TakesCall(text)) {
+      const CallInfo& info = *FindCall(text);
+      if (auto call = WithDefaults(info)) return Value(std::move(*call));
+      ReportMissingArguments(info, RequiredArguments(info), span_, diagnostics_);
+      return std::nullopt;
     }
     std::vector<std::string_view> words = parameter_.AllWords();
+    for (const std::string_view call : parameter_.AllCalls()) words.push_back(call);
     if (parameter_.type == ParameterType::kSwitch) words = {"on", "off"};
     if (words.empty())
       return Error(kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
@@ -197,6 +219,16 @@ std::optional<Value> Convert(const Term& term, const Parameter& parameter, const
                              const std::vector<dsl::Span>& choices, dsl::Diagnostics& diagnostics) {
   const Converter converter(parameter, span, choices, diagnostics);
   return term.drawn() ? converter.Drawn(*term.drawn()) : converter.Constant(term);
+}
+
+void ReportMissingArguments(const CallInfo& info, const std::vector<std::string_view>& missing,
+                            const dsl::Span& span, dsl::Diagnostics& diagnostics) {
+  std::string usage;
+  for (const std::string_view name : RequiredArguments(info))
+    usage += fmt::format("{}{}: …", usage.empty() ? "" : ", ", name);
+  diagnostics.Report(kBadArguments, span,
+                     fmt::format("'{}' needs {}", info.name, fmt::join(missing, ", ")),
+                     fmt::format("write {}({})", info.name, usage));
 }
 
 std::optional<Value> ConvertList(const std::vector<std::pair<Term, dsl::Span>>& terms,

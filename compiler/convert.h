@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "compiler/calls.h"
 #include "compiler/schema.h"
 #include "compiler/term.h"
 #include "compiler/value.h"
@@ -16,6 +18,10 @@ namespace cdb::compiler {
 /// `choices`: where the choices of an any( ) stand, where that is known.
 std::optional<Value> Convert(const Term& term, const Parameter& parameter, const dsl::Span& span,
                              const std::vector<dsl::Span>& choices, dsl::Diagnostics& diagnostics);
+
+/// `pair` without what it needs: `missing`, of its arguments.
+void ReportMissingArguments(const CallInfo& info, const std::vector<std::string_view>& missing,
+                            const dsl::Span& span, dsl::Diagnostics& diagnostics);
 
 /// The words of a list parameter (`record timing, counts`).
 std::optional<Value> ConvertList(const std::vector<std::pair<Term, dsl::Span>>& terms,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/calls.h"
+#include "compiler/convert.h"
 #include "compiler/defaults.h"
 #include "compiler/diagnostic_kinds.h"
 
@@ -58,7 +60,7 @@ std::optional<Term> Evaluator::Evaluate(const Expr& expr, const Scope& scope) {
       break;
     }
     case ExprKind::kText:
-      return Term{Text{expr.text}};
+      return Term{Text{expr.text}, expr.span};
     case ExprKind::kPath:
       return EvaluatePath(expr, scope);
     case ExprKind::kVector: {
@@ -67,6 +69,7 @@ std::optional<Term> Evaluator::Evaluate(const Expr& expr, const Scope& scope) {
             kWrongKind, expr.span,
             fmt::format("'{}' takes words, and no brackets around them", scope.parameter->name),
             "cases { } are an axis whose values are lists");
+      if (expr.items.size() != 3) return std::nullopt;  // as the parser has said
       const auto vector = EvaluateTriple(expr, scope, "a vector's components");
       if (!vector) return std::nullopt;
       term = Term{*vector};
@@ -148,7 +151,9 @@ std::optional<Eigen::Vector3d> Evaluator::EvaluateTriple(const Expr& expr, const
 
 Referent Evaluator::Resolve(const std::string& path, const Scope& scope) const {
   if (scope.file == nullptr) return {};  // a default of the schema: its words are words
-  if (scope.parameter != nullptr && scope.parameter->HasWord(path)) return {};
+  if (scope.parameter != nullptr &&
+      (scope.parameter->HasWord(path) || scope.parameter->TakesCall(path)))
+    return {};
   for (const std::string& block : {scope.block, std::string()}) {
     const auto let = layers_.lets.find({block, path});
     if (let != layers_.lets.end()) return {let->second, std::nullopt};
@@ -256,6 +261,23 @@ std::optional<Term> Evaluator::EvaluateParameter(const ParameterKey& key) {
   return Evaluate(*DefaultSetting(*key.second).values[0], {});
 }
 
+const Expr& Evaluator::Origin(const Expr& expr, const Scope& scope) {
+  if (expr.kind != ExprKind::kCall || expr.text != "sweep") return expr;
+  const Sweep* sweep = FindSweep(expr, scope);
+  if (sweep == nullptr) return expr;
+  const Expr* item = sweep->items[chosen_[&expr]].expr;
+  return item != nullptr ? *item : expr;
+}
+
+std::optional<Value> Evaluator::ToValue(const Term& term, const Parameter& parameter,
+                                        const Expr& expr, const Scope& scope) {
+  const Expr& origin = Origin(expr, scope);
+  std::vector<dsl::Span> choices;
+  if (origin.kind == ExprKind::kCall)
+    for (const dsl::Argument& argument : origin.arguments) choices.push_back(argument.value->span);
+  return Convert(term, parameter, origin.span, choices, diagnostics_);
+}
+
 std::optional<Term> Evaluator::EvaluateList(const dsl::Setting& setting, const Scope& scope) {
   if (setting.values.size() == 1) return Evaluate(*setting.values[0], scope);
   WordList words;
@@ -326,125 +348,8 @@ std::optional<Term> Evaluator::EvaluateCall(const Expr& expr, const Scope& scope
     return Error(kMisplacedSweep, expr.axis->span, "only a sweep makes an axis that has a name");
   if (expr.text == "any") return EvaluateAny(expr, scope);
   if (const auto kind = FindDistribution(expr.text)) return EvaluateDrawn(expr, *kind, scope);
-  if (expr.text == "mesh" || expr.text == "hull")
-    return Error(kNotYet, expr.span,
-                 fmt::format("{}( ) is not part of this version yet", expr.text),
-                 "use sphere, cuboid, cylinder or cone");
-  const std::string_view near =
-      dsl::DidYouMean(expr.text, {"sweep", "any", "uniform", "normal", "log_uniform"});
-  return Error(kUnknownName, expr.span, fmt::format("no function is called '{}'", expr.text),
-               near.empty() ? "there are sweep, any, uniform, normal and log_uniform"
-                            : fmt::format("did you mean '{}'?", near));
-}
-
-std::optional<Term> Evaluator::EvaluateAny(const Expr& expr, const Scope& scope) {
-  DrawnTerm drawn;
-  drawn.kind = DistributionKind::kAny;
-  if (expr.arguments.empty())
-    return Error(kBadArguments, expr.span, "any( ) has nothing to choose from");
-  bool good = true;
-  for (const dsl::Argument& argument : expr.arguments) {
-    if (argument.name) {
-      Error(kBadArguments, argument.name->span,
-            fmt::format("any( ) has no argument '{}'", argument.name->text),
-            "a weight follows its choice: any(sphere 3, cone 1)");
-      good = false;
-      continue;
-    }
-    const auto choice = Evaluate(*argument.value, scope);
-    double weight = 1;
-    if (argument.weight) {
-      const auto number = EvaluateNumber(*argument.weight, scope, "weights");
-      weight = number ? number->AsReal() : 1;
-      if (number && !(weight > 0)) {
-        Error(kOutOfDomain, argument.weight->span, "a weight is more than 0",
-              "leave out what is never to be chosen");
-        good = false;
-      }
-      good = good && number;
-    }
-    if (choice && choice->drawn()) {
-      Error(kBadArguments, argument.value->span, "a distribution cannot be a choice of any( )");
-      good = false;
-    }
-    good = good && choice;
-    if (choice) {
-      drawn.arguments.push_back(*choice);
-      drawn.weights.push_back(weight);
-    }
-  }
-  if (!good) return std::nullopt;
-  return Term{std::move(drawn)};
-}
-
-std::optional<Term> Evaluator::EvaluateDrawn(const Expr& expr, DistributionKind kind,
-                                             const Scope& scope) {
-  const bool normal = kind == DistributionKind::kNormal;
-  const char* usage =
-      normal ? "normal(mean, deviation), or normal(mean, variance: v)" : "uniform(least, most)";
-  std::vector<Term> arguments;
-  bool variance = false;
-  for (const dsl::Argument& argument : expr.arguments) {
-    if (argument.weight)
-      return Error(kBadArguments, argument.weight->span,
-                   fmt::format("{}( ) takes no weights", expr.text), usage);
-    if (argument.name) {
-      variance = argument.name->text == "variance";
-      if (!normal || arguments.size() != 1 || (!variance && argument.name->text != "sd"))
-        return Error(kBadArguments, argument.name->span,
-                     fmt::format("{}( ) has no argument '{}'{}", expr.text, argument.name->text,
-                                 normal && arguments.size() != 1 ? " there" : ""),
-                     usage);
-    }
-    const auto term = Evaluate(*argument.value, scope);
-    if (!term) return std::nullopt;
-    if (!term->number() && !term->vector())
-      return Error(
-          kWrongKind, argument.value->span,
-          fmt::format("{}( ) takes numbers or vectors, this is {}", expr.text, KindName(*term)),
-          usage);
-    arguments.push_back(*term);
-  }
-  if (arguments.size() != 2)
-    return Error(kBadArguments, expr.span,
-                 fmt::format("{}( ) takes two values, here {} {}", expr.text,
-                             arguments.size() == 1 ? "is" : "are", arguments.size()),
-                 usage);
-  const auto widen = [](Term& term, const Term& other) {
-    if (term.number() && other.vector() && term.number()->AsReal() == 0)
-      term = Term{Eigen::Vector3d(Eigen::Vector3d::Zero())};
-  };
-  widen(arguments[0], arguments[1]);
-  widen(arguments[1], arguments[0]);
-  if ((arguments[0].vector() != nullptr) != (arguments[1].vector() != nullptr))
-    return Error(kBadArguments, expr.span, "one value is a number, the other a vector",
-                 "write both as numbers or both as vectors");
-  // Numbers as vectors of three equal components, so that one check serves both.
-  const auto triple = [](const Term& term) {
-    return term.vector() ? *term.vector()
-                         : Eigen::Vector3d(Eigen::Vector3d::Constant(term.number()->AsReal()));
-  };
-  const Eigen::Vector3d a = triple(arguments[0]), b = triple(arguments[1]);
-  const dsl::Span& last = expr.arguments[1].value->span;
-  if (normal && (b.array() < 0).any())
-    return Error(kOutOfDomain, last,
-                 fmt::format("a {} is 0 or more", variance ? "variance" : "standard deviation"));
-  if (!normal && (a.array() > b.array()).any())
-    return Error(kOutOfDomain, expr.span,
-                 fmt::format("the least value, {}, is more than the most, {}", ToText(arguments[0]),
-                             ToText(arguments[1])),
-                 "swap them");
-  if (kind == DistributionKind::kLogUniform && (a.array() <= 0).any())
-    return Error(kOutOfDomain, expr.arguments[0].value->span,
-                 "log_uniform( ) takes values more than 0");
-  if (variance) {
-    if (arguments[1].vector()) {
-      arguments[1] = Term{Eigen::Vector3d(b.array().sqrt())};
-    } else {
-      arguments[1] = Term{Number::Real(std::sqrt(b.x()))};
-    }
-  }
-  return Term{DrawnTerm{kind, std::move(arguments), {}}};
+  if (const CallInfo* info = FindCall(expr.text)) return EvaluateWord(expr, *info, scope);
+  return NoSuchFunction(expr, scope);
 }
 
 const Sweep* Evaluator::FindSweep(const Expr& call, const Scope& scope) {
@@ -563,8 +468,10 @@ std::vector<std::string_view> Evaluator::WordsOf(const Expr& expr, const Scope& 
     return {axis->second.begin(), axis->second.end()};
   if (axis_values.contains(expr.text)) return {};
   const Referent referent = Resolve(expr.text, scope);
-  return referent.parameter ? referent.parameter->second->AllWords()
-                            : std::vector<std::string_view>();
+  if (!referent.parameter) return {};
+  std::vector<std::string_view> words = referent.parameter->second->AllWords();
+  for (const std::string_view call : referent.parameter->second->AllCalls()) words.push_back(call);
+  return words;
 }
 
 std::optional<Term> Evaluator::Comparand(const Expr& expr, const Expr& other, const Scope& scope) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/calls.h"
 #include "compiler/layers.h"
 #include "compiler/term.h"
 
@@ -39,6 +40,11 @@ class Evaluator {
   std::optional<Term> Evaluate(const dsl::Expr& expr, const Scope& scope);
   /// A parameter's value as it is written, or its default.
   std::optional<Term> EvaluateParameter(const ParameterKey& key);
+  /// A term of `expr` as `parameter` takes it; what is wrong is said of the choice in question.
+  std::optional<Value> ToValue(const Term& term, const Parameter& parameter, const dsl::Expr& expr,
+                               const Scope& scope);
+  /// Where the value of `expr` is written, as near as can be told.
+  const dsl::Expr& Origin(const dsl::Expr& expr, const Scope& scope);
   bool Holds(const dsl::Condition& condition, const Scope& scope);
 
   /// The sweep at `call`, its ranges counted out at first use; null where that failed.
@@ -68,6 +74,11 @@ class Evaluator {
   std::optional<Term> EvaluateCall(const dsl::Expr& expr, const Scope& scope);
   std::optional<Term> EvaluateDrawn(const dsl::Expr& expr, DistributionKind kind,
                                     const Scope& scope);
+  /// A word with its arguments.
+  std::optional<Term> EvaluateWord(const dsl::Expr& expr, const CallInfo& info, const Scope& scope);
+  /// Finds the file and its hash; `arguments` are as they were written.
+  bool ReadModel(Call& call, const std::vector<Term>& arguments);
+  std::nullopt_t NoSuchFunction(const dsl::Expr& expr, const Scope& scope);
   std::optional<Term> EvaluateAny(const dsl::Expr& expr, const Scope& scope);
   std::optional<Eigen::Vector3d> EvaluateTriple(const dsl::Expr& expr, const Scope& scope,
                                                 const char* what);

@@ -36,13 +36,25 @@ bool Advance(Point& point, const std::vector<std::size_t>& extents) {
   return false;
 }
 
-/// Where the value of `expr` is written, as near as can be told.
-const Expr& Origin(const Expr& expr, const Scope& scope, Evaluator& evaluator, std::size_t index) {
-  if (expr.kind != ExprKind::kCall || expr.text != "sweep") return expr;
-  const Sweep* sweep = evaluator.FindSweep(expr, scope);
-  if (sweep == nullptr || index >= sweep->items.size() || sweep->items[index].expr == nullptr)
-    return expr;
-  return *sweep->items[index].expr;
+/// A constant argument as an expression gives it; nullopt for a distribution.
+std::optional<Term> TermOf(const Value& value) {
+  if (const auto* count = std::get_if<std::uint64_t>(&value))
+    return Term{Number::Whole(static_cast<Integer>(*count))};
+  if (const auto* real = std::get_if<double>(&value)) return Term{Number::Real(*real)};
+  if (const auto* word = std::get_if<Word>(&value)) return Term{*word};
+  if (const auto* text = std::get_if<Text>(&value)) return Term{*text};
+  if (const auto* vector = std::get_if<Eigen::Vector3d>(&value)) return Term{*vector};
+  return std::nullopt;
+}
+
+/// The argument that axis `like` sweeps, of a value that is not swept here; nullopt where that is
+/// another word.
+std::optional<Term> ArgumentLike(const SweepAxis& like, const Term& term) {
+  std::optional<Call> call;
+  if (term.call()) call = *term.call();
+  if (term.word() && term.word()->text == like.word->name) call = WithDefaults(*like.word);
+  if (!call || call->name != like.word->name) return std::nullopt;
+  return TermOf(ArgumentOf(*call, like.argument->name));
 }
 
 /// The values of one parameter at the points of the axes on which it depends.
@@ -107,11 +119,12 @@ class Configuration {
     for (const ParameterValues& values : parameters_) ReportAll(values);
   }
 
-  /// The place of a parameter's value, for diagnostics about it; the benchmark's name where it is a
-  /// default.
-  dsl::Span SpanOf(const ParameterKey& key, const dsl::Span& otherwise) const {
+  /// The place of a parameter's value at the chosen point, for diagnostics about it; the
+  /// benchmark's name where it is a default.
+  dsl::Span SpanOf(const ParameterKey& key, const dsl::Span& otherwise) {
     const auto setting = layers_.settings.find(key);
-    return setting == layers_.settings.end() ? otherwise : setting->second.node->values[0]->span;
+    if (setting == layers_.settings.end()) return otherwise;
+    return evaluator_.Origin(*setting->second.node->values[0], setting->second.scope).span;
   }
 
   /// The place of one word of the list that `key` is set to, at the chosen point.
@@ -120,7 +133,7 @@ class Configuration {
     for (const auto& value : setting.node->values) {
       const auto term = evaluator_.Evaluate(*value, setting.scope);
       if (term && term->word() && term->word()->text == word)
-        return OriginOf(*value, setting.scope).span;
+        return evaluator_.Origin(*value, setting.scope).span;
     }
     CDB_CHECK(false);
   }
@@ -132,6 +145,7 @@ class Configuration {
     if (!group.empty() && std::ranges::find(layers_.groups, group) == layers_.groups.end())
       return std::nullopt;
     auto term = evaluator_.EvaluateParameter(*like.key);
+    if (term && like.argument != nullptr) term = ArgumentLike(like, *term);
     if (!term || term->drawn()) return std::nullopt;
     if (like.component < 0) return term;
     const Eigen::Vector3d* parts = term->vector();
@@ -141,13 +155,6 @@ class Configuration {
   }
 
  private:
-  const Expr& OriginOf(const Expr& expr, const Scope& scope) {
-    std::size_t index = kNowhere;
-    for (std::size_t i = 0; i < axes_.size(); ++i)
-      if (axes_[i].call == &expr) index = point_[i];
-    return Origin(expr, scope, evaluator_, index);
-  }
-
   void Add(const ParameterKey& key) {
     parameters_.push_back({key, Dependencies(key, layers_, axes_, evaluator_), {}, false});
   }
@@ -192,7 +199,7 @@ class Configuration {
       for (const auto& value : setting.values) {
         const auto term = evaluator_.Evaluate(*value, scope);
         if (!term) return std::nullopt;
-        terms.emplace_back(*term, OriginOf(*value, scope).span);
+        terms.emplace_back(*term, evaluator_.Origin(*value, scope).span);
       }
       return ConvertList(terms, parameter, evaluator_.diagnostics());
     }
@@ -205,12 +212,14 @@ class Configuration {
     }
     const auto term = evaluator_.EvaluateParameter(key);
     if (!term) return std::nullopt;
-    const Expr& origin = OriginOf(*setting.values[0], scope);
-    std::vector<dsl::Span> choices;
-    if (origin.kind == ExprKind::kCall)
-      for (const dsl::Argument& argument : origin.arguments)
-        choices.push_back(argument.value->span);
-    return Convert(*term, parameter, origin.span, choices, evaluator_.diagnostics());
+    return evaluator_.ToValue(*term, parameter, *setting.values[0], scope);
+  }
+
+  static bool IsDrawn(const Value& value) {
+    const auto* word = std::get_if<Word>(&value);
+    const Call* call = AsCall(value);
+    return std::holds_alternative<Distribution>(value) || (word && word->text == "random") ||
+           (call && std::ranges::any_of(call->arguments, IsDrawn));
   }
 
   static void AddSeeds(Scene& scene) {
@@ -218,16 +227,12 @@ class Configuration {
     const auto add = [&](const std::string& stream) {
       scene.seeds.emplace(stream, StreamSeed(seed, stream));
     };
-    const auto is_drawn = [](const Value& value) {
-      const auto* word = std::get_if<Word>(&value);
-      return std::holds_alternative<Distribution>(value) || (word && word->text == "random");
-    };
     for (const auto& [name, value] : scene.world.values)
-      if (is_drawn(value)) add(name);
+      if (IsDrawn(value)) add(name);
     for (const Group& group : scene.groups) {
       add(group.name + ".location");
       for (const auto& [name, value] : group.settings.values)
-        if (is_drawn(value)) add(group.name + "." + name);
+        if (IsDrawn(value)) add(group.name + "." + name);
     }
   }
 
@@ -387,7 +392,8 @@ class Expander {
       const dsl::Span span = configuration->SpanOf({"", repeats}, benchmark_.benchmark->name.span);
       Configuration& here = *configuration;
       if (!Dependencies({"", repeats}, here.layers(), here.axes(), here.evaluator()).empty()) {
-        diagnostics_.Report(kMisplacedSweep, span, "'repeats' cannot be swept",
+        const dsl::Span whole = here.layers().settings.at({"", repeats}).node->values[0]->span;
+        diagnostics_.Report(kMisplacedSweep, whole, "'repeats' cannot be swept",
                             "every point has as many: they are the axis `rep`");
         return false;
       }
@@ -483,6 +489,7 @@ class Expander {
                           "2147483647 with the walls");
       return false;
     }
+    if (!CheckPlaces(configuration, scene)) return false;
     const std::string_view detector_name = scene.world.WordOr("detector");
     const library::DetectorInfo* detector = library::FindDetector(detector_name);
     CDB_CHECK(detector != nullptr);
@@ -496,6 +503,28 @@ class Expander {
                                       detector->max_bodies - (bodies - objects), detector_name));
     capacity_reported_ = true;
     return false;
+  }
+
+  /// `at` and `pair` place so many objects and no others.
+  bool CheckPlaces(Configuration& configuration, const Scene& scene) {
+    bool good = true;
+    for (const Group& group : scene.groups) {
+      const Call* location = AsCall(group.settings.Get("location"));
+      const std::uint64_t quantity = group.settings.Count("quantity");
+      const bool is_at = location != nullptr && location->name == "at";
+      const bool is_pair = location != nullptr && location->name == "pair";
+      if (!(is_at && quantity > 1) && !(is_pair && quantity != 2)) continue;
+      good = false;
+      if (!misplaced_.emplace(group.name, location->name).second) continue;
+      diagnostics_.Report(
+          kCapacity,
+          configuration.SpanOf({group.name, FindParameter("location", true)},
+                               benchmark_.benchmark->name.span),
+          fmt::format("'{}' places {}, and the quantity of {} is {}", location->name,
+                      is_at ? "one object" : "two objects", group.name, quantity),
+          is_at ? "write quantity 1, and a group for each object" : "write quantity 2");
+    }
+    return good;
   }
 
   /// Whoever names a component wants it left out; where the scene needs it that cannot be.
@@ -525,6 +554,7 @@ class Expander {
   std::vector<GridAxis> grid_;
   Plan plan_;
   bool capacity_reported_ = false;
+  std::set<std::pair<std::string, std::string>> misplaced_;  ///< groups and layouts, as reported
   /// Words of `omit` that were refused: the reason may be another one in each run.
   std::set<std::tuple<const dsl::Source*, std::size_t, Component>> needed_;
   /// A point has an error, which another benchmark may have reported already.

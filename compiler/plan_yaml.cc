@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "compiler/calls.h"
 #include "compiler/schema.h"
 #include "dsl/utf8.h"
 
@@ -34,6 +35,16 @@ struct WriteValue {
     out << YAML::Flow << YAML::BeginSeq;
     for (const std::string& word : words) out << word;
     out << YAML::EndSeq;
+  }
+  void operator()(const Text& text) const { out << YAML::DoubleQuoted << text.text; }
+  void operator()(const Call& call) const {
+    const CallInfo& info = *FindCall(call.name);
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << call.name << YAML::Value << YAML::BeginMap;
+    for (std::size_t i = 0; i < call.arguments.size(); ++i) {
+      out << YAML::Key << std::string(info.arguments[i].name) << YAML::Value;
+      Write(call.arguments[i]);
+    }
+    out << YAML::EndMap << YAML::EndMap;
   }
   void operator()(const Distribution& d) const {
     out << YAML::Flow << YAML::BeginMap << YAML::Key << std::string(DistributionName(d.kind))
@@ -166,7 +177,12 @@ class Reader {
   }
 
   Value ReadValue(const YAML::Node& node, const Parameter& parameter) const {
-    if (node.IsMap()) return ReadDistribution(node, parameter);
+    if (node.IsMap()) {
+      if (node.size() != 1) Fail(node.Mark(), "one distribution or word should be here");
+      const CallInfo* info = FindCall(Text(node.begin()->first));
+      if (info != nullptr) return ReadCall(node, *info, parameter);
+      return ReadDistribution(node, parameter);
+    }
     if (node.IsScalar() && parameter.type != ParameterType::kWords &&
         parameter.HasWord(node.Scalar()))
       return Word{node.Scalar()};
@@ -274,8 +290,12 @@ class Reader {
         if (Text(node) != "on" && Text(node) != "off")
           Fail(node.Mark(), fmt::format("`{}` takes on or off", parameter.name));
         return Text(node) == "on";
-      case ParameterType::kVector:
-        return Vector(node);
+      case ParameterType::kVector: {
+        const Eigen::Vector3d vector = Vector(node);
+        if (parameter.domain.not_zero && vector.isZero(0))
+          Fail(node.Mark(), fmt::format("`{}` takes {}", parameter.name, parameter.Takes()));
+        return vector;
+      }
       case ParameterType::kRatio: {
         const Eigen::Vector3d parts = Vector(node);
         for (const double part : parts) in_domain(part);
@@ -290,16 +310,31 @@ class Reader {
         }
         return words;
       }
+      case ParameterType::kText:
+        return compiler::Text{Text(node)};
       case ParameterType::kWord:
         break;
     }
     FailWord(node, parameter);
   }
 
+  Value ReadCall(const YAML::Node& node, const CallInfo& info, const Parameter& parameter) const {
+    if (!parameter.TakesCall(info.name))
+      Fail(node.Mark(), fmt::format("`{}` takes {}", parameter.name, parameter.Takes()));
+    const YAML::Node arguments = node.begin()->second;
+    if (!arguments.IsMap() || arguments.size() != info.arguments.size())
+      Fail(node.Mark(), fmt::format("a map with the {} arguments of `{}` should be here",
+                                    info.arguments.size(), info.name));
+    Call call{std::string(info.name), {}};
+    for (const Parameter& argument : info.arguments)
+      call.arguments.push_back(
+          ReadValue(Member(arguments, std::string(argument.name).c_str()), argument));
+    return call;
+  }
+
   Value ReadDistribution(const YAML::Node& node, const Parameter& parameter) const {
     if (!parameter.distribution)
       Fail(node.Mark(), fmt::format("`{}` takes no distribution", parameter.name));
-    if (node.size() != 1) Fail(node.Mark(), "one distribution should be here");
     const std::string& name = Text(node.begin()->first);
     const auto kind = FindDistribution(name);
     if (!kind) Fail(node.Mark(), fmt::format("this version has no distribution `{}`", name));
@@ -310,6 +345,9 @@ class Reader {
         if (!item.IsSequence() || item.size() != 2)
           Fail(item.Mark(), "a choice and its weight should be here");
         distribution.arguments.push_back(ReadValue(item[0], parameter));
+        if (AsCall(distribution.arguments.back()) != nullptr && !parameter.ChoosesCalls())
+          Fail(item.Mark(),
+               fmt::format("no choice of `{}` goes on for the whole run", parameter.name));
         distribution.weights.push_back(Real(item[1]));
         if (!(distribution.weights.back() > 0)) Fail(item.Mark(), "a weight is more than 0");
       } else if (item.IsSequence()) {

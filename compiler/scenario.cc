@@ -7,6 +7,7 @@
 #include <set>
 
 #include "compiler/diagnostic_kinds.h"
+#include "compiler/sha256.h"
 #include "dsl/parser.h"
 
 namespace cdb::compiler {
@@ -176,6 +177,14 @@ std::vector<std::string_view> Scenario::LetNames(const ScenarioFile& file) const
 }
 
 int Scenario::LetOrder(const dsl::Let& let) const { return let_order_.at(&let); }
+
+std::optional<std::string> Scenario::HashOf(const std::string& path, std::string& why) const {
+  const auto [hash, is_new] = hashes_.try_emplace(path);
+  if (is_new)
+    if (const auto bytes = read_(path, hash->second.why)) hash->second.sha256 = Sha256Hex(*bytes);
+  why = hash->second.why;
+  return hash->second.sha256;
+}
 
 std::string Scenario::FullText() const {
   std::string text;

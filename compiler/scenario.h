@@ -60,6 +60,9 @@ class Scenario {
   /// A file-level `let`'s place among all of them: used files first, as if their text stood where
   /// they are used.
   int LetOrder(const dsl::Let& let) const;
+  /// The SHA-256 of a file, which is read once; nullopt, and why, where it cannot be read. Not for
+  /// several threads.
+  std::optional<std::string> HashOf(const std::string& path, std::string& why) const;
   /// The main file's text, then each used file's under a comment with its name.
   std::string FullText() const;
 
@@ -73,6 +76,11 @@ class Scenario {
   std::vector<const ScenarioFile*> loading_;
   std::map<const dsl::Let*, int> let_order_;
   const ScenarioFile* main_ = nullptr;
+  struct FileHash {
+    std::optional<std::string> sha256;
+    std::string why;
+  };
+  mutable std::map<std::string, FileHash> hashes_;
 };
 
 }  // namespace cdb::compiler

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compiler/calls.h"
 #include "compiler/needs.h"
 #include "compiler/value.h"
 #include "library/catalogue.h"
@@ -36,12 +37,12 @@ constexpr Parameter kParameters[] = {
      "count number n amount objects"},
     {"type", kGroup, kWord, kAny, kDrawn, "", "sphere", "", kObjectTypes, "shapes",
      "what the objects are",
-     "kind shape shapes object types"},
+     "kind shape shapes object types", "mesh hull"},
     {"aspect", kGroup, kRatio, kPositive, kConstant, "", "1 : 1 : 1", "", kOwn, "shapes",
      "1 : y : z; a side is size times its part, the full extent along x, y and z"},
     {"location", kGroup, kWord, kAny, kConstant, "", "uniform", "", kLayouts, "placement",
      "how the objects are placed; nothing overlaps",
-     "position layout placement distribution"},
+     "position layout placement distribution", "grid stack pyramid pile ring at pair"},
     {"size", kGroup, kReal, kPositive, kDrawn, "m", "50", "", kOwn, "shapes",
      "full extent of an object; a distribution draws each side by itself",
      "radius diameter length extent scale"},
@@ -50,13 +51,13 @@ constexpr Parameter kParameters[] = {
      "weight density"},
     {"acceleration", false, kVector, kAny, kDrawn, "m/s^2", "(0, -9.8, 0)", "", kOwn, "gravity",
      "acts on every object; a distribution is drawn once for the world",
-     "gravity g"},
+     "gravity g", "every rotating"},
     {"linear_velocity", kGroup, kVector, kAny, kDrawn, "m/s", "0", "", kOwn, "bodies",
      "velocity of the centre of mass at the start",
-     "velocity speed v"},
+     "velocity speed v", "every rotating"},
     {"angular_velocity", kGroup, kVector, kAny, kDrawn, "rad/s", "0", "", kOwn, "bodies",
      "spin at the start",
-     "spin rotation omega"},
+     "spin rotation omega", "every rotating"},
 
     // What a study needs beside them: the world,
     {"seed", false, kCount, {.min = 0, .max = kMaxSeed}, kConstant, "", "0xAAAAAAAAAA", "", kOwn, "streams",
@@ -190,6 +191,14 @@ bool Parameter::HasWord(std::string_view word) const {
   return std::ranges::find(all, word) != all.end();
 }
 
+std::vector<std::string_view> Parameter::AllCalls() const {
+  std::vector<std::string_view> all;
+  for (std::string_view rest = calls; !rest.empty();) all.push_back(NextWord(rest));
+  return all;
+}
+
+bool Parameter::TakesCall(std::string_view word) const { return ListsWord(calls, word); }
+
 bool Parameter::StandsAlone(std::string_view word) const {
   return word_source == kComponents && ListsWord(words, word);
 }
@@ -213,23 +222,32 @@ std::string Parameter::Takes() const {
       text = "a list of";
       break;
     case kVector:
-      text = "a vector (x, y, z), or 0";
+      text = domain.not_zero ? "a vector (x, y, z) other than 0" : "a vector (x, y, z), or 0";
       break;
     case kRatio:
       text = "a ratio 1 : y : z, each part " + domain.Text();
       break;
+    case kText:
+      text = "a text in quotes";
+      break;
   }
   if (domain.min == -kInfinity && type == kReal) text = "a number";
-  const auto all = AllWords();
   const bool only_words = type == kWord || type == kWords;
   std::string alone, listed;
-  for (const std::string_view word : all) {
+  const auto list = [&](std::string_view word, std::string_view brackets) {
+    listed += only_words ? (listed.empty() ? " " : ", ") : ", or ";
+    listed += word;
+    listed += brackets;
+  };
+  for (const std::string_view word : AllWords()) {
     if (StandsAlone(word)) {
       alone += std::string(word) + ", ";
     } else {
-      listed += (only_words ? (listed.empty() ? " " : ", ") : ", or ") + std::string(word);
+      list(word, "");
     }
   }
+  for (const std::string_view call : AllCalls())
+    list(call, RequiredArguments(*FindCall(call)).empty() ? "" : "( )");
   text = (alone.empty() ? "" : alone + "or ") + text + listed;
   if (distribution) text += ", or a distribution";
   return text;

@@ -19,6 +19,7 @@ enum class ParameterType {
   kWords,   ///< a list of `words`
   kVector,  ///< (x, y, z), or 0
   kRatio,   ///< 1 : y : z
+  kText,    ///< "in quotes"
 };
 
 /// Where a parameter's words come from beside its own row.
@@ -30,6 +31,7 @@ struct Domain {
   double min = -std::numeric_limits<double>::infinity();
   bool min_open = false;  ///< `min` itself is outside
   double max = std::numeric_limits<double>::infinity();
+  bool not_zero = false;  ///< of a vector: (0, 0, 0) is outside
   bool Contains(double value) const;
   /// `more than 0`, `0 or more`, `between 0 and 1`.
   std::string Text() const;
@@ -45,18 +47,25 @@ struct Parameter {
   std::string_view default_text;  ///< as `.cdb` writes it
   std::string_view words;         ///< space-separated words it takes as well
   WordSource word_source = WordSource::kOwn;
-  std::string_view component;  ///< the part of the engine that it wakes
-  std::string_view doc;        ///< one line
-  std::string_view also = {};  ///< space-separated names that people try first, to put them right
+  std::string_view component;   ///< the part of the engine that it wakes
+  std::string_view doc;         ///< one line
+  std::string_view also = {};   ///< space-separated names that people try first, to put them right
+  std::string_view calls = {};  ///< space-separated words with arguments that it takes: calls.h
 
   /// `objects.size`, `timestep`.
   std::string FullName() const;
   /// Every word it takes, those of the catalogue included.
   std::vector<std::string_view> AllWords() const;
   bool HasWord(std::string_view word) const;
+  std::vector<std::string_view> AllCalls() const;
+  bool TakesCall(std::string_view word) const;
+  /// Its words with arguments are things to choose from, as models are, and may stand in any( ). A
+  /// schedule is not: it goes on for the whole run.
+  bool ChoosesCalls() const { return type == ParameterType::kWord; }
   /// `word` speaks of all the others of a list: no list holds it and another.
   bool StandsAlone(std::string_view word) const;
-  /// `a length more than 0, or a distribution`: for messages and the reference.
+  /// `a length more than 0, or a distribution`: for messages and the reference. Words that need
+  /// arguments are shown as `at( )`.
   std::string Takes() const;
 };
 

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "compiler/calls.h"
+
 namespace cdb::compiler {
 namespace {
 
@@ -100,6 +102,12 @@ std::string ToText(const Term& term) {
     std::string operator()(const Ratio& ratio) const {
       return VectorText(ratio.parts, "{} : {} : {}");
     }
+    std::string operator()(Call call) const {
+      // The user has written no hash, and an axis needs none to tell its values apart.
+      const CallInfo& info = *FindCall(call.name);
+      if (IsModel(info)) call.arguments[1] = DefaultOf(info.arguments[1]);
+      return ToText(Value(std::move(call)));
+    }
     std::string operator()(const DrawnTerm& drawn) const {
       std::string text = std::string(DistributionName(drawn.kind)) + "(";
       for (std::size_t i = 0; i < drawn.arguments.size(); ++i) {
@@ -123,6 +131,7 @@ std::string KindName(const Term& term) {
     std::string operator()(const Text&) const { return "a text"; }
     std::string operator()(const Eigen::Vector3d&) const { return "a vector"; }
     std::string operator()(const Ratio&) const { return "a ratio"; }
+    std::string operator()(const Call& call) const { return fmt::format("{}( )", call.name); }
     std::string operator()(const DrawnTerm& drawn) const {
       return fmt::format("the distribution {}( )", DistributionName(drawn.kind));
     }

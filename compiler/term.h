@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compiler/value.h"
+#include "dsl/source.h"
 
 namespace cdb::compiler {
 
@@ -49,10 +50,6 @@ class Number {
   double real_;
 };
 
-struct Text {
-  std::string text;
-};
-
 struct Term;
 
 struct DrawnTerm {
@@ -62,15 +59,19 @@ struct DrawnTerm {
 };
 
 struct Term {
-  std::variant<Number, Word, Text, Eigen::Vector3d, Ratio, DrawnTerm> what;
+  std::variant<Number, Word, Text, Eigen::Vector3d, Ratio, DrawnTerm, Call> what;
+  /// Of a text: where it is written, for a file's name counts from there.
+  dsl::Span written = {};
 
   const Number* number() const { return std::get_if<Number>(&what); }
   const Word* word() const { return std::get_if<Word>(&what); }
   const Eigen::Vector3d* vector() const { return std::get_if<Eigen::Vector3d>(&what); }
+  const Text* text() const { return std::get_if<Text>(&what); }
   const DrawnTerm* drawn() const { return std::get_if<DrawnTerm>(&what); }
+  const Call* call() const { return std::get_if<Call>(&what); }
 };
 
-/// As `.cdb` writes it.
+/// As `.cdb` writes it; a text without its quotes, a model without its hash.
 std::string ToText(const Term& term);
 /// `a number`, `a vector`: for messages.
 std::string KindName(const Term& term);

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "compiler/calls.h"
+#include "dsl/check.h"
+
 namespace cdb::compiler {
 namespace {
 
@@ -14,6 +17,35 @@ constexpr std::pair<std::string_view, DistributionKind> kDistributions[] = {
     {"normal", DistributionKind::kNormal},
     {"log_uniform", DistributionKind::kLogUniform},
     {"any", DistributionKind::kAny}};
+
+std::string QuotedText(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (c == '\n' || c == '\t') {
+      quoted += c == '\n' ? "\\n" : "\\t";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+/// Only what differs from its default; what must be given, without its name.
+std::string CallText(const Call& call) {
+  const CallInfo* info = FindCall(call.name);
+  CDB_CHECK(info != nullptr && info->arguments.size() == call.arguments.size());
+  std::string text;
+  for (std::size_t i = 0; i < call.arguments.size(); ++i) {
+    const Parameter& argument = info->arguments[i];
+    const std::string value = ToText(call.arguments[i]);
+    if (value == argument.default_text) continue;
+    if (!text.empty()) text += ", ";
+    if (!argument.default_text.empty()) text += fmt::format("{}: ", argument.name);
+    text += value;
+  }
+  return text.empty() ? call.name : fmt::format("{}({})", call.name, text);
+}
 
 struct TextOf {
   std::string operator()(bool on) const { return on ? "on" : "off"; }
@@ -28,6 +60,8 @@ struct TextOf {
   std::string operator()(const WordList& words) const {
     return fmt::format("{}", fmt::join(words, ", "));
   }
+  std::string operator()(const Text& text) const { return QuotedText(text.text); }
+  std::string operator()(const Call& call) const { return CallText(call); }
   std::string operator()(const Distribution& d) const {
     std::string text = std::string(DistributionName(d.kind)) + "(";
     for (std::size_t i = 0; i < d.arguments.size(); ++i) {
@@ -55,6 +89,10 @@ std::optional<DistributionKind> FindDistribution(std::string_view name) {
 
 bool Distribution::operator==(const Distribution& other) const {
   return kind == other.kind && arguments == other.arguments && weights == other.weights;
+}
+
+bool Call::operator==(const Call& other) const {
+  return name == other.name && arguments == other.arguments;
 }
 
 std::string FormatReal(double value) { return fmt::format("{}", value); }

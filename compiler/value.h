@@ -19,6 +19,20 @@ struct Word {
   bool operator==(const Word&) const = default;
 };
 
+/// A text in quotes: the name of a file.
+struct Text {
+  std::string text;
+  bool operator==(const Text&) const = default;
+};
+
+/// A word that takes arguments: `ring(radius: 20)`, `mesh("rock.obj")`, `every(60, uniform(a, b))`.
+/// Complete: a value for each argument of its row in compiler/calls.h, in that order.
+struct Call {
+  std::string name;
+  std::vector<Value> arguments;
+  bool operator==(const Call&) const;
+};
+
 /// `1 : y : z`.
 struct Ratio {
   Eigen::Vector3d parts;
@@ -30,8 +44,8 @@ enum class DistributionKind { kUniform, kNormal, kLogUniform, kAny };
 
 /// A value drawn anew for each object.
 /// uniform, log_uniform: arguments are {minimum, maximum}; normal: {mean, standard deviation}; each
-/// a real or a vector. any: arguments are the choices (words, reals, booleans), weights their
-/// weights, > 0, as many.
+/// a real or a vector. any: arguments are the choices (words, calls, reals, booleans), weights
+/// their weights, > 0, as many.
 struct Distribution {
   DistributionKind kind = DistributionKind::kUniform;
   std::vector<Value> arguments;
@@ -45,7 +59,7 @@ using WordList = std::vector<std::string>;
 /// The value of one parameter of one run. Integers are unsigned: no integer parameter takes a
 /// negative one.
 class Value : public std::variant<bool, std::uint64_t, double, Word, Eigen::Vector3d, Ratio,
-                                  WordList, Distribution> {
+                                  WordList, Distribution, Text, Call> {
  public:
   using variant::variant;
   bool operator==(const Value&) const = default;

@@ -44,6 +44,7 @@ namespace cdb::dsl {
   X(kMissingComma, "missing-comma", kError)             \
   X(kTrailingComma, "trailing-comma", kError)           \
   X(kLineBreak, "line-break", kError)                   \
+  X(kMissingBrackets, "missing-brackets", kError)       \
   X(kUnclosedBracket, "unclosed-bracket", kError)       \
   X(kStrayBracket, "stray-bracket", kError)             \
   X(kMismatchedBracket, "mismatched-bracket", kError)   \

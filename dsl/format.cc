@@ -23,6 +23,8 @@ struct Roles {
   std::unordered_set<std::uint32_t> labels;    // `sd` of `sd: 3`
   std::unordered_set<std::uint32_t> calls;     // the function's name
   std::unordered_set<std::uint32_t> settings;  // the path of a setting
+  std::unordered_set<std::uint32_t> opens;     // of a call without brackets: where its name ends
+  std::unordered_set<std::uint32_t> closes;    // and where its argument does
 };
 
 class RoleFinder {
@@ -51,6 +53,10 @@ class RoleFinder {
   void Visit(const Expr& expr) {
     if (expr.kind == ExprKind::kNegate) roles_.signs.insert(FirstInside(expr));
     if (expr.kind == ExprKind::kCall) roles_.calls.insert(FirstInside(expr));
+    if (expr.bare) {
+      roles_.opens.insert(FirstInside(expr) + static_cast<std::uint32_t>(expr.text.size()));
+      roles_.closes.insert(expr.arguments[0].value->span.end);
+    }
     for (const ExprPtr& item : expr.items) Visit(*item);
     for (const Argument& argument : expr.arguments) {
       if (argument.name) roles_.labels.insert(argument.name->span.begin);
@@ -114,9 +120,10 @@ class Formatter {
     std::uint32_t end = 0;
     int lines_before = 0;     // line ends between the piece before and this one
     bool long_block = false;  // of a brace: its block has more than one line
-  };
+  };                          // a bracket that is written where there was none is empty
 
   std::string_view TextOf(const Piece& piece) const {
+    if (piece.begin == piece.end) return piece.kind == TokenKind::kLeftParen ? "(" : ")";
     return text_.substr(piece.begin, piece.end - piece.begin);
   }
 
@@ -134,6 +141,11 @@ class Formatter {
       add_comments_before(token.begin);
       if (token.kind == TokenKind::kNewline || token.kind == TokenKind::kEnd) continue;
       pieces_.push_back({token.kind, false, token.begin, token.end, 0, false});
+      const auto add_bracket = [&](TokenKind kind) {
+        pieces_.push_back({kind, false, token.end, token.end, 0, false});
+      };
+      if (roles_.opens.count(token.end) > 0) add_bracket(TokenKind::kLeftParen);
+      if (roles_.closes.count(token.end) > 0) add_bracket(TokenKind::kRightParen);
     }
     add_comments_before(static_cast<std::uint32_t>(text_.size()) + 1);
     std::uint32_t last = 0;

@@ -478,6 +478,17 @@ bool Parser::ParseMoreValues(Setting& setting) {
       statement_begins_ = true;
       return true;
     }
+    const ExprKind kind = value->kind;
+    const std::string word = value->text;
+    if (value->bare &&
+        (values_.AtLabel() || (cursor_.At(TokenKind::kComma) && values_.AtLabel(1)))) {
+      const Token& label = cursor_.Peek(cursor_.At(TokenKind::kComma) ? 1 : 0);
+      cursor_.Report(kMissingBrackets, cursor_.SpanOf(label),
+                     Concat({"several arguments of '", word, "' stand in brackets"}),
+                     Concat({"write: ", word, "(", value->arguments[0].name->text, ": …, ",
+                             cursor_.Text(label), ": …)"}));
+      return false;
+    }
     setting.values.push_back(std::move(value));
     if (cursor_.At(TokenKind::kComma)) {
       comma = cursor_.Take();
@@ -498,13 +509,20 @@ bool Parser::ParseMoreValues(Setting& setting) {
          IsReserved(cursor_.Text(next)))) {
       cursor_.Report(kMissingSemicolon, cursor_.SpanOf(next),
                      Concat({"a ';' or a ',' is missing before ", cursor_.Quote(next)}),
-                     "';' before another statement, ',' before another value");
+                     kind == ExprKind::kPath
+                         ? Concat({"';' before another statement, ',' before another value; or "
+                                   "write: ",
+                                   word, "(", cursor_.Text(next), ": …)"})
+                         : "';' before another statement, ',' before another value");
       statement_begins_ = true;
       return true;
     }
     if (!comma_reported)
       cursor_.Report(kMissingComma, cursor_.SpanOf(next),
-                     Concat({"a ',' is missing before ", cursor_.Quote(next)}));
+                     Concat({"a ',' is missing before ", cursor_.Quote(next)}),
+                     kind == ExprKind::kPath && next.kind != TokenKind::kPath
+                         ? Concat({"arguments stand in brackets: ", word, "(…)"})
+                         : "");
     comma_reported = true;
   }
 }

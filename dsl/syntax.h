@@ -52,6 +52,7 @@ struct Expr {
   std::vector<ExprPtr> items;
   std::vector<Argument> arguments;
   std::optional<Name> axis;  ///< `as name` after a call
+  bool bare = false;         ///< a call without brackets: `ring radius: 20`
 };
 
 struct Condition;

@@ -79,6 +79,7 @@ void ValueParser::ReportMissingValue() {
 
 ExprPtr ValueParser::ParseValue() {
   if (cursor_.At(TokenKind::kText)) return ParseText();
+  if (cursor_.At(TokenKind::kPath) && AtLabel(1)) return ParseBareCall();
   ExprPtr first = ParseSum();
   return first ? FinishValue(std::move(first)) : nullptr;
 }
@@ -468,14 +469,43 @@ ExprPtr ValueParser::ParseCall(const Token& name) {
   return Finish(std::move(call), cursor_.SpanOf(name));
 }
 
+bool ValueParser::AtLabel(std::size_t ahead) const {
+  const Token& name = cursor_.Peek(ahead);
+  return name.kind == TokenKind::kPath && IsName(cursor_.Text(name)) &&
+         cursor_.Peek(ahead + 1).kind == TokenKind::kColon;
+}
+
+ExprPtr ValueParser::ParseBareCall() {
+  const Token name = cursor_.Take();
+  ExprPtr call = Make(ExprKind::kCall, name.begin);
+  call->text = cursor_.Text(name);
+  call->bare = true;
+  const Name function{call->text, cursor_.SpanOf(name)};
+  if (!name.faulty) cursor_.RefuseReserved(function);
+  if (!name.faulty && !IsName(call->text))
+    cursor_.Report(kBadName, function.span, "a function's name has no '.' in it");
+  const Token label = cursor_.Take();
+  cursor_.Take();
+  Argument argument;
+  argument.name = Name{std::string(cursor_.Text(label)), cursor_.SpanOf(label)};
+  cursor_.RefuseReserved(*argument.name);
+  // No bare call again: in `ring radius: r gap: 2` it is the brackets that are missing.
+  if (cursor_.At(TokenKind::kText)) {
+    argument.value = ParseText();
+  } else if (ExprPtr first = ParseSum()) {
+    argument.value = FinishValue(std::move(first));
+  }
+  if (!argument.value) return nullptr;
+  call->arguments.push_back(std::move(argument));
+  return Finish(std::move(call), cursor_.SpanOf(name));
+}
+
 // `sd: 3`, `1 : y : z`, `y : 1 : 1` and `sphere 3`: how many colons there are tells a ratio that
 // begins with a name from a named argument.
 bool ValueParser::ParseArgument(Expr& call) {
   Argument argument;
   const Token first = cursor_.Peek();
-  const bool named = first.kind == TokenKind::kPath && cursor_.Peek(1).kind == TokenKind::kColon &&
-                     IsName(cursor_.Text(first));
-  if (!named) {
+  if (!AtLabel()) {
     argument.value = ParseValue();
   } else {
     cursor_.Take();
@@ -512,9 +542,9 @@ bool ValueParser::ParseArgument(Expr& call) {
     }
   }
   if (!argument.value) return false;
-  if (argument.value->kind == ExprKind::kPath && IsName(argument.value->text) &&
-      cursor_.At(TokenKind::kNumber))
-    argument.weight = ParsePrimary();
+  const bool weighable = argument.value->kind == ExprKind::kCall ||
+                         (argument.value->kind == ExprKind::kPath && IsName(argument.value->text));
+  if (weighable && cursor_.At(TokenKind::kNumber)) argument.weight = ParsePrimary();
   call.arguments.push_back(std::move(argument));
   return true;
 }

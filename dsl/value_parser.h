@@ -1,6 +1,7 @@
 // Values and conditions: the right-hand sides of the language.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -15,10 +16,12 @@ class ValueParser {
  public:
   explicit ValueParser(TokenCursor& cursor) : cursor_(cursor) {}
 
-  /// `value` of the grammar: a sum, a ratio, a range or a text.
+  /// `value` of the grammar: a sum, a ratio, a range, a text or a bare call.
   ExprPtr ParseValue();
   /// `condition`: the whole of it.
   ConditionPtr ParseCondition();
+  /// Whether `name :` stands `ahead`: an argument, unless a ratio begins with a name.
+  bool AtLabel(std::size_t ahead = 0) const;
   /// Takes an `as name` that names nothing.
   void ReportMisplacedAs();
 
@@ -31,6 +34,8 @@ class ValueParser {
   ExprPtr ParseBracketed();
   ExprPtr ParseCall(const Token& name);
   bool ParseArgument(Expr& call);
+  /// `ring radius: 20`: a call with one argument, without brackets.
+  ExprPtr ParseBareCall();
   ExprPtr ParseText();
   ExprPtr ParsePath();
   /// What may follow a first sum.

@@ -5,18 +5,17 @@
 namespace cdb::library {
 namespace {
 
-constexpr std::string_view kMeshRefusal =
-    "meshes are not part of this version yet; use sphere, cuboid, cylinder or cone";
-
 constexpr ObjectType kObjectTypes[] = {
-    {"sphere", "a ball; unequal sides make an ellipsoid", ""},
-    {"cuboid", "a box", ""},
-    {"cylinder", "stands along y; its base is as wide as the x and z sides", ""},
-    {"cone", "stands along y, the tip up; its base is as wide as the x and z sides", ""},
-    {"capsule", "stands along y, its ends round; a ball where it is no higher than wide", ""},
-    {"tetrahedron", "on every other corner of its box; regular where the sides are equal", ""},
-    {"bunny", "the Stanford Bunny as a compound of convex hulls", kMeshRefusal},
-    {"armadillo", "the Stanford Armadillo as a compound of convex hulls", kMeshRefusal},
+    {"sphere", "a ball; unequal sides make an ellipsoid"},
+    {"cuboid", "a box"},
+    {"cylinder", "stands along y; its base is as wide as the x and z sides"},
+    {"cone", "stands along y, the tip up; its base is as wide as the x and z sides"},
+    {"capsule", "stands along y, its ends round; a ball where it is no higher than wide"},
+    {"tetrahedron", "on every other corner of its box; regular where the sides are equal"},
+    {"torus", "lies flat, its hole along y and twice as wide as the tube; 16 convex hulls"},
+    {"bunny", "the Stanford Bunny; convex hulls"},
+    {"armadillo", "the Stanford Armadillo; convex hulls"},
+    {"teapot", "the Utah teapot; convex hulls"},
 };
 
 constexpr DetectorInfo kDetectors[] = {

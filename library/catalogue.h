@@ -11,7 +11,6 @@ namespace cdb::library {
 struct ObjectType {
   std::string_view name;
   std::string_view doc;
-  std::string_view refusal;  ///< why this build has not got it; empty where it has
 };
 
 struct DetectorInfo {

@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "compiler/calls.h"
 #include "dsl/check.h"
 
 namespace cdb::library {
@@ -23,6 +24,14 @@ const Distribution* AsDistribution(const Value& value) { return std::get_if<Dist
 bool IsRandomWord(const Value& value) {
   const auto* word = std::get_if<compiler::Word>(&value);
   return word != nullptr && word->text == "random";
+}
+
+/// What a schedule draws from: `every` its value, `rotating` the vector that it turns.
+const Value& Scheduled(const Value& value) {
+  const compiler::Call* call = compiler::AsCall(value);
+  if (call != nullptr && call->name == "every") return compiler::ArgumentOf(*call, "value");
+  if (call != nullptr && call->name == "rotating") return compiler::ArgumentOf(*call, "vector");
+  return value;
 }
 
 /// A number; a vector's or a ratio's component.
@@ -79,7 +88,7 @@ Stream NamedStream(const compiler::Scene& scene, std::string_view group,
 
 Draw::Draw(const compiler::Scene& scene, const compiler::Group* group, std::string_view parameter)
     : parameter_(compiler::FindParameter(parameter, group != nullptr)),
-      value_(&(group != nullptr ? group->settings : scene.world).Get(parameter)),
+      value_(&Scheduled((group != nullptr ? group->settings : scene.world).Get(parameter))),
       distribution_(AsDistribution(*value_)),
       name_(FullName(group != nullptr ? group->name : "", parameter)),
       stream_(distribution_ == nullptr && !IsRandomWord(*value_)
@@ -122,6 +131,12 @@ bool Draw::On() {
   const auto* on = std::get_if<bool>(&Choose());
   CDB_CHECK(on != nullptr);
   return *on;
+}
+
+const Value& Draw::Choice() {
+  const Value& value = Choose();
+  CDB_CHECK(std::holds_alternative<compiler::Word>(value) || compiler::AsCall(value) != nullptr);
+  return value;
 }
 
 std::string_view Draw::Word() {

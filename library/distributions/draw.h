@@ -17,7 +17,8 @@ namespace cdb::library {
 /// One parameter of a group or of the world. A number outside the parameter's domain (a size or a
 /// mass of 0 or less) is drawn again, a vector component by component. Not for several threads; the
 /// scene must outlive it. Every call throws SceneError where kMaxRedraws draws in a row are outside
-/// the domain.
+/// the domain. A schedule gives what it begins with and then what comes next: each Vector() of
+/// `every` is a new draw of its value; `rotating` gives the vector that it turns.
 class Draw {
  public:
   static constexpr int kMaxRedraws = 100000;
@@ -29,6 +30,9 @@ class Draw {
   double Real();
   bool On();
   std::string_view Word();
+  /// One of the choices as it stands in the plan, a Word or a Call: `sphere`, `mesh("rock.obj",
+  /// …)`.
+  const compiler::Value& Choice();
   /// A number where the parameter takes words too: empty where a word was drawn, which `word`
   /// receives (`mass fixed`).
   std::optional<double> RealOrWord(std::string_view* word);

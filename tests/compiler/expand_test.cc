@@ -1,7 +1,9 @@
 // What the language means: axes, lets, cases, bases, skips, files.
 #include <gtest/gtest.h>
 
+#include "compiler/calls.h"
 #include "compiler/plan.h"
+#include "compiler/sha256.h"
 #include "dsl/render.h"
 #include "tests/compiler/memory_files.h"
 
@@ -65,6 +67,121 @@ TEST(Sweep, AxesTakeTheNameOfWhatTheyMove) {
                         "world.side 1000 * sweep(1, 2) }")),
             "aspect_y: 1 2; aspect_z: 3 4; linear_velocity_z: 5 6; size: 1 2; grain: 1 2; "
             "pebbles_mass: 1 2; side: 1000 2000");
+}
+
+TEST(Sweep, AnArgumentsAxisHasTheNameOfBoth) {
+  const Plan plan = PlanOf(
+      "benchmark b { objects { location ring(radius: 10 * sweep(1, 2)) }\n"
+      "objects rock { quantity 1; location at (0, sweep(5, 6), 0) }\n"
+      "acceleration rotating((0, -9.8, sweep(0, 1)), (0, 0, 1), period: sweep(2, 4)) }");
+  EXPECT_EQ(Axes(plan),
+            "location_radius: 10 20; rock_location_y: 5 6; acceleration_vector_z: 0 1; "
+            "acceleration_period: 2 4");
+  const char* units[] = {"m", "m", "m/s^2", "s"};
+  const char* parameters[] = {"objects.location", "rock.location", "acceleration", "acceleration"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(plan.axes[i].unit, units[i]);
+    EXPECT_EQ(plan.axes[i].parameter, parameters[i]);
+  }
+  ASSERT_EQ(plan.runs.size(), 16u);
+  const Scene& last = plan.runs.back().scene;
+  EXPECT_EQ(ToText(last.groups[0].settings.Get("location")), "ring(radius: 20)");
+  EXPECT_EQ(ToText(last.groups[1].settings.Get("location")), "at(0, 6, 0)");
+  EXPECT_EQ(ToText(last.world.Get("acceleration")), "rotating((0, -9.8, 1), (0, 0, 1), 4)");
+}
+
+TEST(Sweep, AnArgumentsAxisInALetOrUnderAName) {
+  EXPECT_EQ(Axes(PlanOf("let near = pair(distance: sweep(1, 2))\n"
+                        "benchmark b { objects { quantity 2; location near } }")),
+            "near_distance: 1 2");
+  EXPECT_EQ(Axes(PlanOf("let r = sweep(1, 2)\n"
+                        "benchmark b { objects.location ring radius: r * 2 }")),
+            "r: 1 2");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects.location ring radius: sweep(1, 2) as wide }")),
+            "wide: 1 2");
+  // A let of the same name is one in the argument, where the layout has no such word.
+  const Plan plan = PlanOf("let ring = sweep(1, 2)\nbenchmark b { objects.location ring(ring) }");
+  EXPECT_EQ(Axes(plan), "ring: 1 2");
+  EXPECT_EQ(ToText(plan.runs[1].scene.groups[0].settings.Get("location")), "ring(radius: 2)");
+}
+
+TEST(Sweep, WordsWithArgumentsMayBeValues) {
+  const Plan plan = PlanOf(
+      "benchmark b { objects.location sweep(uniform, grid, ring radius: 3, ring(2 * 2))\n"
+      "skip when objects.location == grid or location == ring(radius: 4) }");
+  EXPECT_EQ(Axes(plan), "location: uniform grid ring(radius: 3) ring(radius: 4)");
+  EXPECT_EQ(plan.skipped, (std::vector<std::vector<std::size_t>>{{1}, {3}}));
+  EXPECT_EQ(plan.runs[0].scene.groups[0].settings.Get("location"), Value(Word{"uniform"}));
+}
+
+TEST(Word, HasAllArgumentsInTheOrderOfItsRow) {
+  const auto location = [](const std::string& text) {
+    return PlanOf("benchmark b { objects.location " + text + " }")
+        .runs.at(0)
+        .scene.groups[0]
+        .settings.Get("location");
+  };
+  const Value fit = Word{"fit"}, all = Word{"all"};
+  EXPECT_EQ(location("grid"), Value(Call{"grid", {fit}}));
+  EXPECT_EQ(location("grid()"), Value(Call{"grid", {fit}}));
+  EXPECT_EQ(location("grid spacing: 3"), Value(Call{"grid", {3.0}}));
+  EXPECT_EQ(location("stack"), Value(Call{"stack", {all, fit, fit}}));
+  EXPECT_EQ(location("stack(spacing: 4, height: 2)"),
+            Value(Call{"stack", {std::uint64_t{2}, fit, 4.0}}));
+  EXPECT_EQ(location("stack(2, fit, spacing: 4)"), location("stack(spacing: 4, height: 2)"));
+  EXPECT_EQ(location("ring radius: quantity / 4"), Value(Call{"ring", {2.5}}));
+}
+
+TEST(Word, MeansTheSameInALetOrAnyScope) {
+  const auto id = [](const std::string& text) { return PlanOf(text).runs.at(0).id; };
+  const std::string direct = id("benchmark b { objects.location grid }");
+  EXPECT_EQ(direct, id("let where = grid\nbenchmark b { objects.location where }"));
+  EXPECT_EQ(direct, id("let where = grid(spacing: fit)\nbenchmark b { objects.location where }"));
+  // A let may have the name of such a word: behind `location` it is the word.
+  EXPECT_EQ(direct, id("let grid = 3\nbenchmark b { objects.location grid }"));
+}
+
+constexpr const char* kRock = "v 0 0 0";
+
+TEST(Model, IsNamedFromTheFileThatSaysItAndByItsBytes) {
+  const Plan plan = PlanOf(
+      "use \"parts/stones\"\n"
+      "benchmark b { objects { type any(stone, sphere, hull file: \"./parts/../rock.OBJ\" 2) } }",
+      {{"parts/stones.cdb", "let stone = mesh(\"rock.obj\")"},
+       {"parts/rock.obj", kRock},
+       {"rock.OBJ", "v 1 1 1"}});
+  const auto& type = std::get<Distribution>(plan.runs.at(0).scene.groups[0].settings.Get("type"));
+  const Value hash = Text{Sha256Hex(kRock)};
+  EXPECT_EQ(type.arguments[0], Value(Call{"mesh", {Text{"parts/rock.obj"}, hash}}));
+  EXPECT_EQ(type.arguments[2], Value(Call{"hull", {Text{"rock.OBJ"}, Text{Sha256Hex("v 1 1 1")}}}));
+  EXPECT_EQ(type.weights, (std::vector<double>{1, 1, 2}));
+}
+
+TEST(Model, MayBeSweptAndItsHashGiven) {
+  const std::map<std::string, std::string> files = {{"a.obj", kRock}, {"b.obj", "v 1 1 1"}};
+  const Plan plan = PlanOf("benchmark b { objects.type mesh(sweep(\"a.obj\", \"b.obj\")) }", files);
+  EXPECT_EQ(Axes(plan), "type_file: a.obj b.obj");
+  EXPECT_NE(plan.runs[0].id, plan.runs[1].id);
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects.type sweep(sphere, mesh(\"a.obj\")) }", files)),
+            "type: sphere mesh(\"a.obj\")");
+  const std::string given =
+      "benchmark b { objects.type mesh(\"a.obj\", sha256: \"" + Sha256Hex(kRock) + "\") }";
+  EXPECT_EQ(PlanOf(given, files).runs[0].id, plan.runs[0].id);
+}
+
+TEST(Model, IsReadOnce) {
+  int reads = 0;
+  const Compilation result =
+      Compile("a/b.cdb", [&](const std::string& path, std::string&) -> std::optional<std::string> {
+        if (path == "a/b.cdb")
+          return "benchmark b { objects { type mesh(\"r.obj\"); mass sweep(1, 2) }\n"
+                 "objects c { type hull(\"x/../r.obj\") } }";
+        EXPECT_EQ(path, "a/r.obj");
+        ++reads;
+        return kRock;
+      });
+  EXPECT_EQ(dsl::Render(result.diagnostics), "");
+  EXPECT_EQ(reads, 1);
 }
 
 TEST(Sweep, ALetIsOneAxisWhereverItIsUsed) {
@@ -143,6 +260,18 @@ TEST(Cases, TwoAreTheirProduct) {
   EXPECT_EQ(plan.runs[3].scene.world.Count("cycles"), 2u);
   EXPECT_EQ(plan.runs[3].scene.groups[0].settings.Real("size"), 1);
   EXPECT_EQ(plan.runs[2].scene.groups[0].settings.Real("size"), 50);
+}
+
+TEST(Cases, AnArgumentThatIsNotSweptHasItsValue) {
+  EXPECT_EQ(Axes(PlanOf("benchmark b { cases { a { objects.location ring(radius: 2) }\n"
+                        "b { objects.location ring(radius: sweep(1, 2)) }\n"
+                        "c { objects.location ring } d { } } }")),
+            "case: a b c d; location_radius: 2 1 fit none");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects.quantity 1; cases {\n"
+                        "a { objects.linear_velocity rotating((1, 2, 3), (0, 0, 1), 4) }\n"
+                        "b { objects.linear_velocity rotating((1, sweep(2, 5), 3), (0, 0, 1), 4) }"
+                        "} }")),
+            "case: a b; linear_velocity_vector_y: 2 5");
 }
 
 TEST(Skip, LeavesPointsOut) {
@@ -240,6 +369,16 @@ TEST(Seeds, EveryDistributionHasAStreamOfItsOwn) {
     EXPECT_EQ(seed, StreamSeed(0xAAAAAAAAAA, stream));
   }
   EXPECT_EQ(streams, "acceleration objects.location objects.mass objects.size p.location p.size ");
+}
+
+TEST(Seeds, AScheduleThatDrawsHasOne) {
+  const Plan plan = PlanOf(
+      "benchmark b { acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))\n"
+      "objects { linear_velocity every(60, (1, 0, 0))\n"
+      "angular_velocity every(60, any(0, (1, 0, 0))) } }");
+  std::string streams;
+  for (const auto& [stream, seed] : plan.runs[0].scene.seeds) streams += stream + " ";
+  EXPECT_EQ(streams, "acceleration objects.angular_velocity objects.location ");
 }
 
 TEST(Run, IsNamedByAllThatDecidesItsResult) {

@@ -87,6 +87,9 @@ const Row kRows[] = {
     {Component::kGravity, "acceleration 0", Fate::kLeftOut, "the acceleration is 0"},
     {Component::kGravity, "acceleration (0, 0, 1e-300)", Fate::kKept, "(0, 0, 1e-300)"},
     {Component::kGravity, "acceleration normal(0, 1)", Fate::kKept, "normal(0, 1)"},
+    {Component::kGravity, "acceleration rotating((0, -9.8, 0), (0, 0, 1), 4)", Fate::kKept,
+     "the acceleration is rotating((0, -9.8, 0), (0, 0, 1), 4)"},
+    {Component::kGravity, "acceleration every(60, 0)", Fate::kKept, "every(60, (0, 0, 0))"},
 
     {Component::kDamping, "", Fate::kLeftOut, "no object is damped"},
     {Component::kDamping, "objects.linear_damping 0.1", Fate::kKept, "objects have linear_damping"},
@@ -99,6 +102,8 @@ const Row kRows[] = {
     {Component::kRotation, "objects.angular_velocity (0, 1, 0)", Fate::kKept,
      "objects have angular_velocity"},
     {Component::kRotation, "objects.angular_velocity uniform(-1, 1)", Fate::kKept,
+     "objects have angular_velocity"},
+    {Component::kRotation, "objects.angular_velocity every(60, 0)", Fate::kKept,
      "objects have angular_velocity"},
 
     {Component::kMotionStates, "", Fate::kLeftOut, "draws the scene"},

@@ -47,13 +47,73 @@ TEST(PlanYaml, ReadsBackAsItWas) {
   EXPECT_TRUE(RunFromYaml(RunToYaml(run), "run") == run);
 }
 
+Plan WordsExample() {
+  const Compilation result = CompileText(
+      "benchmark b { acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))\n"
+      "objects { location stack(height: 4, spacing: 3); type any(mesh(\"a \\\"\\n\\tb.obj\") 3, "
+      "cone)\n"
+      "angular_velocity rotating((1, 0, 0), (0, 0, 1), 4) } }",
+      {{"a \"\n\tb.obj", "v 0 0 0"}});
+  EXPECT_EQ(dsl::Render(result.diagnostics), "");
+  return result.plans.at(0);
+}
+
+TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
+  const Plan plan = WordsExample();
+  const Plan back = FromYaml(ToYaml(plan), "plan.yaml");
+  EXPECT_TRUE(back == plan);
+  EXPECT_EQ(ToYaml(back), ToYaml(plan));
+  // What a plan holds means the same in a scenario.
+  const Settings& objects = plan.runs[0].scene.groups[0].settings;
+  const std::string text = "benchmark b { acceleration " +
+                           ToText(plan.runs[0].scene.world.Get("acceleration")) +
+                           "\nobjects { location " + ToText(objects.Get("location")) + "; type " +
+                           ToText(objects.Get("type")) + "; angular_velocity " +
+                           ToText(objects.Get("angular_velocity")) + " } }";
+  const Compilation again = CompileText(text, {{"a \"\n\tb.obj", "v 0 0 0"}});
+  EXPECT_EQ(dsl::Render(again.diagnostics), "");
+  EXPECT_EQ(again.plans.at(0).runs[0].id, plan.runs[0].id);
+}
+
+TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
+  const std::string yaml = ToYaml(WordsExample());
+  const std::string stack = "{stack: {height: 4, gap: fit, spacing: 3}}";
+  const auto error = [&](const std::string& location) {
+    return ErrorOf(Replaced(yaml, stack, location));
+  };
+  const std::pair<const char*, const char*> rows[] = {
+      {"{stack: {height: 4, gap: fit}}", "the 3 arguments of `stack`"},
+      {"{stack: {height: 4, gap: fit, spacing: 3, x: 1}}", "the 3 arguments of `stack`"},
+      {"{stack: {height: 4, gap: fit, x: 1}}", "`spacing` is missing"},
+      {"{stack: [4, fit, 3]}", "the 3 arguments of `stack`"},
+      {"stack", "`location` takes one of uniform"},
+      {"{stack: {height: 0, gap: fit, spacing: 3}}", "`height` takes a whole number, 1 or more"},
+      {"{stack: {height: 4, gap: fitt, spacing: 3}}", "`fitt` is not a finite number"},
+      {"{stack: {height: 4, gap: fit, spacing: {uniform: [1, 2]}}}", "takes no distribution"},
+      {"{stack: {height: 4, gap: fit, spacing: 4}}", "changed by hand"},
+      {"{mesh: {file: \"a.obj\", sha256: any}}", "`location` takes one of uniform"},
+      {"{stakc: {height: 4}}", "takes no distribution"},
+      {"{}", "one distribution or word"},
+  };
+  for (const auto& [location, message] : rows)
+    EXPECT_NE(error(location).find(message), std::string::npos) << error(location);
+  const std::string turning = "{rotating: {vector: [1, 0, 0], about: [0, 0, 1], period: 4}}";
+  EXPECT_NE(ErrorOf(Replaced(yaml, turning,
+                             "{rotating: {vector: [1, 0, 0], about: [0, 0, 0], period: 4}}"))
+                .find("`about` takes a vector (x, y, z) other than 0"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, turning, "{any: [[" + turning + ", 1]]}"))
+                .find("goes on for the whole run"),
+            std::string::npos);
+}
+
 TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
   const std::string yaml = ToYaml(Example());
   EXPECT_NE(ErrorOf("").find("this is no cdb plan"), std::string::npos);
   EXPECT_NE(ErrorOf("a: [1, 2").find("plan.yaml:"), std::string::npos);
-  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 2", "cdb_plan: 99")).find("format 99"),
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 3", "cdb_plan: 99")).find("format 99"),
             std::string::npos);
-  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 2", "cdb_plan: 1")).find("plan again"),
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 3", "cdb_plan: 2")).find("plan again"),
             std::string::npos);
   // A word alone has the same text, and so the same id, as a list of it.
   EXPECT_NE(ErrorOf(Replaced(yaml, "omit: [auto]", "omit: auto")).find("a list of words"),

@@ -18,7 +18,7 @@ namespace {
 constexpr int kScenarios = 150;
 
 Plan PlanOf(const std::string& text) {
-  Compilation result = CompileText(text);
+  Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}});
   EXPECT_EQ(dsl::Render(result.diagnostics), "") << text;
   return result.plans.empty() ? Plan() : std::move(result.plans[0]);
 }

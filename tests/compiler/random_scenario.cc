@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/calls.h"
 #include "compiler/schema.h"
 #include "compiler/value.h"
 #include "library/catalogue.h"
@@ -32,13 +33,14 @@ class Maker {
     using enum ParameterType;
     std::vector<std::string> words;
     for (const std::string_view word : parameter.AllWords()) {
-      const auto* type = library::FindObjectType(word);
       if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
-      if (type == nullptr || type->refusal.empty()) words.emplace_back(word);
+      words.emplace_back(word);
     }
+    if (const auto calls = CallsOf(parameter); !calls.empty() && Below(2) == 0)
+      return CallText(*FindCall(calls[Below(calls.size())]));
     switch (parameter.type) {
       case kCount:
-        return fmt::format("{}", std::max<std::uint64_t>(1, Below(50)));
+        return fmt::format("{}", std::max<std::uint64_t>(1, Below(Below(2) == 0 ? 4 : 50)));
       case kReal:
         if (!words.empty() && Below(4) == 0) return words[Below(words.size())];
         return FormatReal(Real(parameter));
@@ -54,21 +56,51 @@ class Maker {
         return fmt::format("{}", fmt::join(words, ", "));
       }
       case kVector:
-        if (Below(4) == 0) return "0";
+        if (!parameter.domain.not_zero && Below(4) == 0) return "0";
         return fmt::format("({}, {}, {})", FormatReal(Real(parameter)), Below(9), "-1e-3 * 2");
       case kRatio:
         return fmt::format("1 : {} : {}", 1 + Below(5), FormatReal(0.5 + Fraction()));
+      case kText:
+        return parameter.name == "file" ? fmt::format("\"{}\"", kModelFile) : "any";
     }
     return {};
   }
 
+  /// Those that may stand here. `at` and `pair` place so many objects and no others.
+  std::vector<std::string_view> CallsOf(const Parameter& parameter) const {
+    std::vector<std::string_view> calls = parameter.AllCalls();
+    if (is_in_any_ && !parameter.ChoosesCalls()) calls.clear();
+    std::erase_if(calls, [&](std::string_view call) {
+      return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2"));
+    });
+    return calls;
+  }
+
+  /// Some arguments by place, then some by name; what is left out has a default.
+  std::string CallText(const CallInfo& info) {
+    std::string text;
+    bool by_place = true;
+    for (const Parameter& argument : info.arguments) {
+      by_place = by_place && Below(2) == 0;
+      if (!argument.default_text.empty() && Below(2) == 0) {
+        by_place = false;
+        continue;
+      }
+      if (!text.empty()) text += ", ";
+      if (!by_place) text += fmt::format("{}: ", argument.name);
+      text += Drawn(argument);
+    }
+    if (text.empty()) return std::string(info.name);
+    // One argument by its name needs no brackets.
+    const bool one_named = text.starts_with(std::string(info.arguments[0].name) + ":") &&
+                           text.find(',') == std::string::npos;
+    return one_named && Below(2) == 0 ? fmt::format("{} {}", info.name, text)
+                                      : fmt::format("{}({})", info.name, text);
+  }
+
   /// No scene of those that are made here needs it: a list that names it is good.
   bool CanBeOmitted(std::string_view component) const {
-    const auto sets = [&](std::string_view parameter) {
-      return std::ranges::any_of(scenario_.settings, [&](const std::string& setting) {
-        return setting.starts_with("objects." + std::string(parameter));
-      });
-    };
+    const auto sets = [&](std::string_view parameter) { return Sets(parameter); };
     // The defaults need these.
     if (component == "gravity" || component == "static_boxes") return false;
     if (component == "damping") return !sets("linear_damping") && !sets("angular_damping");
@@ -76,6 +108,19 @@ class Maker {
     for (const char* of_ccd : {"walls", "raycast_tree", "detection", "solver", "swept_contacts"})
       if (component == of_ccd) return !sets("ccd");
     return true;
+  }
+
+  bool Sets(std::string_view setting) const {
+    const std::string full = "objects." + std::string(setting);
+    return std::ranges::any_of(scenario_.settings, [&](const std::string& other) {
+      return other == full || other.starts_with(full + " ");
+    });
+  }
+
+  /// A word without its arguments; anything else as it is.
+  static std::string_view Head(std::string_view value) {
+    const std::size_t end = value.find_first_of("( ");
+    return end == 0 ? value : value.substr(0, end);
   }
 
   double Fraction() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
@@ -92,16 +137,30 @@ class Maker {
       is_in_sweep_ = true;
       for (int i = 0; i < 3; ++i) {
         const std::string value = Constant(parameter);
-        // 0 and (0, 0, 0), say, are one vector.
-        if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+        // `ring` and ring(radius: fit) are one layout.
+        const auto is_same = [&](const std::string& other) { return Head(other) == Head(value); };
+        if (std::ranges::none_of(values, is_same)) values.push_back(value);
       }
       is_in_sweep_ = false;
       scenario_.points *= values.size();
       return fmt::format("sweep({})", fmt::join(values, ", "));
     }
+    return Drawn(parameter);
+  }
+
+  /// A constant or a distribution.
+  std::string Drawn(const Parameter& parameter) {
+    using enum ParameterType;
     if (!parameter.distribution || Below(2) == 0) return Constant(parameter);
-    if (parameter.type == kWord || parameter.type == kSwitch)
-      return fmt::format("any({} {}, {})", Constant(parameter), 1 + Below(5), Constant(parameter));
+    if (parameter.type == kWord || parameter.type == kSwitch || Below(4) == 0) {
+      is_in_any_ = true;
+      const std::string first = Constant(parameter), second = Constant(parameter);
+      is_in_any_ = false;
+      // A number, say, has no weight.
+      const bool weighed = parameter.type == kWord || parameter.type == kSwitch;
+      return weighed ? fmt::format("any({} {}, {})", first, 1 + Below(5), second)
+                     : fmt::format("any({}, {})", first, second);
+    }
     const double a = Real(parameter);
     switch (Below(3)) {
       case 0:
@@ -115,7 +174,7 @@ class Maker {
 
   std::mt19937_64& random_;
   RandomScenario scenario_;
-  bool is_in_sweep_ = false;
+  bool is_in_sweep_ = false, is_in_any_ = false;
 };
 
 }  // namespace

@@ -15,6 +15,9 @@ struct RandomScenario {
   std::string Text() const;
 };
 
+/// The one file, beside the scenario, that its models come from.
+inline constexpr const char* kModelFile = "rock.obj";
+
 /// Valid by construction: each parameter at most once, a constant, a distribution or a sweep within
 /// its domain.
 RandomScenario MakeRandomScenario(std::mt19937_64& random);

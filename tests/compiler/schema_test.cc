@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "compiler/calls.h"
 #include "compiler/needs.h"
 #include "compiler/plan.h"
 #include "library/catalogue.h"
@@ -70,6 +71,46 @@ TEST(Schema, OmitTakesEveryComponent) {
   EXPECT_EQ(omit.Takes().find("auto, none, or a list of walls, raycast_tree, "), 0u)
       << omit.Takes();
   EXPECT_FALSE(FindParameter("timeout", false)->StandsAlone("none"));
+}
+
+TEST(Calls, AreDocumentedAndTakenBySomething) {
+  std::set<std::string_view> names;
+  for (const CallInfo& info : Calls()) {
+    EXPECT_TRUE(names.insert(info.name).second) << info.name;
+    EXPECT_EQ(FindCall(info.name), &info);
+    EXPECT_FALSE(info.doc.empty() || info.arguments.empty()) << info.name;
+    // A call is told from a distribution, and from a word that stands alone.
+    EXPECT_FALSE(FindDistribution(info.name)) << info.name;
+    int takers = 0;
+    for (const Parameter& parameter : Schema()) {
+      EXPECT_FALSE(parameter.HasWord(info.name)) << info.name;
+      takers += parameter.TakesCall(info.name);
+    }
+    EXPECT_GT(takers, 0) << info.name;
+    bool has_default = false;
+    for (const Parameter& argument : info.arguments) {
+      EXPECT_FALSE(argument.doc.empty()) << info.name << " " << argument.name;
+      EXPECT_TRUE(argument.default_text.empty() || argument.HasWord(argument.default_text))
+          << info.name << " " << argument.name;
+      // What must be given comes first, so that it can be given by its place.
+      EXPECT_FALSE(has_default && argument.default_text.empty()) << info.name;
+      has_default = !argument.default_text.empty();
+      EXPECT_TRUE(argument.calls.empty()) << info.name << " " << argument.name;
+    }
+  }
+  for (const Parameter& parameter : Schema())
+    for (const std::string_view call : parameter.AllCalls())
+      EXPECT_NE(FindCall(call), nullptr) << call;
+  EXPECT_EQ(FindCall("circle"), nullptr);
+}
+
+TEST(Calls, AreShownWithWhatTheyNeed) {
+  const std::string location = FindParameter("location", true)->Takes();
+  EXPECT_EQ(location, "one of uniform, normal, grid, stack, pyramid, pile, ring, at( ), pair( )");
+  EXPECT_EQ(FindParameter("acceleration", false)->Takes(),
+            "a vector (x, y, z), or 0, or every( ), or rotating( ), or a distribution");
+  EXPECT_EQ(ToText(Value(*WithDefaults(*FindCall("stack")))), "stack");
+  EXPECT_FALSE(WithDefaults(*FindCall("pair")));
 }
 
 TEST(Domain, SaysWhatItContains) {

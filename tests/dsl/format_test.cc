@@ -54,6 +54,17 @@ TEST(Format, SpacesAndColumns) {
 )");
 }
 
+TEST(Format, ArgumentsGetTheirBrackets) {
+  EXPECT_EQ(Formatted("let n = pair distance :0.5 # near\n"
+                      "let m = any(hull file:\"a.obj\" 2,(ring radius:(n+1)*-2))\n"
+                      "let v = at x: (1,\n2, 3)\n"),
+            R"(let n = pair(distance: 0.5)  # near
+let m = any(hull(file: "a.obj") 2, (ring(radius: (n + 1) * -2)))
+let v = at(x: (1,
+    2, 3))
+)");
+}
+
 TEST(Format, ListsKeepTheirLines) {
   EXPECT_EQ(Formatted("let n = any(\na, # first\n\nuniform(1,\n2),\nb\n)\n"),
             R"(let n = any(

@@ -168,6 +168,34 @@ TEST(Parser, Arguments) {
   EXPECT_EQ(Value("uniform((1, 2, 3), (4, 5, 6))"), "(call uniform (vector 1 2 3) (vector 4 5 6))");
 }
 
+TEST(Parser, CallsWithoutBrackets) {
+  EXPECT_EQ(Value("at (0, 5, 0)"), "(call at 0 5 0)");
+  EXPECT_EQ(Value("pair distance: 0.5"), "(call pair distance:0.5)");
+  EXPECT_EQ(Value("ring radius: let_name * 2"), "(call ring radius:(* let_name 2))");
+  EXPECT_EQ(Value("hull file: \"a.obj\""), "(call hull file:\"a.obj\")");
+  EXPECT_EQ(Value("ring radius: sweep(1, 2) as r"), "(call ring radius:(call sweep 1 2 as r))");
+  EXPECT_EQ(Value("sweep(grid, ring radius: 1, pair distance: 2)"),
+            "(call sweep grid (call ring radius:1) (call pair distance:2))");
+  EXPECT_EQ(Value("any(hull file: \"a.obj\" 3, mesh(\"b.obj\") 2, sphere 3)"),
+            "(call any (weigh (call hull file:\"a.obj\") 3) (weigh (call mesh \"b.obj\") 2) "
+            "(weigh sphere 3))");
+  // What these were before they are still.
+  EXPECT_EQ(Value("any(sphere 3)"), "(call any (weigh sphere 3))");
+  EXPECT_EQ(Value("1 : y : z"), "(ratio 1 y z)");
+  EXPECT_EQ(Value("f(y : 1 : 1)"), "(call f (ratio y 1 1))");
+}
+
+TEST(Parser, SlipsInCallsWithoutBrackets) {
+  EXPECT_EQ(Errors("benchmark b { location stack height: 5, gap: 1 }"), "missing-brackets");
+  EXPECT_EQ(Errors("benchmark b { location stack height: n gap: 1 }"), "missing-brackets");
+  EXPECT_EQ(Errors("benchmark b { location pair distance: }"), "missing-value");
+  EXPECT_EQ(Errors("benchmark b { location ring radius 3 }"), "missing-semicolon");
+  EXPECT_EQ(Errors("benchmark b { location at 0, 5, 0 }"), "missing-comma");
+  EXPECT_EQ(Errors("benchmark b { location ring radius: 1 : 2 }"), "ratio-parts");
+  EXPECT_EQ(Errors("benchmark b { location let radius: 3; mass a.b c: 3 }"),
+            "reserved-word bad-name");
+}
+
 TEST(Parser, Conditions) {
   EXPECT_EQ(When("quantity > 3000 and detector == simple"),
             "(and (> quantity 3000) (== detector simple))");
@@ -193,6 +221,15 @@ TEST(Parser, SpansHoldWhatWasWritten) {
   EXPECT_EQ(text(let.value->items[0]->span), "( a + f(1) as z )");
   EXPECT_EQ(text(let.value->items[0]->items[1]->span), "f(1) as z");
   EXPECT_EQ(text(let.value->items[0]->items[1]->axis->span), "z");
+
+  const Parsed bare("let v = pair distance: (a + 1) # c\n");
+  const Expr& call = *std::get<Let>(bare.file.items[0]).value;
+  const auto bare_text = [&](const Span& span) {
+    return std::string(bare.source->text().substr(span.begin, span.end - span.begin));
+  };
+  EXPECT_EQ(bare_text(call.span), "pair distance: (a + 1)");
+  EXPECT_EQ(bare_text(call.arguments[0].name->span), "distance");
+  EXPECT_EQ(bare_text(call.arguments[0].value->span), "(a + 1)");
 }
 
 TEST(Parser, EveryErrorIsReportedAndNoneTwice) {

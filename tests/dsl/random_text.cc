@@ -80,17 +80,21 @@ RandomText::Piece RandomText::Call(int depth) {
   for (int i = 0; i < count; ++i) {
     if (i > 0) call.text += Join({Space(), ",", Break()});
     call.dump += ' ';
-    if (OneIn(5)) {
+    const bool labelled = OneIn(5);
+    if (labelled) {
       const std::string label = Name();
       call.text += Join({label, Space(), ":", Space()});
       call.dump += Join({label, ":"});
     }
     if (OneIn(5)) {
-      const std::string word = Name(), weight = Number();
-      call.text += Join({word, Gap(), weight});
-      call.dump += Join({"(weigh ", word, " ", weight, ")"});
+      Piece choice{Name(), "", kPrimary};
+      choice.dump = choice.text;
+      if (depth > 1 && OneIn(2)) choice = Call(depth - 1);
+      const std::string weight = Number();
+      call.text += Join({choice.text, Gap(), weight});
+      call.dump += Join({"(weigh ", choice.dump, " ", weight, ")"});
     } else {
-      const Piece value = Value(depth - 1);
+      const Piece value = labelled ? Value(depth - 1) : ValueOrBareCall(depth - 1);
       call.text += value.text;
       call.dump += value.dump;
     }
@@ -192,6 +196,14 @@ RandomText::Piece RandomText::Value(int depth) {
   }
 }
 
+RandomText::Piece RandomText::ValueOrBareCall(int depth) {
+  if (!OneIn(6)) return Value(depth);
+  const std::string name = Name(), label = Name();
+  const Piece argument = Value(depth);
+  return {Join({name, Gap(), label, Space(), ":", Space(), argument.text}),
+          Join({"(call ", name, " ", label, ":", argument.dump, ")"}), kSum};
+}
+
 RandomText::Piece RandomText::Operand(int depth) {
   if (depth > 0 && OneIn(3)) {
     const Piece inner = Condition(depth - 1);
@@ -262,7 +274,7 @@ void RandomText::Statement(int level, int depth, Sample& out) {
     out.text += '}';
   } else if (choice == 3) {
     const std::string name = Name();
-    const Piece value = Value(2);
+    const Piece value = ValueOrBareCall(2);
     out.text += Join({"let", Gap(), name, Space(), "=", Space(), value.text});
     out.dump += Join({"let ", name, " ", value.dump, "\n"});
   } else if (choice == 4) {
@@ -274,7 +286,8 @@ void RandomText::Statement(int level, int depth, Sample& out) {
     out.text += Join({path, Gap()});
     out.dump += Join({"set ", path});
     for (int i = Below(3); i >= 0; --i) {
-      const Piece value = Value(3);
+      // Where another value follows, `, a :` would be a second argument.
+      const Piece value = i > 0 ? Value(3) : ValueOrBareCall(3);
       out.text += Join({value.text, i > 0 ? Space() : "", i > 0 ? "," : "", i > 0 ? Break() : ""});
       out.dump += Join({" ", value.dump});
     }

@@ -47,6 +47,7 @@ class RandomText {
   Piece Primary(int depth);
   Piece Call(int depth);
   Piece Value(int depth);
+  Piece ValueOrBareCall(int depth);
   Piece Range(int depth);
   Piece Condition(int depth);
   Piece Operand(int depth);

@@ -104,6 +104,38 @@ TEST(Draw, VectorsAreDrawnComponentByComponent) {
   }
 }
 
+TEST(Draw, AScheduleDrawsOnAndOn) {
+  using compiler::Call;
+  compiler::Scene scene = DefaultScene(1, 500);
+  const Value range = test::Uniform(Vector3d(-1, 10, 100), Vector3d(1, 20, 200));
+  SetGroup(scene, "linear_velocity", range);
+  Draw plain = GroupDraw(scene, "linear_velocity");
+  const Vector3d first = plain.Vector(), second = plain.Vector();
+  SetGroup(scene, "linear_velocity", Call{"every", {std::uint64_t{60}, range}});
+  Draw scheduled = GroupDraw(scene, "linear_velocity");
+  EXPECT_EQ(scheduled.Vector(), first);
+  EXPECT_EQ(scheduled.Vector(), second);
+
+  SetGroup(scene, "angular_velocity",
+           Call{"rotating", {Vector3d(1, 2, 3), Vector3d(0, 0, 1), 4.0}});
+  EXPECT_EQ(GroupDraw(scene, "angular_velocity").Vector(), Vector3d(1, 2, 3));
+  SetWorld(scene, "acceleration", Call{"every", {std::uint64_t{1}, Vector3d(4, 5, 6)}});
+  EXPECT_EQ(Draw(scene, nullptr, "acceleration").Vector(), Vector3d(4, 5, 6));
+}
+
+TEST(Draw, AChoiceIsAWordOrAModel) {
+  compiler::Scene scene = DefaultScene(1, 500);
+  EXPECT_EQ(GroupDraw(scene, "type").Choice(), test::Word("sphere"));
+  const Value rock = compiler::Call{"mesh", {compiler::Text{"rock.obj"}, compiler::Text{"00"}}};
+  SetGroup(scene, "type", rock);
+  EXPECT_EQ(GroupDraw(scene, "type").Choice(), rock);
+  SetGroup(scene, "type", Distribution{DistributionKind::kAny, {test::Word("cone"), rock}, {1, 1}});
+  Draw draw = GroupDraw(scene, "type");
+  int rocks = 0;
+  for (int i = 0; i < 1000; ++i) rocks += draw.Choice() == rock;
+  EXPECT_NEAR(rocks, 500, 80);  // five standard deviations
+}
+
 TEST(Draw, EveryParameterHasAStreamOfItsOwn) {
   compiler::Scene scene = DefaultScene(50, 5000);
   const auto sizes = [&] {
