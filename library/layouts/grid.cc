@@ -34,12 +34,16 @@ BoxGrid::BoxGrid(double side, const std::vector<double>& extents) : side_(side) 
 }
 
 BoxGrid::Bounds32 BoxGrid::Outwards(const Box& box) const {
-  // Coordinates are below 1 here: rounding them, twice, loses up to 2^-24.
+  // Coordinates are not above 1 here: rounding them, twice, loses up to 2^-24. What is beyond that
+  // is out of the cube, and so of what is asked.
   constexpr float kLarger = 0x1p-23F;
+  const auto in_sides = [&](double x) {
+    return static_cast<float>(std::clamp(x / side_, -1., 1.));
+  };
   Bounds32 bounds;
   for (int axis = 0; axis < 3; ++axis) {
-    bounds.lower[axis] = static_cast<float>(box.lower[axis] / side_) - kLarger;
-    bounds.upper[axis] = static_cast<float>(box.upper[axis] / side_) + kLarger;
+    bounds.lower[axis] = in_sides(box.lower[axis]) - kLarger;
+    bounds.upper[axis] = in_sides(box.upper[axis]) + kLarger;
   }
   return bounds;
 }

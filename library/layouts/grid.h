@@ -19,8 +19,8 @@ class BoxGrid {
   void Add(std::uint32_t id, const Box& box);
 
   /// Calls `meets(id)` for the boxes that overlap or touch `box` or miss it by less than 1e-6 of
-  /// the side, some of them more than once, until one returns true; returns whether
-  /// one did.
+  /// the side, some of them more than once, until one returns true; returns whether one did. `box`
+  /// may leave the cube by half its side, those that were added by any length.
   template <typename Meets>
   bool AnyOf(const Box& box, Meets meets) const {
     const Bounds32 query = Outwards(box);

@@ -5,17 +5,18 @@
 
 #include "library/distributions/draw.h"
 #include "library/layouts/placement.h"
+#include "library/objects/solid_maker.h"
 
 namespace cdb::library {
 namespace {
 
 using Eigen::Vector3d;
 
-Vector3d DrawSides(Draw& size, const Vector3d& aspect) {
+Vector3d DrawSize(Draw& size) {
   // A constant size is the same for each side; a distribution draws each side by itself.
   const double x = size.Real();
   const double y = size.Real();
-  return Vector3d(x, y, size.Real()).cwiseProduct(aspect);
+  return {x, y, size.Real()};
 }
 
 Eigen::Quaterniond DrawOrientation(Draw& orientation) {
@@ -24,7 +25,8 @@ Eigen::Quaterniond DrawOrientation(Draw& orientation) {
   return turn ? TurnAbout(*turn) : orientation.stream().Turn();
 }
 
-void DrawGroup(const compiler::Scene& scene, std::size_t index, std::vector<ObjectState>& objects) {
+void DrawGroup(const compiler::Scene& scene, std::size_t index, SolidMaker& solids,
+               std::vector<ObjectState>& objects) {
   const compiler::Group& group = scene.groups[index];
   const auto draw = [&](std::string_view parameter) { return Draw(scene, &group, parameter); };
   const Vector3d aspect = std::get<compiler::Ratio>(group.settings.Get("aspect")).parts;
@@ -41,10 +43,14 @@ void DrawGroup(const compiler::Scene& scene, std::size_t index, std::vector<Obje
     ObjectState& object = objects.emplace_back();
     std::string_view word;
     object.group = index;
-    object.solid.shape = ShapeOf(type.Word());
-    object.solid.sides = DrawSides(size, aspect);
+    const compiler::Value& chosen = type.Choice();
+    object.solid = solids.Make(chosen, DrawSize(size), aspect);
     object.mass = mass.RealOrWord(&word).value_or(0);  // the word is `fixed`
     object.pose.orientation = DrawOrientation(orientation);
+    if (object.solid.compound != nullptr) {
+      const Eigen::Matrix3d to_mesh = object.solid.compound->from_mesh().transpose();
+      object.pose.orientation = object.pose.orientation * Eigen::Quaterniond(to_mesh);
+    }
     object.linear_velocity = linear_velocity.Vector();
     object.angular_velocity = angular_velocity.Vector();
     object.friction = friction.Real();
@@ -74,7 +80,9 @@ Eigen::Quaterniond TurnAbout(const Vector3d& rotation_vector) {
 InitialState DrawObjects(const compiler::Scene& scene) {
   InitialState state;
   state.objects.reserve(scene.ObjectCount());
-  for (std::size_t i = 0; i < scene.groups.size(); ++i) DrawGroup(scene, i, state.objects);
+  SolidMaker solids;
+  for (std::size_t i = 0; i < scene.groups.size(); ++i) DrawGroup(scene, i, solids, state.objects);
+  state.forms = solids.Forms();
   state.acceleration = Draw(scene, nullptr, "acceleration").Vector();
   const double side = scene.world.Real("world.side");
   for (const ObjectState& object : state.objects) state.fill_fraction += object.solid.Volume();

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "compiler/plan.h"
@@ -15,7 +16,7 @@ namespace cdb::library {
 struct ObjectState {
   std::size_t group = 0;  ///< index into Scene::groups
   Solid solid;
-  Pose pose;
+  Pose pose;  ///< of the body's own axes, which for a compound are not its mesh's
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
   double mass = 1;  ///< 0 where the object is fixed
@@ -33,7 +34,8 @@ struct ObjectState {
 };
 
 struct InitialState {
-  std::vector<ObjectState> objects;  ///< group by group, in the order of the plan
+  std::vector<ObjectState> objects;                ///< group by group, in the order of the plan
+  std::vector<std::shared_ptr<const Form>> forms;  ///< of the compounds among them
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
   double fill_fraction = 0;  ///< the objects' volume over the cube's
 };
@@ -45,8 +47,8 @@ InitialState MakeInitialState(const compiler::Scene& scene);
 /// The objects without a place, and the acceleration: the first half of MakeInitialState.
 InitialState DrawObjects(const compiler::Scene& scene);
 
-/// `objects.orientation`: a turn about the vector's direction by its length, rad. std::sin and
-/// std::cos decide the last bit.
+/// `objects.orientation`, which turns the sides' axes: a turn about the vector's direction by its
+/// length, rad. std::sin and std::cos decide the last bit.
 Eigen::Quaterniond TurnAbout(const Eigen::Vector3d& rotation_vector);
 
 }  // namespace cdb::library

@@ -1,4 +1,4 @@
-// Finds a place for every object: inside the cube, touching neither a wall nor another object.
+// Finds a place for every object: by its layout, touching neither a wall nor another object.
 #pragma once
 
 #include "compiler/plan.h"
@@ -27,23 +27,30 @@ inline constexpr double kMaxFillOfOthers = 0.45;
 inline constexpr std::uint64_t kManyObjects = 1000;
 inline constexpr double kShortOfSide = 0.25;
 
-/// Sets the position of every object of `state`, in order, from the stream `<group>.location`.
+/// Sets the position of every object of `state`: first of the groups whose layout says where each
+/// object is (layouts/exact_layouts.h), in order, then of those that are drawn around them, in
+/// order, from the stream `<group>.location`:
 ///   uniform  each coordinate uniform over where the object fits between the walls: what is left of
 ///            "uniform over the cube" once places that touch a wall are drawn again
 ///   normal   each coordinate normal with mean 0 and a third of the wall's coordinate as standard
 ///            deviation, drawn again until it fits
-/// A place that touches another object of any group is drawn again. Objects lie inside the cube
-/// also where walls are absent. Boxes are compared first, by a grid with a cell for each object,
-/// then the solids: O(N) while the cube is not crowded.
+/// Nothing touches another object of any group, or a wall of the cube, whichever walls stand; but
+/// fixed objects of exact layouts may leave the cube and overlap one another, as obstacles and
+/// floors are built of them. A drawn place that touches something is drawn again. Boxes are
+/// compared first, by a grid with a cell for each object, then the solids: O(N) while the cube is
+/// not crowded.
 ///
 /// In a crowded cube, uniform draws come from the voxels that still hold a free place
 /// (layouts/free_voxels.h), which changes no probability. So equal solids find a place for as long
 /// as there is one, and the end is proven. A normal layout is only drawn again: its voxels would
 /// need weights, and it crowds at the centre long before it is full.
 ///
-/// Throws SceneError, saying how full the cube is, how much of it was filled and what to change,
-/// where an object is larger than the cube, no free place is left, the objects can never fit, or
-/// the limits above are reached; it never goes on for ever. One thread; the same on every machine.
+/// Throws SceneError where an exact layout does not take so many objects or puts one where it may
+/// not be, saying by how much and what to change (layouts/clearance.h). Throws it, saying how full
+/// the cube is, how much of it was filled and what to change, where an object that is drawn is
+/// larger than the cube, no free place is left, the objects can never fit, or the limits above are
+/// reached; it never goes on for ever. One thread; the same on every machine, but that std::sin and
+/// std::cos decide the last bit of a ring.
 void Place(const compiler::Scene& scene, InitialState& state);
 
 }  // namespace cdb::library

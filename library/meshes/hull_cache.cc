@@ -1,25 +1,14 @@
 #include "library/meshes/hull_cache.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <atomic>
 #include <bit>
-#include <cstdlib>
-#include <fstream>
 #include <optional>
-#include <sstream>
-
-#include "compiler/sha256.h"
 
 namespace cdb::library {
 namespace {
 
 namespace fs = std::filesystem;
 
-// To be raised with the layout of the file.
-constexpr std::string_view kMagic = "cdb hulls 1\n";
-constexpr std::size_t kDigest = 64;
+constexpr std::string_view kKind = "hulls";
 
 void PutWord(std::uint64_t word, std::string& bytes) {
   for (int i = 0; i < 8; ++i) bytes += static_cast<char>(word >> 8 * i & 0xff);
@@ -55,25 +44,18 @@ class Reader {
   std::string_view bytes_;
 };
 
-std::string ToBytes(const Decomposition& decomposition, std::string_view key) {
-  std::string bytes(kMagic);
-  bytes += key;
+std::string ToBytes(const Decomposition& decomposition) {
+  std::string bytes;
   PutReal(decomposition.volume_error, bytes);
   PutReal(decomposition.iou, bytes);
   PutWord(decomposition.hulls.size(), bytes);
   for (const Hull& hull : decomposition.hulls) PutPoints(hull.vertices, bytes);
-  return bytes + compiler::Sha256Hex(bytes);
+  return bytes;
 }
 
-std::optional<Decomposition> FromBytes(std::string_view bytes, std::string_view key) {
-  const std::size_t head = kMagic.size() + key.size();
-  if (bytes.size() < head + kDigest || !bytes.starts_with(kMagic) ||
-      bytes.substr(kMagic.size(), key.size()) != key)
-    return std::nullopt;
-  const std::string_view body = bytes.substr(0, bytes.size() - kDigest);
-  if (compiler::Sha256Hex(body) != bytes.substr(body.size())) return std::nullopt;
-  // From here on it is what ToBytes wrote; the bounds guard against our own mistakes.
-  Reader reader(body.substr(head));
+std::optional<Decomposition> FromBytes(std::string_view bytes) {
+  // It is what ToBytes wrote; the bounds guard against our own mistakes.
+  Reader reader(bytes);
   const auto volume_error = reader.Real(), iou = reader.Real();
   const auto hulls = reader.Word();
   if (!hulls || *hulls == 0 || *hulls > reader.left()) return std::nullopt;
@@ -92,55 +74,10 @@ std::optional<Decomposition> FromBytes(std::string_view bytes, std::string_view 
   return reader.left() == 0 ? std::optional(std::move(decomposition)) : std::nullopt;
 }
 
-std::optional<Decomposition> Find(const fs::path& file, std::string_view key) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream bytes;
-  // Unlike its iterators, this does not throw where reading fails.
-  if (!stream || !(bytes << stream.rdbuf())) return std::nullopt;
-  return FromBytes(bytes.view(), key);
-}
-
-/// False, with nothing left behind, where it cannot be written.
-bool Store(const std::string& bytes, const fs::path& file) {
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  if (error) return false;
-  // A home may be shared by machines, and a process may have several threads here.
-  static std::atomic<unsigned> count = 0;
-  char host[256] = "";
-  if (gethostname(host, sizeof host - 1) != 0) return false;
-  const fs::path temporary = fmt::format("{}.{}.{}.{}.tmp", file.string(), host, getpid(), count++);
-  {
-    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) error = std::make_error_code(std::errc::io_error);
-  }
-  if (!error) fs::rename(temporary, file, error);
-  if (!error) return true;
-  std::error_code ignored;  // it may not be there
-  fs::remove(temporary, ignored);
-  return false;
-}
-
 }  // namespace
 
-fs::path CacheFolder() {
-  const auto set = [](const char* name) -> std::string_view {
-    const char* value = std::getenv(name);
-    return value == nullptr ? "" : value;
-  };
-  if (const auto folder = set("CDB_CACHE"); !folder.empty()) return folder;
-  // A relative one is to be ignored, says the XDG base directory specification.
-  if (const auto folder = set("XDG_CACHE_HOME"); folder.starts_with('/'))
-    return fs::path(folder) / "cdb";
-  if (const auto home = set("HOME"); !home.empty()) return fs::path(home) / ".cache" / "cdb";
-  return {};
-}
-
 std::string CacheKey(const Mesh& mesh, const DecomposeOptions& options) {
-  std::string bytes(kMagic);
-  bytes += DecomposerVersion();
+  std::string bytes = DecomposerVersion();
   bytes += '\n';
   PutWord(options.faces, bytes);
   PutReal(options.concavity, bytes);
@@ -153,17 +90,16 @@ std::string CacheKey(const Mesh& mesh, const DecomposeOptions& options) {
   PutWord(mesh.triangles.size(), bytes);
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t vertex : triangle) PutWord(vertex, bytes);
-  return compiler::Sha256Hex(bytes);
+  return CacheKeyOf(bytes);
 }
 
 CachedDecomposition DecomposeOnce(const Mesh& mesh, std::string_view name,
                                   const DecomposeOptions& options, const fs::path& folder) {
-  if (folder.empty()) return {Decompose(mesh, name, options), CacheUse::kNotStored};
   const std::string key = CacheKey(mesh, options);
-  const fs::path file = folder / (key + ".hulls");
-  if (auto found = Find(file, key)) return {*std::move(found), CacheUse::kFound};
+  if (const auto bytes = FindCached(folder, kKind, key))
+    if (auto found = FromBytes(*bytes)) return {*std::move(found), CacheUse::kFound};
   Decomposition decomposition = Decompose(mesh, name, options);
-  const bool is_stored = Store(ToBytes(decomposition, key), file);
+  const bool is_stored = StoreCached(folder, kKind, key, ToBytes(decomposition));
   return {std::move(decomposition), is_stored ? CacheUse::kStored : CacheUse::kNotStored};
 }
 

@@ -1,20 +1,17 @@
-// Decompositions that were computed before, in files named by what they are of: the mesh, the
-// options, the libraries. Any number of processes may share a folder.
+// Decompositions that were computed before, by the mesh, the options and the libraries.
 //
-// Errors: those of Decompose. A damaged file is computed anew; where the folder cannot be written,
-// that is said and nothing else comes of it. Threads: any.
+// Errors: those of Decompose. Where they cannot be kept, that is said and nothing else comes of it.
+// Threads: any.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <string_view>
 
+#include "library/content_cache.h"
 #include "library/meshes/decompose.h"
 
 namespace cdb::library {
-
-/// `$CDB_CACHE`, else `$XDG_CACHE_HOME/cdb`, else `$HOME/.cache/cdb`; empty where none is set.
-std::filesystem::path CacheFolder();
 
 /// 64 hex digits: of the bytes of vertices and triangles, the options and DecomposerVersion.
 std::string CacheKey(const Mesh& mesh, const DecomposeOptions& options);

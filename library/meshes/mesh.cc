@@ -123,6 +123,10 @@ Mesh ParseMesh(std::string_view bytes, std::string_view name) {
 }
 
 Mesh ReadMesh(const std::filesystem::path& file) {
+  return ParseMesh(ReadMeshFile(file), file.string());
+}
+
+std::string ReadMeshFile(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::error_code error;
   if (!std::filesystem::exists(file, error))
@@ -140,7 +144,7 @@ Mesh ReadMesh(const std::filesystem::path& file) {
   stream.read(bytes.data(), static_cast<std::streamsize>(size));
   if (stream.gcount() != static_cast<std::streamsize>(size))
     throw SceneError(fmt::format("{}: cannot be read to its end", name));
-  return ParseMesh(bytes, name);
+  return bytes;
 }
 
 Mesh MergeEqualVertices(const Mesh& mesh) {

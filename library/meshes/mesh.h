@@ -31,6 +31,8 @@ struct Mesh {
 /// read; what would change the surface and is not understood is refused. STL knows no shared
 /// vertices, so equal ones are merged.
 Mesh ReadMesh(const std::filesystem::path& file);
+/// The bytes of such a file.
+std::string ReadMeshFile(const std::filesystem::path& file);
 /// The same from memory; `name` stands for the file.
 Mesh ParseMesh(std::string_view bytes, std::string_view name);
 

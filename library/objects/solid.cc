@@ -1,14 +1,10 @@
 #include "library/objects/solid.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "dsl/check.h"
-#include "library/catalogue.h"
-#include "library/scene_error.h"
 
 namespace cdb::library {
 namespace {
@@ -37,16 +33,13 @@ Vector3d FarthestCorner(const Vector3d& direction) {
 }  // namespace
 
 Shape ShapeOf(std::string_view object_type) {
-  const ObjectType* type = FindObjectType(object_type);
-  CDB_CHECK(type != nullptr);
   if (object_type == "sphere") return Shape::kEllipsoid;
   if (object_type == "cuboid") return Shape::kCuboid;
   if (object_type == "cylinder") return Shape::kCylinder;
   if (object_type == "cone") return Shape::kCone;
   if (object_type == "capsule") return Shape::kCapsule;
   if (object_type == "tetrahedron") return Shape::kTetrahedron;
-  throw SceneError(fmt::format("object type `{}`: {}", object_type,
-                               type->refusal.empty() ? "not part of this version" : type->refusal));
+  CDB_CHECK(false);
 }
 
 double Solid::StraightHalf() const {
@@ -71,6 +64,8 @@ double Solid::Volume() const {
     }
     case Shape::kTetrahedron:
       return box / 3;
+    case Shape::kCompound:
+      return compound->Volume();
   }
   return 0;
 }
@@ -106,6 +101,8 @@ Vector3d Solid::InertiaPerMass() const {
       // 3/20 r^2 across; 3/80 h^2 along the axis about the centre of mass.
       moment = {square.x() * 3 / 80, square.y() * 3 / 80, square.z() * 3 / 80};
       break;
+    case Shape::kCompound:
+      return compound->InertiaPerMass();
   }
   return {moment.y() + moment.z(), moment.x() + moment.z(), moment.x() + moment.y()};
 }
@@ -140,17 +137,52 @@ Vector3d Solid::Support(const Vector3d& direction) const {
     }
     case Shape::kTetrahedron:
       return half.cwiseProduct(FarthestCorner(half.cwiseProduct(direction)));
+    case Shape::kCompound: {
+      Vector3d farthest = compound->Support(0, direction);
+      for (std::size_t piece = 1; piece < PieceCount(); ++piece) {
+        const Vector3d point = compound->Support(piece, direction);
+        if (direction.dot(point) > direction.dot(farthest)) farthest = point;
+      }
+      return farthest;
+    }
   }
   return Vector3d::Zero();
 }
 
 double Solid::InnerRadius() const {
+  if (shape == Shape::kCompound) return compound->inner_radius();
   if (shape == Shape::kTetrahedron) return 1 / HalfExtents().cwiseInverse().norm();
   if (shape != Shape::kCone) return HalfExtents().minCoeff();
   const double radius = std::min(sides.x(), sides.z()) / 2;
   const double height = sides.y();
   const double to_side = 0.75 * height * radius / std::hypot(radius, height);
   return std::min(height / 4, to_side);
+}
+
+double Solid::OuterRadius() const {
+  const Vector3d half = HalfExtents();
+  const double across = std::max(half.x(), half.z());
+  switch (shape) {
+    case Shape::kEllipsoid:
+      return half.maxCoeff();
+    case Shape::kCuboid:
+    case Shape::kTetrahedron:
+      return half.stableNorm();
+    case Shape::kCylinder:
+      return std::hypot(across, half.y());
+    case Shape::kCone:
+      return std::max(0.75 * sides.y(), std::hypot(across, sides.y() / 4));
+    case Shape::kCapsule: {
+      // Of (across sin t, straight + cap cos t), where the tip is not the farthest.
+      const double straight = StraightHalf(), cap = half.y() - straight;
+      const double cosine = cap * straight / (across * across - cap * cap);
+      if (!(across > cap) || cosine >= 1) return half.y();
+      return std::hypot(across * std::sqrt(1 - cosine * cosine), straight + cap * cosine);
+    }
+    case Shape::kCompound:
+      return compound->outer_radius();
+  }
+  return 0;
 }
 
 Box Bounds(const Solid& solid, const Eigen::Quaterniond& orientation) {

@@ -1,5 +1,6 @@
 #include "tests/library/test_scene.h"
 
+#include "compiler/calls.h"
 #include "compiler/schema.h"
 #include "dsl/check.h"
 
@@ -10,7 +11,7 @@ using compiler::Value;
 using Eigen::Vector3d;
 
 /// The default of a parameter, as the compiler makes it of the schema's text.
-Value DefaultOf(const compiler::Parameter& parameter) {
+Value DefaultValue(const compiler::Parameter& parameter) {
   const std::string text(parameter.default_text);
   if (parameter.type != compiler::ParameterType::kWords && parameter.HasWord(text))
     return Word(text);
@@ -32,6 +33,7 @@ Value DefaultOf(const compiler::Parameter& parameter) {
     case compiler::ParameterType::kWords:
       if (text == "auto") return compiler::WordList{text};
       return compiler::WordList{"timing", "counts", "stability"};
+    case compiler::ParameterType::kText:
     case compiler::ParameterType::kWord:
       break;
   }
@@ -46,9 +48,9 @@ compiler::Scene DefaultScene(std::uint64_t quantity, double side) {
   scene.groups.push_back({"objects", {}});
   for (const compiler::Parameter& parameter : compiler::Schema()) {
     if (parameter.grouped) {
-      SetGroup(scene, parameter.name, DefaultOf(parameter));
+      SetGroup(scene, parameter.name, DefaultValue(parameter));
     } else {
-      SetWorld(scene, parameter.name, DefaultOf(parameter));
+      SetWorld(scene, parameter.name, DefaultValue(parameter));
     }
   }
   SetWorld(scene, "cycles", std::uint64_t{10});
@@ -62,6 +64,15 @@ Value AnyType() {
   return compiler::Distribution{compiler::DistributionKind::kAny,
                                 {Word("sphere"), Word("cuboid"), Word("cylinder"), Word("cone")},
                                 {1, 1, 1, 1}};
+}
+
+Value Layout(std::string_view name, const std::map<std::string_view, Value>& given) {
+  compiler::Call call{std::string(name), {}};
+  for (const compiler::Parameter& argument : compiler::FindCall(name)->arguments) {
+    const auto at = given.find(argument.name);
+    call.arguments.push_back(at == given.end() ? Word(argument.default_text) : at->second);
+  }
+  return call;
 }
 
 void SeedStreams(compiler::Scene& scene, std::uint64_t seed) {

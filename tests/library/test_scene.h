@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -30,6 +31,9 @@ inline void SetGroup(compiler::Scene& scene, std::string_view name, compiler::Va
   scene.groups[group].settings.values.insert_or_assign(std::string(name), std::move(value));
 }
 inline compiler::Value Word(std::string_view text) { return compiler::Word{std::string(text)}; }
+/// A layout with arguments as the plan holds it; those that are not given have their defaults.
+compiler::Value Layout(std::string_view name,
+                       const std::map<std::string_view, compiler::Value>& given = {});
 
 /// Gives each stream the seed that it has under the benchmark's `seed`.
 void SeedStreams(compiler::Scene& scene, std::uint64_t seed = 0xAAAAAAAAAA);

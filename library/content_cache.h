@@ -1,0 +1,29 @@
+// What took long to compute, in files that are named by all that it depends on. Any number of
+// processes may share a folder.
+//
+// Errors: none; a damaged file counts as not there, and where the folder cannot be written nothing
+// is kept. Threads: any.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace cdb::library {
+
+/// `$CDB_CACHE`, else `$XDG_CACHE_HOME/cdb`, else `$HOME/.cache/cdb`; empty where none is set.
+std::filesystem::path CacheFolder();
+
+/// 64 hex digits of a hash of all that something depends on.
+std::string CacheKeyOf(std::string_view bytes);
+
+/// `kind` is the extension (`hulls`), `key` one of CacheKeyOf; an empty folder holds nothing.
+std::optional<std::string> FindCached(const std::filesystem::path& folder, std::string_view kind,
+                                      std::string_view key);
+/// The folder is made where it is missing. False, with nothing left behind, where that cannot be
+/// done or the folder is empty.
+bool StoreCached(const std::filesystem::path& folder, std::string_view kind, std::string_view key,
+                 std::string_view contents);
+
+}  // namespace cdb::library

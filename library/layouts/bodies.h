@@ -1,0 +1,87 @@
+// The objects of a scene as placement sees them: what it asks of each again and again, and whether
+// two of them touch.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compiler/plan.h"
+#include "library/layouts/initial_state.h"
+
+namespace cdb::library {
+
+inline Box Shifted(const Box& box, const Eigen::Vector3d& by) {
+  return {by + box.lower, by + box.upper};
+}
+
+/// Balls about the centre of mass, inside and around a solid: most pairs are decided by them.
+struct Core {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double inner = 0, outer = 0;  ///< radii, m; `inner` is 0 where the centre is not in the solid
+};
+
+/// The objects of one group: those from `first` to before `end`.
+struct GroupRange {
+  const compiler::Group* group;
+  std::size_t first, end;
+  std::size_t size() const { return end - first; }
+};
+
+/// Room for rounding where distances alone decide.
+inline constexpr double kRounding = 1e-9;
+
+/// m. Scene and state must outlive it. Not for several threads.
+class Bodies {
+ public:
+  Bodies(const compiler::Scene& scene, InitialState& state);
+
+  const std::vector<GroupRange>& groups() const { return groups_; }
+  double side() const { return side_; }  ///< of the cube
+  std::size_t size() const { return state_.objects.size(); }
+  const ObjectState& object(std::size_t index) const { return state_.objects[index]; }
+  std::span<const ObjectState> ObjectsOf(const GroupRange& range) const {
+    return std::span(state_.objects).subspan(range.first, range.size());
+  }
+  /// Its centre of mass at the origin.
+  const Box& bounds(std::size_t index) const { return bounds_[index]; }
+  Eigen::Vector3d Extents(std::size_t index) const {
+    return bounds_[index].upper - bounds_[index].lower;
+  }
+  const Core& core(std::size_t index) const { return cores_[index]; }
+  /// Around the object where it is.
+  Box BoxOf(std::size_t index) const { return Shifted(bounds_[index], cores_[index].position); }
+
+  void MoveTo(std::size_t index, const Eigen::Vector3d& place);
+  /// Whether the object would touch `other`, were it at `place`, and `box` around it there.
+  bool TouchesAt(std::size_t index, const Eigen::Vector3d& place, const Box& box,
+                 std::size_t other) const {
+    // Here, as most calls end here.
+    const Core& core = cores_[index];
+    const Core& theirs = cores_[other];
+    const double distance = (theirs.position - place).squaredNorm();
+    const double inner = core.inner + theirs.inner;
+    if (distance < inner * inner * (1 - kRounding) && core.inner > 0 && theirs.inner > 0)
+      return true;
+    const double outer = core.outer + theirs.outer;
+    if (distance > outer * outer * (1 + kRounding)) return false;
+    return SurfacesTouch(index, place, box, other);
+  }
+
+  /// For messages: `object 3 of 10 (group `pebbles`)`.
+  std::string Name(std::size_t index) const;
+
+ private:
+  bool SurfacesTouch(std::size_t index, const Eigen::Vector3d& place, const Box& box,
+                     std::size_t other) const;
+
+  const compiler::Scene& scene_;
+  InitialState& state_;
+  double side_;
+  std::vector<GroupRange> groups_;
+  std::vector<Box> bounds_;
+  std::vector<Core> cores_;
+};
+
+}  // namespace cdb::library

@@ -1,0 +1,17 @@
+// Whether objects that a layout put in their places are in each other's, or out of the cube.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "library/layouts/bodies.h"
+
+namespace cdb::library {
+
+/// `indices`: the objects to look at. Those that move may touch neither a wall of the cube,
+/// whichever stand, nor any other; fixed ones may touch and leave the cube and overlap one another.
+/// Throws SceneError, which names the object that comes later, the other or the wall, by how much,
+/// and what to change. O(n) where sizes and shapes are alike.
+void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indices);
+
+}  // namespace cdb::library

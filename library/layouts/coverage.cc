@@ -1,0 +1,93 @@
+#include "library/layouts/coverage.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "library/objects/solid_pair.h"
+
+namespace cdb::library {
+namespace {
+
+using Eigen::Vector3d;
+
+bool IsUnturnedCuboid(const Solid& solid, const Eigen::Quaterniond& orientation) {
+  return solid.shape == Shape::kCuboid &&
+         orientation.coeffs() == Eigen::Quaterniond::Identity().coeffs();
+}
+
+}  // namespace
+
+Probe::Probe(Solid its_solid, const Eigen::Quaterniond& its_orientation)
+    : solid(std::move(its_solid)),
+      orientation(its_orientation),
+      bounds(Bounds(solid, orientation)),
+      inner(solid.InnerRadius()),
+      outer(solid.OuterRadius()) {}
+
+bool Coverage::Covers(std::uint32_t other, const Probe& probe, const Box& voxel) const {
+  const Core& theirs = bodies_.core(other);
+  const Vector3d to_lower = (theirs.position - voxel.lower).cwiseAbs();
+  const Vector3d to_upper = (theirs.position - voxel.upper).cwiseAbs();
+  const double farthest = to_lower.cwiseMax(to_upper).squaredNorm();
+  const double inner = probe.inner + theirs.inner;
+  if (farthest < inner * inner * (1 - kRounding) && probe.inner > 0 && theirs.inner > 0)
+    return true;
+  const double outer = probe.outer + theirs.outer;
+  if (farthest > outer * outer * (1 + kRounding)) return false;
+  std::array<Vector3d, 8> offsets;  // from the probe in each corner
+  for (int corner = 0; corner < 8; ++corner)
+    for (int axis = 0; axis < 3; ++axis)
+      offsets[corner][axis] = theirs.position[axis] -
+                              ((corner >> axis & 1) != 0 ? voxel.upper[axis] : voxel.lower[axis]);
+  const ObjectState& neighbour = bodies_.object(other);
+  const SolidPair pair(probe.solid, probe.orientation, neighbour.solid, neighbour.pose.orientation);
+  // The places where two convex pieces touch are convex, so the corners decide.
+  return pair.AnyPieces([&](std::size_t piece, std::size_t their_piece) {
+    return std::ranges::all_of(offsets, [&](const Vector3d& offset) {
+      return pair.PiecesOverlap(piece, their_piece, offset);
+    });
+  });
+}
+
+bool Coverage::IsCovered(const Probe& probe, const Box& voxel) const {
+  // Who covers the voxel covers its centre.
+  const Box box = Shifted(probe.bounds, (voxel.lower + voxel.upper) / 2);
+  if (grid_.AnyOf(box, [&](std::uint32_t other) { return Covers(other, probe, voxel); }))
+    return true;
+  return IsUnturnedCuboid(probe.solid, probe.orientation) && IsCoveredBySlabs(probe, voxel);
+}
+
+/// Whether unturned cuboids cut the voxel away slice by slice. Two of them with hardly less than
+/// the probe's room between their faces cover many voxels together and none alone, until the
+/// voxels are as thin as what lacks.
+bool Coverage::IsCoveredBySlabs(const Probe& probe, const Box& voxel) const {
+  Box left = voxel;
+  const Box reach{voxel.lower + probe.bounds.lower, voxel.upper + probe.bounds.upper};
+  const auto cut = [&](std::uint32_t other) {
+    const ObjectState& neighbour = bodies_.object(other);
+    if (!IsUnturnedCuboid(neighbour.solid, neighbour.pose.orientation)) return false;
+    const Box theirs = bodies_.BoxOf(other);
+    const Vector3d lower = theirs.lower - probe.bounds.upper;
+    const Vector3d upper = theirs.upper - probe.bounds.lower;
+    const auto spans = [&](int axis) {
+      return lower[axis] <= left.lower[axis] && upper[axis] >= left.upper[axis];
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!spans((axis + 1) % 3) || !spans((axis + 2) % 3)) continue;
+      if (spans(axis)) return true;
+      if (lower[axis] <= left.lower[axis])
+        left.lower[axis] = std::max(left.lower[axis], upper[axis]);
+      if (upper[axis] >= left.upper[axis])
+        left.upper[axis] = std::min(left.upper[axis], lower[axis]);
+    }
+    return false;
+  };
+  // A cut may let a cuboid span what is left that did not before.
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round)
+    if (grid_.AnyOf(reach, cut)) return true;
+  return false;
+}
+
+}  // namespace cdb::library

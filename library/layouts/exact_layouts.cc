@@ -1,0 +1,302 @@
+#include "library/layouts/exact_layouts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "compiler/calls.h"
+#include "dsl/check.h"
+#include "library/distributions/draw.h"
+#include "library/objects/distance.h"
+
+namespace cdb::library {
+namespace {
+
+using Eigen::Vector3d;
+
+const compiler::Call& LayoutOf(const compiler::Group& group) {
+  const compiler::Call* layout = compiler::AsCall(group.settings.Get("location"));
+  CDB_CHECK(layout != nullptr);
+  return *layout;
+}
+
+/// Empty where the argument is a word: `fit`, `all`.
+template <typename Number>
+std::optional<Number> Argument(const compiler::Call& layout, std::string_view name) {
+  const compiler::Value& value = compiler::ArgumentOf(layout, name);
+  if (std::holds_alternative<compiler::Word>(value)) return std::nullopt;
+  return std::get<Number>(value);
+}
+
+/// The smallest number whose `power` is not below n.
+std::size_t RootUp(std::size_t n, auto power) {
+  std::size_t root = 0;
+  while (power(root) < n) ++root;
+  return root;
+}
+
+std::size_t Square(std::size_t k) { return k * k; }
+std::size_t Cube(std::size_t k) { return k * k * k; }
+/// k^2 + (k - 1)^2 + ... + 1.
+std::size_t Pyramid(std::size_t k) { return k * (k + 1) * (2 * k + 1) / 6; }
+
+/// The coordinate of the `index`th of `count` points `spacing` apart about 0.
+double Along(std::size_t index, std::size_t count, double spacing) {
+  return (static_cast<double>(index) - static_cast<double>(count - 1) / 2) * spacing;
+}
+
+/// The least r, at least 0, at which the boxes whose centres are r * chord apart and whose half
+/// extents add up to `halves` have a gap of `gap` between them. The chord is level and not 0.
+double LeastRadius(const Vector3d& chord, const Vector3d& halves, double gap) {
+  // Along an axis the gap is r * along - half, once that is positive.
+  struct Axis {
+    double along, half;
+    double Opens() const { return along > 0 ? half / along : HUGE_VAL; }
+  };
+  Axis first{std::abs(chord.x()), halves.x()}, second{std::abs(chord.z()), halves.z()};
+  if (second.Opens() < first.Opens()) std::swap(first, second);
+  const double alone = (first.half + gap) / first.along;
+  if (alone <= second.Opens()) return alone;
+  // (r along1 - half1)^2 + (r along2 - half2)^2 = gap^2, the larger root.
+  const double a = first.along * first.along + second.along * second.along;
+  const double b = first.along * first.half + second.along * second.half;
+  const double cross = first.along * second.half - second.along * first.half;
+  return (b + std::sqrt(std::max(a * gap * gap - cross * cross, 0.0))) / a;
+}
+
+class ExactPlacer {
+ public:
+  ExactPlacer(const compiler::Scene& scene, const GroupRange& range, Bodies& bodies)
+      : scene_(scene),
+        range_(range),
+        layout_(LayoutOf(*range.group)),
+        bodies_(bodies),
+        floor_(-bodies.side() / 2) {
+    for (std::size_t i = 0; i < range.size(); ++i) largest_ = largest_.cwiseMax(Extents(i));
+  }
+
+  void Grid() {
+    const std::size_t count = RootUp(range_.size(), Cube);
+    const double spacing = Length("spacing").value_or(bodies_.side() / static_cast<double>(count));
+    for (std::size_t i = 0; i < range_.size(); ++i) {
+      const auto along = [&](std::size_t cell) { return Along(cell % count, count, spacing); };
+      PutBoxAt(i, {along(i), along(i / Square(count)), along(i / count)});
+    }
+  }
+
+  void Stack() {
+    const std::size_t n = range_.size();
+    const std::size_t height = Argument<std::uint64_t>(layout_, "height").value_or(n);
+    const std::size_t columns = (n + height - 1) / height;
+    const std::size_t edge = RootUp(columns, Square);
+    const double spacing = Length("spacing").value_or(1.5 * std::max(largest_.x(), largest_.z()));
+    const std::optional<double> gap = Length("gap");
+    double top = 0;  // of the object below
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool is_lowest = i % height == 0;
+      const double tall = Extents(i).y();
+      const double larger = is_lowest ? tall : std::max(tall, Extents(i - 1).y());
+      const double bottom = (is_lowest ? floor_ : top) + gap.value_or(kFitGap * larger);
+      const std::size_t column = i / height;
+      PutBoxAt(i, {Along(column % edge, edge, spacing), bottom + tall / 2,
+                   Along(column / edge, edge, spacing)});
+      top = bottom + tall;
+    }
+  }
+
+  void Pyramid() {
+    const std::size_t base = RootUp(range_.size(), library::Pyramid);
+    const double gap = Length("gap").value_or(kFitGap * largest_.maxCoeff());
+    const Vector3d cell = largest_ + Vector3d::Constant(gap);
+    std::size_t layer = 0, at = 0;  // in the layer
+    for (std::size_t i = 0; i < range_.size(); ++i, ++at) {
+      if (at == Square(base - layer)) {
+        ++layer;
+        at = 0;
+      }
+      const std::size_t edge = base - layer;
+      const double bottom = floor_ + gap + static_cast<double>(layer) * cell.y();
+      PutBoxAt(i, {Along(at % edge, edge, cell.x()), bottom + Extents(i).y() / 2,
+                   Along(at / edge, edge, cell.z())});
+    }
+  }
+
+  void Ring() {
+    const std::size_t n = range_.size();
+    const auto on_circle = [&](std::size_t i) -> Vector3d {
+      // std::sin and std::cos decide the last bit.
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
+      return {std::cos(angle), 0, std::sin(angle)};
+    };
+    double fit = 0;
+    for (std::size_t i = 0; n > 1 && i < n; ++i) {
+      const std::size_t next = (i + 1) % n;
+      fit = std::max(fit, LeastRadius(on_circle(next) - on_circle(i),
+                                      (Extents(i) + Extents(next)) / 2, 0.1 * largest_.maxCoeff()));
+    }
+    const double radius = Length("radius").value_or(fit);
+    for (std::size_t i = 0; i < n; ++i) PutBoxAt(i, radius * on_circle(i));
+  }
+
+  void At() {
+    Require(1,
+            "gives one object its place; make the quantity 1, and write a group for each object");
+    const auto coordinate = [&](std::string_view name) { return *Length(name); };
+    bodies_.MoveTo(range_.first, {coordinate("x"), coordinate("y"), coordinate("z")});
+  }
+
+  void Pair() {
+    Require(2, "takes two objects; make the quantity 2, and write a group for each pair");
+    const ObjectState &a = bodies_.object(range_.first), &b = bodies_.object(range_.first + 1);
+    const double distance = *Length("distance");
+    Stream stream = NamedStream(scene_, range_.group->name, "location");
+    for (int tries = 0; tries < kMaxDirections; ++tries) {
+      const double x = stream.Normal();
+      const double y = stream.Normal();
+      const Vector3d direction = Vector3d(x, y, stream.Normal()).normalized();
+      const auto apart = Approach(a.solid, a.pose, b.solid, b.pose, direction, distance);
+      if (!apart) continue;
+      bodies_.MoveTo(range_.first, -*apart / 2 * direction);
+      bodies_.MoveTo(range_.first + 1, *apart / 2 * direction);
+      return;
+    }
+    throw SceneError(fmt::format(
+        "group `{}`: {} directions were drawn for its pair, and in none do the objects come {:.6g} "
+        "m near each other; make the distance larger",
+        range_.group->name, kMaxDirections, distance));
+  }
+
+  void Pile() {
+    const std::vector<Vector3d> places =
+        PlacesAbovePile(*range_.group, bodies_.side(), bodies_.ObjectsOf(range_));
+    for (std::size_t i = 0; i < range_.size(); ++i) bodies_.MoveTo(range_.first + i, places[i]);
+  }
+
+ private:
+  /// Of an extent, between surfaces.
+  static constexpr double kFitGap = 1e-3;
+  static constexpr int kMaxDirections = 1000;
+
+  /// Empty for `fit`.
+  std::optional<double> Length(std::string_view name) const {
+    return Argument<double>(layout_, name);
+  }
+
+  Vector3d Extents(std::size_t i) const { return bodies_.Extents(range_.first + i); }
+
+  void PutBoxAt(std::size_t i, const Vector3d& centre) {
+    const Box& bounds = bodies_.bounds(range_.first + i);
+    bodies_.MoveTo(range_.first + i, centre - (bounds.lower + bounds.upper) / 2);
+  }
+
+  void Require(std::size_t quantity, std::string_view otherwise) const {
+    if (range_.size() == quantity) return;
+    throw SceneError(fmt::format("group `{}` has {} objects, but `{}` {}", range_.group->name,
+                                 range_.size(), layout_.name, otherwise));
+  }
+
+  const compiler::Scene& scene_;
+  const GroupRange& range_;
+  const compiler::Call& layout_;
+  Bodies& bodies_;
+  double floor_;                         ///< y, m
+  Vector3d largest_ = Vector3d::Zero();  ///< extents along each axis
+};
+
+struct LayoutRow {
+  std::string_view name;
+  void (ExactPlacer::*place)();
+  LayoutAdvice advice;
+};
+
+constexpr LayoutRow kLayouts[] = {
+    {"grid",
+     &ExactPlacer::Grid,
+     {"make spacing larger (fit grows with world.side) or the size smaller",
+      "make spacing or the size smaller or world.side larger"}},
+    {"stack",
+     &ExactPlacer::Stack,
+     {"make gap or spacing larger",
+      "make height, gap, spacing or the size smaller or world.side larger"}},
+    {"pyramid",
+     &ExactPlacer::Pyramid,
+     {"make gap larger", "make gap, the size or the quantity smaller or world.side larger"}},
+    {"ring",
+     &ExactPlacer::Ring,
+     {"make radius larger", "make radius or the size smaller or world.side larger"}},
+    {"at", &ExactPlacer::At, {"move it", "move it inwards or make world.side larger"}},
+    {"pair",
+     &ExactPlacer::Pair,
+     {"make distance larger", "make distance or the size smaller or world.side larger"}},
+    {"pile",
+     &ExactPlacer::Pile,
+     {"make the size smaller", "make width or the size smaller or world.side larger"}},
+};
+
+const LayoutRow& RowOf(const compiler::Group& group) {
+  const auto* row = std::ranges::find(kLayouts, LayoutOf(group).name, &LayoutRow::name);
+  CDB_CHECK(row != std::end(kLayouts));
+  return *row;
+}
+
+}  // namespace
+
+bool HasExactLayout(const compiler::Group& group) {
+  return compiler::AsCall(group.settings.Get("location")) != nullptr;
+}
+
+void PlaceExactly(const compiler::Scene& scene, const GroupRange& range, Bodies& bodies) {
+  if (range.size() == 0) return;
+  ExactPlacer placer(scene, range, bodies);
+  (placer.*RowOf(*range.group).place)();
+}
+
+std::vector<Vector3d> PlacesAbovePile(const compiler::Group& group, double side,
+                                      std::span<const ObjectState> objects) {
+  double radius = 0;
+  for (const ObjectState& object : objects) radius = std::max(radius, object.solid.OuterRadius());
+  constexpr double kLoose = 1.05;
+  const double cell = 2 * kLoose * radius;
+  const std::size_t n = objects.size();
+  std::size_t edge = RootUp(n, Cube);
+  if (const auto width = Argument<double>(LayoutOf(group), "width")) {
+    const double cells = std::floor(*width / cell);
+    if (cells < 1) {
+      throw SceneError(fmt::format(
+          "the pile of group `{}` is {:.6g} m wide, and its largest object needs {:.6g} m to turn "
+          "in; make width larger or the size smaller",
+          group.name, *width, cell));
+    }
+    // More than n along an edge are never used, and fit into no integer.
+    edge = static_cast<std::size_t>(std::min(cells, static_cast<double>(n)));
+  }
+  if (edge == 0) return {};
+  const double layers = std::ceil(static_cast<double>(n) / static_cast<double>(Square(edge)));
+  if (layers * cell > side) {
+    throw SceneError(fmt::format(
+        "the {} objects of group `{}` are dropped from {} layers, {:.6g} m high together, and the "
+        "cube is {:.6g} m high; make width or world.side larger, or the size or the quantity "
+        "smaller",
+        n, group.name, layers, layers * cell, side));
+  }
+  std::vector<Vector3d> places;
+  places.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double layer = static_cast<double>(i / Square(edge));
+    places.emplace_back(Along(i % edge, edge, cell), (layer + 0.5) * cell - side / 2,
+                        Along(i / edge % edge, edge, cell));
+  }
+  return places;
+}
+
+const LayoutAdvice& AdviceOf(const compiler::Group& group) {
+  static constexpr LayoutAdvice kDrawn = {"make world.side larger or the size smaller",
+                                          "make world.side larger or the size smaller"};
+  return HasExactLayout(group) ? RowOf(group).advice : kDrawn;
+}
+
+}  // namespace cdb::library

@@ -1,0 +1,64 @@
+// Boxes anywhere, of any sizes, so that a new box meets only those near it.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "library/objects/solid.h"
+
+namespace cdb::library {
+
+/// A box is listed in one cell, that of its centre, of a lattice whose cells are as long as the box
+/// or up to twice as long; cells are found by a hash, so that neither room nor crowding matters.
+/// Boxes must come from large to small: then whoever comes looks at up to 27 cells of each level.
+/// Not for several threads.
+class HashGrid {
+ public:
+  explicit HashGrid(std::size_t boxes);
+
+  /// Of the lattice for boxes with this largest extent, > 0: higher for larger ones.
+  static int LevelOf(double extent) { return std::ilogb(extent) + 1; }
+
+  /// `level`: of the box, none higher than the one before.
+  void Add(std::uint32_t id, int level, const Box& box);
+
+  /// Calls `meets(id)` for each box that touches `box`, and for some more, some of them more than
+  /// once, until one returns true; returns whether one did.
+  template <typename Meets>
+  bool AnyOf(const Box& box, Meets meets) const {
+    for (const int level : levels_) {
+      const double edge = std::ldexp(1.0, level);
+      std::array<std::int64_t, 3> first, last;
+      for (int axis = 0; axis < 3; ++axis) {
+        first[axis] = Cell(box.lower[axis] / edge - kReach);
+        last[axis] = Cell(box.upper[axis] / edge + kReach);
+      }
+      for (std::int64_t z = first[2]; z <= last[2]; ++z)
+        for (std::int64_t y = first[1]; y <= last[1]; ++y)
+          for (std::int64_t x = first[0]; x <= last[0]; ++x)
+            for (std::uint32_t at = heads_[Bucket(level, x, y, z)]; at != kNone;
+                 at = entries_[at].next)
+              if (meets(entries_[at].id)) return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  /// How far boxes reach beyond their centres, in cells, and room for rounding.
+  static constexpr double kReach = 0.5 + 1e-6;
+  struct Entry {
+    std::uint32_t id, next;
+  };
+
+  static std::int64_t Cell(double coordinate);
+  std::size_t Bucket(int level, std::int64_t x, std::int64_t y, std::int64_t z) const;
+
+  std::vector<int> levels_;  ///< of the boxes so far
+  std::vector<std::uint32_t> heads_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace cdb::library

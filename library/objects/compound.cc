@@ -1,0 +1,108 @@
+#include "library/objects/compound.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace cdb::library {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+AlignedBox3d BoxOf(std::span<const Vector3d> points) {
+  AlignedBox3d box;
+  for (const Vector3d& point : points) box.extend(point);
+  return box;
+}
+
+/// The hull in the coordinates in which `cube` is the cube of side 1 about the origin.
+ConvexPiece PieceOf(const Hull& hull, const AlignedBox3d& cube) {
+  const Mesh surface = SurfaceOf(hull);
+  ConvexPiece piece;
+  piece.faces = surface.triangles;
+  for (const Vector3d& vertex : surface.vertices)
+    piece.vertices.push_back((vertex - cube.center()).cwiseQuotient(cube.sizes()));
+  const AlignedBox3d box = BoxOf(piece.vertices);
+  piece.centre = box.center();
+  piece.half = box.sizes() / 2;
+  for (Vector3d& vertex : piece.vertices) vertex -= piece.centre;
+  return piece;
+}
+
+}  // namespace
+
+Form MakeForm(std::string name, const Mesh& mesh, const MassProperties& properties,
+              const Decomposition& pieces) {
+  Form form;
+  form.name = std::move(name);
+  const AlignedBox3d box = BoxOf(mesh.vertices);
+  const Vector3d sides = box.sizes();
+  form.proportions = sides / sides.maxCoeff();
+  form.volume = properties.volume / sides.prod();
+  form.centre = (properties.centre - box.center()).cwiseQuotient(sides);
+  const Matrix3d& inertia = properties.inertia;
+  const Matrix3d moments = inertia.trace() / 2 * Matrix3d::Identity() - inertia;
+  form.second_moments = moments.cwiseQuotient(sides * sides.transpose());
+  AlignedBox3d cube;
+  for (const Hull& hull : pieces.hulls) cube.extend(BoxOf(hull.vertices));
+  for (const Hull& hull : pieces.hulls) form.pieces.push_back(PieceOf(hull, cube));
+  form.volume_error = pieces.volume_error;
+  form.iou = pieces.iou;
+  return form;
+}
+
+Compound::Compound(std::shared_ptr<const Form> form, const Vector3d& sides)
+    : form_(std::move(form)), sides_(sides) {
+  volume_ = form_->volume * sides.prod();
+  const Matrix3d moments = form_->second_moments.cwiseProduct(sides * sides.transpose());
+  const PrincipalAxes axes = PrincipalAxesOf(moments.trace() * Matrix3d::Identity() - moments);
+  inertia_ = axes.moments;
+  from_mesh_ = axes.rotation.transpose();
+  least_half_extent_ = std::numeric_limits<double>::infinity();
+  for (const ConvexPiece& piece : form_->pieces) {
+    inner_radius_ = std::max(inner_radius_, InnerRadiusOf(piece));
+    least_half_extent_ = std::min(least_half_extent_, piece.half.cwiseProduct(sides).minCoeff());
+    for (const Vector3d& vertex : piece.vertices)
+      outer_radius_ = std::max(outer_radius_, ToBody(piece.centre + vertex).norm());
+  }
+}
+
+double Compound::InnerRadiusOf(const ConvexPiece& piece) const {
+  double radius = std::numeric_limits<double>::infinity();
+  for (const Triangle& face : piece.faces) {
+    const auto corner = [&](int i) {
+      return ToBody(piece.centre + piece.vertices[face[static_cast<std::size_t>(i)]]);
+    };
+    const Vector3d a = corner(0);
+    const Vector3d normal = (corner(1) - a).cross(corner(2) - a);
+    // A sliver's normal is rounding.
+    if (normal.norm() <= 1e-12 * sides_.squaredNorm()) continue;
+    radius = std::min(radius, normal.normalized().dot(a));
+  }
+  return std::max(radius, 0.0);
+}
+
+Vector3d Compound::PieceCentre(std::size_t piece) const {
+  return ToBody(form_->pieces[piece].centre);
+}
+
+Vector3d Compound::Support(std::size_t piece, const Vector3d& direction) const {
+  const ConvexPiece& it = form_->pieces[piece];
+  // In the form's own coordinates, so that the vertices stay as they are.
+  const Vector3d along = (from_mesh_.transpose() * direction).cwiseProduct(sides_);
+  const Vector3d* farthest = &it.vertices.front();
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Vector3d& vertex : it.vertices) {
+    const double reach = along.dot(vertex);
+    if (reach > most) {
+      most = reach;
+      farthest = &vertex;
+    }
+  }
+  return ToBody(it.centre + *farthest);
+}
+
+}  // namespace cdb::library

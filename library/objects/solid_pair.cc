@@ -1,0 +1,107 @@
+#include "library/objects/solid_pair.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "library/objects/simplex.h"
+
+namespace cdb::library {
+namespace {
+
+using Eigen::Vector3d;
+
+/// `support` is the farthest point of b - a along a direction, `towards` any point in the middle of
+/// it, `size` the sum of both solids'. For kWhetherApart the distance is only a bound from above.
+template <typename Support, typename Goal>
+Gap ConvexGap(const Support& support, const Vector3d& towards, double size, Goal goal) {
+  const double scale = size + towards.norm();
+  // A gap below this is rounding's.
+  const double noise = 1e-14 * scale;
+  // What one operation may lose. Where both bounds are as near, they are one.
+  const double rounding = std::numeric_limits<double>::epsilon() * scale;
+  Simplex simplex;
+  simplex.points[simplex.size++] = support(-towards);
+  bool is_apart = false;
+  Gap best{std::numeric_limits<double>::infinity(), Vector3d::Zero()};
+  constexpr int kMaxSteps = 256;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Vector3d nearest = ReduceToNearest(simplex, rounding);
+    const double upper = nearest.norm();
+    if (upper <= noise || simplex.size == 4) return {};
+    const bool is_nearer = upper < best.distance;
+    if (is_nearer) best = {upper, nearest / upper};
+    const Vector3d point = support(-nearest);
+    // Every point of b - a has a component along `nearest` as large: a plane between them.
+    const double lower = nearest.dot(point) / upper;
+    is_apart = is_apart || lower > noise;
+    if (is_apart && (goal == Goal::kWhetherApart || !is_nearer || upper - lower <= rounding)) break;
+    const auto end = simplex.points.begin() + simplex.size;
+    if (std::find(simplex.points.begin(), end, point) != end) break;
+    simplex.points[simplex.size++] = point;
+  }
+  return is_apart ? best : Gap{};
+}
+
+}  // namespace
+
+SolidPair::SolidPair(const Solid& a, const Eigen::Quaterniond& turn_a, const Solid& b,
+                     const Eigen::Quaterniond& turn_b)
+    : a_(a),
+      b_(b),
+      turn_a_(turn_a.toRotationMatrix()),
+      turn_b_(turn_b.toRotationMatrix()),
+      size_(a.sides.norm() + b.sides.norm()) {}
+
+namespace {
+
+auto HullOf(const Solid& solid) {
+  return [&solid](const Vector3d& direction) { return solid.Support(direction); };
+}
+
+auto PieceOf(const Solid& solid, std::size_t piece) {
+  return
+      [&solid, piece](const Vector3d& direction) { return solid.PieceSupport(piece, direction); };
+}
+
+}  // namespace
+
+template <typename PartOfA, typename PartOfB>
+Gap SolidPair::GapOf(const PartOfA& part_a, const PartOfB& part_b, const Vector3d& offset,
+                     Goal goal) const {
+  const auto support = [&](const Vector3d& direction) -> Vector3d {
+    return offset + turn_b_ * part_b(turn_b_.transpose() * direction) -
+           turn_a_ * part_a(-(turn_a_.transpose() * direction));
+  };
+  return ConvexGap(support, offset, size_, goal);
+}
+
+bool SolidPair::Overlap(const Vector3d& offset) const {
+  if (a_.PieceCount() == 1 && b_.PieceCount() == 1) return PiecesOverlap(0, 0, offset);
+  const Gap hulls = GapOf(HullOf(a_), HullOf(b_), offset, Goal::kWhetherApart);
+  if (hulls.distance > 0) return false;
+  return AnyPieces([&](std::size_t piece_a, std::size_t piece_b) {
+    return PiecesOverlap(piece_a, piece_b, offset);
+  });
+}
+
+bool SolidPair::PiecesOverlap(std::size_t piece_a, std::size_t piece_b,
+                              const Vector3d& offset) const {
+  if (AreBalls()) {
+    const double reach = (a_.sides.x() + b_.sides.x()) / 2;
+    return offset.squaredNorm() <= reach * reach;
+  }
+  const Gap gap = GapOf(PieceOf(a_, piece_a), PieceOf(b_, piece_b), offset, Goal::kWhetherApart);
+  return gap.distance == 0;
+}
+
+Gap SolidPair::PieceGap(std::size_t piece_a, std::size_t piece_b, const Vector3d& offset) const {
+  if (AreBalls()) {
+    const double between = offset.norm();
+    const double gap = between - (a_.sides.x() + b_.sides.x()) / 2;
+    if (!(gap > 0)) return {};
+    return {gap, offset / between};
+  }
+  return GapOf(PieceOf(a_, piece_a), PieceOf(b_, piece_b), offset, Goal::kDistance);
+}
+
+}  // namespace cdb::library

@@ -1,0 +1,51 @@
+// Two solids that keep their turns: the gap between a convex piece of each, wherever they are.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "library/objects/solid.h"
+
+namespace cdb::library {
+
+struct Gap {
+  double distance = 0;  ///< m; 0 where they touch or overlap
+  /// Unit, from the first piece's nearest point to the second's; zero where they touch.
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+};
+
+/// The solids must outlive it. Threads: any.
+class SolidPair {
+ public:
+  SolidPair(const Solid& a, const Eigen::Quaterniond& turn_a, const Solid& b,
+            const Eigen::Quaterniond& turn_b);
+
+  /// m: of what rounding is counted in.
+  double size() const { return size_; }
+  /// Whether they overlap or touch, b's centre of mass `offset` from a's.
+  bool Overlap(const Eigen::Vector3d& offset) const;
+  /// Calls `visit(piece_a, piece_b)` until one returns true; returns whether one did.
+  template <typename Visit>
+  bool AnyPieces(Visit visit) const {
+    for (std::size_t i = 0; i < a_.PieceCount(); ++i)
+      for (std::size_t j = 0; j < b_.PieceCount(); ++j)
+        if (visit(i, j)) return true;
+    return false;
+  }
+  /// Of a pair of pieces.
+  bool PiecesOverlap(std::size_t piece_a, std::size_t piece_b, const Eigen::Vector3d& offset) const;
+  Gap PieceGap(std::size_t piece_a, std::size_t piece_b, const Eigen::Vector3d& offset) const;
+
+ private:
+  enum class Goal { kWhetherApart, kDistance };
+  bool AreBalls() const { return a_.IsBall() && b_.IsBall(); }
+  /// Of convex parts, each told by its support.
+  template <typename PartOfA, typename PartOfB>
+  Gap GapOf(const PartOfA& part_a, const PartOfB& part_b, const Eigen::Vector3d& offset,
+            Goal goal) const;
+
+  const Solid &a_, &b_;
+  Eigen::Matrix3d turn_a_, turn_b_;
+  double size_;
+};
+
+}  // namespace cdb::library
