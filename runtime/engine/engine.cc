@@ -10,6 +10,7 @@
 #include "dsl/check.h"
 #include "library/scene_error.h"
 #include "runtime/engine/broad_phase.h"
+#include "runtime/engine/conversions.h"
 #include "runtime/engine/precision.h"
 
 namespace cdb::runtime {
@@ -23,10 +24,6 @@ using library::SceneError;
 /// without it.
 constexpr int kObjectGroup = btBroadphaseProxy::DefaultFilter;
 constexpr int WallGroup(int wall) { return 64 << wall; }
-
-btVector3 ToBullet(const Eigen::Vector3d& v) {
-  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
-}
 
 bool IsFinite(const btVector3& v) {
   return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
@@ -130,6 +127,7 @@ Engine::Engine(const compiler::Scene& scene, library::InitialState state, Omissi
       timestep_(TimestepOf(scene)),
       faithful_(scene.world.WordOr("contact") == "faithful"),
       sleeping_(scene.world.On("sleeping")),
+      acceleration_(state_.acceleration),
       configuration_(PoolSizes(omissions_)),
       solver_(MakeSolver(omissions_)) {
   const auto reach = static_cast<btScalar>(Reach(scene_, state_));
@@ -179,6 +177,14 @@ void Engine::SetUpSolver() {
   if (faithful_) info.m_splitImpulsePenetrationThreshold = 0;
 }
 
+void Engine::SetAcceleration(const Eigen::Vector3d& acceleration) {
+  acceleration_ = acceleration;
+  // Bullet gives gravity to those that are awake.
+  for (const auto& body : objects_)
+    if (!body->isStaticObject()) body->activate(true);
+  world_->setGravity(ToBullet(acceleration));
+}
+
 bool Engine::IsKept(int wall) const {
   return omissions_.walls.empty() || std::ranges::any_of(omissions_.walls, [&](std::uint8_t kept) {
            return (kept & 1 << wall) != 0;
@@ -199,6 +205,12 @@ void Engine::MakeObject(const ObjectState& object) {
     body->setContactStiffnessAndDamping(static_cast<btScalar>(object.contact_stiffness),
                                         static_cast<btScalar>(object.contact_damping));
   if (object.ccd) {
+    // Bullet sweeps convex shapes alone, and says nothing.
+    if (!shape->isConvex())
+      throw SceneError(
+          fmt::format("object {}: ccd is for convex types, and it is a compound; set "
+                      "ccd off for its group",
+                      objects_.size() + 1));
     const auto radius = static_cast<btScalar>(object.solid.InnerRadius());
     body->setCcdMotionThreshold(radius);
     body->setCcdSweptSphereRadius(radius);

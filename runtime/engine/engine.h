@@ -59,6 +59,9 @@ class Engine {
   /// wall's the number of objects and its own.
   const std::vector<std::unique_ptr<btRigidBody>>& objects() const { return objects_; }
   const std::vector<std::unique_ptr<btRigidBody>>& walls() const { return walls_; }
+  /// As it is now; in the engine, rounded to its precision. Setting it wakes all who sleep.
+  const Eigen::Vector3d& acceleration() const { return acceleration_; }
+  void SetAcceleration(const Eigen::Vector3d& acceleration);
   btScalar timestep() const { return timestep_; }
   double side() const { return side_; }
 
@@ -78,6 +81,7 @@ class Engine {
   const double side_;
   const btScalar timestep_;
   const bool faithful_, sleeping_;
+  Eigen::Vector3d acceleration_;
   ShapePool shapes_;
   std::vector<std::unique_ptr<btCollisionShape>> wall_shapes_;
   std::vector<std::unique_ptr<btRigidBody>> objects_, walls_;

@@ -9,14 +9,12 @@
 #include <limits>
 #include <system_error>
 
+#include "runtime/engine/conversions.h"
+
 namespace cdb::runtime {
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d ToEigen(const btVector3& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
 
 bool IsFinite(const btVector3& v) {
   return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
@@ -178,7 +176,7 @@ void Probes::RecordMotionRatio(std::uint64_t cycle) {
 }
 
 void Probes::RecordEnergy(std::uint64_t cycle) {
-  const Vector3d& g = engine_.initial_state().acceleration;
+  const Vector3d& g = engine_.acceleration();
   const double half_timestep = static_cast<double>(engine_.timestep()) / 2;
   double kinetic = 0, other = 0;
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {

@@ -10,7 +10,10 @@
 
 #include "library/layouts/initial_state.h"
 #include "library/layouts/placement.h"
+#include "library/objects/solid_maker.h"
 #include "runtime/engine/probes.h"
+#include "runtime/engine/schedules.h"
+#include "runtime/engine/settle.h"
 #include "runtime/engine/state_hash.h"
 
 namespace cdb::runtime {
@@ -28,8 +31,11 @@ void RunCycles(const compiler::Scene& scene, Engine& engine, Recording& recordin
   Probes probes(scene, engine, recording, contacts_fd);
   const std::uint64_t warmup = scene.world.Count("warmup");
   const std::uint64_t cycles = scene.world.Count("cycles");
+  Schedules schedules(scene, engine);
   Tripwire tripwire(engine);
+  std::uint64_t steps = 0;
   const auto step = [&] {
+    schedules.BeforeStep(steps++);
     tripwire.BeforeStep();
     engine.Step();
     tripwire.AfterStep();
@@ -58,7 +64,9 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
     const std::int64_t place_begin = Now();
     library::InitialState state = library::DrawObjects(run.scene);
     header.fill_fraction = state.fill_fraction;  // known also where placing fails
+    CopyText(library::FormsText(state.forms), header.models);
     library::Place(run.scene, state);
+    if (HasPile(run.scene)) SettlePiles(run.scene, state);
     const std::int64_t build_begin = Now();
     header.place_ns = static_cast<double>(build_begin - place_begin);
     Omissions omissions = SettleNeeds(run.scene, state);

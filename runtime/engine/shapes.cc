@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "library/scene_error.h"
+#include "runtime/engine/conversions.h"
 
 namespace cdb::runtime {
 namespace {
@@ -15,10 +16,6 @@ using library::Solid;
 
 /// The schema's default; a margin written out as 0.04 means the same.
 constexpr double kBulletMargin = 0.04;
-
-btVector3 ToBullet(const Eigen::Vector3d& v) {
-  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
-}
 
 /// Of the ellipse in the x-z plane with the half axes of `half`, the point farthest along
 /// `direction`.
@@ -30,6 +27,39 @@ btVector3 EllipsePoint(const btVector3& half, const btVector3& direction) {
   return {half.x() * (x / length), 0, half.z() * (z / length)};
 }
 
+/// A hull that refers to its points. Bullet's own looks for the farthest point along a direction
+/// without regard to the scaling where it is asked one by one, and so for contacts with planes.
+class PieceShape : public btConvexPointCloudShape {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  using btConvexPointCloudShape::btConvexPointCloudShape;
+
+  btVector3 localGetSupportingVertexWithoutMargin(const btVector3& direction) const override {
+    btScalar most = 0;
+    const btVector3 scaled = direction * getLocalScalingNV();
+    return getScaledPoint(
+        static_cast<int>(scaled.maxDot(getUnscaledPoints(), getNumPoints(), most)));
+  }
+  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* directions,
+                                                         btVector3* points,
+                                                         int count) const override {
+    for (int i = 0; i < count; ++i)
+      points[i] = localGetSupportingVertexWithoutMargin(directions[i]);
+  }
+};
+
+std::unique_ptr<btCollisionShape> MakePiece(std::vector<btVector3>& points,
+                                            const btVector3& scaling, btScalar margin) {
+  auto piece =
+      std::make_unique<PieceShape>(points.data(), static_cast<int>(points.size()), scaling, false);
+  // Bullet adds the margin to the box that it keeps, and then again.
+  piece->setMargin(0);
+  piece->recalcLocalAabb();
+  piece->setMargin(margin);
+  return piece;
+}
+
 bool IsRoundCapsule(const Solid& solid) {
   return solid.shape == Shape::kCapsule && solid.sides.x() == solid.sides.z() &&
          solid.sides.y() >= solid.sides.x();
@@ -38,7 +68,7 @@ bool IsRoundCapsule(const Solid& solid) {
 double EffectiveMargin(const Solid& solid, double margin) {
   // Bullet's sphere and capsule are all margin.
   if (solid.IsBall() || IsRoundCapsule(solid)) return 0;
-  const double least = solid.HalfExtents().minCoeff();
+  const double least = solid.LeastHalfExtent();
   if (margin == kBulletMargin) return std::min(margin, least / 10);
   if (margin >= least)
     throw library::SceneError(
@@ -97,6 +127,7 @@ btVector3 SolidShape::localGetSupportingVertexWithoutMargin(const btVector3& dir
       return farthest;
     }
     case Shape::kCuboid:
+    case Shape::kCompound:  // MakeCompound's
       break;
   }
   return {direction.x() < 0 ? -core_.x() : core_.x(), direction.y() < 0 ? -core_.y() : core_.y(),
@@ -135,14 +166,70 @@ void SolidShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const 
   inertia = mass * ToBullet(solid_.InertiaPerMass());
 }
 
-btConvexShape* ShapePool::Get(const Solid& solid, double margin) {
+btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& direction) {
+  if (shape.isConvex())
+    return static_cast<const btConvexShape&>(shape).localGetSupportingVertex(direction);
+  const auto& compound = static_cast<const btCompoundShape&>(shape);
+  btVector3 farthest(0, 0, 0);
+  btScalar most = -BT_LARGE_FLOAT;
+  for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+    const btTransform& pose = compound.getChildTransform(i);
+    const btVector3 point =
+        pose * FarthestPoint(*compound.getChildShape(i), direction * pose.getBasis());
+    if (direction.dot(point) <= most) continue;
+    most = direction.dot(point);
+    farthest = point;
+  }
+  return farthest;
+}
+
+std::vector<ShapePool::Points>& ShapePool::PointsOf(const library::Form& form) {
+  std::vector<Points>& pieces = points_[&form];
+  if (!pieces.empty()) return pieces;
+  for (const library::ConvexPiece& piece : form.pieces) {
+    Points& points = pieces.emplace_back();
+    points.reserve(piece.vertices.size());
+    for (const Eigen::Vector3d& vertex : piece.vertices) points.push_back(ToBullet(vertex));
+  }
+  return pieces;
+}
+
+// Each piece keeps its outside: its vertices move inwards by the margin that Bullet adds.
+std::unique_ptr<btCollisionShape> ShapePool::MakeCompound(const library::Compound& compound,
+                                                          btScalar margin) {
+  std::vector<Points>& pieces = PointsOf(compound.form());
+  const btMatrix3x3 basis = BasisOf(compound.from_mesh());
+  const auto scaling_of = [&](std::size_t piece) {
+    const btVector3 half =
+        ToBullet(compound.form().pieces[piece].half.cwiseProduct(compound.sides()));
+    return ToBullet(compound.sides()) * (half - btVector3(margin, margin, margin)) / half;
+  };
+  if (pieces.size() == 1) {
+    // Convex: without a compound around it, in the body's own frame.
+    const btVector3 scaling = scaling_of(0), centre = ToBullet(compound.PieceCentre(0));
+    Points& points = *own_points_.emplace_back(std::make_unique<Points>());
+    for (const btVector3& point : pieces[0]) points.push_back(basis * (point * scaling) + centre);
+    return MakePiece(points, btVector3(1, 1, 1), margin);
+  }
+  auto shape = std::make_unique<btCompoundShape>(true, static_cast<int>(pieces.size()));
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    pieces_.push_back(MakePiece(pieces[i], scaling_of(i), margin));
+    shape->addChildShape(btTransform(basis, ToBullet(compound.PieceCentre(i))),
+                         pieces_.back().get());
+  }
+  return shape;
+}
+
+btCollisionShape* ShapePool::Get(const Solid& solid, double margin) {
   const double effective = EffectiveMargin(solid, margin);
-  auto& shape =
-      shapes_[{solid.shape, solid.sides.x(), solid.sides.y(), solid.sides.z(), effective}];
+  auto& shape = shapes_[{solid.shape, solid.compound.get(), solid.sides.x(), solid.sides.y(),
+                         solid.sides.z(), effective}];
   if (shape != nullptr) return shape.get();
   const btVector3 half = ToBullet(solid.HalfExtents());
   const auto bullet_margin = static_cast<btScalar>(effective);
-  if (solid.IsBall()) {
+  if (solid.compound != nullptr) {
+    shape = MakeCompound(*solid.compound, bullet_margin);
+  } else if (solid.IsBall()) {
     shape = std::make_unique<btSphereShape>(half.x());
   } else if (IsRoundCapsule(solid)) {
     shape =

@@ -1,11 +1,13 @@
 // Bullet shapes of the library's solids.
 #pragma once
 
+#include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
 #include <btBulletCollisionCommon.h>
 
 #include <map>
 #include <memory>
 #include <tuple>
+#include <vector>
 
 #include "library/objects/solid.h"
 
@@ -37,19 +39,34 @@ class SolidShape : public btConvexInternalShape {
   btScalar core_shift_;  ///< y of the core's box centre
 };
 
-/// Makes shapes and owns them; equal solids with equal margins share one. Not for several threads.
+/// The outermost point of a shape that is convex, or a compound of convex ones, along `direction`,
+/// in its own frame, margin and all.
+btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& direction);
+
+/// Makes shapes and owns them; equal solids with equal margins share one, and compounds of one form
+/// share its vertices whatever their size. Not for several threads.
 class ShapePool {
  public:
-  /// Valid while the pool lives. A ball's margin is its radius and a plane has none: `margin` is
-  /// then without effect. 0.04, the default, stands for Bullet's own rule: 0.04 m, or a tenth of
-  /// the least half extent where that is less. Any other margin is taken as it is. Throws
-  /// library::SceneError where it is not less than the least half extent.
-  btConvexShape* Get(const library::Solid& solid, double margin);
+  /// Valid while the pool lives: convex, or a btCompoundShape of convex ones. A ball's margin is
+  /// its radius and a plane has none: `margin` is then without effect. 0.04, the default, stands
+  /// for Bullet's own rule: 0.04 m, or a tenth of the least half extent (of any piece) where that
+  /// is less. Any other margin is taken as it is. Throws library::SceneError where it is not less
+  /// than the least half extent.
+  btCollisionShape* Get(const library::Solid& solid, double margin);
   std::size_t size() const { return shapes_.size(); }
 
  private:
-  using Key = std::tuple<library::Shape, double, double, double, double>;
-  std::map<Key, std::unique_ptr<btConvexShape>> shapes_;
+  using Key = std::tuple<library::Shape, const library::Compound*, double, double, double, double>;
+  using Points = std::vector<btVector3>;  ///< of one piece
+
+  std::unique_ptr<btCollisionShape> MakeCompound(const library::Compound& compound,
+                                                 btScalar margin);
+  std::vector<Points>& PointsOf(const library::Form& form);
+
+  std::map<const library::Form*, std::vector<Points>> points_;
+  std::vector<std::unique_ptr<Points>> own_points_;        ///< of what is one piece
+  std::vector<std::unique_ptr<btCollisionShape>> pieces_;  ///< of compounds
+  std::map<Key, std::unique_ptr<btCollisionShape>> shapes_;
 };
 
 }  // namespace cdb::runtime

@@ -21,8 +21,8 @@ btScalar TouchingDistance(const btRigidBody& body) {
 btScalar FarthestAlong(const btRigidBody& body, const btVector3& direction) {
   const btTransform& pose = body.getWorldTransform();
   const btVector3 local = direction * pose.getBasis();
-  const auto& shape = *static_cast<const btConvexShape*>(body.getCollisionShape());
-  return direction.dot(pose.getOrigin()) + local.dot(shape.localGetSupportingVertex(local));
+  return direction.dot(pose.getOrigin()) +
+         local.dot(FarthestPoint(*body.getCollisionShape(), local));
 }
 
 /// A wall's place and an object's are rounded; so is the distance that Bullet works out of them.
@@ -96,9 +96,9 @@ void Tripwire::CheckOrder() {
       if (body->isStaticObject()) continue;
       char& touches = touches_[static_cast<std::size_t>(body->getUserIndex())];
       if (touches != 0)
-        throw Tripped(fmt::format(
-            "object {} touched two others at once, and the order of its contacts could change",
-            body->getUserIndex() + 1));
+        throw Tripped(
+            fmt::format("object {} was in two contacts at once, and their order could change",
+                        body->getUserIndex() + 1));
       touches = 1;
     }
   }

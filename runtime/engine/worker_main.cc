@@ -19,6 +19,8 @@
 #include "compiler/plan_yaml.h"
 #include "runtime/engine/precision.h"
 #include "runtime/engine/run_scene.h"
+#include "runtime/engine/settle.h"
+#include "runtime/engine/whole_files.h"
 
 namespace cdb::runtime {
 namespace {
@@ -26,18 +28,6 @@ namespace {
 constexpr int kCannotReport = 2;
 /// Followed by the reason; a worker gives it to itself.
 constexpr const char* kKeepWalls = "--keep-walls";
-
-std::string ReadAll(int fd) {
-  std::string text;
-  char buffer[65536];
-  for (;;) {
-    const ssize_t count = read(fd, buffer, sizeof buffer);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw std::system_error(errno, std::generic_category(), "cannot read the run");
-    if (count == 0) return text;
-    text.append(buffer, static_cast<std::size_t>(count));
-  }
-}
 
 bool HasDescriptors() {
   for (const int fd : {kRunFd, kRecordingFd, kContactsFd})
@@ -55,9 +45,7 @@ bool HasDescriptors() {
   throw std::system_error(errno, std::generic_category(), "cannot start again");
 }
 
-int RunWorker(const char* program, const std::string& keep_walls) {
-  // A runner that is killed must not leave workers behind.
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+void RunWorker(const char* program, const std::string& keep_walls) {
   const compiler::Run run = compiler::RunFromYaml(ReadAll(kRunFd), "run");
   Recording recording = Recording::Open(kRecordingFd, run.scene);
   const std::string mismatch = PrecisionMismatch();
@@ -74,7 +62,6 @@ int RunWorker(const char* program, const std::string& keep_walls) {
     }
   }
   recording.header().peak_rss_bytes = PeakRssBytes();
-  return 0;
 }
 
 }  // namespace
@@ -87,8 +74,9 @@ int main(int argc, char** argv) {
                btGetVersion() % 100, EnginePrecision());
     return 0;
   }
+  const bool settles = argc == 2 && std::string_view(argv[1]) == kSettleOption;
   const bool keeps_walls = argc == 3 && std::string_view(argv[1]) == kKeepWalls;
-  if ((argc != 1 && !keeps_walls) || !HasDescriptors()) {
+  if (!settles && ((argc != 1 && !keeps_walls) || !HasDescriptors())) {
     fmt::print(stderr,
                "{}: this program runs one run of a plan for `cdb run` and is not started by hand; "
                "use `cdb run FILE.cdb`\n",
@@ -96,9 +84,15 @@ int main(int argc, char** argv) {
     return kCannotReport;
   }
   try {
-    const int status = RunWorker(argv[0], keeps_walls ? argv[2] : "");
+    // A runner that is killed must not leave workers behind.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (settles) {
+      SettleForAnother(cdb::compiler::RunFromYaml(ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
+    } else {
+      RunWorker(argv[0], keeps_walls ? argv[2] : "");
+    }
     std::fflush(nullptr);
-    _exit(status);  // nothing left to take down that the system does not
+    _exit(0);  // nothing left to take down that the system does not
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", argv[0], error.what());
     return kCannotReport;

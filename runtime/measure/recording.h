@@ -29,6 +29,7 @@ struct RecordingHeader {
   char message[2048];     ///< why it failed, in the user's words
   char omitted[256];      ///< names of the components left out (compiler/needs.h)
   char needs[4096];       ///< what became of each component, and why
+  char models[4096];      ///< the hulls of the compounds in the scene (FormsText)
   double peak_rss_bytes;  ///< of the worker process; NaN where it did not get that far
   double place_ns;        ///< finding a place for every object
   double build_ns;        ///< settling what is left out, and making the world

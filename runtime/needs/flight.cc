@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 using library::ObjectState;
-using library::Shape;
 using library::Solid;
 
 /// btPersistentManifold's breaking threshold, a part of the shape's disc.
@@ -20,31 +19,6 @@ constexpr double kThreshold = 0.02;
 /// Bullet's numbers, F = m g and back, and detection's own.
 constexpr double kOtherOperations = 32;
 
-double FarthestPoint(const Solid& solid) {
-  const Vector3d half = solid.HalfExtents();
-  const double across = std::max(half.x(), half.z());
-  switch (solid.shape) {
-    case Shape::kEllipsoid:
-      return half.maxCoeff();
-    case Shape::kCuboid:
-      return half.stableNorm();
-    case Shape::kCylinder:
-      return std::hypot(across, half.y());
-    case Shape::kCone:
-      return std::max(0.75 * solid.sides.y(), std::hypot(across, solid.sides.y() / 4));
-    case Shape::kCapsule: {
-      // Of (across sin t, straight + cap cos t), where the tip is not the farthest.
-      const double straight = solid.StraightHalf(), cap = half.y() - straight;
-      const double cosine = cap * straight / (across * across - cap * cap);
-      if (!(across > cap) || cosine >= 1) return half.y();
-      return std::hypot(across * std::sqrt(1 - cosine * cosine), straight + cap * cosine);
-    }
-    case Shape::kTetrahedron:
-      return half.stableNorm();
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
 /// How far Bullet's rounded corners may stand out of the solid. Its margin is never more than the
 /// least half extent.
 double MarginOf(const ObjectState& object) {
@@ -52,9 +26,10 @@ double MarginOf(const ObjectState& object) {
   return std::min(object.margin, object.solid.HalfExtents().minCoeff());
 }
 
-/// btCollisionShape::getAngularMotionDisc: of the ball around the shape's box, which for a ball is
-/// a cube.
+/// btCollisionShape::getAngularMotionDisc, or more: of the ball around the shape's box, which for a
+/// ball is a cube, and for a compound is made of the boxes of its turned pieces.
 double AngularMotionDisc(const Solid& solid) {
+  if (solid.compound != nullptr) return 4 * std::sqrt(3.0) * solid.OuterRadius();
   return solid.HalfExtents().stableNorm() + std::abs(solid.BoxCentre());
 }
 
@@ -236,7 +211,7 @@ Flight FlightOf(const ObjectState& object, const Vector3d& acceleration,
   const double margin = MarginOf(object);
   flight.timestep = horizon.timestep;
   flight.start = object.pose.position;
-  flight.radius = FarthestPoint(object.solid) + margin;
+  flight.radius = object.solid.OuterRadius() + margin;
   flight.threshold = kThreshold * AngularMotionDisc(object.solid);
   flight.velocity = flight.acceleration = Vector3d::Zero();
   if (!object.IsFixed()) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "compiler/calls.h"
 #include "runtime/needs/crowds.h"
 #include "runtime/needs/flight.h"
 #include "runtime/needs/needs.h"
@@ -65,10 +66,27 @@ std::string EscapeText(const Encounter& escape) {
   return "no wall stands, and no two objects come near one another";
 }
 
+/// What makes the objects' motion unknown before it happens, if something does.
+std::optional<std::string> WhatChanges(const compiler::Scene& scene) {
+  if (compiler::AsCall(scene.world.Get("acceleration")) != nullptr)
+    return "the acceleration changes while it runs";
+  for (const compiler::Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0) continue;
+    for (const char* velocity : {"linear_velocity", "angular_velocity"})
+      if (compiler::AsCall(group.settings.Get(velocity)) != nullptr)
+        return fmt::format("the {} of {} is set again while it runs", velocity, group.name);
+    const compiler::Call* layout = compiler::AsCall(group.settings.Get("location"));
+    if (layout != nullptr && layout->name == "pile")
+      return fmt::format("{} settle before the first cycle", group.name);
+  }
+  return std::nullopt;
+}
+
 class Forecaster {
  public:
   Forecaster(const compiler::Scene& scene, const library::InitialState& state)
-      : state_(state),
+      : what_changes_(WhatChanges(scene)),
+        state_(state),
         horizon_(HorizonOf(scene)),
         room_(scene, horizon_),
         tests_left_(kTestsOfOne * state.objects.size() + kMinTests) {
@@ -101,6 +119,7 @@ class Forecaster {
  private:
   /// What keeps the search from an answer, if something does.
   std::optional<std::string> Follow() {
+    if (what_changes_) return what_changes_;
     for (std::size_t i = 0; i < flights_.size(); ++i) {
       if (flights_[i].motion != Motion::kFixed && state_.objects[i].ccd)
         return fmt::format("object {} has ccd, which looks for contacts ahead of it", i + 1);
@@ -209,6 +228,7 @@ class Forecaster {
   /// m^2: beyond it products of squares overflow.
   static constexpr double kLargestSquare = 1e150;
 
+  const std::optional<std::string> what_changes_;
   const library::InitialState& state_;
   const Horizon horizon_;
   const Room room_;

@@ -144,9 +144,11 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
 
   result.omitted = BoundedText(header.omitted);
   result.needs = BoundedText(header.needs);
+  result.models = BoundedText(header.models);
   if (!has_exited) {
     result.omitted = LinesOf(std::move(result.omitted));
     result.needs = LinesOf(std::move(result.needs));
+    result.models = LinesOf(std::move(result.models));
   }
   result.peak_rss_bytes = header.peak_rss_bytes;
   result.place_ns = header.place_ns;

@@ -92,6 +92,7 @@ std::vector<std::byte> MakeImage(const compiler::Plan& plan, const PlanFacts& fa
     file.OpenDataset(text.name).WriteText({{text.get(run, result)}});
   h5::Group group = file.CreateGroup("provenance");
   for (const auto& [name, text] : provenance) group.SetText(name.c_str(), text);
+  if (!result.models.empty()) group.SetText("models", result.models);
   group.CreateDataset({"run_text", h5::Type::kText, {}, {}, 0})
       .WriteText({{compiler::RunToYaml(run)}});
   return file.Image();

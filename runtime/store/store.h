@@ -40,6 +40,7 @@ struct RunResult {
   std::string message;  ///< why it did not end well; empty where it did
   std::string omitted;  ///< names of the components left out, separated by spaces
   std::string needs;    ///< what became of each component: a line each (compiler/needs.h)
+  std::string models;   ///< the hulls of the compounds in the scene: a line each; may be empty
   double load = 0;      ///< the machine's one-minute load average when the run began
   double peak_rss_bytes = 0, place_ns = 0, build_ns = 0, fill_fraction = 0;
   std::vector<std::pair<const Series*, std::span<const std::byte>>> series;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "library/layouts/initial_state.h"
+#include "runtime/engine/conversions.h"
 #include "runtime/engine/engine.h"
 #include "runtime/engine/precision.h"
 #include "runtime/engine/run_scene.h"
@@ -31,9 +32,9 @@ inline library::InitialState OneObjectAt(const compiler::Scene& scene,
   return state;
 }
 
-inline Eigen::Vector3d ToEigen(const btVector3& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
+using runtime::ToBullet;
+using runtime::ToEigen;
+
 inline Eigen::Vector3d Position(const runtime::Engine& engine, std::size_t object = 0) {
   return ToEigen(engine.objects()[object]->getWorldTransform().getOrigin());
 }

@@ -208,7 +208,7 @@ TEST(Tripwire, SeesAnObjectThatTouchesTwo) {
   const auto state = At(scene, {{{0, -975, 0}}, {{1, -915, 0}}});
   const Twins twins = RunTwins(scene, state);
   ASSERT_TRUE(twins.tripped);
-  EXPECT_NE(twins.tripped->find("object 1 touched two others at once"), std::string::npos);
+  EXPECT_NE(twins.tripped->find("object 1 was in two contacts at once"), std::string::npos);
   EXPECT_EQ(twins.why(Component::kWalls), *twins.tripped);
 }
 

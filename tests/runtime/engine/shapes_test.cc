@@ -65,11 +65,11 @@ TEST(Shapes, CoreAndMarginStayCloseToTheSolid) {
     const Solid solid{kShapes[i % std::size(kShapes)],
                       {stream.Uniform(10, 90), 30, stream.Uniform(10, 90)}};
     runtime::ShapePool pool;
-    const btConvexShape* shape = pool.Get(solid, 0.5);
+    const btCollisionShape* shape = pool.Get(solid, 0.5);
     const Vector3d d = Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
     const btVector3 direction(static_cast<btScalar>(d.x()), static_cast<btScalar>(d.y()),
                               static_cast<btScalar>(d.z()));
-    const double reach = d.dot(ToEigen(shape->localGetSupportingVertex(direction)));
+    const double reach = d.dot(ToEigen(runtime::FarthestPoint(*shape, direction)));
     EXPECT_NEAR(reach, d.dot(solid.Support(d)), 0.5 * 1.74 + 200 * kEpsilon)
         << static_cast<int>(solid.shape);
   }

@@ -36,6 +36,7 @@ Value AnyValue(const compiler::Parameter& parameter) {
       return compiler::Ratio{{1, 1, 1}};
     case ParameterType::kWords:
       return compiler::WordList{std::string(parameter.AllWords().at(0))};
+    case ParameterType::kText:
     case ParameterType::kWord:
       break;
   }

@@ -1,0 +1,24 @@
+// Numbers between Eigen, which is double, and Bullet, which is what this worker is built for.
+#pragma once
+
+#include <LinearMath/btMatrix3x3.h>
+
+#include <Eigen/Core>
+
+namespace cdb::runtime {
+
+inline btVector3 ToBullet(const Eigen::Vector3d& v) {
+  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
+}
+
+inline btMatrix3x3 BasisOf(const Eigen::Matrix3d& m) {
+  btMatrix3x3 basis;
+  for (int row = 0; row < 3; ++row) basis[row] = ToBullet(Eigen::Vector3d(m.row(row)));
+  return basis;
+}
+
+inline Eigen::Vector3d ToEigen(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+}  // namespace cdb::runtime

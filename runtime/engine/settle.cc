@@ -1,0 +1,330 @@
+#include "runtime/engine/settle.h"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <system_error>
+
+#include "compiler/calls.h"
+#include "compiler/plan_yaml.h"
+#include "library/content_cache.h"
+#include "library/distributions/draw.h"
+#include "library/layouts/bodies.h"
+#include "library/layouts/clearance.h"
+#include "library/meshes/decompose.h"
+#include "library/objects/solid_maker.h"
+#include "library/scene_error.h"
+#include "runtime/engine/conversions.h"
+#include "runtime/engine/engine.h"
+#include "runtime/engine/precision.h"
+#include "runtime/engine/whole_files.h"
+
+namespace cdb::runtime {
+namespace {
+
+using Eigen::Vector3d;
+using library::InitialState;
+using library::ObjectState;
+using library::SceneError;
+
+constexpr double kSettleMargin = 0.005;  ///< of the least half extent
+
+bool IsPile(const compiler::Group& group) {
+  const compiler::Call* layout = compiler::AsCall(group.settings.Get("location"));
+  return layout != nullptr && layout->name == "pile" && group.settings.Count("quantity") > 0;
+}
+
+/// What is the same for all tries.
+struct Settling {
+  const compiler::Scene& scene;
+  const InitialState& dropped;
+  std::vector<std::uint32_t> piled;  ///< objects
+  double diameter = 0, gravity = 0;  ///< mean, m; m/s^2
+  double UnitOfTime() const { return std::sqrt(diameter / gravity); }
+};
+
+Settling PrepareToSettle(const compiler::Scene& scene, const InitialState& dropped) {
+  Settling settling{scene, dropped, {}};
+  for (std::size_t i = 0; i < dropped.objects.size(); ++i) {
+    const ObjectState& object = dropped.objects[i];
+    if (!IsPile(scene.groups[object.group])) continue;
+    if (object.IsFixed())
+      throw SceneError(
+          fmt::format("the objects of group `{}` are fixed and cannot settle into a pile; give "
+                      "them a mass, or another layout",
+                      scene.groups[object.group].name));
+    settling.piled.push_back(static_cast<std::uint32_t>(i));
+    settling.diameter += 2 * object.solid.OuterRadius();
+  }
+  settling.diameter /= static_cast<double>(settling.piled.size());
+  if (scene.world.WordOr("world.walls") == "none")
+    throw SceneError("a pile needs a floor: set world.walls to floor or all");
+  const Vector3d& g = dropped.acceleration;
+  if (!(g.y() < 0) || std::hypot(g.x(), g.z()) > 0.1 * -g.y())
+    throw SceneError(
+        "a pile settles under an acceleration that points down to the floor, as (0, "
+        "-9.8, 0) does");
+  settling.gravity = -g.y();
+  return settling;
+}
+
+/// The scene as it settles: with all that Bullet has, and nothing recorded.
+compiler::Scene QuietScene(const Settling& settling) {
+  compiler::Scene scene = settling.scene;
+  const auto set = [&](const char* name, compiler::Value value) {
+    scene.world.values.insert_or_assign(name, std::move(value));
+  };
+  set("precision", compiler::Word{"double"});
+  set("detector", compiler::Word{"dbvt"});
+  set("contact", compiler::Word{"bullet"});
+  set("omit", compiler::WordList{"none"});
+  set("record", compiler::WordList{});
+  set("sleeping", false);
+  set("timestep", std::min(1.0 / 60, settling.UnitOfTime() / 30));
+  return scene;
+}
+
+InitialState QuietState(const Settling& settling, double growth) {
+  InitialState state = settling.dropped;
+  for (ObjectState& object : state.objects) object.mass = 0;
+  // So much of the velocity is lost in a unit of time.
+  constexpr double kLoss = 0.3;
+  const double damping = 1 - std::pow(1 - kLoss, 1 / settling.UnitOfTime());
+  std::map<const library::Compound*, std::shared_ptr<const library::Compound>> grown;
+  const double push = 0.5 * std::sqrt(settling.gravity * settling.diameter);
+  for (const std::uint32_t i : settling.piled) {
+    ObjectState& object = state.objects[i];
+    object.mass = settling.dropped.objects[i].mass;
+    object.solid.sides *= growth;
+    if (const auto& compound = settling.dropped.objects[i].solid.compound) {
+      auto& shared = grown[compound.get()];
+      if (shared == nullptr)
+        shared =
+            std::make_shared<const library::Compound>(compound->shared_form(), object.solid.sides);
+      object.solid.compound = shared;
+    }
+    object.linear_damping = object.angular_damping = damping;
+    object.restitution = 0;
+    // Corners that Bullet's margin rounds would stand in what they lie on.
+    object.margin = kSettleMargin * object.solid.LeastHalfExtent();
+    object.ccd = false;
+    const std::string& group = settling.scene.groups[object.group].name;
+    // A stream for each object, so that it does not matter who settles with it.
+    library::Stream stream(
+        compiler::StreamSeed(settling.scene.seeds.at(group + ".location"), std::to_string(i)));
+    const auto drawn = [&](double most) { return stream.Uniform(-most, most); };
+    object.linear_velocity = {drawn(push), 0, drawn(push)};
+    const double spin = push / settling.diameter;
+    object.angular_velocity = {drawn(spin), drawn(spin), drawn(spin)};
+  }
+  return state;
+}
+
+/// m/s, of any point of any of them.
+double FastestPoint(const Settling& settling, const Engine& engine) {
+  double fastest = 0;
+  for (const std::uint32_t i : settling.piled) {
+    const btRigidBody& body = *engine.objects()[i];
+    const double radius = settling.dropped.objects[i].solid.OuterRadius();
+    fastest = std::max(fastest, ToEigen(body.getLinearVelocity()).norm() +
+                                    radius * ToEigen(body.getAngularVelocity()).norm());
+  }
+  return fastest;
+}
+
+void ComeToRest(const Settling& settling, Engine& engine) {
+  const double unit = settling.UnitOfTime();
+  const double timestep = static_cast<double>(engine.timestep());
+  const int steps_of_unit = static_cast<int>(std::ceil(unit / timestep));
+  const double fall = std::sqrt(2 * engine.side() / settling.gravity);
+  const double slow = kRestSpeed * std::sqrt(settling.gravity * settling.diameter);
+  double fastest = 0;
+  int checks = 0;
+  for (double time = 0; time < kSettleTime * unit + fall; time += steps_of_unit * timestep) {
+    for (int i = 0; i < steps_of_unit; ++i) engine.Step();
+    fastest = FastestPoint(settling, engine);
+    checks = fastest < slow ? checks + 1 : 0;
+    if (checks == kRestChecks) return;
+    if (!std::isfinite(fastest)) break;
+  }
+  throw SceneError(
+      fmt::format("the pile does not come to rest: after {:.4g} s its fastest object still moves "
+                  "at {:.3g} m/s; "
+                  "more friction or rolling_friction, or fewer objects, would help",
+                  kSettleTime * unit + fall, fastest));
+}
+
+/// The dropped objects with the poses that they have in the engine.
+InitialState Taken(const Settling& settling, const Engine& engine) {
+  InitialState state = settling.dropped;
+  for (const std::uint32_t i : settling.piled) {
+    const btTransform& pose = engine.objects()[i]->getWorldTransform();
+    const btQuaternion turn = pose.getRotation();
+    state.objects[i].pose.position = ToEigen(pose.getOrigin());
+    state.objects[i].pose.orientation =
+        Eigen::Quaterniond(static_cast<double>(turn.w()), static_cast<double>(turn.x()),
+                           static_cast<double>(turn.y()), static_cast<double>(turn.z()))
+            .normalized();
+  }
+  return state;
+}
+
+/// Throws SceneError where objects overlap or reach through a wall.
+void CheckClearance(const compiler::Scene& scene, InitialState& state) {
+  library::Bodies bodies(scene, state);
+  std::vector<std::uint32_t> all(state.objects.size());
+  std::iota(all.begin(), all.end(), 0u);
+  for (const std::uint32_t i : all) bodies.MoveTo(i, state.objects[i].pose.position);
+  library::CheckClearance(bodies, all);
+}
+
+constexpr std::size_t kPoseSize = 7;  ///< place, and the turn's w, x, y, z
+
+std::string PosesOf(const InitialState& state) {
+  std::string bytes;
+  for (const ObjectState& object : state.objects) {
+    const Vector3d& place = object.pose.position;
+    const Eigen::Quaterniond& turn = object.pose.orientation;
+    const std::array<double, kPoseSize> pose = {place.x(), place.y(), place.z(), turn.w(),
+                                                turn.x(),  turn.y(),  turn.z()};
+    bytes.append(reinterpret_cast<const char*>(pose.data()), sizeof pose);
+  }
+  return bytes;
+}
+
+/// False, with nothing changed, where it is not what PosesOf wrote for as many objects.
+bool TakePoses(std::string_view bytes, InitialState& state) {
+  std::array<double, kPoseSize> pose;
+  if (bytes.size() != state.objects.size() * sizeof pose) return false;
+  for (ObjectState& object : state.objects) {
+    std::memcpy(pose.data(), bytes.data(), sizeof pose);
+    bytes.remove_prefix(sizeof pose);
+    object.pose.position = {pose[0], pose[1], pose[2]};
+    object.pose.orientation = {pose[3], pose[4], pose[5], pose[6]};
+  }
+  return true;
+}
+
+[[noreturn]] void Fail(const char* what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// Before the poses; anything else is why there are none.
+constexpr std::string_view kSettled = "settled\n";
+
+/// What the other worker writes about the scene.
+std::string AskDoubleWorker(const compiler::Scene& scene) {
+  const std::string program =
+      (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "cdb-worker-f64").string();
+  compiler::Run run;
+  run.scene = scene;
+  run.id = compiler::RunId(scene, run.rep);
+  const std::string yaml = compiler::RunToYaml(run);
+  const int text = memfd_create("cdb-settle", MFD_CLOEXEC);
+  if (text < 0) Fail("no memory to settle a pile");
+  WriteAll(text, yaml);
+  if (lseek(text, 0, SEEK_SET) != 0) Fail("cannot settle a pile");
+  int ends[2];
+  if (pipe(ends) != 0) Fail("no pipe to settle a pile");
+  // One thread alone, and nothing between fork and exec that could need a lock.
+  const pid_t child = fork();
+  if (child < 0) Fail("cannot start a worker to settle a pile");
+  if (child == 0) {
+    dup2(text, STDIN_FILENO);
+    dup2(ends[1], STDOUT_FILENO);
+    close(ends[0]);
+    close(ends[1]);
+    execl(program.c_str(), program.c_str(), kSettleOption, nullptr);
+    _exit(127);
+  }
+  close(text);
+  close(ends[1]);
+  std::string answer = ReadAll(ends[0]);
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw std::runtime_error(fmt::format("{} could not settle the pile", program));
+  return answer;
+}
+
+InitialState Settled(const Settling& settling) {
+  const compiler::Scene quiet = QuietScene(settling);
+  std::string overlap;
+  for (const double growth : kSettleGrowth) {
+    Engine engine(quiet, QuietState(settling, growth), KeepEverything(quiet));
+    ComeToRest(settling, engine);
+    InitialState settled = Taken(settling, engine);
+    try {
+      CheckClearance(settling.scene, settled);
+      return settled;
+    } catch (const SceneError& error) {
+      overlap = error.what();
+    }
+  }
+  throw SceneError(fmt::format("the pile pressed its objects into one another: {}", overlap));
+}
+
+constexpr std::string_view kKind = "pile";
+/// To be raised with everything here that changes where objects come to rest.
+constexpr std::string_view kVersion = "1";
+
+/// Of all that decides the poses.
+std::string KeyOf(const Settling& settling) {
+  compiler::Run run;
+  run.scene = QuietScene(settling);
+  // These decide how long a run is and what it shows.
+  for (const char* name : {"cycles", "warmup", "timeout", "repeats"})
+    run.scene.world.values.erase(name);
+  return library::CacheKeyOf(
+      fmt::format("{}\nBullet {}\n{}\n{}{}", kVersion, btGetVersion(), library::DecomposerVersion(),
+                  library::FormsText(settling.dropped.forms), compiler::RunToYaml(run)));
+}
+
+}  // namespace
+
+bool HasPile(const compiler::Scene& scene) { return std::ranges::any_of(scene.groups, IsPile); }
+
+void SettlePiles(const compiler::Scene& scene, InitialState& state) {
+  const Settling settling = PrepareToSettle(scene, state);
+  const std::filesystem::path folder = library::CacheFolder();
+  const std::string key = KeyOf(settling);
+  if (const auto kept = library::FindCached(folder, kKind, key))
+    if (TakePoses(*kept, state)) return;
+  if (std::string_view(EnginePrecision()) != "double") {
+    const std::string answer = AskDoubleWorker(scene);
+    if (!answer.starts_with(kSettled)) throw SceneError(answer);
+    if (!TakePoses(std::string_view(answer).substr(kSettled.size()), state))
+      throw std::runtime_error("the settled pile is not whole");
+    return;
+  }
+  state = Settled(settling);
+  library::StoreCached(folder, kKind, key, PosesOf(state));
+}
+
+void SettleForAnother(const compiler::Run& run, int fd) {
+  std::string answer(kSettled);
+  try {
+    InitialState state = library::MakeInitialState(run.scene);
+    SettlePiles(run.scene, state);
+    answer += PosesOf(state);
+  } catch (const std::exception& error) {
+    answer = error.what();
+  }
+  WriteAll(fd, answer);
+}
+
+}  // namespace cdb::runtime
