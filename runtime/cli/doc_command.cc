@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "compiler/calls.h"
 #include "compiler/needs.h"
 #include "compiler/schema.h"
 #include "dsl/diagnostics.h"
@@ -22,12 +27,59 @@ namespace {
 namespace fs = std::filesystem;
 using compiler::Parameter;
 
+using compiler::CallInfo;
+
+/// `stack(height: all, gap: fit, spacing: fit)`, `at(x, y, z)`.
+std::string Signature(const CallInfo& info) {
+  std::string text;
+  for (const Parameter& argument : info.arguments) {
+    if (!text.empty()) text += ", ";
+    text += argument.name;
+    if (!argument.default_text.empty()) text += fmt::format(": {}", argument.default_text);
+  }
+  return fmt::format("{}({})", info.name, text);
+}
+
+/// A table of every argument.
+std::string Arguments(const std::vector<const CallInfo*>& calls) {
+  Table table;
+  for (const char* head : {"argument", "of", "takes", "unit", ""}) table.AddColumn(head, false);
+  for (const CallInfo* info : calls)
+    for (const Parameter& argument : info->arguments)
+      table.AddRow({std::string(argument.name), std::string(info->name), argument.Takes(),
+                    std::string(argument.unit), std::string(argument.doc)});
+  return table.Text();
+}
+
+std::vector<const CallInfo*> CallsOf(std::string_view parameter, bool grouped) {
+  std::vector<const CallInfo*> calls;
+  for (const std::string_view name : compiler::FindParameter(parameter, grouped)->AllCalls())
+    calls.push_back(compiler::FindCall(name));
+  return calls;
+}
+
+/// Words that stand alone and words with arguments, then the arguments.
+template <typename Rows>
+std::string Words(const char* title, const Rows& rows, const std::vector<const CallInfo*>& calls) {
+  Table table;
+  table.AddColumn(title, false);
+  table.AddColumn("", false);
+  for (const auto& row : rows) table.AddRow({std::string(row.name), std::string(row.doc)});
+  for (const CallInfo* info : calls) table.AddRow({Signature(*info), std::string(info->doc)});
+  return table.Text() + "\n" + Arguments(calls);
+}
+
+std::string Words(const char* title, const std::vector<const CallInfo*>& calls) {
+  return Words(title, std::span<const library::LayoutInfo>(), calls);
+}
+
 std::string OneParameter(const Parameter& parameter) {
   std::string text = fmt::format("{}\n  {}\n", parameter.FullName(), parameter.doc);
   text += fmt::format("  takes    {}\n", parameter.Takes());
   text += fmt::format("  default  {}\n", parameter.default_text);
   if (!parameter.unit.empty()) text += fmt::format("  unit     {}\n", parameter.unit);
-  return text;
+  const auto calls = CallsOf(parameter.name, parameter.grouped);
+  return calls.empty() ? text : text + "\n" + Words("with arguments", calls);
 }
 
 std::string AllParameters() {
@@ -74,12 +126,7 @@ std::string Names(const char* title, const Rows& rows, Doc doc) {
   return table.Text();
 }
 
-std::string Objects() {
-  return Names("objects", library::ObjectTypes(), [](const library::ObjectType& type) {
-    return type.refusal.empty() ? std::string(type.doc)
-                                : fmt::format("{} (not yet: {})", type.doc, type.refusal);
-  });
-}
+std::string Objects() { return Words("objects", library::ObjectTypes(), CallsOf("type", true)); }
 
 std::string Detectors() {
   return Names("detectors", library::Detectors(), [](const library::DetectorInfo& detector) {
@@ -89,32 +136,37 @@ std::string Detectors() {
   });
 }
 
-std::string Layouts() {
-  return Names("layouts", library::Layouts(),
-               [](const library::LayoutInfo& layout) { return std::string(layout.doc); });
-}
+std::string Layouts() { return Words("layouts", library::Layouts(), CallsOf("location", true)); }
 
-/// The scenarios of the library with their first comment line.
+std::string Schedules() { return Words("schedules", CallsOf("acceleration", false)); }
+
+/// The scenarios of the library, a table for each folder, with their first comment line.
 std::string Scenarios() {
-  Table table;
-  table.AddColumn("scenarios", false);
-  table.AddColumn("", false);
-  const std::string folder = ScenarioLibrary();
-  std::vector<fs::path> files;
+  const fs::path library = ScenarioLibrary();
+  std::map<std::string, std::vector<fs::path>> folders;
   std::error_code error;
-  if (!folder.empty())
-    for (const auto& entry : fs::recursive_directory_iterator(folder, error))
-      if (entry.path().extension() == ".cdb") files.push_back(entry.path());
-  if (files.empty()) return "scenarios: none come with this version yet\n";
-  std::ranges::sort(files);
-  for (const fs::path& file : files) {
-    std::string line;
-    std::ifstream in(file);
-    std::getline(in, line);
-    line.erase(0, std::min(line.find_first_not_of("# "), line.size()));
-    table.AddRow({fs::relative(file, folder, error).replace_extension().string(), line});
+  if (!library.empty())
+    for (const auto& entry : fs::recursive_directory_iterator(library, error))
+      if (entry.path().extension() == ".cdb")
+        folders[fs::relative(entry.path().parent_path(), library, error)].push_back(entry.path());
+  if (folders.empty())
+    return "scenarios: none lie beside this program; installing cdb brings them\n";
+  std::string text;
+  for (auto& [folder, files] : folders) {
+    Table table;
+    table.AddColumn("scenarios: " + folder, false);
+    table.AddColumn("", false);
+    std::ranges::sort(files);
+    for (const fs::path& file : files) {
+      std::string line;
+      std::ifstream in(file);
+      std::getline(in, line);
+      line.erase(0, std::min(line.find_first_not_of("# "), line.size()));
+      table.AddRow({(fs::path(folder) / file.stem()).string(), line});
+    }
+    text += (text.empty() ? "" : "\n") + table.Text();
   }
-  return table.Text();
+  return text;
 }
 
 struct Topic {
@@ -132,7 +184,8 @@ constexpr Topic kTopics[] = {
     {"objects", "what can be placed", Objects},
     {"detectors", "what can be timed", Detectors},
     {"layouts", "how objects can be placed", Layouts},
-    {"scenarios", "what comes with cdb, for `use`", Scenarios},
+    {"schedules", "how a vector changes while a run goes on", Schedules},
+    {"scenarios", "what comes with cdb, for `cdb run` and for `use`", Scenarios},
 };
 
 }  // namespace
@@ -140,7 +193,7 @@ constexpr Topic kTopics[] = {
 int DocCommand(const std::string& name) {
   if (name.empty()) {
     Print(Names("cdb doc", kTopics, [](const Topic& topic) { return std::string(topic.doc); }));
-    Print("  or the name of a parameter: cdb doc size\n");
+    Print("  or the name of a parameter or of a word: cdb doc size, cdb doc ring\n");
     return kExitGood;
   }
   bool found = false;
@@ -158,6 +211,12 @@ int DocCommand(const std::string& name) {
     Print(OneParameter(parameter));
     found = true;
   }
+  for (const CallInfo& info : compiler::Calls()) {
+    names.emplace_back(info.name);
+    if (name != info.name) continue;
+    Print(Words("word", {&info}));
+    found = true;
+  }
   if (found) return kExitGood;
   for (const Topic& topic : kTopics) names.emplace_back(topic.name);
   const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
@@ -168,7 +227,8 @@ int DocCommand(const std::string& name) {
 
 int ListCommand(const std::string& what) {
   bool found = false;
-  for (const std::string_view name : {"objects", "detectors", "layouts", "scenarios"}) {
+  for (const std::string_view name :
+       {"objects", "detectors", "layouts", "schedules", "scenarios"}) {
     if (!what.empty() && what != name) continue;
     for (const Topic& topic : kTopics)
       if (topic.name == name) Print((found ? "\n" : "") + topic.text());
@@ -176,7 +236,8 @@ int ListCommand(const std::string& what) {
   }
   if (found) return kExitGood;
   throw CommandError(fmt::format(
-      "there is no list of '{}'; there are objects, detectors, layouts, scenarios", what));
+      "there is no list of '{}'; there are objects, detectors, layouts, schedules, scenarios",
+      what));
 }
 
 }  // namespace cdb::runtime

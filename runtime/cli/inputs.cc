@@ -36,9 +36,22 @@ std::string ScenarioLibrary() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
   for (const fs::path& folder :
-       {program / ".." / "library" / "scenarios", program / ".." / "share" / "cdb" / "scenarios"})
-    if (fs::is_directory(folder, error)) return folder.lexically_normal().string();
+       {program / "scenarios", program / ".." / "share" / "cdb" / "scenarios"})
+    if (fs::is_directory(folder, error)) return fs::canonical(folder, error).string();
   return {};
+}
+
+std::string FindScenario(const std::string& file) {
+  std::error_code error;
+  if (fs::exists(file, error)) return file;
+  const fs::path library = ScenarioLibrary();
+  if (!library.empty() && fs::path(file).is_relative())
+    for (const fs::path& candidate : {library / file, library / (file + ".cdb")})
+      if (fs::is_regular_file(candidate, error)) return candidate.string();
+  std::string why;
+  compiler::ReadFromDisk(file, why);
+  throw CommandError(fmt::format(
+      "cannot read '{}': {}; `cdb list scenarios` shows those that come with cdb", file, why));
 }
 
 compiler::Compilation CompileAndReport(const std::string& file,
@@ -59,9 +72,9 @@ std::vector<compiler::Plan> LoadPlans(const std::string& file,
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
     return {std::move(plan)};
   }
-  std::error_code error;
-  if (!fs::exists(file, error)) ReadText(file);
-  compiler::Compilation result = CompileAndReport(file, benchmark);
+  compiler::Compilation result = CompileAndReport(FindScenario(file), benchmark);
+  // As the user named it: where the library lies is this machine's affair.
+  for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
   return std::move(result.plans);

@@ -10,16 +10,20 @@
 
 namespace cdb::runtime {
 
-/// The folder of the scenarios that come with cdb: beside the program's build, or installed. Empty
-/// where there is none.
+/// The folder of the scenarios that come with cdb: beside the program that was built, or installed
+/// with it. Empty where there is none.
 std::string ScenarioLibrary();
+
+/// The scenario file that a command line names: the file itself, else the library's of that name,
+/// with or without `.cdb`. Throws CommandError.
+std::string FindScenario(const std::string& file);
 
 /// Compiles and prints every diagnostic on standard error.
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark);
 
-/// The plans of a `.cdb` file or of a plan as YAML. Empty after diagnostics were printed (exit
-/// status 1). Throws CommandError, compiler::PlanError.
+/// The plans of a `.cdb` file, here or in the library, or of a plan as YAML. Empty after
+/// diagnostics were printed (exit status 1). Throws CommandError, compiler::PlanError.
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
                                       const std::optional<std::string>& benchmark);
 

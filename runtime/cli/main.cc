@@ -102,7 +102,7 @@ int Main(int argc, char** argv) {
   doc->add_option("NAME", topic, "a topic or a parameter");
   doc->callback([&] { status = DocCommand(topic); });
   auto* list = app.add_subcommand("list", "what a scenario can name");
-  list->add_option("KIND", kind, "objects, detectors, layouts or scenarios");
+  list->add_option("KIND", kind, "objects, detectors, layouts, schedules or scenarios");
   list->callback([&] { status = ListCommand(kind); });
 
   for (const NotYet& command : kNotYet) {

@@ -126,8 +126,7 @@ std::string PlanTable(const compiler::Plan& plan) {
 int CheckCommand(const std::vector<std::string>& files) {
   int status = kExitGood;
   for (const std::string& file : files) {
-    ReadText(file);
-    const auto result = CompileAndReport(file, std::nullopt);
+    const auto result = CompileAndReport(FindScenario(file), std::nullopt);
     if (result.diagnostics.has_errors()) {
       status = kExitScenario;
       continue;

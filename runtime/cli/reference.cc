@@ -62,6 +62,25 @@ VALUES
                               Each distribution has a stream of its own, seeded by `seed` and the
                               parameter's name, so that one does not move when another is added.
 
+WORDS WITH ARGUMENTS
+  A layout, a model or a schedule is a word that may take arguments: `cdb list` shows all of them with
+  their units and defaults. Arguments are given by place, then by name; what has a default may be left
+  out, and then the word stands alone. One argument by its name needs no brackets.
+  location grid               grid(spacing: 3), grid(3) and `grid spacing: 3` are the same
+  location at(0, 5, 0)        one object there: quantity 1
+  location pair distance: 0.5   two objects, their surfaces so far apart: quantity 2
+  type mesh("rock.obj")       a model of your own, by convex pieces; hull("rock.obj") its convex hull.
+                              OBJ, PLY, STL or OFF, from the folder of the .cdb file that names it. The
+                              plan holds the SHA-256 of its bytes; mesh("rock.obj", sha256: "...") says
+                              which it has to be. any(sphere 3, mesh("rock.obj") 1) weighs models too.
+  acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))    drawn anew every 60 cycles
+  acceleration rotating((0, -9.8, 0), about: (0, 0, 1), period: 4)    a turn in 4 s
+                              Schedules; linear_velocity and angular_velocity take them too, one for
+                              each object. None stands in another or in any( ).
+  Sweeps, lets and arithmetic stand in arguments as anywhere: ring(radius: sweep(1, 2)) is the axis
+  location_radius, at(0, sweep(1, 2), 0) the axis location_y.
+  A let may be called like such a word: behind a parameter that takes the word, it is the word.
+
 SWEEPS
   sweep(v, v, ...)            an axis; wherever a constant may stand, also inside a vector, a ratio or
   sweep(a .. b)               a distribution. a .. b counts by one and hits b
@@ -83,7 +102,7 @@ OBJECTS
   says how full the cube is.
 
 NOT YET
-  bunny, armadillo, mesh( ), hull( ), accuracy { } and plug-in detectors are refused.
+  accuracy { } and plug-in detectors are refused.
 )reference";
 
 const std::string_view kOmitReference = R"reference(WHAT A RUN LEAVES OUT
@@ -128,7 +147,8 @@ For axes quantity and detector:
   omitted                                 parts of the engine that the run left out: `cdb doc omit`
   needs                                   what became of each part and why, a line each
   run_id, message, host, started, load, peak_rss, place_time, build_time, fill_fraction
-  /provenance                             build, machine, plan_text, scenario_text
+  /provenance                             build, machine, plan_text, scenario_text; models: how well
+                                          convex hulls stand for the meshes of the scene
 
 An axis that is called like a dataset above is stored as NAME_axis: `cases load { }` as load_axis.
 

@@ -8,6 +8,9 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
+#include <sstream>
+#include <string>
 #include <string_view>
 
 #include "compiler/needs.h"
@@ -148,6 +151,20 @@ class Summary {
                          : fmt::format("there is no axis '{}'; there are {}", name, names));
   }
 
+  /// How well convex hulls stand for the models of the scene, a line for each.
+  std::string Models() const {
+    std::set<std::string> lines;
+    std::istringstream all(file_.ReadProvenance("models"));
+    for (std::string line; std::getline(all, line);) {
+      // Texts of several runs are joined.
+      if (line.starts_with("; ")) line.erase(0, 2);
+      if (!line.empty()) lines.insert(line);
+    }
+    std::string text;
+    for (const std::string& line : lines) text += fmt::format("  {}\n", line);
+    return text;
+  }
+
   std::string Head() const {
     std::string text = file_.title() + "\n";
     std::string grid;
@@ -167,7 +184,7 @@ class Summary {
     if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
       text += fmt::format(
           "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
-    text += LeftOut();
+    text += LeftOut() + Models();
     if (missing_ > 0) text += fmt::format("  {} not run yet.\n", missing_);
     if (!bad_.empty()) {
       text += fmt::format("  {} did not end well and {} in no figure below:\n", bad_.size(),
