@@ -11,7 +11,6 @@ using enum ParameterType;
 
 constexpr Domain kAny = {};
 constexpr Domain kPositive = {.min = 0, .min_open = true};
-constexpr Domain kNotNegative = {.min = 0};
 constexpr Domain kNotZero = {.not_zero = true};
 constexpr Domain kCountFromOne = {.min = 1, .max = 2147483647};
 
@@ -43,10 +42,10 @@ constexpr Parameter kGrid[] = {
     Argument("spacing", kReal, kPositive, "m", "between centres; fit spreads them over the cube", kFit)};
 constexpr Parameter kStack[] = {
     Argument("height", kCount, kCountFromOne, "", "objects in a column; all makes one column", {.default_text = "all", .words = "all"}),
-    Argument("gap", kReal, kNotNegative, "m", "between surfaces; fit is a thousandth of the larger object's height", kFit),
+    Argument("gap", kReal, kPositive, "m", "between surfaces; fit is a thousandth of the larger object's height", kFit),
     Argument("spacing", kReal, kPositive, "m", "between the columns' centres; fit is 1.5 times the widest object", kFit)};
 constexpr Parameter kPyramid[] = {
-    Argument("gap", kReal, kNotNegative, "m", "between surfaces; fit is a thousandth of the largest extent", kFit)};
+    Argument("gap", kReal, kPositive, "m", "between surfaces; fit is a thousandth of the largest extent", kFit)};
 constexpr Parameter kPile[] = {
     Argument("width", kReal, kPositive, "m", "of the square that they are dropped over; fit makes it about as wide as high", kFit)};
 constexpr Parameter kRing[] = {

@@ -39,7 +39,7 @@ constexpr Parameter kParameters[] = {
      "what the objects are",
      "kind shape shapes object types", "mesh hull"},
     {"aspect", kGroup, kRatio, kPositive, kConstant, "", "1 : 1 : 1", "", kOwn, "shapes",
-     "1 : y : z; a side is size times its part, the full extent along x, y and z"},
+     "1 : y : z; a side is size times its part, the full extent along x, y and z; at 1 : 1 : 1 a mesh keeps its own proportions, the longest side is the size"},
     {"location", kGroup, kWord, kAny, kConstant, "", "uniform", "", kLayouts, "placement",
      "how the objects are placed; nothing overlaps",
      "position layout placement distribution", "grid stack pyramid pile ring at pair"},

@@ -45,9 +45,9 @@ ShardChoice ParseShard(const std::string& text) {
 fs::path ResultPath(const RunArguments& arguments, const compiler::Plan& plan,
                     std::size_t plan_count) {
   std::error_code error;
-  if (arguments.out.empty()) return plan.benchmark + ".h5";
-  if (fs::is_directory(arguments.out, error))
-    return fs::path(arguments.out) / (plan.benchmark + ".h5");
+  const std::string file = (arguments.only.empty() ? plan.benchmark : arguments.only) + ".h5";
+  if (arguments.out.empty()) return file;
+  if (fs::is_directory(arguments.out, error)) return fs::path(arguments.out) / file;
   if (plan_count > 1)
     throw CommandError(fmt::format(
         "{} has {} benchmarks and '{}' holds one: name a folder, or choose a benchmark by -b",
@@ -65,7 +65,6 @@ compiler::Plan OnlyRun(const std::vector<compiler::Plan>& plans, const std::stri
     const auto found = std::ranges::find(plan.runs, id, &compiler::Run::id);
     if (found == plan.runs.end()) continue;
     compiler::Plan one = plan;
-    one.benchmark = id;
     one.title = fmt::format("{}: {}", plan.benchmark, Describe(plan, *found));
     one.repeats = 1;
     one.skipped.clear();

@@ -16,10 +16,12 @@ bool HasPile(const compiler::Scene& scene);
 
 /// A little larger than they are, so that the objects do not overlap when they are themselves
 /// again: the first factor, and those tried when it was not enough.
-inline constexpr double kSettleGrowth[] = {1.01, 1.02, 1.04};
-/// At rest: no point of an object moves faster than this, in units of sqrt(g d), d being the mean
-/// diameter, for kRestChecks looks in a row, a unit of time (sqrt(d / g)) apart.
+inline constexpr double kSettleGrowth[] = {1.02, 1.04, 1.08};
+/// At rest: of all but so many, which contacts keep trembling, no point moves faster than this, in
+/// units of sqrt(g d), d being the mean diameter, for kRestChecks looks in a row, a unit of time
+/// (sqrt(d / g)) apart.
 inline constexpr double kRestSpeed = 0.02;
+inline constexpr double kRestless = 0.02;  ///< of the objects
 inline constexpr int kRestChecks = 5;
 /// Units of time, beside that of the fall, after which a pile is given up.
 inline constexpr double kSettleTime = 400;
