@@ -22,7 +22,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// To be raised whenever the same mesh and options would give other pieces.
+/// To be raised whenever the same mesh and options would give other pieces or figures.
 constexpr int kAlgorithm = 1;
 
 double VolumeOf(const Hull& hull) { return SignedVolume(SurfaceOf(hull)); }
@@ -179,8 +179,12 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name, const Decompose
 }
 
 std::string DecomposerVersion() {
-  return fmt::format("cdb {} hacd {}.{} meshoptimizer {} {}", kAlgorithm, HACD_VERSION_MAJOR,
-                     HACD_VERSION_MINOR, MESHOPTIMIZER_VERSION, ConvexHullVersion());
+  const auto& [faces, concavity, compacity, least_pieces, vertices_per_hull, least_volume,
+               good_iou] = DecomposeOptions{};
+  return fmt::format("cdb {} ({} {} {} {} {} {} {}) hacd {}.{} meshoptimizer {} {}", kAlgorithm,
+                     faces, concavity, compacity, least_pieces, vertices_per_hull, least_volume,
+                     good_iou, HACD_VERSION_MAJOR, HACD_VERSION_MINOR, MESHOPTIMIZER_VERSION,
+                     ConvexHullVersion());
 }
 
 }  // namespace cdb::library

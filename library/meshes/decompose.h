@@ -47,7 +47,7 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name,
 /// The hulls with how well they stand for the mesh.
 Decomposition Assessed(std::vector<Hull> hulls, const Mesh& mesh);
 
-/// What the pieces depend on besides the mesh and the options: the libraries and this code.
+/// What the pieces depend on besides the mesh: the libraries, this code and its default options.
 std::string DecomposerVersion();
 
 }  // namespace cdb::library

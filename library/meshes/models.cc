@@ -55,10 +55,14 @@ fs::path PathOf(const Model& model, std::span<const fs::path> folders) {
                   model.name, model.file, looked, folders[0].string(), model.name));
 }
 
+Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& name) {
+  const Mesh mesh = ParseMesh(bytes, name);
+  return Watertight(model.has_holes ? CloseHoles(mesh, name) : mesh, name);
+}
+
 Mesh LoadModel(const Model& model, std::span<const fs::path> folders) {
   const fs::path file = PathOf(model, folders);
-  const Mesh mesh = ReadMesh(file);
-  return Watertight(model.has_holes ? CloseHoles(mesh, file.string()) : mesh, file.string());
+  return ParseModel(model, ReadMeshFile(file), file.string());
 }
 
 }  // namespace cdb::library

@@ -11,6 +11,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -35,7 +36,9 @@ std::vector<std::filesystem::path> ModelFolders();
 /// The model's file in the first of the folders that has it.
 std::filesystem::path PathOf(const Model& model, std::span<const std::filesystem::path> folders);
 
-/// The model as Watertight gives it.
+/// Of the file's bytes, the model as Watertight gives it; `name` stands for the file.
+Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& name);
+/// The same of the file.
 Mesh LoadModel(const Model& model, std::span<const std::filesystem::path> folders);
 
 }  // namespace cdb::library

@@ -105,4 +105,20 @@ Vector3d Compound::Support(std::size_t piece, const Vector3d& direction) const {
   return ToBody(it.centre + *farthest);
 }
 
+Vector3d Compound::Support(const Vector3d& direction) const {
+  const Vector3d along = (from_mesh_.transpose() * direction).cwiseProduct(sides_);
+  const double rounding = 1e-12 * along.lpNorm<1>();
+  Vector3d farthest = Support(0, direction);
+  for (std::size_t i = 1; i < form_->pieces.size(); ++i) {
+    // Most pieces need no look at their vertices: not even their boxes reach so far.
+    const ConvexPiece& piece = form_->pieces[i];
+    const double reach =
+        along.dot(piece.centre - form_->centre) + along.cwiseAbs().dot(piece.half) + rounding;
+    if (reach < direction.dot(farthest)) continue;
+    const Vector3d point = Support(i, direction);
+    if (direction.dot(point) > direction.dot(farthest)) farthest = point;
+  }
+  return farthest;
+}
+
 }  // namespace cdb::library

@@ -19,6 +19,7 @@ struct ConvexPiece {
   Eigen::Vector3d centre, half;  ///< of the box
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Triangle> faces;  ///< counter-clockwise from outside
+  bool operator==(const ConvexPiece&) const = default;
 };
 
 /// A mesh and its pieces, each stretched so that the box around it is the cube of side 1 about the
@@ -32,6 +33,7 @@ struct Form {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();          ///< of mass, of the mesh
   Eigen::Matrix3d second_moments = Eigen::Matrix3d::Zero();  ///< mean of x x^T about the centre
   double volume_error = 0, iou = 0;  ///< of the pieces: library/meshes/decompose.h
+  bool operator==(const Form&) const = default;
 };
 
 /// `properties` are those of `mesh`, in its own axes and unit.
@@ -54,6 +56,8 @@ class Compound {
   Eigen::Vector3d PieceCentre(std::size_t piece) const;
   /// The farthest point of the piece along `direction`.
   Eigen::Vector3d Support(std::size_t piece, const Eigen::Vector3d& direction) const;
+  /// The farthest of all pieces.
+  Eigen::Vector3d Support(const Eigen::Vector3d& direction) const;
   /// Of a ball about the origin that is inside one piece; 0 where the origin is in none.
   double inner_radius() const { return inner_radius_; }
   /// Of the smallest ball about the origin that holds all.

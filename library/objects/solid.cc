@@ -137,14 +137,8 @@ Vector3d Solid::Support(const Vector3d& direction) const {
     }
     case Shape::kTetrahedron:
       return half.cwiseProduct(FarthestCorner(half.cwiseProduct(direction)));
-    case Shape::kCompound: {
-      Vector3d farthest = compound->Support(0, direction);
-      for (std::size_t piece = 1; piece < PieceCount(); ++piece) {
-        const Vector3d point = compound->Support(piece, direction);
-        if (direction.dot(point) > direction.dot(farthest)) farthest = point;
-      }
-      return farthest;
-    }
+    case Shape::kCompound:
+      return compound->Support(direction);
   }
   return Vector3d::Zero();
 }

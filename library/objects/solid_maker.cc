@@ -2,20 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <numbers>
 
 #include "compiler/calls.h"
 #include "compiler/sha256.h"
-#include "library/meshes/hull_cache.h"
 #include "library/meshes/models.h"
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
+#include "library/objects/form_cache.h"
 #include "library/scene_error.h"
 
 namespace cdb::library {
 namespace {
 
 using Eigen::Vector3d;
+namespace fs = std::filesystem;
 
 /// The torus, when it keeps its proportions: radii of the ring and of the tube, and its pieces.
 constexpr double kTorusMajor = 3, kTorusMinor = 1;
@@ -27,32 +29,49 @@ Form TorusForm() {
   properties.volume = 2 * std::numbers::pi * std::numbers::pi * kTorusMajor * minor;
   const double across = major / 2 + minor * 5 / 8, along = major + minor * 3 / 4;
   properties.inertia = Vector3d(across, along, across).asDiagonal();
-  // Corners in multiples of four lie on the axes, so that the mesh is as large as the torus.
-  const Mesh mesh = TorusMesh(kTorusMajor, kTorusMinor, kTorusSegments, kTorusCorners);
-  return MakeForm("torus", mesh, properties, TorusHulls(kTorusMajor, kTorusMinor, kTorusSegments));
+  const std::string source = fmt::format("torus {} {} {} {} {}", kTorusMajor, kTorusMinor,
+                                         kTorusSegments, kTorusCorners, kTorusFineness);
+  return FormOnce("torus", source, [&] {
+    // Corners in multiples of four lie on the axes, so that the mesh is as large as the torus.
+    const Mesh mesh = TorusMesh(kTorusMajor, kTorusMinor, kTorusSegments, kTorusCorners);
+    return MakeForm("torus", mesh, properties,
+                    TorusHulls(kTorusMajor, kTorusMinor, kTorusSegments));
+  });
 }
 
 Form FormOfMesh(const std::string& name, const Mesh& mesh) {
-  return MakeForm(name, mesh, MassPropertiesOf(mesh), DecomposeOnce(mesh, name).decomposition);
+  return MakeForm(name, mesh, MassPropertiesOf(mesh), Decompose(mesh, name));
 }
 
-Mesh ReadPlanned(const compiler::Call& call) {
-  const auto& file = std::get<compiler::Text>(ArgumentOf(call, "file")).text;
-  const auto* sha256 = std::get_if<compiler::Text>(&ArgumentOf(call, "sha256"));
+/// `made`: how the form is made of the file. Its extension says how it is read.
+std::string SourceOf(const fs::path& file, std::string_view sha256, std::string_view made) {
+  return fmt::format("{} {} {}", made, file.extension().string(), sha256);
+}
+
+Form FormOfModel(const Model& model) {
+  const std::string name(model.name);
+  const fs::path file = PathOf(model, ModelFolders());
   const std::string bytes = ReadMeshFile(file);
-  if (sha256 != nullptr && compiler::Sha256Hex(bytes) != sha256->text)
-    throw SceneError(fmt::format("{}: it is not the file that was planned with; plan again", file));
-  return ParseMesh(bytes, file);
+  const std::string_view made = model.has_holes ? "closed mesh" : "mesh";
+  return FormOnce(name, SourceOf(file, compiler::Sha256Hex(bytes), made),
+                  [&] { return FormOfMesh(name, ParseModel(model, bytes, file.string())); });
 }
 
 Form FormOfFile(const compiler::Call& call) {
-  const std::string name = compiler::ToText(call);
   const auto& file = std::get<compiler::Text>(ArgumentOf(call, "file")).text;
-  const Mesh mesh = ReadPlanned(call);
-  if (call.name == "mesh") return FormOfMesh(name, Watertight(mesh, file));
-  const Hull hull = ConvexHull(mesh, file);
-  const Mesh surface = SurfaceOf(hull);
-  return MakeForm(name, surface, MassPropertiesOf(surface), {{hull}, 0, 1});
+  const std::string name = fmt::format("{}(\"{}\")", call.name, file);
+  const auto* planned = std::get_if<compiler::Text>(&ArgumentOf(call, "sha256"));
+  const std::string bytes = ReadMeshFile(file);
+  const std::string sha256 = compiler::Sha256Hex(bytes);
+  if (planned != nullptr && sha256 != planned->text)
+    throw SceneError(fmt::format("{}: it is not the file that was planned with; plan again", file));
+  return FormOnce(name, SourceOf(file, sha256, call.name), [&] {
+    const Mesh mesh = ParseMesh(bytes, file);
+    if (call.name == "mesh") return FormOfMesh(name, Watertight(mesh, file));
+    const Hull hull = ConvexHull(mesh, file);
+    const Mesh surface = SurfaceOf(hull);
+    return MakeForm(name, surface, MassPropertiesOf(surface), {{hull}, 0, 1});
+  });
 }
 
 /// Null for what has a closed form.
@@ -62,7 +81,7 @@ std::shared_ptr<const Form> FormOf(const compiler::Value& type) {
   const std::string& name = std::get<compiler::Word>(type).text;
   if (name == "torus") return std::make_shared<const Form>(TorusForm());
   if (const Model* model = FindModel(name))
-    return std::make_shared<const Form>(FormOfMesh(name, LoadModel(*model, ModelFolders())));
+    return std::make_shared<const Form>(FormOfModel(*model));
   return nullptr;
 }
 

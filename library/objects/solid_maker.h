@@ -2,8 +2,8 @@
 // files.
 //
 // Errors: SceneError where a model or a file is missing, is no solid or is not the file that was
-// planned with. Threads: one at a time for each maker. A model's decomposition takes seconds the
-// first time on a machine (library/meshes/hull_cache.h).
+// planned with. Threads: one at a time for each maker. A mesh takes seconds the first time on a
+// machine (library/objects/form_cache.h).
 #pragma once
 
 #include <map>

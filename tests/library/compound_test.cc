@@ -102,6 +102,26 @@ TEST(Compound, PiecesTogetherHaveTheSides) {
   EXPECT_NEAR(up.dot(solid.PieceSupport(1, up) - solid.PieceSupport(0, up)), 2.5, 1e-12);
 }
 
+TEST(Compound, FarthestPointIsThatOfThePiecesOneByOne) {
+  const Mesh mesh = TorusMesh(3, 1, 16, kTorusCorners);
+  const auto form = FormOfHulls(mesh, TorusHulls(3, 1, 16).hulls);
+  Stream stream(3);
+  for (const Vector3d& sides : {Vector3d(8, 2, 8), Vector3d(1e-3, 5, 900)}) {
+    const Solid solid = SolidOf(form, sides);
+    for (int i = 0; i < 1000; ++i) {
+      // Along the axes too, where several are as far.
+      Vector3d d(stream.Normal(), stream.Normal(), stream.Normal());
+      if (i < 6) d = (i % 2 == 0 ? 1 : -1) * Vector3d::Unit(i / 2);
+      Vector3d farthest = solid.PieceSupport(0, d);
+      for (std::size_t piece = 1; piece < solid.PieceCount(); ++piece) {
+        const Vector3d point = solid.PieceSupport(piece, d);
+        if (d.dot(point) > d.dot(farthest)) farthest = point;
+      }
+      EXPECT_EQ(solid.Support(d), farthest) << "to the last bit";
+    }
+  }
+}
+
 TEST(Compound, InnerBallIsInAPieceOrNone) {
   // The centre of mass is in the first box, 1/6 below its top and as far from the second's side.
   const Solid angle = SolidOf(AngleForm(), {2, 2, 1});
@@ -143,6 +163,27 @@ TEST(SolidMaker, EqualOnesAreSharedAndFormsAlways) {
   EXPECT_EQ(maker.Forms().size(), 1u);
   EXPECT_EQ(maker.Make(Word("cone"), {1, 2, 3}, {3, 2, 1}), (Solid{Shape::kCone, {3, 4, 3}}));
   EXPECT_EQ(maker.Forms().size(), 1u) << "closed forms have none";
+}
+
+TEST(SolidMaker, AFormIsTheSameMadeOrFound) {
+  const test::OwnCache cache;
+  const std::string file = (cache.folder() / "angle.off").string();
+  std::ofstream(file) << ToOff(AngleMesh());
+  const auto call = [&](const char* name) {
+    return compiler::Call{name, {compiler::Text{file}, Word("any")}};
+  };
+  std::ptrdiff_t made = 0;
+  for (const compiler::Value& type :
+       {Word("torus"), compiler::Value(call("mesh")), {call("hull")}}) {
+    const auto form = [&] {
+      SolidMaker maker;
+      maker.Make(type, Vector3d::Ones(), Vector3d::Ones());
+      return *maker.Forms().at(0);
+    };
+    EXPECT_EQ(form(), form());
+    const std::filesystem::directory_iterator files(cache.folder());
+    EXPECT_EQ(std::distance(begin(files), end(files)), 1 + ++made) << "and the mesh";
+  }
 }
 
 /// A mesh in a folder that keeps its decomposition too.
@@ -208,7 +249,11 @@ TEST(SolidMaker, ModelsAreTheirMeshes) {
     const PrincipalAxes axes = PrincipalAxesOf(properties.inertia * scale * scale);
     EXPECT_LE((solid.InertiaPerMass() - axes.moments).norm(), 1e-9 * axes.moments.norm());
     EXPECT_GT(solid.InnerRadius(), 0);
-    EXPECT_LE(maker.Forms()[0]->volume_error, 0.1);
+    const Form& form = *maker.Forms()[0];
+    EXPECT_LE(form.volume_error, 0.1);
+    EXPECT_GE(form.iou, 0.88);
+    EXPECT_GE(form.pieces.size(), 5u);
+    EXPECT_LE(form.pieces.size(), 60u);
   }
 }
 

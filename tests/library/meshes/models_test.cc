@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "library/meshes/hull_cache.h"
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/overlap_volume.h"
 #include "tests/library/meshes/test_meshes.h"
@@ -104,18 +103,6 @@ TEST_P(EveryModel, IsASolid) {
   const double once = OverlapVolumeOf(mesh, mesh).first;
   const bool overlaps = std::string_view(GetParam()) == "teapot";
   EXPECT_NEAR(mass.volume / once, 1, overlaps ? 0.01 : 1e-3);
-}
-
-TEST_P(EveryModel, IsWellStoodForByItsHulls) {
-  const Mesh mesh = LoadModel(*FindModel(GetParam()), ModelFolders());
-  const CachedDecomposition cached = DecomposeOnce(mesh, GetParam());
-  const Decomposition& pieces = cached.decomposition;
-  RecordProperty("hulls", static_cast<int>(pieces.hulls.size()));
-  RecordProperty("iou", std::to_string(pieces.iou));
-  EXPECT_GE(pieces.hulls.size(), 5u);
-  EXPECT_LE(pieces.hulls.size(), 60u);
-  EXPECT_GE(pieces.iou, 0.88);
-  EXPECT_LE(pieces.volume_error, 0.12);
 }
 
 }  // namespace
