@@ -31,20 +31,15 @@ constexpr LayoutInfo kLayouts[] = {
     {"normal", "each coordinate normal about 0 with a third of the wall's coordinate as deviation"},
 };
 
-template <typename Row>
-const Row* Find(std::span<const Row> rows, std::string_view name) {
-  const auto row =
-      std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.name == name; });
-  return row == rows.end() ? nullptr : &*row;
-}
-
 }  // namespace
 
 std::span<const ObjectType> ObjectTypes() { return kObjectTypes; }
 std::span<const DetectorInfo> Detectors() { return kDetectors; }
 std::span<const LayoutInfo> Layouts() { return kLayouts; }
 
-const ObjectType* FindObjectType(std::string_view name) { return Find(ObjectTypes(), name); }
-const DetectorInfo* FindDetector(std::string_view name) { return Find(Detectors(), name); }
+const DetectorInfo* FindDetector(std::string_view name) {
+  const auto* row = std::ranges::find(kDetectors, name, &DetectorInfo::name);
+  return row == std::end(kDetectors) ? nullptr : row;
+}
 
 }  // namespace cdb::library

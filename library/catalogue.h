@@ -31,7 +31,6 @@ std::span<const DetectorInfo> Detectors();
 std::span<const LayoutInfo> Layouts();
 
 /// Null where there is none of that name.
-const ObjectType* FindObjectType(std::string_view name);
 const DetectorInfo* FindDetector(std::string_view name);
 
 }  // namespace cdb::library

@@ -139,12 +139,6 @@ const Value& Draw::Choice() {
   return value;
 }
 
-std::string_view Draw::Word() {
-  const auto* word = std::get_if<compiler::Word>(&Choose());
-  CDB_CHECK(word != nullptr);
-  return word->text;
-}
-
 std::optional<double> Draw::RealOrWord(std::string_view* word) {
   for (int tries = 0; tries < kMaxRedraws; ++tries) {
     const Value& value = Choose();

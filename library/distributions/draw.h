@@ -29,7 +29,6 @@ class Draw {
 
   double Real();
   bool On();
-  std::string_view Word();
   /// One of the choices as it stands in the plan, a Word or a Call: `sphere`, `mesh("rock.obj",
   /// …)`.
   const compiler::Value& Choice();

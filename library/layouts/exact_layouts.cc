@@ -249,6 +249,11 @@ bool HasExactLayout(const compiler::Group& group) {
   return compiler::AsCall(group.settings.Get("location")) != nullptr;
 }
 
+bool IsPile(const compiler::Group& group) {
+  return HasExactLayout(group) && LayoutOf(group).name == "pile" &&
+         group.settings.Count("quantity") > 0;
+}
+
 void PlaceExactly(const compiler::Scene& scene, const GroupRange& range, Bodies& bodies) {
   if (range.size() == 0) return;
   ExactPlacer placer(scene, range, bodies);

@@ -14,6 +14,8 @@ namespace cdb::library {
 
 /// Whether the group's layout is one of these, and not drawn.
 bool HasExactLayout(const compiler::Group& group);
+/// Whether its layout is `pile`, and it has objects: then the engine settles them.
+bool IsPile(const compiler::Group& group);
 
 /// Gives every object of a group with such a layout its place. Nothing is left to chance but the
 /// direction of a pair. Coordinates in m, the cube's centre at the origin; boxes are along the

@@ -17,12 +17,12 @@
 #include <string>
 #include <system_error>
 
-#include "compiler/calls.h"
 #include "compiler/plan_yaml.h"
 #include "library/content_cache.h"
 #include "library/distributions/draw.h"
 #include "library/layouts/bodies.h"
 #include "library/layouts/clearance.h"
+#include "library/layouts/exact_layouts.h"
 #include "library/meshes/decompose.h"
 #include "library/objects/solid_maker.h"
 #include "library/scene_error.h"
@@ -41,11 +41,6 @@ using library::SceneError;
 
 constexpr double kSettleMargin = 0.4;  ///< of what an object grows by
 
-bool IsPile(const compiler::Group& group) {
-  const compiler::Call* layout = compiler::AsCall(group.settings.Get("location"));
-  return layout != nullptr && layout->name == "pile" && group.settings.Count("quantity") > 0;
-}
-
 /// What is the same for all tries.
 struct Settling {
   const compiler::Scene& scene;
@@ -59,7 +54,7 @@ Settling PrepareToSettle(const compiler::Scene& scene, const InitialState& dropp
   Settling settling{scene, dropped, {}};
   for (std::size_t i = 0; i < dropped.objects.size(); ++i) {
     const ObjectState& object = dropped.objects[i];
-    if (!IsPile(scene.groups[object.group])) continue;
+    if (!library::IsPile(scene.groups[object.group])) continue;
     if (object.IsFixed())
       throw SceneError(
           fmt::format("the objects of group `{}` are fixed and cannot settle into a pile; give "
@@ -305,7 +300,9 @@ std::string KeyOf(const Settling& settling) {
 
 }  // namespace
 
-bool HasPile(const compiler::Scene& scene) { return std::ranges::any_of(scene.groups, IsPile); }
+bool HasPile(const compiler::Scene& scene) {
+  return std::ranges::any_of(scene.groups, library::IsPile);
+}
 
 void SettlePiles(const compiler::Scene& scene, InitialState& state) {
   const Settling settling = PrepareToSettle(scene, state);

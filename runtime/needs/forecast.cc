@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "compiler/calls.h"
+#include "library/layouts/exact_layouts.h"
 #include "runtime/needs/crowds.h"
 #include "runtime/needs/flight.h"
 #include "runtime/needs/needs.h"
@@ -75,9 +76,7 @@ std::optional<std::string> WhatChanges(const compiler::Scene& scene) {
     for (const char* velocity : {"linear_velocity", "angular_velocity"})
       if (compiler::AsCall(group.settings.Get(velocity)) != nullptr)
         return fmt::format("the {} of {} is set again while it runs", velocity, group.name);
-    const compiler::Call* layout = compiler::AsCall(group.settings.Get("location"));
-    if (layout != nullptr && layout->name == "pile")
-      return fmt::format("{} settle before the first cycle", group.name);
+    if (library::IsPile(group)) return fmt::format("{} settle before the first cycle", group.name);
   }
   return std::nullopt;
 }

@@ -26,7 +26,7 @@ Draw GroupDraw(const compiler::Scene& scene, std::string_view name) {
 TEST(Draw, ConstantsGiveThemselves) {
   const compiler::Scene scene = DefaultScene(1, 500);
   EXPECT_EQ(GroupDraw(scene, "size").Real(), 50);
-  EXPECT_EQ(GroupDraw(scene, "type").Word(), "sphere");
+  EXPECT_EQ(GroupDraw(scene, "type").Choice(), test::Word("sphere"));
   EXPECT_FALSE(GroupDraw(scene, "ccd").On());
   EXPECT_EQ(Draw(scene, nullptr, "acceleration").Vector(), Vector3d(0, -9.8, 0));
   std::string_view word;
@@ -85,7 +85,7 @@ TEST(Draw, AnyKeepsToItsWeights) {
   Draw draw = GroupDraw(scene, "type");
   constexpr int kDraws = 100000;
   int spheres = 0;
-  for (int i = 0; i < kDraws; ++i) spheres += draw.Word() == "sphere";
+  for (int i = 0; i < kDraws; ++i) spheres += draw.Choice() == test::Word("sphere");
   EXPECT_NEAR(spheres, 0.75 * kDraws, 5 * std::sqrt(0.75 * 0.25 * kDraws));
 }
 
