@@ -86,9 +86,10 @@ Result RunRound(const compiler::Scene& scene, std::uint64_t cycles, std::uint64_
   return {Median(alone.steps) / 1e3, Median(probed.probe_ns) / 1e3, Median(ratios) - 1};
 }
 
-void RunScene(const std::string& name, const compiler::Scene& scene, std::uint64_t rounds,
+void RunScene(const std::string& name, compiler::Scene scene, std::uint64_t rounds,
               std::uint64_t cycles) {
-  if (scene.world.WordOr("precision") != runtime::EnginePrecision()) return;
+  scene.world.values.insert_or_assign("precision",
+                                      compiler::Word{std::string(runtime::EnginePrecision())});
   cycles = std::min(cycles, scene.world.Count("cycles"));
   std::vector<double> changes, steps, probes;
   for (std::uint64_t round = 0; round < rounds; ++round) {
