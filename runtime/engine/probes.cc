@@ -53,6 +53,7 @@ Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recordin
       max_penetration_(recording.Reals("max_penetration")),
       max_speed_(recording.Reals("max_speed")),
       motion_ratio_(recording.Reals("motion_ratio")),
+      joint_gap_(recording.Reals("joint_gap")),
       heap_(recording.Reals("heap")),
       poses_(recording.Reals("poses")),
       pairs_(recording.Ints("pairs")),
@@ -88,6 +89,8 @@ void Probes::Record(std::uint64_t cycle) {
     RecordManifolds(cycle);
   if (!max_speed_.empty()) RecordStability(cycle);
   if (!motion_ratio_.empty()) RecordMotionRatio(cycle);
+  if (!joint_gap_.empty() && engine_.links().HasJoints())
+    joint_gap_[cycle] = engine_.links().LargestGap();
   if (!energy_.empty()) RecordEnergy(cycle);
   if (!poses_.empty()) RecordPoses(cycle);
 }
@@ -192,6 +195,7 @@ void Probes::RecordEnergy(std::uint64_t cycle) {
     const Vector3d x = ToEigen(body.getWorldTransform().getOrigin());
     other += object.mass * (half_timestep * g.dot(v) - g.dot(x));
   }
+  other += engine_.links().SpringEnergy(2 * half_timestep);
   if (!kinetic_energy_.empty()) kinetic_energy_[cycle] = kinetic;
   energy_[cycle] = kinetic + other;
 }

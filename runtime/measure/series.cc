@@ -17,7 +17,8 @@ constexpr Series kSeries[] = {
     {"contacts", "counts contacts", kInt32, kScalar, "", "contact points"},
     {"kinetic_energy", "energy stability", kFloat64, kScalar, "J", "translation and rotation"},
     {"energy", "energy stability", kFloat64, kScalar, "J",
-     "kinetic and potential energy with the integrator's own term, m dt g.v / 2"},
+     "kinetic and potential energy, that of springs too, with the integrator's own term, dt F.v / "
+     "2"},
     {"max_penetration", "stability", kFloat64, kScalar, "m",
      "deepest contact; 0 where none overlaps"},
     {"max_speed", "stability", kFloat64, kScalar, "m/s", "of any object's centre of mass"},
@@ -28,6 +29,8 @@ constexpr Series kSeries[] = {
     {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not a number"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
      "least way gone over way to go, |dx| / (|v| dt), of the objects that move without contact"},
+    {"joint_gap", "stability", kFloat64, kScalar, "m",
+     "largest gap of a joint: distance of its two pivots"},
     {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
