@@ -53,9 +53,9 @@ Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recordin
       max_penetration_(recording.Reals("max_penetration")),
       max_speed_(recording.Reals("max_speed")),
       motion_ratio_(recording.Reals("motion_ratio")),
-      joint_gap_(recording.Reals("joint_gap")),
       heap_(recording.Reals("heap")),
       poses_(recording.Reals("poses")),
+      joint_gap_(recording.Reals("joint_gap")),
       pairs_(recording.Ints("pairs")),
       manifolds_(recording.Ints("manifolds")),
       contacts_(recording.Ints("contacts")),
@@ -89,10 +89,17 @@ void Probes::Record(std::uint64_t cycle) {
     RecordManifolds(cycle);
   if (!max_speed_.empty()) RecordStability(cycle);
   if (!motion_ratio_.empty()) RecordMotionRatio(cycle);
-  if (!joint_gap_.empty() && engine_.links().HasJoints())
-    joint_gap_[cycle] = engine_.links().LargestGap();
   if (!energy_.empty()) RecordEnergy(cycle);
   if (!poses_.empty()) RecordPoses(cycle);
+  RecordLinks(cycle);
+}
+
+void Probes::RecordLinks(std::uint64_t cycle) {
+  const Links& links = engine_.links();
+  if (!energy_.empty())
+    energy_[cycle] += links.SpringEnergy(static_cast<double>(engine_.timestep()));
+  // "No value" where there is no joint.
+  if (!joint_gap_.empty() && links.HasJoints()) joint_gap_[cycle] = links.LargestGap();
 }
 
 void Probes::RecordManifolds(std::uint64_t cycle) {
@@ -195,7 +202,6 @@ void Probes::RecordEnergy(std::uint64_t cycle) {
     const Vector3d x = ToEigen(body.getWorldTransform().getOrigin());
     other += object.mass * (half_timestep * g.dot(v) - g.dot(x));
   }
-  other += engine_.links().SpringEnergy(2 * half_timestep);
   if (!kinetic_energy_.empty()) kinetic_energy_[cycle] = kinetic;
   energy_[cycle] = kinetic + other;
 }

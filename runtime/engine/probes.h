@@ -27,6 +27,7 @@ class Probes {
   void RecordStability(std::uint64_t cycle);
   void RecordEnergy(std::uint64_t cycle);
   void RecordPoses(std::uint64_t cycle);
+  void RecordLinks(std::uint64_t cycle);
   void RecordMotionRatio(std::uint64_t cycle);
   bool IsBeyondWall(const btVector3& centre) const;
 
@@ -35,7 +36,8 @@ class Probes {
   const bool streams_contacts_, all_walls_, floor_;
   const int contacts_fd_;
   std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, max_speed_;
-  std::span<double> motion_ratio_, joint_gap_, heap_, poses_;
+  std::span<double> motion_ratio_, heap_, poses_;
+  std::span<double> joint_gap_;
   std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_;
   std::vector<btVector3> last_positions_;  ///< empty where `motion_ratio` is not recorded
   std::vector<char> touches_;              ///< by body, walls too: has a contact in this cycle

@@ -29,9 +29,9 @@ constexpr Series kSeries[] = {
     {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not a number"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
      "least way gone over way to go, |dx| / (|v| dt), of the objects that move without contact"},
+    {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle"},
     {"joint_gap", "stability", kFloat64, kScalar, "m",
      "largest gap of a joint: distance of its two pivots"},
-    {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
 };
