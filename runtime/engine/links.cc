@@ -135,6 +135,12 @@ void Links::Add(const compiler::Settings& settings, btRigidBody& first, btRigidB
   links_.push_back(std::move(link));
 }
 
+void Links::MarkHeld(std::vector<char>& marks) const {
+  for (const Link& link : links_)
+    for (const btRigidBody* body : {link.first, link.second})
+      if (body->getUserIndex() >= 0) marks[static_cast<std::size_t>(body->getUserIndex())] = 1;
+}
+
 double Links::LargestGap() const {
   double largest = 0;
   for (const Link& link : links_) {
