@@ -28,8 +28,7 @@ constexpr Series kSeries[] = {
      "objects whose simulation Bullet has switched off"},
     {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not a number"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
-     "least way gone over way to go, |dx| / (|v| dt), of the objects that move without contact and "
-     "links"},
+     "least way gone over way to go, |dx| / (|v| dt), of the objects that move without contact"},
     {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle"},
     {"joint_gap", "stability", kFloat64, kScalar, "m",
      "largest gap of a joint: distance of its two pivots"},
