@@ -16,6 +16,9 @@
 #include "compiler/schema.h"
 #include "dsl/format.h"
 #include "dsl/render.h"
+#include "library/catalogue.h"
+#include "library/closed_forms/closed_form.h"
+#include "library/layouts/initial_state.h"
 
 namespace cdb::compiler {
 namespace {
@@ -98,6 +101,17 @@ TEST(Scenarios, AreFoundFromAnywhereAndLaidOver) {
   ASSERT_EQ(plans.size(), 1u);
   EXPECT_EQ(plans[0].runs.size(), 25u);
   EXPECT_EQ(plans[0].runs[0].scene.world.Count("cycles"), 10u);
+}
+
+TEST(Accuracy, ScenariosAreOfTheClosedFormsThatTheyAreNamedAfter) {
+  for (const library::ClosedFormInfo& info : library::ClosedForms()) {
+    const fs::path file = kLibrary / "accuracy" / (std::string(info.name) + ".cdb");
+    for (const Plan& plan : Plans(file))
+      for (const compiler::Run& run : plan.runs)
+        EXPECT_NO_THROW(
+            library::MakeClosedForm(info.name, run.scene, library::MakeInitialState(run.scene)))
+            << file << ": " << Describe(plan, run);
+  }
 }
 
 // What follows is written from the paper, not from the files.
