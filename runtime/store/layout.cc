@@ -139,8 +139,10 @@ class Maker {
 
  private:
   std::uint64_t Extent(const std::string& dimension) const {
-    const auto found = std::ranges::find(layout_.dimensions, dimension, &Dimension::name);
-    CDB_CHECK(found != layout_.dimensions.end());
+    // From the end, as the axes come first and one may be called the same until NameAxes.
+    const auto found = std::ranges::find(layout_.dimensions.rbegin(), layout_.dimensions.rend(),
+                                         dimension, &Dimension::name);
+    CDB_CHECK(found != layout_.dimensions.rend());
     return found->size;
   }
 
