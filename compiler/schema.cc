@@ -288,6 +288,23 @@ bool ListsWord(std::string_view words, std::string_view word) {
 
 std::span<const Parameter> Schema() { return kParameters; }
 
+std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped) {
+  std::vector<std::string_view> blocks;
+  for (const Parameter& parameter : kParameters) {
+    std::string_view rest = parameter.name;
+    if (parameter.grouped != grouped) continue;
+    if (!block.empty()) {
+      if (!rest.starts_with(block) || rest[block.size()] != '.') continue;
+      rest.remove_prefix(block.size() + 1);
+    }
+    const std::size_t dot = rest.find('.');
+    if (dot == std::string_view::npos) continue;
+    const std::string_view name = rest.substr(0, dot);
+    if (std::ranges::find(blocks, name) == blocks.end()) blocks.push_back(name);
+  }
+  return blocks;
+}
+
 const Parameter* FindParameter(std::string_view name, bool grouped) {
   const auto* row = std::ranges::find_if(kParameters, [&](const Parameter& parameter) {
     return parameter.grouped == grouped && parameter.name == name;
