@@ -33,6 +33,7 @@ enum class ErrorKind {
 struct ErrorInfo {
   ErrorKind kind;
   std::string_view name;    ///< of its array, `/accuracy/NAME`, and for `cdb show --error`
+  std::string_view series;  ///< of the array with its value at each sample
   std::string_view metric;  ///< the word of `accuracy.metrics` that asks for it
   std::string_view unit;    ///< empty where it has none
   std::string_view doc;     ///< one line

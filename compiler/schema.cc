@@ -208,6 +208,7 @@ std::vector<std::string_view> Parameter::AllWords() const {
       add(Metrics());
       break;
     case kClosedForms:
+      add(library::ClosedForms());
       break;
   }
   return all;

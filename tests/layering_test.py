@@ -21,12 +21,14 @@ ALLOWED = {
     "library": lambda path: path in PLAN or path in ("dsl/check.h", "compiler/sha256.h"),
     "runtime/measure": lambda path: path in PLAN or path == "dsl/check.h",
     "runtime/needs": lambda path: path in PLAN or path == "dsl/check.h" or path.startswith("library/"),
+    "runtime/accuracy": lambda path: path in PLAN or path == "dsl/check.h"
+    or path.startswith(("library/", "runtime/measure/")),
     "runtime/engine": lambda path: path in PLAN or path == "dsl/check.h"
     or path.startswith(("library/", "runtime/measure/", "runtime/needs/")),
     "runtime/store": lambda path: path in PLAN or path == "dsl/check.h"
     or path.startswith("runtime/measure/"),
     "runtime/schedule": lambda path: path in PLAN or path == "dsl/check.h"
-    or path.startswith(("runtime/measure/", "runtime/store/")),
+    or path.startswith(("library/", "runtime/accuracy/", "runtime/measure/", "runtime/store/")),
     "runtime/cli": lambda path: path.startswith(
         ("dsl/", "compiler/", "library/catalogue.h", "library/layouts/", "library/scene_error.h",
          "runtime/measure/", "runtime/needs/", "runtime/schedule/", "runtime/store/")),

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "compiler/plan_yaml.h"
+#include "compiler/reference.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
@@ -75,6 +76,7 @@ compiler::Plan OnlyRun(const std::vector<compiler::Plan>& plans, const std::stri
     run.rep = 0;
     run.id = compiler::RunId(run.scene, run.rep);
     one.runs = {run};
+    compiler::AddReferences(one);
     return one;
   }
   throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", id));
@@ -145,7 +147,8 @@ class FolderLock {
 /// Removes the shards that `Merge` has verified, and nothing else.
 void RemoveShards(const compiler::Plan& plan, const fs::path& folder) {
   std::error_code ignored;
-  for (const compiler::Run& run : plan.runs) fs::remove(folder / (run.id + ".h5"), ignored);
+  for (const auto* runs : {&plan.runs, &plan.references})
+    for (const compiler::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
   fs::remove(folder / "plan.yaml", ignored);
   fs::remove(folder, ignored);
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "compiler/plan.h"
+#include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 
 namespace cdb::runtime {
@@ -44,6 +45,7 @@ struct RunResult {
   double load = 0;      ///< the machine's one-minute load average when the run began
   double peak_rss_bytes = 0, place_ns = 0, build_ns = 0, fill_fraction = 0;
   std::vector<std::pair<const Series*, std::span<const std::byte>>> series;
+  RunErrors errors;  ///< empty where the scene asks for none
   std::vector<ContactRecord>
       contacts;  ///< of all cycles in order; as many a cycle as the series `contacts` says
 };

@@ -35,6 +35,7 @@ compiler::Axis TextAxis(std::string name, const std::vector<std::string>& values
 void Resize(compiler::Run& run, const SceneSize& size) {
   run.scene.world.values["cycles"] = size.cycles;
   run.scene.world.values["record"] = size.record;
+  run.scene.world.values["accuracy.metrics"] = compiler::WordList{"none"};
   run.scene.groups = {{"objects", {{{"quantity", compiler::Value(size.objects)}}}}};
   run.id = compiler::RunId(run.scene, run.rep);
 }
