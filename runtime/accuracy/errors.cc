@@ -1,5 +1,7 @@
 #include "runtime/accuracy/errors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -180,18 +182,28 @@ RunErrors CollectErrors(const compiler::Scene& scene, const Samples& run, const 
   const auto series = ErrorSeries(errors, run, standard);
   const auto floors = is_sure ? std::vector<std::vector<double>>()
                               : ErrorSeries(errors, *twin, standard);
+  std::string unknown;
   for (std::size_t e = 0; e < errors.size(); ++e) {
     const ErrorInfo& error = *errors[e];
     const std::string name(error.name);
     const std::size_t end = error.to_horizon ? horizon : run.shape.samples;
     result.values[name] = {Folded(series[e], error.fold, end)};
     result.values[name + "_series"] = series[e];
+    if (std::isnan(result.values[name][0]))
+      unknown += fmt::format("{}{}", unknown.empty() ? "" : ", ", name);
     if (error.needs_truth && standard != nullptr)
       result.values[name + "_floor"] = {is_sure ? 0 : Folded(floors[e], error.fold, end)};
   }
+  result.values["timestep"] = {scene.world.Real("timestep")};
   if (standard != nullptr)
     result.values["horizon"] = {run.Time(std::min(horizon, run.shape.samples - 1))};
-  if (!run.IsFinite()) result.message = "a state of the run is not a number";
+  if (!run.IsFinite()) {
+    result.message = "a state of the run is not a number";
+  } else if (!is_sure && horizon < 2) {
+    result.message = "the reference is not sure of any place, even at the first sample";
+  } else if (!unknown.empty() && standard != nullptr) {
+    result.message = fmt::format("the truth says nothing of {}, or the scene has none", unknown);
+  }
   return result;
 }
 

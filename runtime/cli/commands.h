@@ -45,7 +45,9 @@ struct RunArguments {
 int CheckCommand(const std::vector<std::string>& files);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
-int ShowCommand(const std::string& file, const std::vector<std::string>& by);
+/// `error`: an array of /accuracy to set against run time, or empty for the summary.
+int ShowCommand(const std::string& file, const std::vector<std::string>& by,
+                const std::string& error);
 int MergeCommand(const std::string& out, const std::vector<std::string>& shards);
 /// `check`: change nothing, exit status 1 where something would change.
 int FormatCommand(const std::vector<std::string>& files, bool check);

@@ -19,6 +19,7 @@
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/cli/show.h"
+#include "runtime/cli/show_error.h"
 #include "runtime/schedule/progress.h"
 #include "runtime/schedule/schedule.h"
 #include "runtime/schedule/stop.h"
@@ -228,8 +229,10 @@ int RunCommand(const RunArguments& arguments) {
   return status;
 }
 
-int ShowCommand(const std::string& file, const std::vector<std::string>& by) {
-  const ShowText shown = Show(ResultFile(file), {by});
+int ShowCommand(const std::string& file, const std::vector<std::string>& by,
+                const std::string& error) {
+  const ShowText shown = error.empty() ? Show(ResultFile(file), {by})
+                                       : ShowError(ResultFile(file), {error, by});
   Print(shown.text);
   return shown.bad_cells > 0 ? kExitRuns : kExitGood;
 }

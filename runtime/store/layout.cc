@@ -154,7 +154,7 @@ class Maker {
 
   /// An array over the grid and `inner` dimensions.
   Array& Add(std::string name, Type type, const std::vector<std::string>& inner, bool over_grid) {
-    Array array{std::move(name), type, {}, {}, {}, 0, false, {}, nullptr};
+    Array array{std::move(name), type, {}, {}, {}, 0, false, {}, {}, nullptr};
     if (over_grid) {
       array.dimensions = grid_;
       array.shape = layout_.grid;
@@ -218,6 +218,7 @@ class Maker {
       array.has_fill_value = row.type == Type::kFloat64;
       if (row.dimensions.size() > 1) array.chunk = ChunkOf(array, 1);
       array.attributes = {{"units", row.unit}, {"long_name", row.doc}};
+      if (row.flags != nullptr) array.flags = row.flags();
     }
   }
 
@@ -255,6 +256,7 @@ class Maker {
       array.fill = number.missing;
       array.has_fill_value = number.type == Type::kFloat64;
       array.attributes = {{"units", number.unit}, {"long_name", number.doc}};
+      if (number.flags != nullptr) array.flags = number.flags();
     }
     for (const RunText& text : facts_.texts)
       Add(text.name, Type::kText, {}, true).attributes = {{"long_name", text.doc}};
@@ -263,7 +265,7 @@ class Maker {
   /// An axis that is called like something else of the file (`cases load`) gets `_axis`; its
   /// attribute `axis_name` keeps the name that the scenario gave it.
   void NameAxes(const compiler::Plan& plan) {
-    std::set<std::string> taken = {"provenance", "accuracy", "verdict"};
+    std::set<std::string> taken = {"provenance", "accuracy"};
     for (const Array& array : layout_.arrays) taken.insert(array.name);
     for (std::size_t i = plan.axes.size(); i < layout_.dimensions.size(); ++i)
       taken.insert(layout_.dimensions[i].name);
@@ -288,6 +290,15 @@ std::string Now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std:
 
 namespace {
 
+std::string VerdictNames() {
+  std::string names;
+  for (const VerdictInfo& info : Verdicts())
+    names.append(names.empty() ? "" : " ").append(info.name);
+  return names;
+}
+
+std::string StatusNames() { return "missing done skipped failed crashed timed_out"; }
+
 double ErrorOf(const RunResult& result, const std::string& name) {
   const auto found = result.errors.values.find(name);
   return found == result.errors.values.end() || found->second.size() != 1 ? kNaN
@@ -301,7 +312,7 @@ void AddErrors(const compiler::Plan& plan, PlanFacts& facts) {
   const auto add = [&](const std::string& name, std::string_view unit, std::string doc) {
     facts.numbers.push_back({std::string(kAccuracyGroup) + name, Type::kFloat64, std::string(unit),
                              std::move(doc), kNaN,
-                             [name](const Run&, R r) { return ErrorOf(r, name); }});
+                             [name](const RunResult& r) { return ErrorOf(r, name); }});
   };
   bool needs_truth = false;
   for (const compiler::ErrorInfo* error : compiler::ErrorsOf(plan)) {
@@ -316,10 +327,7 @@ void AddErrors(const compiler::Plan& plan, PlanFacts& facts) {
   }
   if (needs_truth)
     add("horizon", "s", "simulated time from which on the reference is not sure of places itself");
-  facts.numbers.push_back(
-      {std::string(kAccuracyGroup) + "timestep", Type::kFloat64, "s",
-       "simulated time of a cycle, for the time that a simulated second takes", kNaN,
-       [](const Run& run, R) { return run.scene.world.Real("timestep"); }});
+  add("timestep", "s", "simulated time of a cycle, for what a simulated second takes");
   facts.texts.push_back({std::string(kAccuracyGroup) + "truth",
                          "what errors are held against: a closed form, or the id of a reference",
                          [](const Run&, R r) { return r.errors.truth; }});
@@ -352,7 +360,7 @@ PlanFacts::PlanFacts(const compiler::Plan& plan)
 const std::vector<ReferenceArray>& ReferenceArrays() {
   static const std::vector<ReferenceArray> kArrays = {
       {"role", Type::kText, {"reference"}, "", "reference, or the twin that shows its horizon"},
-      {"status", Type::kInt8, {"reference"}, "", "how the run ended"},
+      {"status", Type::kInt8, {"reference"}, "", "how the run ended", StatusNames},
       {"message", Type::kText, {"reference"}, "", "why it did not end well"},
       {"state_hash", Type::kText, {"reference"}, "", "as that of the runs"},
       {"host", Type::kText, {"reference"}, "", "the machine that it ran on"},
@@ -372,25 +380,29 @@ const std::vector<ReferenceArray>& ReferenceArrays() {
 }
 
 const std::vector<RunNumber>& RunNumbers() {
-  using compiler::Run;
   using R = const RunResult&;
   static const std::vector<RunNumber> kNumbers = {
       {"status", Type::kInt8, "", "how the run ended", 0,
-       [](const Run&, R r) { return static_cast<double>(r.status); }},
+       [](R r) { return static_cast<double>(r.status); },
+       StatusNames},
+      {"verdict", Type::kInt8, "", "how the run ended as physics: cdb doc verdicts", 0,
+       [](R r) { return static_cast<double>(r.judgement.verdict); }, VerdictNames},
+      {"first_bad_cycle", Type::kInt32, "", "recorded cycle at which the verdict shows; -1: none",
+       -1, [](R r) { return static_cast<double>(r.judgement.first_bad_cycle); }},
       {"n_cycles", Type::kInt32, "", "cycles that really ran", 0,
-       [](const Run&, R r) { return static_cast<double>(r.n_cycles); }},
+       [](R r) { return static_cast<double>(r.n_cycles); }},
       {"started", Type::kFloat64, "seconds since 1970-01-01 00:00:00", "when the run began", kNaN,
-       [](const Run&, R r) { return r.started_s; }},
+       [](R r) { return r.started_s; }},
       {"load", Type::kFloat64, "", "the machine's one-minute load average when the run began", kNaN,
-       [](const Run&, R r) { return r.load; }},
+       [](R r) { return r.load; }},
       {"peak_rss", Type::kFloat64, "bytes", "most memory that the run's process held", kNaN,
-       [](const Run&, R r) { return r.peak_rss_bytes; }},
+       [](R r) { return r.peak_rss_bytes; }},
       {"place_time", Type::kFloat64, "ns", "time of finding a place for every object", kNaN,
-       [](const Run&, R r) { return r.place_ns; }},
+       [](R r) { return r.place_ns; }},
       {"build_time", Type::kFloat64, "ns", "time of making the world", kNaN,
-       [](const Run&, R r) { return r.build_ns; }},
+       [](R r) { return r.build_ns; }},
       {"fill_fraction", Type::kFloat64, "", "volume of the objects over that of the world", kNaN,
-       [](const Run&, R r) { return r.fill_fraction; }},
+       [](R r) { return r.fill_fraction; }},
   };
   return kNumbers;
 }
@@ -468,9 +480,10 @@ void CreateArrays(h5::File& file, const Layout& layout) {
         file.CreateDataset({array.name, array.type, array.shape, array.chunk, array.fill});
     if (array.has_fill_value) dataset.SetNumbers("_FillValue", array.type, {{array.fill}});
     for (const auto& [name, text] : array.attributes) dataset.SetText(name.c_str(), text);
-    if (array.name == "status" || array.name == kReferenceGroup + std::string("status")) {
-      dataset.SetNumbers("flag_values", Type::kInt8, {{0, 1, 2, 3, 4, 5}});
-      dataset.SetText("flag_meanings", "missing done skipped failed crashed timed_out");
+    if (!array.flags.empty()) {
+      const auto count = static_cast<std::uint64_t>(std::ranges::count(array.flags, ' ')) + 1;
+      dataset.SetNumbers("flag_values", array.type, Indices(count));
+      dataset.SetText("flag_meanings", array.flags);
     }
     attachments.push_back({array.name, array.dimensions});
   }

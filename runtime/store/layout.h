@@ -27,7 +27,9 @@ struct RunNumber {
   std::string unit;
   std::string doc;
   double missing;  ///< where there is no run
-  std::function<double(const compiler::Run&, const RunResult&)> get;
+  std::function<double(const RunResult&)> get;
+  /// What its values from 0 on mean, separated by spaces; empty where it is a number.
+  std::string (*flags)() = nullptr;
 };
 const std::vector<RunNumber>& RunNumbers();
 
@@ -67,6 +69,7 @@ struct ReferenceArray {
   std::vector<std::string> dimensions;  ///< `reference` first
   std::string unit;
   std::string doc;
+  std::string (*flags)() = nullptr;  ///< as of RunNumber
 };
 const std::vector<ReferenceArray>& ReferenceArrays();
 
@@ -89,6 +92,7 @@ struct Array {
   double fill = 0;
   bool has_fill_value = false;  ///< readers are told of `fill`
   std::map<std::string, std::string> attributes;
+  std::string flags;  ///< what its values from 0 on mean, separated by spaces
   const Series* series = nullptr;
 };
 

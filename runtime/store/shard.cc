@@ -102,7 +102,7 @@ std::vector<std::byte> MakeImage(const compiler::Plan& plan, const PlanFacts& fa
   }
   WriteErrors(file, facts, layout, result);
   for (const RunNumber& number : facts.numbers)
-    file.OpenDataset(number.name).Write({{number.get(run, result)}});
+    file.OpenDataset(number.name).Write({{number.get(result)}});
   for (const RunText& text : facts.texts)
     file.OpenDataset(text.name).WriteText({{text.get(run, result)}});
   h5::Group group = file.CreateGroup("provenance");
@@ -164,7 +164,12 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
     const std::vector<double> status = file.OpenDataset("status").Read();
     const std::string id = file.Text("run_id");
     if (status.size() != 1 || id.empty()) throw h5::Error("it does not hold one run");
-    return {id, file.Text("plan_sha256"), static_cast<Status>(status[0])};
+    // A reference run has no timings that a verdict could void.
+    const double verdict =
+        file.Has("verdict") ? file.OpenDataset("verdict").Read().at(0) : 0;
+    return {id,
+            file.Text("plan_sha256"),
+            {static_cast<Status>(status[0]), static_cast<Verdict>(verdict)}};
   } catch (const h5::Error& error) {
     throw StoreError(
         fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "
