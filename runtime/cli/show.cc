@@ -89,7 +89,7 @@ class Summary {
     if (!good_.empty())
       for (const auto& by : tables) text += Tables(by);
     text += Ratios(all);
-    return {text, bad_.size()};
+    return {text, bad_.size() + references_.size()};
   }
 
  private:
@@ -174,6 +174,8 @@ class Summary {
     if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
       text += fmt::format(
           "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
+    for (const std::string& trouble : references_)
+      text += fmt::format("  What runs are held against is not there: {}\n", trouble);
     text += LeftOut() + Models() + Verdicts();
     if (missing_ > 0) text += fmt::format("  {} not run yet.\n", missing_);
     if (!bad_.empty()) {
@@ -394,6 +396,7 @@ class Summary {
   }
 
   const ResultFile& file_;
+  const std::vector<std::string> references_ = file_.ReadReferenceTroubles();  ///< that fail
   std::vector<Cell> good_;
   std::vector<Bad> bad_;
   struct Judged {

@@ -144,6 +144,9 @@ class ResultFile {
   /// doubles.
   std::vector<double> ReadSeries(std::string_view dataset, const Cell& cell) const;
   std::vector<double> ReadDuration(Phase phase, const Cell& cell) const;
+  /// Why reference runs are of no use, a line each: `reference 0123…: crashed: …`. Empty where all
+  /// ended well, or there are none.
+  std::vector<std::string> ReadReferenceTroubles() const;
   /// `/provenance`: `plan_text`, `scenario_text`, and its attributes.
   std::string ReadProvenance(std::string_view name) const;
 
