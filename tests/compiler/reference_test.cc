@@ -30,7 +30,7 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
   ASSERT_EQ(plan.references.size(), 2u);
   EXPECT_EQ(plan.references[0].scene.role, Role::kReference);
   EXPECT_EQ(plan.references[1].scene.role, Role::kTwin);
-  for (const Run& run : plan.runs) {
+  for (const compiler::Run& run : plan.runs) {
     EXPECT_EQ(run.reference, plan.references[0].id);
     EXPECT_EQ(run.twin, plan.references[1].id);
   }
@@ -68,7 +68,7 @@ TEST(Reference, IsMadeOnlyWhereErrorsNeedTheTruth) {
 TEST(Reference, GoesIntoYamlAndBack) {
   const Plan plan = PlanOf(kSweep);
   EXPECT_TRUE(FromYaml(ToYaml(plan), "plan") == plan);
-  for (const Run& run : plan.references) EXPECT_TRUE(RunFromYaml(RunToYaml(run), "run") == run);
+  for (const compiler::Run& run : plan.references) EXPECT_TRUE(RunFromYaml(RunToYaml(run), "run") == run);
 }
 
 TEST(Reference, StretchesSchedulesThatCountCycles) {
