@@ -23,7 +23,15 @@ enum class ParameterType {
 };
 
 /// Where a parameter's words come from beside its own row.
-enum class WordSource { kOwn, kObjectTypes, kDetectors, kLayouts, kComponents };
+enum class WordSource {
+  kOwn,
+  kObjectTypes,
+  kDetectors,
+  kLayouts,
+  kComponents,
+  kMetrics,
+  kClosedForms,
+};
 
 /// Numbers a parameter takes: those between `min` and `max`. A vector's components each, a ratio's
 /// parts each.
@@ -73,6 +81,11 @@ struct Parameter {
 bool ListsWord(std::string_view words, std::string_view word);
 
 std::span<const Parameter> Schema();
+
+/// The blocks that may stand in `block` (a path such as `accuracy`, or empty) and do nothing but
+/// shorten names: `world`, `solver`; in a group of objects those of its own. What the dots in the
+/// schema's names say, in its order.
+std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped);
 
 /// Null where there is none. `name` is without its group.
 const Parameter* FindParameter(std::string_view name, bool grouped);

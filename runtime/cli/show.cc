@@ -26,12 +26,6 @@ using compiler::Axis;
 constexpr std::size_t kMaxBadListed = 8;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-std::string CoordinateText(const Axis& axis, std::size_t index) {
-  const compiler::Coordinate& value = axis.values[index];
-  if (const auto* number = std::get_if<double>(&value)) return compiler::FormatReal(*number);
-  return std::get<std::string>(value);
-}
-
 std::string Place(const ResultFile& file, const Cell& cell) {
   std::string text;
   for (std::size_t i = 0; i < cell.at.size(); ++i)
@@ -86,7 +80,7 @@ class Summary {
     std::vector<std::vector<std::size_t>> tables;
     if (!options.by.empty()) {
       tables.emplace_back();
-      for (const std::string& name : options.by) tables.back().push_back(FindAxis(name));
+      for (const std::string& name : options.by) tables.back().push_back(FindAxis(file_, name));
     } else if (rows <= kMaxRows) {
       tables.push_back(all);
     } else {
@@ -95,7 +89,7 @@ class Summary {
     if (!good_.empty())
       for (const auto& by : tables) text += Tables(by);
     text += Ratios(all);
-    return {text, bad_.size()};
+    return {text, bad_.size() + references_.size()};
   }
 
  private:
@@ -120,35 +114,31 @@ class Summary {
       ++skipped_;
     } else if (status == Status::kMissing) {
       ++missing_;
-    } else if (status != Status::kDone) {
-      const std::string message = file_.ReadText("message", cell);
-      bad_.push_back(
-          {cell, std::string(StatusName(status)) + (message.empty() ? "" : ": ") + message});
-    } else if (const std::size_t cycle = FirstNonFinite(cell); cycle != 0) {
-      bad_.push_back(
-          {cell, fmt::format("a state that is not a number from cycle {} on", cycle - 1)});
+    } else if (const auto trouble = Trouble(file_, cell)) {
+      bad_.push_back({cell, *trouble});
     } else {
+      const Judgement judgement = file_.ReadJudgement(cell);
       good_.push_back(cell);
+      verdicts_[judgement.verdict].push_back({cell, judgement.first_bad_cycle});
     }
   }
 
-  /// One more than the first cycle with a state that is not finite; 0 where there is none.
-  std::size_t FirstNonFinite(const Cell& cell) const {
-    if (!file_.Has("non_finite")) return 0;
-    const auto series = file_.ReadSeries("non_finite", cell);
-    const auto first = std::ranges::find_if(series, [](double count) { return count > 0; });
-    return first == series.end() ? 0 : static_cast<std::size_t>(first - series.begin()) + 1;
-  }
-
-  std::size_t FindAxis(const std::string& name) const {
-    std::string names;
-    for (std::size_t i = 0; i < file_.axes().size(); ++i) {
-      if (file_.axes()[i].name == name) return i;
-      names += (i == 0 ? "" : ", ") + file_.axes()[i].name;
+  /// What the physics of the runs in the figures is worth. Nothing where no run was judged.
+  std::string Verdicts() const {
+    std::string doubts;
+    for (auto row = verdicts_.rbegin(); row != verdicts_.rend(); ++row) {
+      const auto& [verdict, runs] = *row;
+      if (verdict <= Verdict::kStable) continue;
+      doubts += fmt::format("    {} {}: {} from cycle {} on{}\n", runs.size(), VerdictName(verdict),
+                            Place(file_, runs[0].cell), runs[0].first_bad_cycle,
+                            runs.size() > 1 ? ", and others" : "");
     }
-    throw StoreError(names.empty()
-                         ? fmt::format("there is no axis '{}': this file has none", name)
-                         : fmt::format("there is no axis '{}'; there are {}", name, names));
+    const auto stable = verdicts_.find(Verdict::kStable);
+    const std::size_t sound = stable == verdicts_.end() ? 0 : stable->second.size();
+    if (doubts.empty())
+      return sound == 0 ? "" : fmt::format("  Verdict: {}stable.\n", sound > 1 ? "all " : "");
+    return fmt::format("  {} stable; in the figures below, but not sound (cdb doc verdicts):\n{}",
+                       sound, doubts);
   }
 
   /// How well convex hulls stand for the models of the scene, a line for each.
@@ -184,7 +174,9 @@ class Summary {
     if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
       text += fmt::format(
           "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
-    text += LeftOut() + Models();
+    for (const std::string& trouble : references_)
+      text += fmt::format("  What runs are held against is not there: {}\n", trouble);
+    text += LeftOut() + Models() + Verdicts();
     if (missing_ > 0) text += fmt::format("  {} not run yet.\n", missing_);
     if (!bad_.empty()) {
       text += fmt::format("  {} did not end well and {} in no figure below:\n", bad_.size(),
@@ -404,12 +396,41 @@ class Summary {
   }
 
   const ResultFile& file_;
+  const std::vector<std::string> references_ = file_.ReadReferenceTroubles();  ///< that fail
   std::vector<Cell> good_;
   std::vector<Bad> bad_;
+  struct Judged {
+    Cell cell;
+    std::int64_t first_bad_cycle;
+  };
+  std::map<Verdict, std::vector<Judged>> verdicts_;  ///< of the good ones
   std::size_t skipped_ = 0, missing_ = 0;
 };
 
 }  // namespace
+
+std::size_t FindAxis(const ResultFile& file, const std::string& name) {
+  std::string names;
+  for (std::size_t i = 0; i < file.axes().size(); ++i) {
+    if (file.axes()[i].name == name) return i;
+    names += (i == 0 ? "" : ", ") + file.axes()[i].name;
+  }
+  throw StoreError(names.empty() ? fmt::format("there is no axis '{}': this file has none", name)
+                                 : fmt::format("there is no axis '{}'; there are {}", name, names));
+}
+
+std::optional<std::string> Trouble(const ResultFile& file, const ResultFile::Cell& cell) {
+  const Status status = file.ReadStatus(cell);
+  if (status == Status::kMissing) return "not run yet";
+  if (status != Status::kDone) {
+    const std::string message = file.ReadText("message", cell);
+    return std::string(StatusName(status)) + (message.empty() ? "" : ": ") + message;
+  }
+  const Judgement judgement = file.ReadJudgement(cell);
+  if (!HasVoidTimings(judgement.verdict)) return std::nullopt;
+  return fmt::format("{} from cycle {} on", VerdictName(judgement.verdict),
+                     judgement.first_bad_cycle);
+}
 
 double Percentile(const std::vector<double>& sorted, double p) {
   if (sorted.empty()) return kNone;

@@ -12,22 +12,32 @@ using enum SeriesShape;
 
 constexpr Series kSeries[] = {
     {"duration", "timing", kFloat64, kPhase, "ns", "time of each phase of a cycle"},
-    {"pairs", "counts", kInt32, kScalar, "", "potentially colliding pairs of the broad phase"},
-    {"manifolds", "counts", kInt32, kScalar, "", "contact manifolds that hold a point"},
-    {"contacts", "counts contacts", kInt32, kScalar, "", "contact points"},
+    {"pairs", "counts stability", kInt32, kScalar, "",
+     "potentially colliding pairs of the broad phase"},
+    {"manifolds", "counts stability", kInt32, kScalar, "", "contact manifolds that hold a point"},
+    {"contacts", "counts contacts stability", kInt32, kScalar, "", "contact points"},
     {"kinetic_energy", "energy stability", kFloat64, kScalar, "J", "translation and rotation"},
     {"energy", "energy stability", kFloat64, kScalar, "J",
      "kinetic and potential energy with the integrator's own term, m dt g.v / 2"},
     {"max_penetration", "stability", kFloat64, kScalar, "m",
      "deepest contact; 0 where none overlaps"},
+    {"penetration_ratio", "stability", kFloat64, kScalar, "",
+     "deepest contact over the least side of the smaller object"},
     {"max_speed", "stability", kFloat64, kScalar, "m/s", "of any object's centre of mass"},
     {"escaped", "stability", kInt32, kScalar, "", "objects with their centre beyond a wall"},
     {"asleep", "stability", kInt32, kScalar, "", "objects that Bullet has put to sleep"},
     {"removed", "stability", kInt32, kScalar, "",
      "objects whose simulation Bullet has switched off"},
     {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not a number"},
+    {"displacement", "stability", kFloat64, kScalar, "",
+     "farthest way of an object from its place before the first cycle, over its least side"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
-     "least way gone over way to go, |dx| / (|v| dt), of the objects that move without contact"},
+     "way gone over way to go, sum |dx| / sum |v| dt along one axis since the last contact, where "
+     "it is farthest from 1"},
+    {"fall_ratio", "stability", kFloat64, kScalar, "",
+     "least gain of speed over what gravity gives, dv / (g dt), since the last contact"},
+    {"turn_ratio", "stability", kFloat64, kScalar, "",
+     "least angle turned over angle to turn, of the objects that turn"},
     {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
@@ -46,6 +56,8 @@ std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) cons
       return cycles * kPhaseCount;
     case kPose:
       return cycles * objects * kPoseSize;
+    case kSample:
+      break;
   }
   return 0;
 }

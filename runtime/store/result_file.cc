@@ -190,6 +190,20 @@ Status ResultFile::ReadStatus(const Cell& cell) const {
   return static_cast<Status>(status);
 }
 
+Judgement ResultFile::ReadJudgement(const Cell& cell) const {
+  if (!Has("verdict")) return {};
+  return impl_->Reading([&]() -> Judgement {
+    const double verdict = impl_->Number("verdict", cell);
+    if (!(verdict >= 0 && verdict < static_cast<double>(Verdicts().size())))
+      throw StoreError(
+          fmt::format("{}: holds the verdict {}, which this cdb does not know; it was left as it "
+                      "is: use the cdb that wrote it",
+                      impl_->name, verdict));
+    return {static_cast<Verdict>(verdict),
+            static_cast<std::int64_t>(impl_->Number("first_bad_cycle", cell))};
+  });
+}
+
 std::uint64_t ResultFile::ReadCycleCount(const Cell& cell) const {
   return impl_->Reading([&] { return std::uint64_t{impl_->CyclesOf(cell)}; });
 }
@@ -218,6 +232,25 @@ std::vector<double> ResultFile::ReadDuration(Phase phase, const Cell& cell) cons
     const std::vector<double>& block = impl_->Block("duration", cell, 2);
     const auto begin = block.begin() + static_cast<long>(phase * impl_->cycles);
     return std::vector(begin, begin + static_cast<long>(impl_->CyclesOf(cell)));
+  });
+}
+
+std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
+  return impl_->Reading([&] {
+    std::vector<std::string> troubles;
+    const h5::File& file = impl_->file;
+    if (!file.Has("reference") || !file.Has("accuracy")) return troubles;
+    const auto text = [&file](const std::string& name) { return file.OpenDataset(name).ReadText(); };
+    const std::vector<std::string> ids = text("reference"), roles = text(kReferenceGroup + "role"),
+                                   messages = text(kReferenceGroup + "message");
+    const std::vector<double> statuses = file.OpenDataset(kReferenceGroup + "status").Read();
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const auto status = static_cast<Status>(statuses.at(i));
+      if (status == Status::kDone || status == Status::kMissing) continue;
+      troubles.push_back(fmt::format("{} {}: {}{}{}", roles.at(i), ids[i], StatusName(status),
+                                     messages.at(i).empty() ? "" : ": ", messages.at(i)));
+    }
+    return troubles;
   });
 }
 
