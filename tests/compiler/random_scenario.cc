@@ -19,15 +19,31 @@ class Maker {
 
   RandomScenario Make() {
     for (const Parameter& parameter : Schema()) {
-      // The number of runs stays small.
-      if (Below(3) != 0 || !MayBeSet(parameter.name)) continue;
+      // The number of runs stays small. What is said of errors hangs together.
+      if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy."))
+        continue;
       scenario_.settings.push_back(parameter.FullName() + " " + ValueOf(parameter));
     }
+    AddAccuracy();
     return std::move(scenario_);
   }
 
  private:
   std::uint64_t Below(std::uint64_t n) { return random_() % n; }
+
+  /// Errors at times that are whole numbers of the default's steps.
+  void AddAccuracy() {
+    const bool has_timestep = std::ranges::any_of(
+        scenario_.settings, [](const auto& setting) { return setting.starts_with("timestep "); });
+    if (has_timestep || Below(2) == 0) return;
+    scenario_.settings.push_back("accuracy.metrics " +
+                                 Constant(*FindParameter("accuracy.metrics", false)));
+    scenario_.settings.emplace_back("accuracy.interval 1 / 60");
+    for (const char* name : {"closed_form", "reference.contact", "reference.iterations"}) {
+      const Parameter& parameter = *FindParameter("accuracy." + std::string(name), false);
+      if (Below(2) == 0) scenario_.settings.push_back(parameter.FullName() + " " + Constant(parameter));
+    }
+  }
 
   std::string Constant(const Parameter& parameter) {
     using enum ParameterType;
