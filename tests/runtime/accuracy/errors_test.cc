@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace cdb::runtime {
@@ -24,10 +25,12 @@ struct HandMade {
       Set(s, kAccelerationX, {0, -10, 0});
   }
   void Set(std::size_t sample, std::size_t object, int from, const Vector3d& v) {
-    Eigen::Map<Vector3d>(&values[shape.State(sample, object) + static_cast<std::size_t>(from)]) = v;
+    double* place = &values[shape.State(sample, object) + static_cast<std::size_t>(from)];
+    std::ranges::copy(v, place);
   }
   void Set(std::size_t sample, Observable which, const Vector3d& v) {
-    Eigen::Map<Vector3d>(&values[shape.Observables(sample) + which]) = v;
+    double* place = &values[shape.Observables(sample) + which];
+    std::ranges::copy(v, place);
   }
   void Set(std::size_t sample, Observable which, double value) {
     values[shape.Observables(sample) + which] = value;
