@@ -172,15 +172,15 @@ class Conventions : public testing::TestWithParam<Kind> {
   }
 
   const TemporaryFolder folder_;
-  const compiler::Plan plan_ = MakePlan(
-      {NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
-       TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
-      2,
-      {.cycles = 35000,
-       .objects = 1,
-       .record = {"timing", "stability", "contacts", "poses"},
-       .metrics = GetParam().accuracy ? compiler::WordList{"pairs", "position"}
-                                      : compiler::WordList{"none"}});
+  const compiler::Plan plan_ =
+      MakePlan({NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
+                TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
+               2,
+               {.cycles = 35000,
+                .objects = 1,
+                .record = {"timing", "stability", "contacts", "poses"},
+                .metrics = GetParam().accuracy ? compiler::WordList{"pairs", "position"}
+                                               : compiler::WordList{"none"}});
   hid_t file_ = -1;
   std::vector<std::string> groups_ = {"/", "/provenance"};
   std::vector<std::string> datasets_;
@@ -207,8 +207,9 @@ TEST_P(Conventions, CreationOrderIsTrackedAndIndexedEverywhere) {
 }
 
 TEST_P(Conventions, AxesComeFirstAndInOrder) {
-  std::vector<std::string> expected = {"quantity", "size", "type",    "rep",          "phase", "cycle",
-                                       "body",     "pose", "contact", "contact_side", "xyz"};
+  std::vector<std::string> expected = {"quantity", "size",         "type", "rep",
+                                       "phase",    "cycle",        "body", "pose",
+                                       "contact",  "contact_side", "xyz"};
   if (GetParam().accuracy) expected.emplace_back("sample");
   if (GetParam().accuracy && GetParam().merged)
     expected.insert(expected.end(), {"reference", "state", "observable"});
@@ -290,7 +291,7 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
 TEST_P(Conventions, FillValuesAreTold) {
   ForEachDataset([&](const std::string& name, hid_t dataset) {
     const bool has = H5Aexists(dataset, "_FillValue") > 0;
-    if (name == "status" || name == "n_cycles" || H5DSis_scale(dataset) > 0) {
+    if (name == "status" || name == "verdict" || name == "n_cycles" || H5DSis_scale(dataset) > 0) {
       EXPECT_FALSE(has);
     }
     const Series* series = FindSeries(name);
@@ -356,6 +357,10 @@ TEST_P(Conventions, CoordinatesSayWhatTheyAre) {
     EXPECT_EQ(text("type", "labels_separator"), ";");
   }
   EXPECT_EQ(text("status", "flag_meanings"), "missing done skipped failed crashed timed_out");
+  EXPECT_EQ(
+      text("verdict", "flag_meanings"),
+      "unknown stable drifting penetrating collapsed clamped tunnelled exploded frozen removed "
+      "non_finite timed_out crashed");
   EXPECT_EQ(text("duration", "units"), "ns");
   EXPECT_EQ(text("contacts", "sample_dimension"), "contact");
 }
