@@ -1,6 +1,10 @@
 #include "compiler/metrics.h"
 
 #include <algorithm>
+#include <functional>
+#include <set>
+#include <string>
+#include <variant>
 
 namespace cdb::compiler {
 namespace {
@@ -39,11 +43,18 @@ constexpr ErrorInfo kErrors[] = {
 };
 // clang-format on
 
-template <typename Asks>
-std::vector<const ErrorInfo*> Asked(Asks asks) {
+/// Most runs of most plans ask for none, and there may be many.
+bool AsksForNone(const WordList& metrics) { return metrics.size() == 1 && metrics[0] == "none"; }
+
+const WordList& MetricsOf(const Scene& scene) {
+  return std::get<WordList>(scene.world.Get("accuracy.metrics"));
+}
+
+template <typename Words>
+std::vector<const ErrorInfo*> Asked(const Words& words) {
   std::vector<const ErrorInfo*> asked;
   for (const ErrorInfo& error : kErrors)
-    if (asks(error.metric)) asked.push_back(&error);
+    if (std::ranges::find(words, error.metric) != words.end()) asked.push_back(&error);
   return asked;
 }
 
@@ -61,16 +72,16 @@ std::span<const Metric> Metrics() {
 }
 
 std::vector<const ErrorInfo*> ErrorsOf(const Scene& scene) {
-  return Asked(
-      [&](std::string_view metric) { return scene.world.Lists("accuracy.metrics", metric); });
+  const WordList& metrics = MetricsOf(scene);
+  return AsksForNone(metrics) ? std::vector<const ErrorInfo*>() : Asked(metrics);
 }
 
 std::vector<const ErrorInfo*> ErrorsOf(const Plan& plan) {
-  return Asked([&](std::string_view metric) {
-    return std::ranges::any_of(plan.runs, [&](const Run& run) {
-      return run.scene.world.Lists("accuracy.metrics", metric);
-    });
-  });
+  std::set<std::string, std::less<>> words;
+  for (const Run& run : plan.runs)
+    if (const WordList& metrics = MetricsOf(run.scene); !AsksForNone(metrics))
+      words.insert(metrics.begin(), metrics.end());
+  return Asked(words);
 }
 
 }  // namespace cdb::compiler

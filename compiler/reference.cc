@@ -74,8 +74,7 @@ AccuracyFault FindAccuracyFault(const Scene& scene) {
   const Settings& world = scene.world;
   const double interval = world.Real("accuracy.interval"), timestep = world.Real("timestep");
   const bool needs_reference = NeedsReference(scene);
-  const double reference =
-      needs_reference ? world.Real("accuracy.reference.timestep") : timestep;
+  const double reference = needs_reference ? world.Real("accuracy.reference.timestep") : timestep;
   for (const auto& [step, whose] : {std::pair{timestep, "the run"}, {reference, "the reference"}})
     if (!WholeSteps(interval, step))
       return {"accuracy.interval",
@@ -106,8 +105,9 @@ AccuracyFault FindAccuracyFault(const Scene& scene) {
             "a schedule changes after cycles that are no whole number of the reference's",
             "take a reference.timestep that divides the time step of the run"};
   const std::string_view walls = world.WordOr("world.walls");
-  const std::uint64_t bodies =
-      scene.ObjectCount() + (walls == "all" ? 6 : walls == "floor" ? 1 : 0);
+  const std::uint64_t bodies = scene.ObjectCount() + (walls == "all"     ? 6
+                                                      : walls == "floor" ? 1
+                                                                         : 0);
   const std::string_view detector_name = world.WordOr("accuracy.reference.detector");
   const library::DetectorInfo* detector = library::FindDetector(detector_name);
   CDB_CHECK(detector != nullptr);

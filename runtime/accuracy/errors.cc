@@ -136,8 +136,7 @@ std::vector<std::vector<double>> ErrorSeries(std::span<const ErrorInfo* const> e
   std::vector<std::vector<double>> series(errors.size());
   for (std::size_t s = 0; s < run.shape.samples; ++s) {
     const At at(run, standard, s);
-    for (std::size_t e = 0; e < errors.size(); ++e)
-      series[e].push_back(at.Error(errors[e]->kind));
+    for (std::size_t e = 0; e < errors.size(); ++e) series[e].push_back(at.Error(errors[e]->kind));
   }
   return series;
 }
@@ -180,8 +179,8 @@ RunErrors CollectErrors(const compiler::Scene& scene, const Samples& run, const 
   const bool is_sure = twin == nullptr;
   const std::size_t horizon = is_sure ? run.shape.samples : HorizonOf(*reference, *twin);
   const auto series = ErrorSeries(errors, run, standard);
-  const auto floors = is_sure ? std::vector<std::vector<double>>()
-                              : ErrorSeries(errors, *twin, standard);
+  const auto floors =
+      is_sure ? std::vector<std::vector<double>>() : ErrorSeries(errors, *twin, standard);
   std::string unknown;
   for (std::size_t e = 0; e < errors.size(); ++e) {
     const ErrorInfo& error = *errors[e];

@@ -124,8 +124,8 @@ int RunCommand(const RunArguments& arguments) {
 
 int ShowCommand(const std::string& file, const std::vector<std::string>& by,
                 const std::string& error) {
-  const ShowText shown = error.empty() ? Show(ResultFile(file), {by})
-                                       : ShowError(ResultFile(file), {error, by});
+  const ShowText shown =
+      error.empty() ? Show(ResultFile(file), {by}) : ShowError(ResultFile(file), {error, by});
   Print(shown.text);
   return shown.bad_cells > 0 ? kExitRuns : kExitGood;
 }

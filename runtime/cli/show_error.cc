@@ -36,7 +36,8 @@ struct Row {
 
 /// The fastest first; of those on the front, each is more accurate than all before it.
 void MarkFront(std::vector<Row>& rows) {
-  std::ranges::stable_sort(rows, {}, [](const Row& row) { return std::pair(row.Time(), row.error); });
+  std::ranges::stable_sort(rows, {},
+                           [](const Row& row) { return std::pair(row.Time(), row.error); });
   double least = std::numeric_limits<double>::infinity();
   for (Row& row : rows) {
     row.on_front = row.error < least;
@@ -87,7 +88,8 @@ class ErrorTable {
     const bool is_error = std::ranges::any_of(
         compiler::Errors(), [&](const compiler::ErrorInfo& error) { return error.name == name_; });
     if (!is_error || !file_.Has(dataset_))
-      throw StoreError(fmt::format("there is no error '{}' in this file; there are {}", name_, names));
+      throw StoreError(
+          fmt::format("there is no error '{}' in this file; there are {}", name_, names));
     if (!file_.Has("duration"))
       throw StoreError(
           "this file holds no timings to set errors against; add timing to what the scenario "
@@ -117,8 +119,8 @@ class ErrorTable {
         continue;
       }
       const std::vector<double> steps = file_.ReadDuration(kStep, cell);
-      const double ns = std::accumulate(steps.begin(), steps.end(), 0.0) /
-                        static_cast<double>(steps.size());
+      const double ns =
+          std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
       if (!steps.empty() && std::isfinite(ns))
         row.ms_per_s.push_back(ns * 1e-6 / file_.ReadReal("accuracy/timestep", cell));
       // Repeats go the same way, so that errors are alike.
@@ -147,8 +149,9 @@ class ErrorTable {
 
   std::string Head() const {
     const auto& info = *std::ranges::find(compiler::Errors(), name_, &compiler::ErrorInfo::name);
-    std::string text = fmt::format("{}\n  {}{}: {}\n", file_.title(), name_,
-                                   info.unit.empty() ? "" : fmt::format(", {}", info.unit), info.doc);
+    std::string text =
+        fmt::format("{}\n  {}{}: {}\n", file_.title(), name_,
+                    info.unit.empty() ? "" : fmt::format(", {}", info.unit), info.doc);
     if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
       text +=
           fmt::format("  Timed with a {} build of cdb: these are not timings to quote.\n", build);

@@ -136,7 +136,8 @@ void Sampler::TakeMotion() {
     angular_sum += own.norm();
   }
   Value(kKinetic) = kinetic;
-  Value(kPotential) = potential;
+  // Of the energies of one time: without the integrator's own term.
+  Value(kPotential) = potential + engine_.links().SpringEnergy(0);
   Eigen::Map<Vector3d>(&Value(kAccelerationX)) = engine_.acceleration();
   Eigen::Map<Vector3d>(&Value(kMomentumX)) = momentum;
   Eigen::Map<Vector3d>(&Value(kAngularX)) = angular;
@@ -159,8 +160,7 @@ void Sampler::TakeContacts() {
     const double size = std::min(SizeOf(manifold.getBody0()), SizeOf(manifold.getBody1()));
     contacts += manifold.getNumContacts();
     for (int j = 0; j < manifold.getNumContacts(); ++j) {
-      const double depth =
-          -static_cast<double>(manifold.getContactPoint(j).getDistance()) / size;
+      const double depth = -static_cast<double>(manifold.getContactPoint(j).getDistance()) / size;
       if (!(depth > 0)) continue;
       ++overlaps;
       sum += depth;

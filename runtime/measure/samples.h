@@ -22,8 +22,8 @@ inline constexpr std::size_t kBodySize = 2;
 
 /// What is summed over all objects at a sample.
 enum Observable {
-  kKinetic,    ///< J
-  kPotential,  ///< J, of weight under the acceleration of the time
+  kKinetic,        ///< J
+  kPotential,      ///< J, of weight under the acceleration of the time, and of springs
   kAccelerationX,  ///< m/s^2, of that time
   kAccelerationY,
   kAccelerationZ,

@@ -24,9 +24,7 @@ RunErrors AgainstForm(const compiler::Run& run, const Samples& samples) {
   return CollectErrors(run.scene, samples, StandardOf(*form, samples).get(), nullptr, nullptr);
 }
 
-void Append(std::string& to, const std::string& text) {
-  to += (to.empty() ? "" : "; ") + text;
-}
+void Append(std::string& to, const std::string& text) { to += (to.empty() ? "" : "; ") + text; }
 
 }  // namespace
 

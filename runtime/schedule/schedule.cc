@@ -171,12 +171,11 @@ class Execution {
       return;
     }
     if (compiler::SamplingOf(run.scene)) {
-      ending.result.errors =
-          held_against_.ErrorsOf(run, ending.result.status, *ending.recording);
+      ending.result.errors = held_against_.ErrorsOf(run, ending.result.status, *ending.recording);
       const RunErrors& errors = ending.result.errors;
       if (!errors.message.empty() && ending.result.status == Status::kDone)
-        listener_.Warn(fmt::format("{}: errors without a value: {}", Describe(plan_, run),
-                                   errors.message));
+        listener_.Warn(
+            fmt::format("{}: errors without a value: {}", Describe(plan_, run), errors.message));
     }
     writer_.Write(run, ending.result, folder_->path());
   }

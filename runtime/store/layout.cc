@@ -303,8 +303,7 @@ std::string StatusNames() { return "missing done skipped failed crashed timed_ou
 
 double ErrorOf(const RunResult& result, const std::string& name) {
   const auto found = result.errors.values.find(name);
-  return found == result.errors.values.end() || found->second.size() != 1 ? kNaN
-                                                                          : found->second[0];
+  return found == result.errors.values.end() || found->second.size() != 1 ? kNaN : found->second[0];
 }
 
 /// The arrays of /accuracy, as the errors that some run asks for want them.
@@ -324,8 +323,8 @@ void AddErrors(const compiler::Plan& plan, PlanFacts& facts) {
     if (error->needs_truth)
       add(name + "_floor", error->unit,
           "the same between the reference and its twin: an error below it says nothing");
-    facts.error_series.push_back({error->series, "", SeriesType::kFloat64, SeriesShape::kSample,
-                                  error->unit, error->doc});
+    facts.error_series.push_back(
+        {error->series, "", SeriesType::kFloat64, SeriesShape::kSample, error->unit, error->doc});
   }
   if (needs_truth)
     add("horizon", "s", "simulated time from which on the reference is not sure of places itself");
@@ -385,8 +384,7 @@ const std::vector<RunNumber>& RunNumbers() {
   using R = const RunResult&;
   static const std::vector<RunNumber> kNumbers = {
       {"status", Type::kInt8, "", "how the run ended", 0,
-       [](R r) { return static_cast<double>(r.status); },
-       StatusNames},
+       [](R r) { return static_cast<double>(r.status); }, StatusNames},
       {"verdict", Type::kInt8, "", "how the run ended as physics: cdb doc verdicts", 0,
        [](R r) { return static_cast<double>(r.judgement.verdict); }, VerdictNames},
       {"first_bad_cycle", Type::kInt32, "", "recorded cycle at which the verdict shows; -1: none",

@@ -46,7 +46,8 @@ std::vector<std::byte> MakeImage(const std::string& plan_sha256, const compiler:
   return file.Image();
 }
 
-h5::File OpenReference(const std::string& plan_sha256, const compiler::Run& run, const fs::path& path) {
+h5::File OpenReference(const std::string& plan_sha256, const compiler::Run& run,
+                       const fs::path& path) {
   h5::File file = OpenShard(path);
   if (file.Text("plan_sha256") != plan_sha256 || file.Text("run_id") != run.id)
     throw StoreError(fmt::format(
@@ -121,9 +122,9 @@ void ForEachBlock(const compiler::Plan& plan, const std::vector<fs::path>& paths
 
 }  // namespace
 
-void WriteReference(const std::string& plan_sha256, const compiler::Run& run, const RunResult& result,
-                    std::span<const double> samples, const Provenance& provenance,
-                    const fs::path& folder) {
+void WriteReference(const std::string& plan_sha256, const compiler::Run& run,
+                    const RunResult& result, std::span<const double> samples,
+                    const Provenance& provenance, const fs::path& folder) {
   RequireFolder(folder, "shards");
   const fs::path file = folder / (run.id + ".h5");
   try {

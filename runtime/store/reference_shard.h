@@ -14,16 +14,16 @@ namespace cdb::runtime {
 /// A reference run as its shard holds it.
 struct ReferenceShard {
   Status status = Status::kMissing;
-  std::string message;          ///< why it did not end well
-  SampleShape shape;            ///< of `values`
-  std::vector<double> values;   ///< of Samples; empty where it did not end well
+  std::string message;         ///< why it did not end well
+  SampleShape shape;           ///< of `values`
+  std::vector<double> values;  ///< of Samples; empty where it did not end well
 };
 
 /// Writes `folder/<run id>.h5` of a run of a plan's references as ShardWriter does, with the
 /// samples that it took. Throws StoreError.
-void WriteReference(const std::string& plan_sha256, const compiler::Run& run, const RunResult& result,
-                    std::span<const double> samples, const Provenance& provenance,
-                    const std::filesystem::path& folder);
+void WriteReference(const std::string& plan_sha256, const compiler::Run& run,
+                    const RunResult& result, std::span<const double> samples,
+                    const Provenance& provenance, const std::filesystem::path& folder);
 
 /// Throws StoreError for what is no whole shard of that run of that plan.
 ReferenceShard ReadReference(const std::string& plan_sha256, const compiler::Run& run,

@@ -240,7 +240,9 @@ std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
     std::vector<std::string> troubles;
     const h5::File& file = impl_->file;
     if (!file.Has("reference") || !file.Has("accuracy")) return troubles;
-    const auto text = [&file](const std::string& name) { return file.OpenDataset(name).ReadText(); };
+    const auto text = [&file](const std::string& name) {
+      return file.OpenDataset(name).ReadText();
+    };
     const std::vector<std::string> ids = text("reference"), roles = text(kReferenceGroup + "role"),
                                    messages = text(kReferenceGroup + "message");
     const std::vector<double> statuses = file.OpenDataset(kReferenceGroup + "status").Read();

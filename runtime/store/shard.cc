@@ -165,8 +165,7 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
     const std::string id = file.Text("run_id");
     if (status.size() != 1 || id.empty()) throw h5::Error("it does not hold one run");
     // A reference run has no timings that a verdict could void.
-    const double verdict =
-        file.Has("verdict") ? file.OpenDataset("verdict").Read().at(0) : 0;
+    const double verdict = file.Has("verdict") ? file.OpenDataset("verdict").Read().at(0) : 0;
     return {id,
             file.Text("plan_sha256"),
             {static_cast<Status>(status[0]), static_cast<Verdict>(verdict)}};

@@ -41,7 +41,8 @@ class Maker {
     scenario_.settings.emplace_back("accuracy.interval 1 / 60");
     for (const char* name : {"closed_form", "reference.contact", "reference.iterations"}) {
       const Parameter& parameter = *FindParameter("accuracy." + std::string(name), false);
-      if (Below(2) == 0) scenario_.settings.push_back(parameter.FullName() + " " + Constant(parameter));
+      if (Below(2) == 0)
+        scenario_.settings.push_back(parameter.FullName() + " " + Constant(parameter));
     }
   }
 

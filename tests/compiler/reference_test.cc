@@ -52,28 +52,29 @@ TEST(Reference, IsAnotherForAnotherSceneOrTime) {
   EXPECT_EQ(PlanOf("cycles sweep(60, 120); accuracy.metrics position").references.size(), 4u);
   // What is recorded and omitted decides nothing, nor where the warm-up ends.
   EXPECT_EQ(PlanOf("omit sweep(none, auto); accuracy.metrics position").references.size(), 2u);
-  EXPECT_EQ(PlanOf("cases { a { warmup 20; cycles 40 } b { cycles 60 } }\naccuracy.metrics position")
-                .references.size(),
-            2u);
+  EXPECT_EQ(
+      PlanOf("cases { a { warmup 20; cycles 40 } b { cycles 60 } }\naccuracy.metrics position")
+          .references.size(),
+      2u);
 }
 
 TEST(Reference, IsMadeOnlyWhereErrorsNeedTheTruth) {
   EXPECT_TRUE(PlanOf("cycles 60").references.empty());
   EXPECT_TRUE(PlanOf("accuracy.metrics pairs, penetration").references.empty());
-  EXPECT_TRUE(
-      PlanOf("accuracy { metrics position; closed_form flight }").references.empty());
+  EXPECT_TRUE(PlanOf("accuracy { metrics position; closed_form flight }").references.empty());
   EXPECT_FALSE(PlanOf("accuracy.metrics pairs, height").references.empty());
 }
 
 TEST(Reference, GoesIntoYamlAndBack) {
   const Plan plan = PlanOf(kSweep);
   EXPECT_TRUE(FromYaml(ToYaml(plan), "plan") == plan);
-  for (const compiler::Run& run : plan.references) EXPECT_TRUE(RunFromYaml(RunToYaml(run), "run") == run);
+  for (const compiler::Run& run : plan.references)
+    EXPECT_TRUE(RunFromYaml(RunToYaml(run), "run") == run);
 }
 
 TEST(Reference, StretchesSchedulesThatCountCycles) {
-  const Plan plan = PlanOf(
-      "acceleration every(30, uniform((-1, -1, -1), (1, 1, 1))); accuracy.metrics position");
+  const Plan plan =
+      PlanOf("acceleration every(30, uniform((-1, -1, -1), (1, 1, 1))); accuracy.metrics position");
   const Call* call = AsCall(plan.references.at(0).scene.world.Get("acceleration"));
   ASSERT_NE(call, nullptr);
   EXPECT_EQ(std::get<std::uint64_t>(ArgumentOf(*call, "cycles")), 30u * 64);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace cdb::runtime {
@@ -20,14 +21,15 @@ struct HandMade {
       values[shape.Body(i)] = masses[i];
       values[shape.Body(i) + 1] = sizes[i];
     }
-    for (std::size_t s = 0; s < count; ++s)
-      Set(s, kAccelerationX, {0, -10, 0});
+    for (std::size_t s = 0; s < count; ++s) Set(s, kAccelerationX, {0, -10, 0});
   }
   void Set(std::size_t sample, std::size_t object, int from, const Vector3d& v) {
-    Eigen::Map<Vector3d>(&values[shape.State(sample, object) + static_cast<std::size_t>(from)]) = v;
+    double* place = &values[shape.State(sample, object) + static_cast<std::size_t>(from)];
+    std::ranges::copy(v, place);
   }
   void Set(std::size_t sample, Observable which, const Vector3d& v) {
-    Eigen::Map<Vector3d>(&values[shape.Observables(sample) + which]) = v;
+    double* place = &values[shape.Observables(sample) + which];
+    std::ranges::copy(v, place);
   }
   void Set(std::size_t sample, Observable which, double value) {
     values[shape.Observables(sample) + which] = value;
@@ -55,9 +57,9 @@ double ErrorAt(std::string_view name, const HandMade& run, const HandMade& truth
 
 TEST(Errors, OfPlacesAreInSizesOfEachObject) {
   HandMade truth(2), run(2);
-  run.Set(1, 0, 0, {2, 0, 0});    // one size away
-  run.Set(1, 1, 0, {0, 0, 12});   // three
-  run.Set(1, 2, 0, {9, 9, 9});    // fixed: counts nowhere
+  run.Set(1, 0, 0, {2, 0, 0});   // one size away
+  run.Set(1, 1, 0, {0, 0, 12});  // three
+  run.Set(1, 2, 0, {9, 9, 9});   // fixed: counts nowhere
   EXPECT_DOUBLE_EQ(ErrorAt("position", run, truth), std::sqrt((1.0 + 9) / 2));
   EXPECT_EQ(ErrorAt("position", run, truth, 0), 0);
 }

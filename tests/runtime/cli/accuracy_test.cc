@@ -103,8 +103,7 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
   EXPECT_EQ(all.status, 0) << all.err;
   EXPECT_FALSE(program.Exists(reference));
   const ResultFile file(program.folder() / "gas.h5");
-  for (std::size_t i = 0; i < 2; ++i)
-    EXPECT_GT(file.ReadReal("accuracy/position", {{i}, 0}), 0);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_GT(file.ReadReal("accuracy/position", {{i}, 0}), 0);
 }
 
 TEST(Accuracy, HasNoValueWhereTheReferenceFails) {
@@ -149,9 +148,9 @@ TEST(Accuracy, OfOneRunBringsItsReference) {
 
 /// A result whose times and errors are known: 1 / hz s a cycle, which takes `hz` * `us`.
 std::string ShownError(const ShowErrorOptions& options) {
-  compiler::Plan plan = MakePlan(
-      {NumberAxis("hz", {60, 120, 240}), TextAxis("precision", {"single", "double"})}, 2,
-      {.cycles = 4, .record = {"timing"}, .metrics = {"position", "pairs"}});
+  compiler::Plan plan =
+      MakePlan({NumberAxis("hz", {60, 120, 240}), TextAxis("precision", {"single", "double"})}, 2,
+               {.cycles = 4, .record = {"timing"}, .metrics = {"position", "pairs"}});
   const TemporaryFolder folder;
   for (const compiler::Run& run : plan.runs) {
     FakeResult fake(run);
@@ -159,7 +158,8 @@ std::string ShownError(const ShowErrorOptions& options) {
     const bool is_double = run.at[1] == 1;
     std::vector<double> durations(kPhaseCount * 4, 0);
     for (std::size_t i = 0; i < 4; ++i)
-      durations[kStep * 4 + i] = (is_double ? 2000 : 1000) * (1 + 0.5 * static_cast<double>(run.rep));
+      durations[kStep * 4 + i] =
+          (is_double ? 2000 : 1000) * (1 + 0.5 * static_cast<double>(run.rep));
     fake.result.series = {{FindSeries("duration"), std::as_bytes(std::span(durations))}};
     auto& values = fake.result.errors.values;
     values["timestep"] = {1 / hz};
@@ -177,9 +177,7 @@ std::string ShownError(const ShowErrorOptions& options) {
   return ShowError(ResultFile(folder / "out.h5"), options).text;
 }
 
-TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
-  EXPECT_EQ(ShownError({"position", {}}), "?");
-}
+TEST(ShowError, IsSortedByTimeAndMarksTheFront) { EXPECT_EQ(ShownError({"position", {}}), "?"); }
 
 TEST(ShowError, MakesATableForEachValue) {
   const std::string text = ShownError({"position", {"precision"}});

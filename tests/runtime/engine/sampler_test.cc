@@ -48,9 +48,9 @@ TEST(Sampler, SeesWhatTheTimedPassRecords) {
     EXPECT_NEAR(samples.observable(s, kKinetic), kinetic[cycle], 1e-5 * kinetic[cycle]);
     EXPECT_EQ(samples.observable(s, kContactCount), contacts[cycle]);
   }
-  EXPECT_EQ(samples.position(0, 0), recorded.engine->initial_state().objects[0].pose.position
-                                        .cast<btScalar>()
-                                        .cast<double>());
+  EXPECT_EQ(
+      samples.position(0, 0),
+      recorded.engine->initial_state().objects[0].pose.position.cast<btScalar>().cast<double>());
 }
 
 TEST(Sampler, ChangesNothingOfTheTimedPass) {
@@ -87,8 +87,7 @@ TEST(Sampler, SeesHowDeepContactsAre) {
   SetWorld(scene, "accuracy.metrics", compiler::WordList{"penetration"});
   SetWorld(scene, "sleeping", false);
   SetGroup(scene, "size", 10.0);
-  SetGroup(scene, "location",
-           Layout("at", {{"x", 0.0}, {"y", -44.0}, {"z", 0.0}}));
+  SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", -44.0}, {"z", 0.0}}));
   Recorded recorded = RunHere(scene);
   ASSERT_TRUE(recorded.done()) << recorded.message();
   const auto deepest = recorded.recording.Reals("max_penetration");

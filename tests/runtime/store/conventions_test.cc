@@ -172,15 +172,15 @@ class Conventions : public testing::TestWithParam<Kind> {
   }
 
   const TemporaryFolder folder_;
-  const compiler::Plan plan_ = MakePlan(
-      {NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
-       TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
-      2,
-      {.cycles = 35000,
-       .objects = 1,
-       .record = {"timing", "stability", "contacts", "poses"},
-       .metrics = GetParam().accuracy ? compiler::WordList{"pairs", "position"}
-                                      : compiler::WordList{"none"}});
+  const compiler::Plan plan_ =
+      MakePlan({NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
+                TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
+               2,
+               {.cycles = 35000,
+                .objects = 1,
+                .record = {"timing", "stability", "contacts", "poses"},
+                .metrics = GetParam().accuracy ? compiler::WordList{"pairs", "position"}
+                                               : compiler::WordList{"none"}});
   hid_t file_ = -1;
   std::vector<std::string> groups_ = {"/", "/provenance"};
   std::vector<std::string> datasets_;
@@ -207,8 +207,9 @@ TEST_P(Conventions, CreationOrderIsTrackedAndIndexedEverywhere) {
 }
 
 TEST_P(Conventions, AxesComeFirstAndInOrder) {
-  std::vector<std::string> expected = {"quantity", "size", "type",    "rep",          "phase", "cycle",
-                                       "body",     "pose", "contact", "contact_side", "xyz"};
+  std::vector<std::string> expected = {"quantity", "size",         "type", "rep",
+                                       "phase",    "cycle",        "body", "pose",
+                                       "contact",  "contact_side", "xyz"};
   if (GetParam().accuracy) expected.emplace_back("sample");
   if (GetParam().accuracy && GetParam().merged)
     expected.insert(expected.end(), {"reference", "state", "observable"});

@@ -58,8 +58,7 @@ TEST_F(References, AreReadAsTheyWereWritten) {
 
 TEST_F(References, ThatFailedHaveNoSamples) {
   const compiler::Run& run = plan_.references[0];
-  const ReferenceShard shard =
-      ReadReference(plan_.Sha256(), run, WriteOne(run, Status::kTimedOut));
+  const ReferenceShard shard = ReadReference(plan_.Sha256(), run, WriteOne(run, Status::kTimedOut));
   EXPECT_EQ(shard.status, Status::kTimedOut);
   EXPECT_EQ(shard.message, "it fell over");
   EXPECT_TRUE(shard.values.empty());
@@ -86,8 +85,7 @@ TEST_F(References, StandInTheMergedFileBesideTheErrors) {
 
 TEST_F(References, AreNotThereWithoutErrors) {
   const compiler::Plan plan = MakePlan({}, 1, {});
-  WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, TestProvenance(),
-             folder_.path());
+  WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, TestProvenance(), folder_.path());
   Merge(plan, TestProvenance(), folder_.path(), folder_ / "out.h5");
   const ResultFile file(folder_ / "out.h5");
   for (const char* name : {"accuracy", "sample", "reference", "state"})
