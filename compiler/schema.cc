@@ -313,7 +313,7 @@ std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped) {
     std::string_view rest = parameter.name;
     if (parameter.grouped != grouped) continue;
     if (!block.empty()) {
-      if (!rest.starts_with(block) || rest[block.size()] != '.') continue;
+      if (!rest.starts_with(std::string(block) + ".")) continue;
       rest.remove_prefix(block.size() + 1);
     }
     const std::size_t dot = rest.find('.');

@@ -20,7 +20,8 @@ class Maker {
   RandomScenario Make() {
     for (const Parameter& parameter : Schema()) {
       // The number of runs stays small. What is said of errors hangs together.
-      if (Below(3) != 0 || parameter.name.starts_with("accuracy.")) continue;
+      if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy."))
+        continue;
       scenario_.settings.push_back(parameter.FullName() + " " + ValueOf(parameter));
     }
     AddAccuracy();
@@ -82,6 +83,12 @@ class Maker {
     return {};
   }
 
+  /// What links cannot hold is left alone: fixed objects, piles, and one without an anchor.
+  bool MayBeSet(std::string_view parameter) const {
+    if (parameter == "links.type") return !Sets("mass") && !Sets("location");
+    return parameter != "links.anchor" || !Sets("quantity");
+  }
+
   /// Those that may stand here. `at` and `pair` place so many objects and no others.
   std::vector<std::string_view> CallsOf(const Parameter& parameter) const {
     std::vector<std::string_view> calls = parameter.AllCalls();
@@ -120,6 +127,8 @@ class Maker {
     // The defaults need these.
     if (component == "gravity" || component == "static_boxes") return false;
     if (component == "damping") return !sets("linear_damping") && !sets("angular_damping");
+    for (const char* of_links : {"walls", "detection", "solver", "sleeping", "rotation"})
+      if (component == of_links && sets("links.type")) return false;
     if (component == "rotation") return !sets("angular_velocity");
     for (const char* of_ccd : {"walls", "raycast_tree", "detection", "solver", "swept_contacts"})
       if (component == of_ccd) return !sets("ccd");
