@@ -29,6 +29,8 @@ struct Row {
   double error = kNone, floor = kNone, horizon = kNone;
   bool on_front = false;
 
+  /// What is known of the error: a smaller one than its floor is not better.
+  double Known() const { return std::fmax(error, floor); }
   double Time() const { return Percentile(ms_per_s, 0.5); }
   /// Simulated seconds in a second.
   double RealTimeFactor() const { return 1000 / Time(); }
@@ -37,11 +39,11 @@ struct Row {
 /// The fastest first; of those on the front, each is more accurate than all before it.
 void MarkFront(std::vector<Row>& rows) {
   std::ranges::stable_sort(rows, {},
-                           [](const Row& row) { return std::pair(row.Time(), row.error); });
+                           [](const Row& row) { return std::pair(row.Time(), row.Known()); });
   double least = std::numeric_limits<double>::infinity();
   for (Row& row : rows) {
-    row.on_front = row.error < least;
-    least = std::min(least, row.error);
+    row.on_front = row.Known() < least;
+    least = std::min(least, row.Known());
   }
 }
 

@@ -177,7 +177,41 @@ std::string ShownError(const ShowErrorOptions& options) {
   return ShowError(ResultFile(folder / "out.h5"), options).text;
 }
 
-TEST(ShowError, IsSortedByTimeAndMarksTheFront) { EXPECT_EQ(ShownError({"position", {}}), "?"); }
+TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
+  EXPECT_EQ(ShownError({"position", {}}), R"(A plan for tests – µ
+  position: distance from the true place, in sizes of the object; root of the mean square over objects and samples
+  2 without a place in it:
+    hz 60, precision double: crashed: of old age
+    hz 240, precision double: a test
+
+   hz  precision  x real time  ms per s       5th .. 95th  position     floor  horizon, s
+  -----------------------------------------------------------------------------------------------------------
+   60  single           13333    0.0750  0.0615 .. 0.0885  2.50e-02  1.00e-03        1.50  front
+  120  single            6667     0.150    0.123 .. 0.177  1.25e-02  1.00e-03        1.50  front
+  120  double            3333     0.300    0.246 .. 0.354  8.33e-03  1.00e-03        1.50  front
+  240  single            3333     0.300    0.246 .. 0.354  6.25e-03  1.00e-02        1.50  below floor
+
+position, * front
+ 2.50e-02 |                                                           *
+          |
+          |
+          |
+          |
+          |
+          |                              *
+          |
+          |
+          |
+          |*
+          |
+          |
+ 6.25e-03 |o
+          +------------------------------------------------------------
+           3333                    x real time                    13333
+
+Below its floor an error says nothing: reference and twin are as far apart.
+)");
+}
 
 TEST(ShowError, MakesATableForEachValue) {
   const std::string text = ShownError({"position", {"precision"}});

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "compiler/reference.h"
 #include "tests/runtime/engine/engine_fixture.h"
@@ -130,7 +131,7 @@ TEST(Twin, IsNudgedByABillionthOfEachSize) {
   const Recorded truth = RunHere(reference), other = RunHere(twin);
   ASSERT_TRUE(other.done()) << other.message();
   const Samples a = SamplesOf(truth, reference), b = SamplesOf(other, twin);
-  if (EnginePrecision() == "double") {
+  if (std::string_view(EnginePrecision()) == "double") {
     for (std::size_t i = 0; i < 30; ++i)
       EXPECT_NEAR((a.position(0, i) - b.position(0, i)).norm() / a.size(i), 1e-9, 1e-13);
     EXPECT_NE(truth.hash(), other.hash());
