@@ -17,14 +17,18 @@ bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
   return std::ranges::find(blocks, name) != blocks.end();
 }
 
-/// Names that a let may not have. Those of components may be had: `gravity` and `walls` are names a
-/// scene wants, and where `omit` stands they are words (Evaluator::Resolve).
+/// Names that a let may not have. Those of components, errors and closed forms may be had:
+/// `gravity`, `height` and `spin` are names a scene wants, and behind the parameter that takes them
+/// they are words (Evaluator::Resolve).
 bool IsWordOfTheLanguage(std::string_view name) {
   if (FindDistribution(name) || name == "sweep" || name == "true" || name == "false" ||
       name == "on" || name == "off")
     return true;
   return std::ranges::any_of(Schema(), [&](const Parameter& p) {
-    return p.HasWord(name) && !(p.word_source == WordSource::kComponents && FindComponent(name));
+    const bool is_shared = p.word_source == WordSource::kComponents ||
+                           p.word_source == WordSource::kMetrics ||
+                           p.word_source == WordSource::kClosedForms;
+    return p.HasWord(name) && !(is_shared && !ListsWord(p.words, name));
   });
 }
 

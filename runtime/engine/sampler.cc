@@ -182,8 +182,7 @@ void Sampler::TakePairs() {
       return static_cast<std::uint32_t>(
           static_cast<const btCollisionObject*>(proxy->m_clientObject)->getUserIndex());
     };
-    const std::pair<std::uint32_t, std::uint32_t> pair =
-        std::minmax({index(begin[i].m_pProxy0), index(begin[i].m_pProxy1)});
+    const auto pair = std::minmax({index(begin[i].m_pProxy0), index(begin[i].m_pProxy1)});
     if (pair.second < shape_.objects) found.push_back(pair);
   }
   std::ranges::sort(found);

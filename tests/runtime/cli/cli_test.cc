@@ -353,7 +353,7 @@ TEST(Doc, KnowsEveryParameter) {
     EXPECT_EQ(program.Run({"doc", parameter.FullName()}).status, 0) << parameter.name;
   }
   for (const char* topic :
-       {"language", "omit", "results", "objects", "detectors", "layouts", "scenarios"})
+       {"language", "omit", "accuracy", "results", "objects", "detectors", "layouts", "scenarios"})
     EXPECT_GT(program.Run({"doc", topic}).out.size(), 20u) << topic;
   const Finished omit = program.Run({"doc", "omit"});
   for (const auto& component : compiler::Components())
@@ -383,7 +383,7 @@ TEST(Examples, AreWellWrittenAndSayWhatTheyAre) {
   }
   EXPECT_GE(count, 5);
   for (const auto& parameter : compiler::Schema()) {
-    const std::string name(parameter.name.substr(parameter.name.find('.') + 1));
+    const std::string name(parameter.name.substr(parameter.name.rfind('.') + 1));
     EXPECT_TRUE(std::regex_search(all, std::regex("\\b" + name + "\\b")))
         << name << " is in no example";
   }
