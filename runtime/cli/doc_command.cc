@@ -20,6 +20,7 @@
 #include "runtime/cli/reference.h"
 #include "runtime/cli/table.h"
 #include "runtime/measure/series.h"
+#include "runtime/measure/verdict.h"
 
 namespace cdb::runtime {
 namespace {
@@ -117,6 +118,18 @@ std::string AllComponents() {
   return table.Text();
 }
 
+std::string AllVerdicts() {
+  Table table;
+  table.AddColumn("", true);
+  table.AddColumn("verdict", false);
+  table.AddColumn("when", false);
+  const auto rows = Verdicts();
+  for (auto row = rows.rbegin(); row != rows.rend(); ++row)
+    table.AddRow({fmt::format("{}", static_cast<int>(row->verdict)), std::string(row->name),
+                  std::string(row->doc)});
+  return std::string(kVerdictsReference) + table.Text();
+}
+
 template <typename Rows, typename Doc>
 std::string Names(const char* title, const Rows& rows, Doc doc) {
   Table table;
@@ -181,6 +194,7 @@ constexpr Topic kTopics[] = {
      [] { return std::string(kOmitReference) + AllComponents() + "\n"; }},
     {"results", "what a results file holds",
      [] { return std::string(kResultsReference) + AllSeriesText(); }},
+    {"verdicts", "how a run can end, and by which measure", AllVerdicts},
     {"objects", "what can be placed", Objects},
     {"detectors", "what can be timed", Detectors},
     {"layouts", "how objects can be placed", Layouts},

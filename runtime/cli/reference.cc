@@ -130,6 +130,24 @@ go, and `cdb plan --why FILE` places the objects and tells all of it.
 
 )reference";
 
+const std::string_view kVerdictsReference = R"reference(HOW A RUN CAN END
+
+A run that records stability (it does unless `record` says otherwise) gets a verdict, by what is taken
+between its cycles, outside every stamp, and the first recorded cycle at which the verdict shows. The
+worst that applies is given; in the results `verdict` and `first_bad_cycle`.
+  S is the least side of an object (of the smaller one in a contact), g the acceleration. Energy is
+kinetic and potential with the integrator's own term, which free flight keeps exactly; its scale is
+the kinetic energy at the start and what all objects can gain by falling through the cube. Late is the
+last quarter of the run, and there the median counts.
+  From `frozen` on bodies did not move as the engine was told: their timings are stored, marked, and
+in no summary, and the exit status is 3. What is less bad stands in the figures, and is named.
+  `expect` says what a scene ought to do. By itself (auto) a scene of stacks, pyramids or piles, with
+nothing moving and gravity down, must rest; one of elastic, rigid objects without friction and damping
+keeps its energy; so does every other as long as nothing has touched anything. Where a schedule drives
+a scene, energy says nothing.
+
+)reference";
+
 const std::string_view kResultsReference = R"reference(THE RESULTS FILE
 
 One benchmark, one HDF5 file that is netCDF-4 too: the whole sweep as one tensor with named axes.
@@ -141,6 +159,8 @@ For axes quantity and detector:
   duration(quantity, detector, rep, phase, cycle)    ns; NaN where a cycle did not run
   pairs, contacts, ... (quantity, detector, rep, cycle)
   status(quantity, detector, rep)         0 missing 1 done 2 skipped 3 failed 4 crashed 5 timed_out
+  verdict                                 how it ended as physics: `cdb doc verdicts`
+  first_bad_cycle                         at which the verdict shows; -1 where none is bad
   n_cycles                                cycles that really ran
   state_hash                              of every body's position, orientation and velocities after
                                           the last cycle; the same plan gives the same, always

@@ -8,5 +8,6 @@ namespace cdb::runtime {
 extern const std::string_view kLanguageReference;
 extern const std::string_view kResultsReference;
 extern const std::string_view kOmitReference;
+extern const std::string_view kVerdictsReference;
 
 }  // namespace cdb::runtime

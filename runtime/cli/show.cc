@@ -124,20 +124,16 @@ class Summary {
       const std::string message = file_.ReadText("message", cell);
       bad_.push_back(
           {cell, std::string(StatusName(status)) + (message.empty() ? "" : ": ") + message});
-    } else if (const std::size_t cycle = FirstNonFinite(cell); cycle != 0) {
-      bad_.push_back(
-          {cell, fmt::format("a state that is not a number from cycle {} on", cycle - 1)});
     } else {
+      const Judgement judgement = file_.ReadJudgement(cell);
+      if (HasVoidTimings(judgement.verdict)) {
+        bad_.push_back({cell, fmt::format("{} from cycle {} on", VerdictName(judgement.verdict),
+                                          judgement.first_bad_cycle)});
+        return;
+      }
       good_.push_back(cell);
+      verdicts_[judgement.verdict].push_back({cell, judgement.first_bad_cycle});
     }
-  }
-
-  /// One more than the first cycle with a state that is not finite; 0 where there is none.
-  std::size_t FirstNonFinite(const Cell& cell) const {
-    if (!file_.Has("non_finite")) return 0;
-    const auto series = file_.ReadSeries("non_finite", cell);
-    const auto first = std::ranges::find_if(series, [](double count) { return count > 0; });
-    return first == series.end() ? 0 : static_cast<std::size_t>(first - series.begin()) + 1;
   }
 
   std::size_t FindAxis(const std::string& name) const {
@@ -149,6 +145,24 @@ class Summary {
     throw StoreError(names.empty()
                          ? fmt::format("there is no axis '{}': this file has none", name)
                          : fmt::format("there is no axis '{}'; there are {}", name, names));
+  }
+
+  /// What the physics of the runs in the figures is worth. Nothing where no run was judged.
+  std::string Verdicts() const {
+    std::string doubts;
+    for (auto row = verdicts_.rbegin(); row != verdicts_.rend(); ++row) {
+      const auto& [verdict, runs] = *row;
+      if (verdict <= Verdict::kStable) continue;
+      doubts += fmt::format("    {} {}: {} from cycle {} on{}\n", runs.size(), VerdictName(verdict),
+                            Place(file_, runs[0].cell), runs[0].first_bad_cycle,
+                            runs.size() > 1 ? ", and others" : "");
+    }
+    const auto stable = verdicts_.find(Verdict::kStable);
+    const std::size_t sound = stable == verdicts_.end() ? 0 : stable->second.size();
+    if (doubts.empty())
+      return sound == 0 ? "" : fmt::format("  Verdict: {}stable.\n", sound > 1 ? "all " : "");
+    return fmt::format("  {} stable; in the figures below, but not sound (cdb doc verdicts):\n{}",
+                       sound, doubts);
   }
 
   /// How well convex hulls stand for the models of the scene, a line for each.
@@ -184,7 +198,7 @@ class Summary {
     if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
       text += fmt::format(
           "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
-    text += LeftOut() + Models();
+    text += LeftOut() + Models() + Verdicts();
     if (missing_ > 0) text += fmt::format("  {} not run yet.\n", missing_);
     if (!bad_.empty()) {
       text += fmt::format("  {} did not end well and {} in no figure below:\n", bad_.size(),
@@ -406,6 +420,11 @@ class Summary {
   const ResultFile& file_;
   std::vector<Cell> good_;
   std::vector<Bad> bad_;
+  struct Judged {
+    Cell cell;
+    std::int64_t first_bad_cycle;
+  };
+  std::map<Verdict, std::vector<Judged>> verdicts_;  ///< of the good ones
   std::size_t skipped_ = 0, missing_ = 0;
 };
 

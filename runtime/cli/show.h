@@ -19,7 +19,7 @@ inline constexpr std::size_t kMaxRows = 60;
 
 struct ShowText {
   std::string text;
-  std::size_t bad_cells = 0;  ///< failed, crashed, timed out, or not finite
+  std::size_t bad_cells = 0;  ///< failed, crashed, timed out, or with timings that do not count
 };
 
 /// What runs did without, as far as it changes the figures; median, 5th and 95th percentile of

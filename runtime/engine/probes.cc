@@ -9,6 +9,7 @@
 #include <limits>
 #include <system_error>
 
+#include "compiler/expectation.h"
 #include "runtime/engine/conversions.h"
 
 namespace cdb::runtime {
@@ -18,6 +19,31 @@ using Eigen::Vector3d;
 
 bool IsFinite(const btVector3& v) {
   return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+}
+
+/// Kinetic and potential; energy is the two and the integrator's own term.
+struct Energy {
+  double kinetic = 0, other = 0;
+};
+
+/// x* = x + v dt with v = v + g dt: v^2/2 - g.x + dt g.v/2 stays as it is in free flight.
+Energy EnergyOf(const Engine& engine) {
+  const Vector3d& g = engine.acceleration();
+  const double half_timestep = static_cast<double>(engine.timestep()) / 2;
+  Energy energy;
+  for (std::size_t i = 0; i < engine.objects().size(); ++i) {
+    const library::ObjectState& object = engine.initial_state().objects[i];
+    if (object.IsFixed()) continue;
+    const btRigidBody& body = *engine.objects()[i];
+    const Vector3d v = ToEigen(body.getLinearVelocity());
+    // The axes of a body are its principal ones.
+    const Vector3d spin = ToEigen(body.getAngularVelocity() * body.getWorldTransform().getBasis());
+    const Vector3d inertia = object.solid.InertiaPerMass();
+    energy.kinetic += object.mass / 2 * (v.squaredNorm() + inertia.dot(spin.cwiseAbs2()));
+    const Vector3d x = ToEigen(body.getWorldTransform().getOrigin());
+    energy.other += object.mass * (half_timestep * g.dot(v) - g.dot(x));
+  }
+  return energy;
 }
 
 bool IsFinite(const btRigidBody& body) {
@@ -42,7 +68,9 @@ void WriteAll(int fd, const char* bytes, std::size_t size) {
 
 Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recording, int contacts_fd)
     : engine_(engine),
+      header_(recording.header()),
       cycles_(scene.world.Count("cycles")),
+      is_driven_(ExpectationOf(scene) == compiler::Expectation::kDriven),
       streams_contacts_(scene.world.Lists("record", "contacts")),
       all_walls_(scene.world.WordOr("world.walls") == "all"),
       floor_(scene.world.WordOr("world.walls") == "floor"),
@@ -51,8 +79,12 @@ Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recordin
       kinetic_energy_(recording.Reals("kinetic_energy")),
       energy_(recording.Reals("energy")),
       max_penetration_(recording.Reals("max_penetration")),
+      penetration_ratio_(recording.Reals("penetration_ratio")),
       max_speed_(recording.Reals("max_speed")),
+      displacement_(recording.Reals("displacement")),
       motion_ratio_(recording.Reals("motion_ratio")),
+      fall_ratio_(recording.Reals("fall_ratio")),
+      turn_ratio_(recording.Reals("turn_ratio")),
       heap_(recording.Reals("heap")),
       poses_(recording.Reals("poses")),
       pairs_(recording.Ints("pairs")),
@@ -63,13 +95,39 @@ Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recordin
       removed_(recording.Ints("removed")),
       non_finite_(recording.Ints("non_finite")) {
   if (motion_ratio_.empty()) return;
-  last_positions_.resize(engine.objects().size());
+  motion_watch_.emplace(engine);
   touches_.resize(engine.objects().size() + kWallCount);
+  least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < engine.objects().size(); ++i)
+    least_sides_[i] = 2 * engine.initial_state().objects[i].solid.LeastHalfExtent();
 }
 
 void Probes::Begin() {
-  for (std::size_t i = 0; i < last_positions_.size(); ++i)
-    last_positions_[i] = engine_.objects()[i]->getWorldTransform().getOrigin();
+  if (!motion_watch_) return;
+  motion_watch_->Begin();
+  SetScales();
+}
+
+void Probes::SetScales() {
+  const Energy energy = EnergyOf(engine_);
+  const double pull = engine_.acceleration().norm();
+  header_.initial_energy = energy.kinetic + energy.other;
+  header_.energy_scale = energy.kinetic;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
+    const double mass = engine_.initial_state().objects[i].mass;
+    smallest = std::min(smallest, least_sides_[i]);
+    // What is at rest without gravity has no energy of its own to measure against: a hundredth of
+    // its side a second.
+    header_.energy_scale +=
+        mass * (pull * engine_.side() + std::pow(0.01 * least_sides_[i], 2) / 2);
+  }
+  header_.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
+}
+
+double Probes::SmallerSide(int a, int b) const {
+  return std::min(least_sides_[static_cast<std::size_t>(a)],
+                  least_sides_[static_cast<std::size_t>(b)]);
 }
 
 void Probes::Record(std::uint64_t cycle) {
@@ -87,7 +145,7 @@ void Probes::Record(std::uint64_t cycle) {
   if (!manifolds_.empty() || !contacts_.empty() || !max_penetration_.empty())
     RecordManifolds(cycle);
   if (!max_speed_.empty()) RecordStability(cycle);
-  if (!motion_ratio_.empty()) RecordMotionRatio(cycle);
+  if (motion_watch_) RecordMotion(cycle);
   if (!energy_.empty()) RecordEnergy(cycle);
   if (!poses_.empty()) RecordPoses(cycle);
 }
@@ -95,7 +153,7 @@ void Probes::Record(std::uint64_t cycle) {
 void Probes::RecordManifolds(std::uint64_t cycle) {
   btDispatcher& dispatcher = *engine_.world().getDispatcher();
   std::int32_t manifolds = 0, contacts = 0;
-  double deepest = 0;
+  double deepest = 0, deepest_ratio = 0;
   std::ranges::fill(touches_, 0);
   contact_records_.clear();
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
@@ -112,6 +170,8 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
       const btManifoldPoint& point = manifold.getContactPoint(j);
       const double distance = static_cast<double>(point.getDistance());
       deepest = std::max(deepest, -distance);
+      if (distance < 0 && !least_sides_.empty())
+        deepest_ratio = std::max(deepest_ratio, -distance / SmallerSide(a, b));
       if (!streams_contacts_) continue;
       const Vector3d at = ToEigen(point.getPositionWorldOnA());
       const Vector3d normal = ToEigen(point.m_normalWorldOnB);
@@ -125,6 +185,7 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
   if (!manifolds_.empty()) manifolds_[cycle] = manifolds;
   if (!contacts_.empty()) contacts_[cycle] = contacts;
   if (!max_penetration_.empty()) max_penetration_[cycle] = deepest;
+  if (!penetration_ratio_.empty()) penetration_ratio_[cycle] = deepest_ratio;
   if (!contact_records_.empty())
     WriteAll(contacts_fd_, reinterpret_cast<const char*>(contact_records_.data()),
              contact_records_.size() * sizeof(ContactRecord));
@@ -158,42 +219,19 @@ void Probes::RecordStability(std::uint64_t cycle) {
   non_finite_[cycle] = non_finite;
 }
 
-void Probes::RecordMotionRatio(std::uint64_t cycle) {
-  const double timestep = static_cast<double>(engine_.timestep());
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < last_positions_.size(); ++i) {
-    const btRigidBody& body = *engine_.objects()[i];
-    const btVector3& position = body.getWorldTransform().getOrigin();
-    const Vector3d way = ToEigen(position) - ToEigen(last_positions_[i]);
-    last_positions_[i] = position;
-    // Bullet moves a body by its velocity at the end of the step.
-    const double to_go = ToEigen(body.getLinearVelocity()).norm() * timestep;
-    if (body.isStaticObject() || !body.isActive() || touches_[i] || !(to_go > 0)) continue;
-    least = std::min(least, way.norm() / to_go);
-  }
-  // "No value" where nothing moves without contact.
-  if (std::isfinite(least)) motion_ratio_[cycle] = least;
+void Probes::RecordMotion(std::uint64_t cycle) {
+  const MotionWatch::Seen seen = motion_watch_->After(touches_);
+  displacement_[cycle] = seen.displacement;
+  motion_ratio_[cycle] = seen.motion_ratio;
+  // A schedule changes velocities too.
+  if (!is_driven_) fall_ratio_[cycle] = seen.fall_ratio;
+  turn_ratio_[cycle] = seen.turn_ratio;
 }
 
 void Probes::RecordEnergy(std::uint64_t cycle) {
-  const Vector3d& g = engine_.acceleration();
-  const double half_timestep = static_cast<double>(engine_.timestep()) / 2;
-  double kinetic = 0, other = 0;
-  for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
-    const library::ObjectState& object = engine_.initial_state().objects[i];
-    if (object.IsFixed()) continue;
-    const btRigidBody& body = *engine_.objects()[i];
-    const Vector3d v = ToEigen(body.getLinearVelocity());
-    // The axes of a body are its principal ones.
-    const Vector3d spin = ToEigen(body.getAngularVelocity() * body.getWorldTransform().getBasis());
-    const Vector3d inertia = object.solid.InertiaPerMass();
-    kinetic += object.mass / 2 * (v.squaredNorm() + inertia.dot(spin.cwiseAbs2()));
-    // x* = x + v dt with v = v + g dt: v^2/2 - g.x + dt g.v/2 stays as it is in free flight.
-    const Vector3d x = ToEigen(body.getWorldTransform().getOrigin());
-    other += object.mass * (half_timestep * g.dot(v) - g.dot(x));
-  }
-  if (!kinetic_energy_.empty()) kinetic_energy_[cycle] = kinetic;
-  energy_[cycle] = kinetic + other;
+  const Energy energy = EnergyOf(engine_);
+  if (!kinetic_energy_.empty()) kinetic_energy_[cycle] = energy.kinetic;
+  energy_[cycle] = energy.kinetic + energy.other;
 }
 
 void Probes::RecordPoses(std::uint64_t cycle) {

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "runtime/engine/engine.h"
+#include "runtime/engine/motion_watch.h"
 #include "runtime/measure/recording.h"
 
 namespace cdb::runtime {
@@ -26,19 +28,24 @@ class Probes {
   void RecordManifolds(std::uint64_t cycle);
   void RecordStability(std::uint64_t cycle);
   void RecordEnergy(std::uint64_t cycle);
+  void SetScales();
   void RecordPoses(std::uint64_t cycle);
-  void RecordMotionRatio(std::uint64_t cycle);
+  void RecordMotion(std::uint64_t cycle);
   bool IsBeyondWall(const btVector3& centre) const;
+  double SmallerSide(int a, int b) const;
 
   Engine& engine_;
+  RecordingHeader& header_;
   const std::uint64_t cycles_;
-  const bool streams_contacts_, all_walls_, floor_;
+  const bool is_driven_, streams_contacts_, all_walls_, floor_;
   const int contacts_fd_;
-  std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, max_speed_;
-  std::span<double> motion_ratio_, heap_, poses_;
+  std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, penetration_ratio_;
+  std::span<double> max_speed_, displacement_, motion_ratio_, fall_ratio_, turn_ratio_, heap_,
+      poses_;
   std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_;
-  std::vector<btVector3> last_positions_;  ///< empty where `motion_ratio` is not recorded
-  std::vector<char> touches_;              ///< by body, walls too: has a contact in this cycle
+  std::optional<MotionWatch> motion_watch_;  ///< of `record stability`; and,
+  std::vector<char> touches_;                ///< by body, walls too: has a contact in this cycle
+  std::vector<double> least_sides_;          ///< by body; infinite for walls
   std::vector<ContactRecord> contact_records_;
 };
 

@@ -61,7 +61,8 @@ void Recording::Clear() {
   header_ = new (header_) RecordingHeader{};
   header_->magic = RecordingHeader::kMagic;
   header_->bytes = bytes_;
-  header_->peak_rss_bytes = header_->place_ns = header_->build_ns = header_->fill_fraction = kNone;
+  header_->peak_rss_bytes = header_->place_ns = header_->build_ns = header_->fill_fraction =
+      header_->initial_energy = header_->energy_scale = header_->speed_scale = kNone;
   for (const Place& place : places_) {
     if (place.series->type == SeriesType::kInt32) {
       std::ranges::fill(Ints(place.series->name), -1);
@@ -95,16 +96,6 @@ std::span<std::byte> Recording::Find(const Series& series) const {
     if (place.series == &series)
       return {reinterpret_cast<std::byte*>(header_) + place.offset, place.bytes};
   return {};
-}
-
-std::span<std::int32_t> Recording::Ints(std::string_view series) {
-  const auto bytes = Find(*FindSeries(series));
-  return {reinterpret_cast<std::int32_t*>(bytes.data()), bytes.size() / sizeof(std::int32_t)};
-}
-
-std::span<double> Recording::Reals(std::string_view series) {
-  const auto bytes = Find(*FindSeries(series));
-  return {reinterpret_cast<double*>(bytes.data()), bytes.size() / sizeof(double)};
 }
 
 std::span<const std::byte> Recording::Bytes(const Series& series) const { return Find(series); }

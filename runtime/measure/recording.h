@@ -20,7 +20,7 @@ enum class WorkerOutcome : std::int32_t { kRunning = 0, kDone = 1, kFailed = 2 }
 
 /// The head of the memory. The worker writes, the runner reads after the worker has ended.
 struct RecordingHeader {
-  static constexpr std::uint64_t kMagic = 0x32'47'4e'49'44'52'43'00;  // "\0CRDING2"
+  static constexpr std::uint64_t kMagic = 0x33'47'4e'49'44'52'43'00;  // "\0CRDING3"
   std::uint64_t magic;
   std::uint64_t bytes;  ///< of the whole memory
   std::atomic<std::uint64_t> cycles_done;
@@ -34,6 +34,10 @@ struct RecordingHeader {
   double place_ns;        ///< finding a place for every object
   double build_ns;        ///< settling what is left out, and making the world
   double fill_fraction;   ///< objects' volume over the cube's
+  // Of a run that records stability; what verdicts measure against.
+  double initial_energy;  ///< J, as the series `energy`, before the first recorded cycle
+  double energy_scale;    ///< J, the kinetic energy then and what the objects can gain by falling
+  double speed_scale;     ///< m/s, sqrt(g size) of the smallest object
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
@@ -61,14 +65,23 @@ class Recording {
 
   /// The values of a series, laid out as `Series::shape` says; empty where the scene does not
   /// record it.
-  std::span<std::int32_t> Ints(std::string_view series);
-  std::span<double> Reals(std::string_view series);
+  std::span<std::int32_t> Ints(std::string_view series) { return Find<std::int32_t>(series); }
+  std::span<double> Reals(std::string_view series) { return Find<double>(series); }
+  std::span<const std::int32_t> Ints(std::string_view series) const {
+    return Find<std::int32_t>(series);
+  }
+  std::span<const double> Reals(std::string_view series) const { return Find<double>(series); }
   /// The same as bytes.
   std::span<const std::byte> Bytes(const Series& series) const;
 
  private:
   Recording(int fd, const compiler::Scene& scene, bool create);
   std::span<std::byte> Find(const Series& series) const;
+  template <typename T>
+  std::span<T> Find(std::string_view series) const {
+    const auto bytes = Find(*FindSeries(series));
+    return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
 
   int fd_ = -1;
   RecordingHeader* header_ = nullptr;

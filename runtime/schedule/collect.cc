@@ -140,6 +140,12 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
                     : "the worker ended without all of its contacts";
     result.message = CrashText(end, trouble);
   }
+  if (result.status != Status::kFailed) {
+    const Verdict ending = result.status == Status::kTimedOut  ? Verdict::kTimedOut
+                           : result.status == Status::kCrashed ? Verdict::kCrashed
+                                                               : Verdict::kUnknown;
+    result.judgement = Judge(run.scene, recording, result.n_cycles, ending);
+  }
   if (result.status != Status::kDone) ClearUnfinished(recording, result.n_cycles, cycles);
 
   result.omitted = BoundedText(header.omitted);

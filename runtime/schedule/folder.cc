@@ -96,8 +96,8 @@ void ShardFolder::WritePlan(const compiler::Plan& plan) const {
   WriteWhole(text, file);
 }
 
-std::optional<Status> ShardFolder::Find(const compiler::Run& run,
-                                        std::vector<std::string>& warnings) const {
+std::optional<Outcome> ShardFolder::Find(const compiler::Run& run,
+                                         std::vector<std::string>& warnings) const {
   const fs::path shard = folder_ / (run.id + std::string(kShardEnding));
   // What the system refuses to open is not broken: setting it aside would hide a good shard.
   const int fd = open(shard.c_str(), O_RDONLY | O_CLOEXEC);
@@ -109,8 +109,9 @@ std::optional<Status> ShardFolder::Find(const compiler::Run& run,
   try {
     const ShardInfo info = ReadShardInfo(shard);
     if (info.plan_sha256 != plan_sha256_) RefuseMixture(shard);
-    if (info.run_id == run.id && info.status != Status::kMissing && info.status != Status::kSkipped)
-      return info.status;
+    if (info.run_id == run.id && info.outcome.status != Status::kMissing &&
+        info.outcome.status != Status::kSkipped)
+      return info.outcome;
     fault = shard.string() + ": is the shard of another run";
   } catch (const StoreError& error) {
     // Without what it tells a person to do: it is done here.

@@ -23,7 +23,7 @@ class ShardFolder {
   /// The status of a run that has a whole shard. A broken one is set aside as `<name>.broken` and
   /// reported in `warnings`. Throws ScheduleError for a shard of another plan, StoreError for one
   /// that cannot be read.
-  std::optional<Status> Find(const compiler::Run& run, std::vector<std::string>& warnings) const;
+  std::optional<Outcome> Find(const compiler::Run& run, std::vector<std::string>& warnings) const;
 
   /// Makes `plan.yaml` say this plan, in one step. To be called once no shard was refused. Throws
   /// StoreError.

@@ -56,7 +56,10 @@ std::string Bar(double share, bool is_utf8) {
 }
 
 std::string Ended(const RunResult& result, double wall_s) {
-  if (result.status == Status::kDone) return "done in " + DurationText(wall_s);
+  if (result.outcome().IsGood()) return "done in " + DurationText(wall_s);
+  if (result.status == Status::kDone)
+    return fmt::format("{} from cycle {} on: its timings do not count",
+                       VerdictName(result.judgement.verdict), result.judgement.first_bad_cycle);
   return fmt::format("{}: {}",
                      result.status == Status::kTimedOut ? std::string_view("timed out")
                                                         : StatusName(result.status),
@@ -121,7 +124,7 @@ void Progress::Begin(const compiler::Plan& plan, const std::vector<const compile
   estimate_.emplace(to_do);
   jobs_ = jobs;
   ended_ = resumed.ended();
-  bad_ = ended_ - resumed.done;
+  bad_ = ended_ - resumed.done + resumed.spoiled;
   total_ = to_do.size() + ended_;
   line_ended_ = ended_;
   line_s_ = output_.now_s();
@@ -142,8 +145,8 @@ void Progress::RunEnded(const compiler::Run& run, const RunResult& result, doubl
   std::erase_if(running_, [&run](const Running& one) { return one.run == &run; });
   const bool is_telling = result.status == Status::kDone || result.status == Status::kTimedOut;
   estimate_->Ended(run, is_telling ? std::optional(wall_s) : std::nullopt);
-  Advance(result.status);
-  const bool is_bad = result.status != Status::kDone;
+  Advance(result.outcome());
+  const bool is_bad = !result.outcome().IsGood();
   if (output_.is_terminal) {
     if (is_bad) Line(fmt::format("{}: {}", Name(run), Ended(result, wall_s)));
     return Draw(ended_ == total_);
@@ -167,9 +170,9 @@ void Progress::RunEnded(const compiler::Run& run, const RunResult& result, doubl
   Line(text);
 }
 
-void Progress::RunFound(const compiler::Run& run, Status status) {
+void Progress::RunFound(const compiler::Run& run, const Outcome& outcome) {
   estimate_->Ended(run, std::nullopt);
-  Advance(status);
+  Advance(outcome);
   if (output_.is_terminal) Draw(false);
 }
 
@@ -184,9 +187,9 @@ void Progress::Tick() {
 
 void Progress::End() { Clear(); }
 
-void Progress::Advance(Status status) {
+void Progress::Advance(const Outcome& outcome) {
   ++ended_;
-  bad_ += status != Status::kDone;
+  bad_ += outcome.IsGood() ? 0 : 1;
 }
 
 std::string Progress::Name(const compiler::Run& run) const {
@@ -219,7 +222,7 @@ std::string Progress::BarLine(std::size_t columns) const {
   std::string text = columns < kFewColumns ? "" : Bar(share, output_.is_utf8) + " ";
   text += Share();
   if (const std::string left = TimeLeft(); !left.empty()) text += "  " + left;
-  if (bad_ > 0) text += fmt::format("  {} failed", bad_);
+  if (bad_ > 0) text += fmt::format("  {} bad", bad_);
   if (!running_.empty()) text += "  " + Name(*running_.back().run);
   // The last column stays free: a full line makes some terminals wrap.
   return Cut(std::move(text), columns > 0 ? columns - 1 : 0, output_.is_utf8);

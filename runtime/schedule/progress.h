@@ -39,7 +39,7 @@ class Progress : public ProgressListener {
              const Summary& resumed, std::size_t jobs) override;
   void RunStarted(const compiler::Run& run) override;
   void RunEnded(const compiler::Run& run, const RunResult& result, double wall_s) override;
-  void RunFound(const compiler::Run& run, Status status) override;
+  void RunFound(const compiler::Run& run, const Outcome& outcome) override;
   void Warn(const std::string& text) override;
   void Tick() override;
   void End() override;
@@ -50,7 +50,7 @@ class Progress : public ProgressListener {
     double since_s;
   };
 
-  void Advance(Status status);
+  void Advance(const Outcome& outcome);
   std::string Name(const compiler::Run& run) const;
   std::string Share() const;
   std::string TimeLeft() const;

@@ -55,8 +55,8 @@ class Execution {
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
     for (const compiler::Run* run : all) {
-      if (const auto status = folder_->Find(*run, warnings)) {
-        summary_.Count(*status);
+      if (const auto outcome = folder_->Find(*run, warnings)) {
+        summary_.Count(*outcome);
         ++summary_.resumed;
       } else {
         queue_.push_back(run);
@@ -119,12 +119,12 @@ class Execution {
     while (next_ < queue_.size()) {
       const compiler::Run* run = queue_[next_++];
       std::vector<std::string> warnings;
-      const auto status = folder_->Find(*run, warnings);
+      const auto outcome = folder_->Find(*run, warnings);
       for (const std::string& warning : warnings) listener_.Warn(warning);
-      if (!status) return run;
-      summary_.Count(*status);
+      if (!outcome) return run;
+      summary_.Count(*outcome);
       ++summary_.resumed;
-      listener_.RunFound(*run, *status);
+      listener_.RunFound(*run, *outcome);
     }
     return nullptr;
   }
@@ -141,7 +141,7 @@ class Execution {
                       summary_.ended() + queue_.size() - next_ + Busy(), folder_->path().string()));
     }
     slots_[ending.slot] = nullptr;
-    summary_.Count(ending.result.status);
+    summary_.Count(ending.result.outcome());
     listener_.RunEnded(run, ending.result, ending.wall_s);
   }
 
@@ -163,10 +163,11 @@ class Execution {
 
 }  // namespace
 
-void Summary::Count(Status status) {
-  switch (status) {
+void Summary::Count(const Outcome& outcome) {
+  switch (outcome.status) {
     case Status::kDone:
       ++done;
+      spoiled += outcome.IsGood() ? 0 : 1;
       return;
     case Status::kFailed:
       ++failed;
@@ -190,6 +191,7 @@ std::string Describe(const Summary& summary) {
   const auto add = [&text](std::size_t count, std::string_view what) {
     if (count > 0) text += fmt::format(", {} {}", count, what);
   };
+  add(summary.spoiled, "of them without a timing that counts");
   add(summary.failed, "failed");
   add(summary.crashed, "crashed");
   add(summary.timed_out, "timed out");

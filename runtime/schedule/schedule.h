@@ -26,14 +26,15 @@ struct ExecuteOptions {
 /// How the runs of the shard that was asked for stand, each counted once, whoever carried it out.
 struct Summary {
   std::size_t done = 0, failed = 0, crashed = 0, timed_out = 0;
-  std::size_t resumed = 0;  ///< of these, found in the folder
+  std::size_t spoiled = 0;  ///< of those done: their timings are void (measure/verdict.h)
+  std::size_t resumed = 0;  ///< of all, found in the folder
   std::size_t left = 0;     ///< not carried out: the user asked to stop
   int signal = 0;           ///< that asked to stop; 0 where none did
 
   std::size_t ended() const { return done + failed + crashed + timed_out; }
   /// Exit status 3.
-  bool HasBadRuns() const { return ended() != done; }
-  void Count(Status status);
+  bool HasBadRuns() const { return ended() != done || spoiled > 0; }
+  void Count(const Outcome& outcome);
   bool operator==(const Summary&) const = default;
 };
 
@@ -51,7 +52,7 @@ class ProgressListener {
   /// Its shard is written.
   virtual void RunEnded(const compiler::Run&, const RunResult&, double /*wall_s*/) {}
   /// Somebody else has carried it out meanwhile.
-  virtual void RunFound(const compiler::Run&, Status) {}
+  virtual void RunFound(const compiler::Run&, const Outcome&) {}
   virtual void Warn(const std::string&) {}
   /// About once a second while nothing else happens.
   virtual void Tick() {}

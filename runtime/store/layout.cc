@@ -146,7 +146,7 @@ class Maker {
 
   /// An array over the grid and `inner` dimensions.
   Array& Add(std::string name, Type type, const std::vector<std::string>& inner, bool over_grid) {
-    Array array{std::move(name), type, {}, {}, {}, 0, false, {}, nullptr};
+    Array array{std::move(name), type, {}, {}, {}, 0, false, {}, {}, nullptr};
     if (over_grid) {
       array.dimensions = grid_;
       array.shape = layout_.grid;
@@ -214,6 +214,7 @@ class Maker {
       array.fill = number.missing;
       array.has_fill_value = number.type == Type::kFloat64;
       array.attributes = {{"units", number.unit}, {"long_name", number.doc}};
+      if (number.flags != nullptr) array.flags = number.flags();
     }
     for (const RunText& text : RunTexts())
       Add(text.name, Type::kText, {}, true).attributes = {{"long_name", text.doc}};
@@ -222,7 +223,7 @@ class Maker {
   /// An axis that is called like something else of the file (`cases load`) gets `_axis`; its
   /// attribute `axis_name` keeps the name that the scenario gave it.
   void NameAxes(const compiler::Plan& plan) {
-    std::set<std::string> taken = {"provenance", "accuracy", "verdict"};
+    std::set<std::string> taken = {"provenance", "accuracy"};
     for (const Array& array : layout_.arrays) taken.insert(array.name);
     for (std::size_t i = plan.axes.size(); i < layout_.dimensions.size(); ++i)
       taken.insert(layout_.dimensions[i].name);
@@ -255,11 +256,27 @@ PlanFacts::PlanFacts(const compiler::Plan& plan)
     if (row.IsRecordedBy(plan)) series.push_back(&row);
 }
 
+namespace {
+
+std::string VerdictNames() {
+  std::string names;
+  for (const VerdictInfo& info : Verdicts())
+    names.append(names.empty() ? "" : " ").append(info.name);
+  return names;
+}
+
+}  // namespace
+
 const std::vector<RunNumber>& RunNumbers() {
   using R = const RunResult&;
   static const std::vector<RunNumber> kNumbers = {
       {"status", Type::kInt8, "", "how the run ended", 0,
-       [](R r) { return static_cast<double>(r.status); }},
+       [](R r) { return static_cast<double>(r.status); },
+       [] { return std::string("missing done skipped failed crashed timed_out"); }},
+      {"verdict", Type::kInt8, "", "how the run ended as physics: cdb doc verdicts", 0,
+       [](R r) { return static_cast<double>(r.judgement.verdict); }, VerdictNames},
+      {"first_bad_cycle", Type::kInt32, "", "recorded cycle at which the verdict shows; -1: none",
+       -1, [](R r) { return static_cast<double>(r.judgement.first_bad_cycle); }},
       {"n_cycles", Type::kInt32, "", "cycles that really ran", 0,
        [](R r) { return static_cast<double>(r.n_cycles); }},
       {"started", Type::kFloat64, "seconds since 1970-01-01 00:00:00", "when the run began", kNaN,
@@ -346,9 +363,10 @@ void CreateArrays(h5::File& file, const Layout& layout) {
         file.CreateDataset({array.name, array.type, array.shape, array.chunk, array.fill});
     if (array.has_fill_value) dataset.SetNumbers("_FillValue", array.type, {{array.fill}});
     for (const auto& [name, text] : array.attributes) dataset.SetText(name.c_str(), text);
-    if (array.name == "status") {
-      dataset.SetNumbers("flag_values", Type::kInt8, {{0, 1, 2, 3, 4, 5}});
-      dataset.SetText("flag_meanings", "missing done skipped failed crashed timed_out");
+    if (!array.flags.empty()) {
+      const auto count = static_cast<std::uint64_t>(std::ranges::count(array.flags, ' ')) + 1;
+      dataset.SetNumbers("flag_values", array.type, Indices(count));
+      dataset.SetText("flag_meanings", array.flags);
     }
     attachments.push_back({array.name, array.dimensions});
   }

@@ -37,6 +37,8 @@ struct RunNumber {
   const char* doc;
   double missing;  ///< where there is no run
   double (*get)(const RunResult&);
+  /// What its values from 0 on mean, separated by spaces; empty where it is a number.
+  std::string (*flags)() = nullptr;
 };
 const std::vector<RunNumber>& RunNumbers();
 
@@ -67,6 +69,7 @@ struct Array {
   double fill = 0;
   bool has_fill_value = false;  ///< readers are told of `fill`
   std::map<std::string, std::string> attributes;
+  std::string flags;  ///< what its values from 0 on mean, separated by spaces
   const Series* series = nullptr;
 };
 

@@ -190,6 +190,20 @@ Status ResultFile::ReadStatus(const Cell& cell) const {
   return static_cast<Status>(status);
 }
 
+Judgement ResultFile::ReadJudgement(const Cell& cell) const {
+  if (!Has("verdict")) return {};
+  return impl_->Reading([&]() -> Judgement {
+    const double verdict = impl_->Number("verdict", cell);
+    if (!(verdict >= 0 && verdict < static_cast<double>(Verdicts().size())))
+      throw StoreError(
+          fmt::format("{}: holds the verdict {}, which this cdb does not know; it was left as it "
+                      "is: use the cdb that wrote it",
+                      impl_->name, verdict));
+    return {static_cast<Verdict>(verdict),
+            static_cast<std::int64_t>(impl_->Number("first_bad_cycle", cell))};
+  });
+}
+
 std::uint64_t ResultFile::ReadCycleCount(const Cell& cell) const {
   return impl_->Reading([&] { return std::uint64_t{impl_->CyclesOf(cell)}; });
 }

@@ -149,7 +149,10 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
     const std::vector<double> status = file.OpenDataset("status").Read();
     const std::string id = file.Text("run_id");
     if (status.size() != 1 || id.empty()) throw h5::Error("it does not hold one run");
-    return {id, file.Text("plan_sha256"), static_cast<Status>(status[0])};
+    const std::vector<double> verdict = file.OpenDataset("verdict").Read();
+    return {id,
+            file.Text("plan_sha256"),
+            {static_cast<Status>(status[0]), static_cast<Verdict>(verdict.at(0))}};
   } catch (const h5::Error& error) {
     throw StoreError(
         fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "

@@ -15,6 +15,7 @@
 
 #include "compiler/plan.h"
 #include "runtime/measure/series.h"
+#include "runtime/measure/verdict.h"
 
 namespace cdb::runtime {
 
@@ -30,9 +31,18 @@ enum class Status : std::int8_t { kMissing, kDone, kSkipped, kFailed, kCrashed, 
 /// `done`, `timed_out`.
 std::string_view StatusName(Status status);
 
+/// How a run stands: its process, and its physics.
+struct Outcome {
+  Status status = Status::kMissing;
+  Verdict verdict = Verdict::kUnknown;
+  /// Done, and its timings are of the scene.
+  bool IsGood() const { return status == Status::kDone && !HasVoidTimings(verdict); }
+};
+
 /// All that one run left behind. `series` point into memory of the caller.
 struct RunResult {
   Status status = Status::kMissing;
+  Judgement judgement;
   std::uint64_t n_cycles = 0;
   double started_s = 0;  ///< since 1970-01-01 00:00:00 UTC
   std::string state_hash;
@@ -46,6 +56,8 @@ struct RunResult {
   std::vector<std::pair<const Series*, std::span<const std::byte>>> series;
   std::vector<ContactRecord>
       contacts;  ///< of all cycles in order; as many a cycle as the series `contacts` says
+
+  Outcome outcome() const { return {status, judgement.verdict}; }
 };
 
 /// Facts of build and machine for `/provenance`, by name: `cdb_version`, `bullet_version`,
@@ -82,7 +94,7 @@ void RemoveStaleTemporaries(const std::filesystem::path& folder);
 struct ShardInfo {
   std::string run_id;
   std::string plan_sha256;
-  Status status;
+  Outcome outcome;
 };
 /// Throws StoreError for what is not a whole shard (truncated, not HDF5, another schema version).
 ShardInfo ReadShardInfo(const std::filesystem::path& file);
@@ -121,6 +133,7 @@ class ResultFile {
   };
   Status ReadStatus(const Cell& cell) const;
   std::uint64_t ReadCycleCount(const Cell& cell) const;
+  Judgement ReadJudgement(const Cell& cell) const;
   std::string ReadText(std::string_view dataset,
                        const Cell& cell) const;  ///< `state_hash`, `message`, `omitted`
   double ReadReal(std::string_view dataset,

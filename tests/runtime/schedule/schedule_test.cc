@@ -61,7 +61,7 @@ struct Ears : ProgressListener {
   }
   void RunStarted(const compiler::Run&) override { ++began; }
   void RunEnded(const compiler::Run&, const RunResult&, double) override { ++ended; }
-  void RunFound(const compiler::Run&, Status) override { ++found; }
+  void RunFound(const compiler::Run&, const Outcome&) override { ++found; }
   void Warn(const std::string& text) override { warnings.push_back(text); }
   void Tick() override { ++ticks; }
   void End() override { ++ends; }
@@ -104,7 +104,7 @@ TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
     const ShardInfo info = ReadShardInfo(options.folder / name);
     EXPECT_EQ(info.run_id + ".h5", name);
     EXPECT_EQ(info.plan_sha256, plan.Sha256());
-    EXPECT_EQ(info.status, Status::kDone);
+    EXPECT_EQ(info.outcome.status, Status::kDone);
   }
   EXPECT_EQ(ears.to_do, 9u);
   EXPECT_EQ(ears.began, 9u);
@@ -217,7 +217,7 @@ TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
   EXPECT_EQ(ears.warnings.size(), 4u);
   for (const std::size_t i : {2, 3, 5, 7}) {
     EXPECT_TRUE(fs::exists(options.folder / (names[i] + ".broken"))) << i;
-    EXPECT_EQ(ReadShardInfo(options.folder / names[i]).status, Status::kDone);
+    EXPECT_EQ(ReadShardInfo(options.folder / names[i]).outcome.status, Status::kDone);
     EXPECT_TRUE(std::ranges::any_of(ears.warnings, [&](const std::string& warning) {
       return warning.find(names[i]) != std::string::npos;
     }));

@@ -1,0 +1,202 @@
+#include "runtime/measure/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "compiler/expectation.h"
+#include "dsl/check.h"
+
+namespace cdb::runtime {
+namespace {
+
+using compiler::Expectation;
+using enum Verdict;
+
+// The measured thresholds. Lengths are in sides of the object, energies in the run's energy scale.
+constexpr double kLeastRatio = 0.9, kMostRatio = 1.1;
+constexpr double kExplosion = 1, kDrift = 0.01;
+constexpr double kCollapse = 0.25, kLateDepth = 0.05, kPeakDepth = 0.25;
+constexpr double kLateSpeed = 0.02;  ///< of the speed scale
+/// The part of a run that is late.
+constexpr double kLate = 0.25;
+
+constexpr VerdictInfo kVerdicts[] = {
+    {kUnknown, "unknown", "it did not run, or did not record stability"},
+    {kStable, "stable", "nothing of what is listed above"},
+    {kDrifting, "drifting",
+     "energy rose by 0.01; changed so where it is kept; late speed > 0.02 sqrt(g S) at rest"},
+    {kPenetrating, "penetrating", "late depth > 0.05 S; at rest, any depth > 0.25 S"},
+    {kCollapsed, "collapsed", "what must rest moved by more than 0.25 S"},
+    {kClamped, "clamped", "an object turned by less than 0.9 of its spin times the time step"},
+    {kTunnelled, "tunnelled", "a centre is beyond a wall at the end"},
+    {kExploded, "exploded", "energy rose by more than its scale"},
+    {kFrozen, "frozen",
+     "without contact: way outside 0.9 .. 1.1 of |v| dt on an axis, or dv < 0.9 g dt"},
+    {kRemoved, "removed", "Bullet switched an object off, as where its box passes 1e6"},
+    {kNonFinite, "non_finite", "a state that is not a number"},
+    {kTimedOut, "timed_out", "it took longer than its timeout"},
+    {kCrashed, "crashed", "its process did not end by itself"},
+};
+
+/// One run under the eye of every criterion. Each gives the first bad cycle, or -1.
+class Case {
+ public:
+  Case(const compiler::Scene& scene, const Recording& recording, std::uint64_t n_cycles)
+      : scene_(scene),
+        recording_(recording),
+        header_(recording.header()),
+        n_(n_cycles),
+        late_(n_cycles -
+              static_cast<std::size_t>(std::ceil(kLate * static_cast<double>(n_cycles)))),
+        expectation_(ExpectationOf(scene)) {}
+
+  std::int64_t First(Verdict verdict) const {
+    switch (verdict) {
+      case kNonFinite:
+        return FirstCount("non_finite");
+      case kRemoved:
+        return FirstCount("removed");
+      case kFrozen:
+        return Earlier(
+            FirstWhere("motion_ratio", [](double x) { return x < kLeastRatio || x > kMostRatio; }),
+            FirstWhere("fall_ratio", [](double x) { return x < kLeastRatio; }));
+      case kExploded:
+        return FirstRise(kExplosion);
+      case kTunnelled:
+        return Tunnelled();
+      case kClamped:
+        return FirstWhere("turn_ratio", [](double x) { return x < kLeastRatio; });
+      case kCollapsed:
+        return MustRest() ? FirstAbove("displacement", kCollapse) : -1;
+      case kPenetrating:
+        return Earlier(LateAbove("penetration_ratio", kLateDepth),
+                       MustRest() ? FirstAbove("penetration_ratio", kPeakDepth) : -1);
+      case kDrifting:
+        return Drifting();
+      default:
+        CDB_CHECK(false);
+    }
+  }
+
+ private:
+  bool MustRest() const { return expectation_ == Expectation::kRest; }
+
+  std::span<const double> Reals(const char* series) const {
+    const auto all = recording_.Reals(series);
+    return all.first(std::min(all.size(), n_));
+  }
+  std::span<const std::int32_t> Ints(const char* series) const {
+    const auto all = recording_.Ints(series);
+    return all.first(std::min(all.size(), n_));
+  }
+
+  static std::int64_t Earlier(std::int64_t a, std::int64_t b) {
+    if (a < 0 || b < 0) return std::max(a, b);
+    return std::min(a, b);
+  }
+
+  template <typename Values, typename IsBad>
+  static std::int64_t FirstIn(const Values& values, IsBad is_bad, std::size_t from = 0) {
+    if (from >= values.size()) return -1;
+    const auto found = std::ranges::find_if(values.subspan(from), is_bad);
+    return found == values.end() ? -1 : found - values.begin();
+  }
+
+  /// "No value" is never bad.
+  template <typename IsBad>
+  std::int64_t FirstWhere(const char* series, IsBad is_bad) const {
+    return FirstIn(Reals(series), is_bad);
+  }
+  std::int64_t FirstAbove(const char* series, double limit) const {
+    return FirstWhere(series, [limit](double x) { return x > limit; });
+  }
+  std::int64_t FirstCount(const char* series) const {
+    return FirstIn(Ints(series), [](std::int32_t count) { return count > 0; });
+  }
+
+  /// Bad where the median of the late part is; shows at the first late cycle above the limit.
+  std::int64_t LateAbove(const char* series, double limit) const {
+    const auto values = Reals(series);
+    if (values.empty()) return -1;
+    std::vector<double> late;
+    std::ranges::copy_if(values.subspan(late_), std::back_inserter(late),
+                         [](double x) { return !std::isnan(x); });
+    if (late.empty()) return -1;
+    const auto middle = late.begin() + static_cast<std::ptrdiff_t>(late.size() / 2);
+    std::ranges::nth_element(late, middle);
+    if (!(*middle > limit)) return -1;
+    return FirstIn(
+        values, [limit](double x) { return x > limit; }, late_);
+  }
+
+  /// Energy above the least it has had.
+  std::int64_t FirstRise(double limit) const {
+    if (expectation_ == Expectation::kDriven) return -1;
+    const auto energy = Reals("energy");
+    double least = header_.initial_energy;
+    for (std::size_t i = 0; i < energy.size(); ++i) {
+      if (energy[i] - least > limit * header_.energy_scale) return static_cast<std::int64_t>(i);
+      least = std::min(least, energy[i]);
+    }
+    return -1;
+  }
+
+  std::int64_t Tunnelled() const {
+    const auto escaped = Ints("escaped");
+    if (escaped.empty() || escaped.back() <= 0) return -1;
+    const auto inside = std::find_if(escaped.rbegin(), escaped.rend(),
+                                     [](std::int32_t count) { return count <= 0; });
+    return escaped.rend() - inside;
+  }
+
+  std::int64_t Drifting() const {
+    std::int64_t first = FirstRise(kDrift);
+    if (expectation_ == Expectation::kEnergy || FliesFreely(scene_)) {
+      const auto energy = Reals("energy");
+      const auto contacts = Ints("contacts");
+      std::size_t end = energy.size();
+      if (expectation_ != Expectation::kEnergy && !contacts.empty())
+        if (const auto touch = FirstCount("contacts"); touch >= 0)
+          end = static_cast<std::size_t>(touch);
+      first = Earlier(first, FirstIn(energy.first(end), [&](double x) {
+                        return std::abs(x - header_.initial_energy) > kDrift * header_.energy_scale;
+                      }));
+    }
+    if (MustRest())
+      first = Earlier(first, LateAbove("max_speed", kLateSpeed * header_.speed_scale));
+    return first;
+  }
+
+  const compiler::Scene& scene_;
+  const Recording& recording_;
+  const RecordingHeader& header_;
+  const std::size_t n_, late_;  ///< cycles; the first late one
+  const Expectation expectation_;
+};
+
+}  // namespace
+
+std::span<const VerdictInfo> Verdicts() { return kVerdicts; }
+
+std::string_view VerdictName(Verdict verdict) {
+  const VerdictInfo& info = kVerdicts[static_cast<std::size_t>(verdict)];
+  CDB_CHECK(info.verdict == verdict);
+  return info.name;
+}
+
+Judgement Judge(const compiler::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
+                Verdict outcome) {
+  if (outcome != kUnknown) return {outcome, static_cast<std::int64_t>(n_cycles)};
+  if (!scene.world.Lists("record", "stability")) return {};
+  const Case here(scene, recording, n_cycles);
+  for (auto verdict = static_cast<std::int8_t>(kNonFinite);
+       verdict > static_cast<std::int8_t>(kStable); --verdict) {
+    const std::int64_t first = here.First(Verdict{verdict});
+    if (first >= 0) return {Verdict{verdict}, first};
+  }
+  return {kStable, -1};
+}
+
+}  // namespace cdb::runtime
