@@ -1,4 +1,5 @@
 // The formulae behind the table of lints.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -6,6 +7,7 @@
 
 #include "compiler/bounds.h"
 #include "compiler/calls.h"
+#include "compiler/expectation.h"
 #include "compiler/lints.h"
 
 namespace cdb::compiler {
@@ -18,11 +20,22 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWallThickness = 0.1;
 
 // Thresholds, measured.
-constexpr double kTallStack = 0.015, kMassRatio = 10;
-constexpr double kLongStepOnPlane = 0.03, kLongStepOnBox = 0.3;
-constexpr double kThinWall = 0.5, kSoftContact = 0.04, kThinShape = 30;
-constexpr double kFastSpin = 1.41, kSpinDrift = 0.15;
-constexpr double kHugeBox = 1e6, kCoarsePlace = 1e-3, kLostMotion = 0.4;
+constexpr double kTallStack = 0.025, kMassRatio = 20;
+constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3;
+constexpr double kThinWall = 1.5, kSoftContact = 0.04, kThinShape = 30;
+constexpr double kFastSpin = 1.41, kSpinDrift = 0.05;
+constexpr double kHugeBox = 1e6, kCoarsePlace = 0.012, kLostMotion = 0.4;
+/// Bullet puts to sleep what has been slower than these for so long, s.
+constexpr double kSlowSpeed = 0.8, kSlowSpin = 1, kSleepAfter = 2;
+/// A pyramid is as unsteady as a stack of so much of its height.
+constexpr double kPyramid = 0.4;
+/// Gravity is lost where it gives less than half a step, motion is wrong long before.
+constexpr double kGainOverPlace = 0.2;
+constexpr double kHopelesslyCoarse = 0.035;
+constexpr double kRounding = 1e-9;
+/// Sides that an object has to move for its motion to count.
+constexpr double kNoticed = 0.01;
+constexpr double kFastHit = 2, kShortRun = 35;
 constexpr double kHeavySingle = 1.45e7, kHeavyDouble = 7e15;
 
 /// The objects of one group by the bounds of what they draw. SI units.
@@ -38,6 +51,8 @@ struct Objects {
   double speed = 0, spin = 0;
   Vector3d place;      ///< largest coordinates at the start
   double stacked = 1;  ///< objects on one another
+  double tower = 1;    ///< as unsteady as a stack of so many
+  double gap = 0;      ///< that a stack's objects fall by first; 0 where it is next to none
 };
 
 bool MayBe(const Value& value, std::string_view word) {
@@ -55,6 +70,7 @@ class SceneNumbers {
         timestep_(world_.Real("timestep")),
         iterations_(static_cast<double>(world_.Count("solver.iterations"))),
         cycles_(static_cast<double>(world_.Count("cycles") + world_.Count("warmup"))),
+        rests_(ExpectationOf(scene) == Expectation::kRest),
         side_(world_.Real("world.side")),
         pull_(LargestComponents(world_.Get("acceleration"))),
         g_(pull_.norm()),
@@ -78,8 +94,11 @@ class SceneNumbers {
         TallStack(objects);
         LongStep(objects);
         SoftContact(objects);
+        if (rests_) ShortRun(objects);
       }
       if (box_walls_) ThinWall(objects);
+      if (walls_ != "none" || count_ > 1) FastHit(objects);
+      EarlySleep(objects);
       FastSpin(objects);
       SpinDrift(objects);
       HugeBox(objects);
@@ -132,10 +151,14 @@ class SceneNumbers {
       const auto* height = std::get_if<std::uint64_t>(&ArgumentOf(*layout, "height"));
       objects.stacked = height != nullptr ? std::min(objects.quantity, static_cast<double>(*height))
                                           : objects.quantity;
+      objects.tower = objects.stacked;
+      objects.gap = real("gap").value_or(0);
     } else if (layout->name == "pyramid") {
       while (objects.stacked * (objects.stacked + 1) * (2 * objects.stacked + 1) / 6 <
              objects.quantity)
         ++objects.stacked;
+      objects.tower = kPyramid * objects.stacked;
+      objects.gap = real("gap").value_or(0);
     }
   }
 
@@ -145,9 +168,15 @@ class SceneNumbers {
 
   /// The fastest that an object gets: by falling too, as far as there is to fall.
   double FastestSpeed(const Objects& objects) const {
+    if (walls_ == "none") return objects.speed + Fallen();
+    return std::hypot(objects.speed, Fallen());
+  }
+
+  /// The speed that falling gives, as far as there is to fall.
+  double Fallen() const {
+    if (rests_) return 0;
     const double fallen = g_ * Time();
-    if (walls_ == "none") return objects.speed + fallen;
-    return std::hypot(objects.speed, std::min(std::sqrt(2 * g_ * side_), fallen));
+    return walls_ == "none" ? fallen : std::min(std::sqrt(2 * g_ * side_), fallen);
   }
 
   /// Half the part of the threshold at which a warning ends: what remedies aim at.
@@ -177,7 +206,7 @@ class SceneNumbers {
 
   void TallStack(const Objects& objects) {
     if (objects.stacked < 2) return;
-    const double n = objects.stacked;
+    const double n = objects.tower;
     Add(Lint::kTallStack, objects,
         n * n * g_ * timestep_ * timestep_ / (objects.least_side * iterations_), kTallStack,
         ShorterStepSquared());
@@ -191,8 +220,58 @@ class SceneNumbers {
   void ThinWall(const Objects& objects) {
     if (MayBeOn(objects, "ccd")) return;
     Add(Lint::kThinWall, objects,
-        FastestSpeed(objects) * timestep_ / (objects.least_side + kWallThickness * side_),
+        FastestComponent(objects) * timestep_ / (objects.least_side + kWallThickness * side_),
         kThinWall, ShorterStep());
+  }
+
+  void FastHit(const Objects& objects) {
+    // A ball that hits head-on is not spun.
+    const bool is_ball = IsBall(objects);
+    if (MayBeOn(objects, "ccd") || (is_ball && count_ == 1 && AlongOneAxis(objects.velocity)))
+      return;
+    const double speed = FastestComponent(objects);
+    double hit = speed * timestep_ / objects.least_side;
+    // What does not cross the room may hit nothing.
+    if (speed * Time() < side_) hit = std::min(hit, 0.99 * kFastHit);
+    Add(Lint::kFastHit, objects, hit, kFastHit, ShorterStep());
+  }
+
+  static bool AlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
+
+  static bool IsBall(const Objects& objects) {
+    const auto* type = std::get_if<Word>(&objects.settings->Get("type"));
+    return type != nullptr && type->text == "sphere" && objects.least_side == objects.longest_side;
+  }
+
+  /// Walls stand across the axes.
+  double FastestComponent(const Objects& objects) const {
+    const double gained = Fallen();
+    double fastest = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      fastest = std::max(
+          fastest, std::hypot(objects.velocity[axis], g_ > 0 ? gained * pull_[axis] / g_ : 0));
+    return fastest;
+  }
+
+  void EarlySleep(const Objects& objects) {
+    if (!world_.On("sleeping") || Time() < kSleepAfter || (rests_ && g_ > 0)) return;
+    const double speed = objects.speed + g_ * kSleepAfter;
+    if (!(speed > 0 || objects.spin > 0)) return;
+    // What hits something before is not in flight.
+    if (MayTouch() && objects.speed * kSleepAfter > side_ / 4 / std::cbrt(count_)) return;
+    const double slow = std::min(speed > 0 ? kSlowSpeed / speed : kInfinity,
+                                 objects.spin > 0 ? kSlowSpin / objects.spin : kInfinity);
+    if (slow < 1) return;
+    Add(Lint::kEarlySleep, objects, slow, 1, [](double) { return 0.0; });
+  }
+
+  void ShortRun(const Objects& objects) {
+    double least_side = kInfinity;
+    for (const Objects& other : groups_) least_side = std::min(least_side, other.least_side);
+    const double n = objects.stacked;
+    Add(Lint::kShortRun, objects,
+        std::sqrt(n * least_side / g_) * std::max(1.0, n / iterations_) / Time(), kShortRun,
+        [this](double excess) { return cycles_ * excess; });
   }
 
   static bool MayBeOn(const Objects& objects, std::string_view name) {
@@ -203,8 +282,8 @@ class SceneNumbers {
   void SoftContact(const Objects& objects) {
     const double softest = PositiveBounds(objects.settings->Get("contact_stiffness")).least;
     if (!(softest > 0)) return;
-    Add(Lint::kSoftContact, objects, objects.mass.most * g_ / softest, kSoftContact,
-        [softest](double excess) { return softest * excess; });
+    Add(Lint::kSoftContact, objects, objects.stacked * objects.mass.most * g_ / softest,
+        kSoftContact, [softest](double excess) { return softest * excess; });
   }
 
   void ThinShape(const Objects& objects) {
@@ -212,7 +291,9 @@ class SceneNumbers {
     const bool is_round = MayBe(type, "sphere") && objects.least_side == objects.longest_side;
     if (is_round || (std::get_if<Word>(&type) != nullptr && MayBe(type, "cuboid"))) return;
     if (count_ < 2 && !box_walls_) return;  // planes are met without GJK
-    Add(Lint::kThinShape, objects, objects.longest_side / objects.least_side, kThinShape,
+    // What it makes wrong is how deep contacts are, of which only some runs go wrong.
+    Add(Lint::kThinShape, objects,
+        std::min(objects.longest_side / objects.least_side, 0.99 * kThinShape), kThinShape,
         [](double) { return Harmless(kThinShape); });
   }
 
@@ -221,12 +302,37 @@ class SceneNumbers {
   }
 
   void SpinDrift(const Objects& objects) {
-    if (MayBe(objects.settings->Get("type"), "sphere") &&
-        objects.least_side == objects.longest_side)
-      return;
+    const double twist = Twist(objects);
+    if (!(twist > 0)) return;
     const double turn = objects.spin * timestep_;
+    // Of the energy that the verdict measures against, as far as it is the spin's.
+    const double spin = std::pow(objects.spin * objects.longest_side, 2) / 20;
+    const double rest = objects.speed * objects.speed / 2 + g_ * side_;
     // A longer run in shorter steps: the number goes with the step, not with its square.
-    Add(Lint::kSpinDrift, objects, cycles_ * turn * turn, kSpinDrift, ShorterStep());
+    Add(Lint::kSpinDrift, objects, cycles_ * turn * turn * twist * twist * spin / (spin + rest),
+        kSpinDrift, ShorterStep());
+  }
+
+  /// How fast a free spin changes its direction in the body, over the spin: |w x Iw| / (|w| |Iw|),
+  /// the largest of what may be drawn. 0 about an axis of the body.
+  static double Twist(const Objects& objects) {
+    if (!(objects.spin > 0)) return 0;
+    const Value& type = objects.settings->Get("type");
+    // Second moments go with the squares of the sides; a cylinder's by 4/3 more along its axis.
+    const auto of = [&](double along_y) {
+      Vector3d squares = objects.most_sides.cwiseAbs2();
+      if (objects.least_side < objects.most_sides.minCoeff()) squares.x() /= 2;  // each side drawn
+      squares.y() *= along_y;
+      const Vector3d inertia = Vector3d::Constant(squares.sum()) - squares;
+      const auto* turn = std::get_if<Vector3d>(&objects.settings->Get("orientation"));
+      const auto* spin = std::get_if<Vector3d>(&objects.settings->Get("angular_velocity"));
+      if (turn == nullptr || !turn->isZero(0) || spin == nullptr)
+        return 1 - inertia.minCoeff() / inertia.maxCoeff();
+      const Vector3d momentum = inertia.cwiseProduct(*spin);
+      return spin->cross(momentum).norm() / (spin->norm() * momentum.norm());
+    };
+    const double most = std::max(of(1), MayBe(type, "cylinder") ? of(4.0 / 3) : 0.0);
+    return most > kRounding ? most : 0;
   }
 
   void HugeBox(const Objects& objects) {
@@ -241,17 +347,27 @@ class SceneNumbers {
 
   void CoarsePlace(const Objects& objects) {
     const double place = objects.place.maxCoeff();
-    Add(Lint::kCoarsePlace, objects, StepAt(place) / objects.least_side, kCoarsePlace,
+    double coarse = StepAt(place) / objects.least_side;
+    // In between, much stays where it was put.
+    if (coarse < kHopelesslyCoarse) coarse = std::min(coarse, 0.99 * kCoarsePlace);
+    Add(Lint::kCoarsePlace, objects, coarse, kCoarsePlace,
         [place](double excess) { return place / excess; });
   }
 
   void LostMotion(const Objects& objects) {
+    // What does not get anywhere anyway loses nothing.
+    const double noticed = kNoticed * 0.99 * objects.least_side;
     double worst = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const double speed = objects.velocity[axis];
-      if (!(speed > 0)) continue;
-      worst = std::max(worst, StepAt(objects.place[axis]) / (speed * timestep_));
-      if (pull_[axis] > 0) worst = std::max(worst, StepAt(speed) / (pull_[axis] * timestep_));
+      double mean = objects.velocity[axis] + pull_[axis] * Time() / 2, way = mean * Time();
+      if (rests_) {
+        way = objects.gap;
+        mean = std::min(mean, 4 * std::sqrt(pull_[axis] * way / 2));
+      }
+      if (!(way > noticed) || !(mean > 0)) continue;
+      worst = std::max(worst, StepAt(objects.place[axis]) / (mean * timestep_));
+      if (pull_[axis] > 0)
+        worst = std::max(worst, kGainOverPlace * StepAt(mean) / (pull_[axis] * timestep_));
     }
     const double place = objects.place.maxCoeff();
     Add(Lint::kLostMotion, objects, worst, kLostMotion,
@@ -264,7 +380,8 @@ class SceneNumbers {
         [limit](double) { return Harmless(limit); });
   }
 
-  /// Where two groups stand at known places, the higher one is the load; else any may be.
+  /// Of objects in one stack, and of groups at known places of which the higher one is the load.
+  /// Heaps bear much higher ratios, and which lies on which is chance.
   void MassRatio() {
     const auto height = [](const Objects& objects) -> std::optional<double> {
       const Call* layout = AsCall(objects.settings->Get("location"));
@@ -275,7 +392,8 @@ class SceneNumbers {
       for (const Objects& bearer : groups_) {
         if (!load.moves || !bearer.moves || (&load == &bearer && load.quantity < 2)) continue;
         const auto above = height(load), below = height(bearer);
-        if (above && below && *above <= *below) continue;
+        const bool in_one_stack = &load == &bearer && load.stacked > 1;
+        if (!in_one_stack && !(above && below && *above > *below)) continue;
         Add(Lint::kMassRatio, load, load.mass.most / bearer.mass.least / iterations_, kMassRatio,
             [this](double excess) { return iterations_ * excess; });
       }
@@ -283,7 +401,9 @@ class SceneNumbers {
   }
 
   const Settings& world_;
-  const double timestep_, iterations_, cycles_, side_;
+  const double timestep_, iterations_, cycles_;
+  const bool rests_;
+  const double side_;
   const Vector3d pull_;
   const double g_;
   const std::string_view walls_;

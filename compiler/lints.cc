@@ -32,6 +32,10 @@ constexpr LintInfo kLints[] = {
      "v timestep / (size + thickness of a box wall), without ccd", "0.5",
      "objects {} pass through a wall", "timestep {} or less, or ccd on",
      "linear_velocity timestep acceleration world.wall_shape size"},
+    {Lint::kFastHit, Warning("fast-hit"),
+     "v timestep / size, where there is something to hit", "1.5",
+     "what objects hit {} spin them faster than Bullet turns", "timestep {} or less",
+     "linear_velocity timestep acceleration size"},
     {Lint::kSoftContact, Warning("soft-contact"),
      "m g / contact_stiffness, m", "0.04",
      "soft contacts {} lose their balance", "contact_stiffness {} or more",
@@ -64,6 +68,14 @@ constexpr LintInfo kLints[] = {
      "mass, kg", "1.45e7 in single precision, 7e15 in double",
      "contacts {} be lost", "a mass of {} kg or less, or precision double",
      "mass precision"},
+    {Lint::kEarlySleep, Warning("early-sleep"),
+     "0.8 m/s over the speed or 1 rad/s over the spin of what flies freely for 2 s", "1",
+     "Bullet {} put objects to sleep in flight", "sleeping off",
+     "sleeping linear_velocity angular_velocity acceleration"},
+    {Lint::kShortRun, Warning("short-run"),
+     "sqrt(n size / g) over the time of the run", "1",
+     "objects {} not have come to rest when the run ends", "cycles {} or more",
+     "cycles timestep size acceleration"},
 };
 // clang-format on
 
@@ -72,7 +84,7 @@ std::string RemedyNumber(Lint lint, double value) {
   const LintInfo& info = InfoOf(lint);
   if (info.remedy.starts_with("timestep") && value < 1)
     return fmt::format("1/{:.0f}", std::ceil(1 / value * (1 - 1e-9)));
-  if (info.remedy.starts_with("solver.iterations"))
+  if (info.remedy.starts_with("solver.iterations") || info.remedy.starts_with("cycles"))
     return fmt::format("{:.0f}", std::ceil(value * (1 - 1e-9)));
   return fmt::format("{:.2g}", value);
 }

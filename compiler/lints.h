@@ -21,6 +21,7 @@ enum class Lint {
   kMassRatio,
   kLongStep,
   kThinWall,
+  kFastHit,
   kSoftContact,
   kThinShape,
   kFastSpin,
@@ -29,6 +30,8 @@ enum class Lint {
   kCoarsePlace,
   kLostMotion,
   kHeavyMass,
+  kEarlySleep,
+  kShortRun,
 };
 
 /// One row of THE table of lints.
