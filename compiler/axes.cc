@@ -63,9 +63,11 @@ class AxisFinder {
   std::vector<SweepAxis> Find() {
     for (const auto& [key, setting] : layers_.settings) {
       const Parameter& parameter = *key.second;
-      std::string name(parameter.name.substr(parameter.name.find('.') + 1));
-      if (!key.first.empty() && key.first != "objects") name = key.first + "_" + name;
+      // As it is called in its outermost block: `size`, `side`, `links_stiffness`.
       std::string full = parameter.FullName();
+      std::string name = full.substr(full.find('.') + 1);
+      std::ranges::replace(name, '.', '_');
+      if (!key.first.empty() && key.first != "objects") name = key.first + "_" + name;
       if (parameter.grouped && key.first != "objects")
         full = key.first + "." + std::string(parameter.name);
       Statement statement{name, full, std::string(parameter.unit), key, setting.order, 0};

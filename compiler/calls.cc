@@ -50,6 +50,9 @@ constexpr Parameter kPile[] = {
     Argument("width", kReal, kPositive, "m", "of the square that they are dropped over; fit makes it about as wide as high", kFit)};
 constexpr Parameter kRing[] = {
     Argument("radius", kReal, kPositive, "m", "of the centres; fit leaves a tenth of the largest extent between neighbours", kFit)};
+constexpr Parameter kLine[] = {
+    Argument("gap", kReal, kAny, "m", "between surfaces along the line; fit is a tenth of the largest extent", kFit),
+    Argument("along", kVector, kNotZero, "", "the way from the first to the last; down is (0, -1, 0)", {.default_text = "down", .words = "down"})};
 constexpr Parameter kAt[] = {
     Argument("x", kReal, kAny, "m", "of the centre of mass"),
     Argument("y", kReal, kAny, "m", "of the centre of mass"),
@@ -73,6 +76,7 @@ constexpr CallInfo kCalls[] = {
     {"pyramid", "layers on the floor, each one fewer along both sides", kPyramid},
     {"pile", "dropped from above and settled before the first cycle", kPile},
     {"ring", "evenly on a circle about the centre, in the horizontal plane", kRing},
+    {"line", "in a straight line about the centre, the first object first", kLine},
     {"at", "one object, just there", kAt},
     {"pair", "two objects about the centre whose surfaces are so far apart, in a direction drawn by chance", kPair},
     {"mesh", "a solid of your own as a compound of convex hulls; the mesh must be watertight", kModel},

@@ -25,7 +25,7 @@ void CheckLets(const Scenario& scenario, dsl::Diagnostics& diagnostics) {
   for (const auto& item : scenario.main()->tree.items) {
     const auto* let = std::get_if<dsl::Let>(&item);
     if (let != nullptr && let->value != nullptr && let->value->kind != dsl::ExprKind::kRange)
-      evaluator.Evaluate(*let->value, {scenario.main(), {}});
+      evaluator.Evaluate(*let->value, {scenario.main(), {}, {}, nullptr});
   }
   for (const dsl::Diagnostic& fault : found.all())
     if (fault.kind == &kCircular || fault.kind == &kNotFinite || fault.kind == &kBadRange ||

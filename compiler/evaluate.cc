@@ -154,9 +154,10 @@ Referent Evaluator::Resolve(const std::string& path, const Scope& scope) const {
   if (scope.parameter != nullptr &&
       (scope.parameter->HasWord(path) || scope.parameter->TakesCall(path)))
     return {};
-  for (const std::string& block : {scope.block, std::string()}) {
+  for (std::string block = Joined(scope.group, scope.block);; block = Outside(block)) {
     const auto let = layers_.lets.find({block, path});
     if (let != layers_.lets.end()) return {let->second, std::nullopt};
+    if (block.empty()) break;
   }
   if (scope.file != nullptr) {
     if (const auto let = scenario_.FindLet(*scope.file, path)) {
@@ -171,16 +172,15 @@ Referent Evaluator::Resolve(const std::string& path, const Scope& scope) const {
   const auto is_group = [&](const std::string& name) {
     return std::ranges::find(layers_.groups, name) != layers_.groups.end();
   };
-  if (is_group(scope.block))
-    if (const Parameter* parameter = FindParameter(path, true))
-      return {std::nullopt, ParameterKey{scope.block, parameter}};
-  if (!scope.block.empty())
-    if (const Parameter* parameter = FindParameter(scope.block + "." + path, false))
-      return {std::nullopt, ParameterKey{"", parameter}};
+  for (std::string block = scope.block;; block = Outside(block)) {
+    if (const Parameter* parameter = FindParameter(Joined(block, path), !scope.group.empty()))
+      return {std::nullopt, ParameterKey{scope.group, parameter}};
+    if (block.empty()) break;
+  }
   if (const Parameter* parameter = FindParameter(path, false))
     return {std::nullopt, ParameterKey{"", parameter}};
   // Outside the blocks `quantity` is that of the objects, as the axis is called.
-  if (scope.block.empty() && is_group("objects"))
+  if (scope.group.empty() && scope.block.empty() && is_group("objects"))
     if (const Parameter* parameter = FindParameter(path, true))
       return {std::nullopt, ParameterKey{"objects", parameter}};
   const std::size_t dot = path.find('.');

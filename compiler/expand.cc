@@ -503,7 +503,8 @@ class Expander {
                           "2147483647 with the walls");
       return false;
     }
-    if (!CheckPlaces(configuration, scene)) return false;
+    const bool places_good = CheckPlaces(configuration, scene);
+    if (!CheckLinks(configuration, scene) || !places_good) return false;
     const std::string_view detector_name = scene.world.WordOr("detector");
     const library::DetectorInfo* detector = library::FindDetector(detector_name);
     CDB_CHECK(detector != nullptr);
@@ -537,6 +538,34 @@ class Expander {
           fmt::format("'{}' places {}, and the quantity of {} is {}", location->name,
                       is_at ? "one object" : "two objects", group.name, quantity),
           is_at ? "write quantity 1, and a group for each object" : "write quantity 2");
+    }
+    return good;
+  }
+
+  /// What links cannot hold.
+  bool CheckLinks(Configuration& configuration, const Scene& scene) {
+    bool good = true;
+    for (const Group& group : scene.groups) {
+      if (!group.HasLinks()) continue;
+      const Call* location = AsCall(group.settings.Get("location"));
+      std::string why, hint;
+      if (group.settings.WordOr("mass") == "fixed") {
+        why = "never move, and links would hold nothing";
+        hint = "give them a mass";
+      } else if (group.settings.Count("quantity") == 1 && !group.settings.On("links.anchor")) {
+        why = "are one object, and without links.anchor there is nothing to link it to";
+        hint = "write quantity 2 or links.anchor on";
+      } else if (location != nullptr && location->name == "pile") {
+        why = "settle in a pile, which links would hang in the air";
+        hint = "write another location, line for example";
+      }
+      if (why.empty()) continue;
+      good = false;
+      if (!misplaced_.emplace(group.name, why).second) continue;
+      diagnostics_.Report(kContradiction,
+                          configuration.SpanOf({group.name, FindParameter("links.type", true)},
+                                               benchmark_.benchmark->name.span),
+                          fmt::format("the {} {}", group.name, why), hint);
     }
     return good;
   }
@@ -609,7 +638,8 @@ class Expander {
   std::vector<GridAxis> grid_;
   Plan plan_;
   bool capacity_reported_ = false;
-  std::set<std::pair<std::string, std::string>> misplaced_;  ///< groups and layouts, as reported
+  /// Groups, and their layouts or what is wrong with their links, as reported.
+  std::set<std::pair<std::string, std::string>> misplaced_;
   /// Words of `omit` that were refused: the reason may be another one in each run.
   std::set<std::tuple<const dsl::Source*, std::size_t, Component>> needed_;
   std::map<Lint, LintFinding> findings_;

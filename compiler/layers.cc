@@ -12,11 +12,9 @@ namespace cdb::compiler {
 namespace {
 
 constexpr std::string_view kUnnamedGroup = "objects";
-/// Blocks that only shorten the names of the world's parameters.
-constexpr std::string_view kPrefixes[] = {"world", "solver"};
-
-bool IsPrefix(std::string_view name) {
-  return std::ranges::find(kPrefixes, name) != std::end(kPrefixes);
+bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
+  const auto blocks = BlocksIn(outer, grouped);
+  return std::ranges::find(blocks, name) != blocks.end();
 }
 
 /// Names that a let may not have. Those of components may be had: `gravity` and `walls` are names a
@@ -32,12 +30,9 @@ bool IsWordOfTheLanguage(std::string_view name) {
 
 /// A parameter as it would be written in a block; empty where it cannot stand there.
 std::string NameIn(const Parameter& parameter, const std::string& block, bool in_group) {
+  if (parameter.grouped && !in_group) return block.empty() ? parameter.FullName() : std::string();
+  if (parameter.grouped != in_group) return {};
   const std::string name(parameter.name);
-  if (parameter.grouped) {
-    if (in_group) return name;
-    return block.empty() ? parameter.FullName() : std::string();
-  }
-  if (in_group) return {};
   if (block.empty()) return name;
   return name.starts_with(block + ".") ? name.substr(block.size() + 1) : std::string();
 }
@@ -137,7 +132,7 @@ void LayeredBenchmark::Walk(const dsl::Block& block, const Place& place) {
       Entry entry;
       entry.case_axis = place.case_axis;
       entry.case_index = place.case_index;
-      entry.skip = {skip, {place.file, place.block}, order_};
+      entry.skip = {skip, {place.file, place.group, place.block, nullptr}, order_};
       entries_.push_back(std::move(entry));
     }
   }
@@ -148,52 +143,66 @@ void LayeredBenchmark::WalkLet(const dsl::Let& let, const Place& place) {
     diagnostics_.Report(kReservedName, let.name.span,
                         fmt::format("'{}' is a word of the language", let.name.text),
                         "give the let another name");
-  Once(place.layer, "let " + place.block + "." + let.name.text, let.name.span,
+  Once(place.layer, "let " + Joined(place.group, place.block) + "." + let.name.text, let.name.span,
        fmt::format("there is a let '{}' already", let.name.text));
   Entry entry;
   entry.case_axis = place.case_axis;
   entry.case_index = place.case_index;
-  entry.let = {&let, {place.file, place.block}, order_};
+  entry.let = {&let, {place.file, place.group, place.block, nullptr}, order_};
   entries_.push_back(std::move(entry));
 }
 
 void LayeredBenchmark::WalkGroup(const dsl::Group& group, const Place& place) {
   const std::string& kind = group.kind.text;
-  if (!place.block.empty()) {
-    diagnostics_.Report(kWrongPlace, group.kind.span,
-                        fmt::format("a block cannot stand inside '{}'", place.block));
-    return;
-  }
-  if (kind == "accuracy") {
-    diagnostics_.Report(kNotYet, group.kind.span, "'accuracy' is not part of this version yet",
-                        "leave the block out");
-    return;
-  }
   Place inner = place;
-  if (kind == kUnnamedGroup) {
-    inner.in_group = true;
-    inner.block = group.label ? group.label->text : std::string(kUnnamedGroup);
-    if (group.label && (IsPrefix(inner.block) || inner.block == kUnnamedGroup ||
-                        FindParameter(inner.block, false) != nullptr))
+  if (kind == kUnnamedGroup && place.group.empty() && place.block.empty()) {
+    inner.group = group.label ? group.label->text : std::string(kUnnamedGroup);
+    if (group.label &&
+        (HasBlock("", false, inner.group) || HasBlock("", true, inner.group) ||
+         inner.group == kUnnamedGroup || FindParameter(inner.group, false) != nullptr))
       diagnostics_.Report(kReservedName, group.label->span,
-                          fmt::format("'{}' is a word of the language", inner.block),
+                          fmt::format("'{}' is a word of the language", inner.group),
                           "give the group another name");
-    DeclareGroup(inner.block, place);
-  } else if (IsPrefix(kind)) {
-    inner.block = kind;
+    DeclareGroup(inner.group, place);
+  } else if (HasBlock(place.block, !place.group.empty(), kind)) {
+    inner.block = Joined(place.block, kind);
     if (group.label)
       diagnostics_.Report(kWrongPlace, group.label->span, fmt::format("'{}' takes no name", kind),
                           "only objects have groups");
   } else {
-    std::vector<std::string> kinds = {std::string(kUnnamedGroup)};
-    for (const std::string_view prefix : kPrefixes) kinds.emplace_back(prefix);
-    const std::string_view near = dsl::DidYouMean(kind, {kinds.begin(), kinds.end()});
-    diagnostics_.Report(kUnknownName, group.kind.span, fmt::format("no block is called '{}'", kind),
-                        near.empty() ? fmt::format("there are {}", fmt::join(kinds, ", "))
-                                     : fmt::format("did you mean '{}'?", near));
+    ReportBlock(group.kind, place);
     return;
   }
   Walk(group.block, inner);
+}
+
+void LayeredBenchmark::ReportBlock(const dsl::Name& kind, const Place& place) {
+  const bool in_group = !place.group.empty();
+  const bool outermost = !in_group && place.block.empty();
+  const std::string where = Joined(place.group, place.block);
+  const auto blocks = BlocksIn(place.block, in_group);
+  std::vector<std::string_view> kinds(blocks.begin(), blocks.end());
+  if (outermost) kinds.insert(kinds.begin(), kUnnamedGroup);
+  const std::string_view near = dsl::DidYouMean(kind.text, kinds);
+  if (outermost && HasBlock("", true, kind.text)) {
+    diagnostics_.Report(kWrongPlace, kind.span,
+                        fmt::format("'{}' is a block of the objects", kind.text),
+                        fmt::format("write objects {{ {} {{ … }} }}", kind.text));
+  } else if (!outermost && (HasBlock("", false, kind.text) || kind.text == kUnnamedGroup)) {
+    diagnostics_.Report(kWrongPlace, kind.span,
+                        fmt::format("'{}' cannot stand inside '{}'", kind.text, where),
+                        "write it outside this block");
+  } else if (kinds.empty()) {
+    diagnostics_.Report(kWrongPlace, kind.span,
+                        fmt::format("a block cannot stand inside '{}'", where));
+  } else {
+    diagnostics_.Report(
+        kUnknownName, kind.span,
+        fmt::format("no block{} is called '{}'", outermost ? "" : " of '" + where + "'", kind.text),
+        near.empty()
+            ? fmt::format("there {} {}", kinds.size() == 1 ? "is" : "are", fmt::join(kinds, ", "))
+            : fmt::format("did you mean '{}'?", near));
+  }
 }
 
 void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
@@ -245,19 +254,20 @@ bool LayeredBenchmark::IsLet(const std::string& name, const Place& place) const 
 
 std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, const Place& place) {
   const std::string& text = path.text;
-  if (place.in_group) {
-    if (const Parameter* parameter = FindParameter(text, true)) return {{place.block, parameter}};
-    if (FindParameter(text, false) != nullptr) {
-      diagnostics_.Report(kWrongPlace, path.span,
-                          fmt::format("'{}' is not of the objects but of the whole run", text),
-                          "write it outside this block");
-      return std::nullopt;
-    }
-  } else if (!place.block.empty()) {
-    if (const Parameter* parameter = FindParameter(place.block + "." + text, false))
-      return {{"", parameter}};
-  } else {
-    if (const Parameter* parameter = FindParameter(text, false)) return {{"", parameter}};
+  const bool in_group = !place.group.empty();
+  if (const Parameter* parameter = FindParameter(Joined(place.block, text), in_group))
+    return {{place.group, parameter}};
+  const auto misplaced = [&](const std::string& message, const std::string& hint) {
+    diagnostics_.Report(kWrongPlace, path.span, message, hint);
+    return std::nullopt;
+  };
+  if (in_group && FindParameter(text, false) != nullptr)
+    return misplaced(fmt::format("'{}' is not of the objects but of the whole run", text),
+                     "write it outside this block");
+  if (!place.block.empty() && FindParameter(text, in_group) != nullptr)
+    return misplaced(fmt::format("'{}' is not of '{}'", text, place.block),
+                     "write it outside this block");
+  if (!in_group && place.block.empty()) {
     const std::size_t dot = text.find('.');
     const std::string head = text.substr(0, dot);
     const bool labelled = std::ranges::find(labels_, head) != labels_.end();
@@ -267,26 +277,18 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
         return {{head, parameter}};
       }
     }
-    if (FindParameter(text, true) != nullptr) {
-      diagnostics_.Report(kWrongPlace, path.span, fmt::format("'{}' is of the objects", text),
-                          fmt::format("write objects.{}", text));
-      return std::nullopt;
-    }
-    if (text == "accuracy" || text.starts_with("accuracy.")) {
-      diagnostics_.Report(kNotYet, path.span, "'accuracy' is not part of this version yet",
-                          "leave it out");
-      return std::nullopt;
-    }
+    if (FindParameter(text, true) != nullptr)
+      return misplaced(fmt::format("'{}' is of the objects", text),
+                       fmt::format("write objects.{}", text));
   }
-  if (IsLet(text, place)) {
-    diagnostics_.Report(kWrongPlace, path.span, fmt::format("'{}' is a let, not a parameter", text),
-                        fmt::format("to give it another value write: let {} = …", text));
-    return std::nullopt;
-  }
+  if (IsLet(text, place))
+    return misplaced(fmt::format("'{}' is a let, not a parameter", text),
+                     fmt::format("to give it another value write: let {} = …", text));
+  const std::string where = Joined(place.group, place.block);
   diagnostics_.Report(kUnknownName, path.span,
                       fmt::format("no parameter{} is called '{}'",
-                                  place.block.empty() ? "" : " of '" + place.block + "'", text),
-                      SuggestParameter(text, place.block, place.in_group));
+                                  where.empty() ? "" : " of '" + where + "'", text),
+                      SuggestParameter(text, place.block, in_group));
   return std::nullopt;
 }
 
@@ -299,7 +301,7 @@ void LayeredBenchmark::WalkSetting(const dsl::Setting& setting, const Place& pla
   entry.case_axis = place.case_axis;
   entry.case_index = place.case_index;
   entry.key = key;
-  entry.setting = {&setting, {place.file, place.block, key->second}, order_};
+  entry.setting = {&setting, {place.file, place.group, place.block, key->second}, order_};
   entries_.push_back(std::move(entry));
 }
 
@@ -324,7 +326,9 @@ Layers LayeredBenchmark::Lay(const std::vector<std::size_t>& chosen) const {
     if (entry.setting) {
       put(layers.settings, *entry.key, *entry.setting);
     } else if (entry.let) {
-      put(layers.lets, std::pair(entry.let->scope.block, entry.let->node->name.text), *entry.let);
+      const Scope& scope = entry.let->scope;
+      put(layers.lets, std::pair(Joined(scope.group, scope.block), entry.let->node->name.text),
+          *entry.let);
     } else {
       layers.skips.push_back(*entry.skip);
     }

@@ -17,11 +17,23 @@ namespace cdb::compiler {
 /// Where an expression stands, which decides what its names mean.
 struct Scope {
   const ScenarioFile* file = nullptr;
-  std::string block;  ///< the group, `world`, `solver`, or empty at the top of the benchmark
+  std::string group;  ///< of objects; empty outside of them
+  std::string
+      block;  ///< within the group or the benchmark: `world`, `accuracy.reference`; or empty
   /// The parameter that is being set; null in a let or a condition. Its own words come before the
   /// names of parameters: `omit sleeping` is not about the switch `sleeping`.
   const Parameter* parameter = nullptr;
 };
+
+/// `inner` as it is called outside of the block or group `outer`: `pebbles.links`.
+inline std::string Joined(std::string_view outer, std::string_view inner) {
+  return std::string(outer) + (outer.empty() || inner.empty() ? "" : ".") + std::string(inner);
+}
+/// The block around `block`; empty where there is none.
+inline std::string Outside(std::string_view block) {
+  const std::size_t dot = block.rfind('.');
+  return std::string(block.substr(0, dot == std::string_view::npos ? 0 : dot));
+}
 
 /// A parameter of the world (group empty) or of a group.
 using ParameterKey = std::pair<std::string, const Parameter*>;
@@ -38,7 +50,8 @@ struct Placed {
 struct Layers {
   std::vector<std::string> groups;
   std::map<ParameterKey, Placed<dsl::Setting>> settings;
-  std::map<std::pair<std::string, std::string>, Placed<dsl::Let>> lets;  ///< by block and name
+  std::map<std::pair<std::string, std::string>, Placed<dsl::Let>>
+      lets;  ///< by group and block, and name
   std::vector<Placed<dsl::Skip>> skips;
 };
 
@@ -76,8 +89,7 @@ class LayeredBenchmark {
   /// What is being walked: the layer (a benchmark's own statements or one case) and the block.
   struct Place {
     const ScenarioFile* file = nullptr;
-    std::string block;
-    bool in_group = false;
+    std::string group, block;  ///< as of Scope
     int case_axis = -1;
     std::size_t case_index = 0;
     int layer = 0;
@@ -92,6 +104,8 @@ class LayeredBenchmark {
   void WalkLet(const dsl::Let& let, const Place& place);
   bool IsLet(const std::string& name, const Place& place) const;
   std::optional<ParameterKey> Resolve(const dsl::Name& path, const Place& place);
+  /// Why there is no block of that name here.
+  void ReportBlock(const dsl::Name& kind, const Place& place);
   void DeclareGroup(const std::string& name, const Place& place);
   void Once(int layer, const std::string& what, const dsl::Span& span, const std::string& message);
 

@@ -72,13 +72,17 @@ struct Answer {
 class Analysis {
  public:
   explicit Analysis(const Scene& scene)
-      : scene_(scene), ccd_(GroupWith(scene, "ccd")), spin_(GroupWith(scene, "angular_velocity")) {}
+      : scene_(scene), ccd_(GroupWith(scene, "ccd")), spin_(GroupWith(scene, "angular_velocity")) {
+    const auto linked = std::ranges::find_if(scene.groups, &Group::HasLinks);
+    if (linked != scene.groups.end()) linked_ = linked->name;
+  }
 
   Answer Of(Component component, Asked asked) const {
     switch (component) {
       case Component::kWalls:
         if (scene_.world.WordOr("world.walls") == "none") return {Fate::kAbsent, "none stand"};
         if (ccd_) return {Fate::kKept, Sweeps()};
+        if (linked_) return {Fate::kKept, Pull()};
         return {Fate::kOpen, "where each object can get to is known when all are placed"};
       case Component::kRaycastTree:
         if (!DetectorIsSweepAndPrune())
@@ -95,6 +99,7 @@ class Analysis {
         return IfNothingTouches();
       case Component::kSleeping:
         if (!scene_.world.On("sleeping")) return {Fate::kAbsent, "sleeping is off"};
+        if (linked_) return {Fate::kKept, Pull()};
         return {Fate::kOpen, "whether an object can come to rest is known when all are placed"};
       case Component::kSweptContacts:
         if (ccd_) return {Fate::kKept, Sweeps()};
@@ -111,6 +116,7 @@ class Analysis {
         return {Fate::kLeftOut, "no object is damped"};
       case Component::kRotation:
         if (spin_) return {Fate::kKept, fmt::format("{} have angular_velocity", *spin_)};
+        if (linked_) return {Fate::kKept, Pull()};
         return {Fate::kOpen,
                 "whether a touch can set an object spinning is known when all are "
                 "placed"};
@@ -138,14 +144,18 @@ class Analysis {
   }
 
   std::string Sweeps() const { return fmt::format("{} have ccd and look ahead", *ccd_); }
+  std::string Pull() const {
+    return fmt::format("{} are linked and pull at one another", *linked_);
+  }
 
   Answer IfNothingTouches() const {
     if (ccd_) return {Fate::kKept, Sweeps()};
+    if (linked_) return {Fate::kKept, Pull()};
     return {Fate::kOpen, "whether anything can touch is known when all are placed"};
   }
 
   const Scene& scene_;
-  std::optional<std::string> ccd_, spin_;  ///< a group that has it
+  std::optional<std::string> ccd_, spin_, linked_;  ///< a group that has it
 };
 
 }  // namespace

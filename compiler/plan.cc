@@ -77,6 +77,10 @@ bool Settings::Lists(std::string_view name, std::string_view word) const {
   return std::ranges::find(*words, word) != words->end();
 }
 
+bool Group::HasLinks() const {
+  return settings.Count("quantity") > 0 && settings.WordOr("links.type") != "none";
+}
+
 std::uint64_t Scene::ObjectCount() const {
   std::uint64_t count = 0;
   for (const Group& group : groups) count += group.settings.Count("quantity");

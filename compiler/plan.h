@@ -44,6 +44,8 @@ class Settings {
 struct Group {
   std::string name;  ///< `objects` where the file gives none
   Settings settings;
+  /// It has objects, and `links.type` holds them together.
+  bool HasLinks() const;
   bool operator==(const Group&) const = default;
 };
 

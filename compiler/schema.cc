@@ -41,8 +41,11 @@ constexpr Parameter kParameters[] = {
     {"aspect", kGroup, kRatio, kPositive, kConstant, "", "1 : 1 : 1", "", kOwn, "shapes",
      "1 : y : z; a side is size times its part, the full extent along x, y and z; at 1 : 1 : 1 a mesh keeps its own proportions, the longest side is the size"},
     {"location", kGroup, kWord, kAny, kConstant, "", "uniform", "", kLayouts, "placement",
-     "how the objects are placed; nothing overlaps",
-     "position layout placement distribution", "grid stack pyramid pile ring at pair"},
+     "how the objects are placed; nothing overlaps unless overlap says so",
+     "position layout placement distribution", "grid stack pyramid pile ring line at pair"},
+    {"overlap", kGroup, kSwitch, kAny, kConstant, "", "off", "", kOwn, "placement",
+     "objects may begin inside those of any group that has it on too, where a layout with arguments puts them there",
+     "overlapping"},
     {"size", kGroup, kReal, kPositive, kDrawn, "m", "50", "", kOwn, "shapes",
      "full extent of an object; a distribution draws each side by itself",
      "radius diameter length extent scale"},
@@ -114,6 +117,18 @@ constexpr Parameter kParameters[] = {
     {"orientation", kGroup, kVector, kAny, kDrawn, "rad", "0", "random", kOwn, "bodies",
      "turn at the start as axis times angle; random is uniform over all turns",
      "turn rotation angle"},
+    {"links.type", kGroup, kWord, kAny, kConstant, "", "none", "none ball hinge fixed spring", kOwn, "links",
+     "what holds each object to the next, in order: a ball, hinge (about z) or fixed joint half way between their centres, or a spring from centre to centre",
+     "joint joints constraint constraints links"},
+    {"links.stiffness", kGroup, kReal, kPositive, kConstant, "N/m", "1000", "", kOwn, "links",
+     "of each spring; its length at the start is its length at rest"},
+    {"links.damping", kGroup, kReal, kNotNegative, kConstant, "N s/m", "0", "", kOwn, "links",
+     "of each spring, along it"},
+    {"links.anchor", kGroup, kSwitch, kAny, kConstant, "", "on", "", kOwn, "links",
+     "the first object is linked to the world too, where it starts",
+     "pin"},
+    {"links.end_mass", kGroup, kReal, kPositive, kConstant, "kg", "same", "same", kOwn, "links",
+     "mass of the last object; same is that of the others"},
     {"sleeping", false, kSwitch, kAny, kConstant, "", "on", "", kOwn, "sleeping",
      "objects at rest are put to sleep",
      "sleep deactivation"},
@@ -263,6 +278,23 @@ bool ListsWord(std::string_view words, std::string_view word) {
 }
 
 std::span<const Parameter> Schema() { return kParameters; }
+
+std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped) {
+  std::vector<std::string_view> blocks;
+  for (const Parameter& parameter : kParameters) {
+    std::string_view rest = parameter.name;
+    if (parameter.grouped != grouped) continue;
+    if (!block.empty()) {
+      if (!rest.starts_with(block) || rest[block.size()] != '.') continue;
+      rest.remove_prefix(block.size() + 1);
+    }
+    const std::size_t dot = rest.find('.');
+    if (dot == std::string_view::npos) continue;
+    const std::string_view name = rest.substr(0, dot);
+    if (std::ranges::find(blocks, name) == blocks.end()) blocks.push_back(name);
+  }
+  return blocks;
+}
 
 const Parameter* FindParameter(std::string_view name, bool grouped) {
   const auto* row = std::ranges::find_if(kParameters, [&](const Parameter& parameter) {

@@ -74,6 +74,11 @@ bool ListsWord(std::string_view words, std::string_view word);
 
 std::span<const Parameter> Schema();
 
+/// The blocks that may stand in `block` (a path such as `accuracy`, or empty) and do nothing but
+/// shorten names: `world`, `solver`; in a group of objects those of its own. What the dots in the
+/// schema's names say, in its order.
+std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped);
+
 /// Null where there is none. `name` is without its group.
 const Parameter* FindParameter(std::string_view name, bool grouped);
 

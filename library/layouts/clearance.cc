@@ -69,6 +69,12 @@ double Depth(const Bodies& bodies, std::size_t index, std::size_t other) {
 
 void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indices) {
   const auto is_fixed = [&](std::uint32_t index) { return bodies.object(index).IsFixed(); };
+  std::vector<char> overlaps;  // by group
+  for (const GroupRange& range : bodies.groups())
+    overlaps.push_back(range.group->settings.On("overlap"));
+  const auto may_overlap = [&](std::uint32_t index) {
+    return overlaps[bodies.object(index).group] != 0;
+  };
   std::vector<std::pair<int, std::uint32_t>> by_size;  // the largest first
   by_size.reserve(indices.size());
   for (const std::uint32_t index : indices) {
@@ -81,6 +87,7 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
     const Box box = bodies.BoxOf(index);
     grid.AnyOf(box, [&](std::uint32_t other) {
       if (is_fixed(index) && is_fixed(other)) return false;
+      if (may_overlap(index) && may_overlap(other)) return false;
       if (bodies.TouchesAt(index, bodies.core(index).position, box, other))
         Overlapping(bodies, index, other);
       return false;

@@ -142,6 +142,26 @@ class ExactPlacer {
     for (std::size_t i = 0; i < n; ++i) PutBoxAt(i, radius * on_circle(i));
   }
 
+  void Line() {
+    const auto given = Argument<Vector3d>(layout_, "along");
+    const Vector3d along = given ? given->stableNormalized() : Vector3d(0, -1, 0);
+    const double gap = Length("gap").value_or(0.1 * largest_.maxCoeff());
+    const auto reach = [&](std::size_t i, const Vector3d& direction) {
+      const ObjectState& object = bodies_.object(range_.first + i);
+      const Vector3d local = object.pose.orientation.conjugate() * direction;
+      return object.solid.Support(local).dot(local);
+    };
+    std::vector<double> places;
+    double end = 0;
+    for (std::size_t i = 0; i < range_.size(); ++i) {
+      if (i > 0) end += gap;
+      places.push_back(end + reach(i, -along));
+      end = places.back() + reach(i, along);
+    }
+    for (std::size_t i = 0; i < range_.size(); ++i)
+      bodies_.MoveTo(range_.first + i, (places[i] - end / 2) * along);
+  }
+
   void At() {
     Require(1,
             "gives one object its place; make the quantity 1, and write a group for each object");
@@ -228,6 +248,10 @@ constexpr LayoutRow kLayouts[] = {
     {"ring",
      &ExactPlacer::Ring,
      {"make radius larger", "make radius or the size smaller or world.side larger"}},
+    {"line",
+     &ExactPlacer::Line,
+     {"make gap larger, or say overlap on",
+      "make gap, the size or the quantity smaller or world.side larger"}},
     {"at", &ExactPlacer::At, {"move it", "move it inwards or make world.side larger"}},
     {"pair",
      &ExactPlacer::Pair,

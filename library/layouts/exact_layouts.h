@@ -1,4 +1,4 @@
-// Layouts that say where each object is: grid, stack, pyramid, pile, ring, at, pair.
+// Layouts that say where each object is: grid, stack, pyramid, pile, ring, line, at, pair.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,6 +32,8 @@ bool IsPile(const compiler::Group& group);
 ///            stand on the cell's floor
 ///   ring     boxes' centres at the angles 2 pi i/n about y, the first on +x. fit: the smallest
 ///            radius at which the boxes of neighbours are a tenth of the largest extent apart
+///   line     the centres of mass on a line through the origin, the surfaces `gap` apart along it;
+///            what they reach along it, centred. fit: a tenth of the largest extent
 ///   at       the centre of mass
 ///   pair     the surfaces `distance` apart where the second, coming from afar in a direction drawn
 ///            uniformly on the sphere from the stream `<group>.location`, first is so near; the

@@ -65,6 +65,10 @@ void DrawGroup(const compiler::Scene& scene, std::size_t index, SolidMaker& soli
         contact_stiffness.RealOrWord(&word).value_or(std::numeric_limits<double>::infinity());
     object.contact_damping = contact_damping.Real();
   }
+  if (!group.HasLinks()) return;
+  // The other value is the word `same`.
+  const auto* end_mass = std::get_if<double>(&group.settings.Get("links.end_mass"));
+  if (end_mass != nullptr) objects.back().mass = *end_mass;
 }
 
 }  // namespace

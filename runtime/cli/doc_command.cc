@@ -207,7 +207,9 @@ constexpr Topic kTopics[] = {
 int DocCommand(const std::string& name) {
   if (name.empty()) {
     Print(Names("cdb doc", kTopics, [](const Topic& topic) { return std::string(topic.doc); }));
-    Print("  or the name of a parameter or of a word: cdb doc size, cdb doc ring\n");
+    Print(
+        "  or the name of a parameter, a block or a word: cdb doc size, cdb doc links, cdb doc "
+        "ring\n");
     return kExitGood;
   }
   bool found = false;
@@ -221,7 +223,9 @@ int DocCommand(const std::string& name) {
     names.push_back(parameter.FullName());
     names.emplace_back(parameter.name);
     const std::string last(parameter.name.substr(parameter.name.find('.') + 1));
-    if (name != parameter.FullName() && name != parameter.name && name != last) continue;
+    if (name != parameter.FullName() && name != parameter.name && name != last &&
+        !parameter.name.starts_with(name + "."))
+      continue;
     Print(OneParameter(parameter));
     found = true;
   }

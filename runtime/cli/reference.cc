@@ -36,7 +36,8 @@ FILES
 STATEMENTS
   name value                  a setting; once in a block. `objects.size 5`, or `size 5` in objects { }
   objects { ... }             the objects; several groups have names: objects pebbles { ... }, and
-                              then pebbles.size. world { } and solver { } shorten names likewise.
+                              then pebbles.size. world { } and solver { } shorten names likewise,
+                              and links { } within objects { }: objects.links.type
   cases load { calm { ... } storm { ... } }    an axis of named sets of settings, laid over the rest;
                               unnamed, the axis is `case`. A case may sweep: the axis then holds the
                               values of every case, and cells that no case has are skipped.
@@ -81,6 +82,15 @@ WORDS WITH ARGUMENTS
   location_radius, at(0, sweep(1, 2), 0) the axis location_y.
   A let may be called like such a word: behind a parameter that takes the word, it is the word.
 
+LINKS
+  objects { quantity 8; location line; links { type ball } }    a chain; `cdb doc links` has the rest
+  Each object is linked to the next of its group, in order, and the first to a point of the world,
+  where one more before it would be linked to it; `anchor off` leaves that out. A lone object hangs
+  from a point above it. Linked neighbours do not collide. A ball joint turns every way, a hinge about
+  z, a fixed one not at all; their pivot is half way between the centres of mass.
+  A spring acts between the centres, along a line that turns with the first of the two, and holds the
+  other on that line. Its force is neither limited nor softened: it explodes where dt sqrt(k/m) > 2.
+
 SWEEPS
   sweep(v, v, ...)            an axis; wherever a constant may stand, also inside a vector, a ratio or
   sweep(a .. b)               a distribution. a .. b counts by one and hits b
@@ -88,7 +98,7 @@ SWEEPS
   a .. b count n [log]        n values, both ends included
   let n = sweep(10, 100)      every use of n is the same axis, called n
   sweep(1 .. 5) as z          an axis called z. Else it takes its parameter's name: quantity,
-                              aspect_z, pebbles_size; in `20 * sweep(1, 2)` its values are 20 and 40.
+                              aspect_z, pebbles_size, links_type; in `20 * sweep(1, 2)` its values are 20 and 40.
   Two sweeps are two axes, the first written varying slowest; file-level lets come before the rest.
   A value stands on an axis once: `repeats` is what measures a point again.
 
@@ -98,7 +108,8 @@ OBJECTS
   given by `orientation`, the axis times the angle in rad, or `random`.
   location uniform draws each coordinate between the walls, normal with mean 0 and a third of the
   wall's coordinate as standard deviation; a place that touches a wall or an object is drawn again.
-  Objects lie inside the cube also where it has no walls. Where they find no place the run fails and
+  Objects lie inside the cube also where it has no walls. `overlap on` lets objects begin inside one
+  another, where a layout with arguments puts them there: line(gap: -0.5). Where they find no place the run fails and
   says how full the cube is.
 
 NOT YET

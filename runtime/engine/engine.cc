@@ -152,6 +152,7 @@ Engine::Engine(const compiler::Scene& scene, library::InitialState state, Omissi
     if ((standing_ & 1 << wall) != 0 && IsKept(wall)) MakeWall(wall);
   SettleRotation();
   MakeWorld();
+  links_ = std::make_unique<Links>(scene_, state_, objects_, *world_);
 }
 
 Engine::~Engine() {

@@ -9,6 +9,7 @@
 #include "compiler/plan.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/lean_world.h"
+#include "runtime/engine/links.h"
 #include "runtime/engine/shapes.h"
 #include "runtime/engine/timed_world.h"
 #include "runtime/needs/needs.h"
@@ -59,6 +60,7 @@ class Engine {
   /// wall's the number of objects and its own.
   const std::vector<std::unique_ptr<btRigidBody>>& objects() const { return objects_; }
   const std::vector<std::unique_ptr<btRigidBody>>& walls() const { return walls_; }
+  const Links& links() const { return *links_; }
   /// As it is now; in the engine, rounded to its precision. Setting it wakes all who sleep.
   const Eigen::Vector3d& acceleration() const { return acceleration_; }
   void SetAcceleration(const Eigen::Vector3d& acceleration);
@@ -90,6 +92,7 @@ class Engine {
   std::unique_ptr<btConstraintSolver> solver_;
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
   std::unique_ptr<LeanWorld> world_;
+  std::unique_ptr<Links> links_;
   TimedWorld* timed_world_ = nullptr;  ///< `world_`, where it is one
 };
 

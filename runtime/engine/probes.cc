@@ -87,6 +87,7 @@ Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recordin
       turn_ratio_(recording.Reals("turn_ratio")),
       heap_(recording.Reals("heap")),
       poses_(recording.Reals("poses")),
+      joint_gap_(recording.Reals("joint_gap")),
       pairs_(recording.Ints("pairs")),
       manifolds_(recording.Ints("manifolds")),
       contacts_(recording.Ints("contacts")),
@@ -148,6 +149,15 @@ void Probes::Record(std::uint64_t cycle) {
   if (motion_watch_) RecordMotion(cycle);
   if (!energy_.empty()) RecordEnergy(cycle);
   if (!poses_.empty()) RecordPoses(cycle);
+  RecordLinks(cycle);
+}
+
+void Probes::RecordLinks(std::uint64_t cycle) {
+  const Links& links = engine_.links();
+  if (!energy_.empty())
+    energy_[cycle] += links.SpringEnergy(static_cast<double>(engine_.timestep()));
+  // "No value" where there is no joint.
+  if (!joint_gap_.empty() && links.HasJoints()) joint_gap_[cycle] = links.LargestGap();
 }
 
 void Probes::RecordManifolds(std::uint64_t cycle) {
@@ -155,6 +165,7 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
   std::int32_t manifolds = 0, contacts = 0;
   double deepest = 0, deepest_ratio = 0;
   std::ranges::fill(touches_, 0);
+  if (!touches_.empty()) engine_.links().MarkHeld(touches_);
   contact_records_.clear();
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);

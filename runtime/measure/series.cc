@@ -18,7 +18,8 @@ constexpr Series kSeries[] = {
     {"contacts", "counts contacts stability", kInt32, kScalar, "", "contact points"},
     {"kinetic_energy", "energy stability", kFloat64, kScalar, "J", "translation and rotation"},
     {"energy", "energy stability", kFloat64, kScalar, "J",
-     "kinetic and potential energy with the integrator's own term, m dt g.v / 2"},
+     "kinetic and potential energy, that of springs too, with the integrator's own term, dt F.v / "
+     "2"},
     {"max_penetration", "stability", kFloat64, kScalar, "m",
      "deepest contact; 0 where none overlaps"},
     {"penetration_ratio", "stability", kFloat64, kScalar, "",
@@ -39,6 +40,8 @@ constexpr Series kSeries[] = {
     {"turn_ratio", "stability", kFloat64, kScalar, "",
      "least angle turned over angle to turn, of the objects that turn"},
     {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle"},
+    {"joint_gap", "stability", kFloat64, kScalar, "m",
+     "largest gap of a joint: distance of its two pivots"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
 };

@@ -77,6 +77,9 @@ std::optional<std::string> WhatChanges(const compiler::Scene& scene) {
       if (compiler::AsCall(group.settings.Get(velocity)) != nullptr)
         return fmt::format("the {} of {} is set again while it runs", velocity, group.name);
     if (library::IsPile(group)) return fmt::format("{} settle before the first cycle", group.name);
+    if (group.HasLinks()) return fmt::format("{} are linked and pull at one another", group.name);
+    if (group.settings.On("overlap"))
+      return fmt::format("{} may begin inside one another", group.name);
   }
   return std::nullopt;
 }

@@ -61,6 +61,10 @@ const Row kRows[] = {
     {Component::kWalls, "objects a { quantity 3 }\nobjects b { quantity 0; ccd on }", Fate::kOpen,
      "all are placed"},
 
+    {Component::kWalls, "objects.links.type ball", Fate::kKept, "objects are linked"},
+    {Component::kWalls, "objects a { quantity 0; links.type ball } objects b { }", Fate::kOpen,
+     "all are placed"},
+
     {Component::kRaycastTree, "detector sap", Fate::kLeftOut, "no object has ccd"},
     {Component::kRaycastTree, "detector sap32", Fate::kLeftOut, "no object has ccd"},
     {Component::kRaycastTree, "detector sap32; objects.ccd on", Fate::kKept, "objects have ccd"},
@@ -76,6 +80,8 @@ const Row kRows[] = {
 
     {Component::kSolver, "", Fate::kOpen, "can touch"},
     {Component::kSolver, "objects.ccd on", Fate::kKept, "objects have ccd"},
+    {Component::kSolver, "objects chain { links { type spring } }", Fate::kKept,
+     "chain are linked"},
 
     {Component::kSleeping, "sleeping on", Fate::kOpen, "come to rest"},
     {Component::kSleeping, "sleeping off", Fate::kAbsent, "sleeping is off"},
@@ -99,6 +105,7 @@ const Row kRows[] = {
      "no object is damped"},
 
     {Component::kRotation, "", Fate::kOpen, "set an object spinning"},
+    {Component::kRotation, "objects.links.type ball", Fate::kKept, "objects are linked"},
     {Component::kRotation, "objects.angular_velocity (0, 1, 0)", Fate::kKept,
      "objects have angular_velocity"},
     {Component::kRotation, "objects.angular_velocity uniform(-1, 1)", Fate::kKept,

@@ -125,6 +125,27 @@ TEST(LayoutErrors, FixedObjectsMayOverlapAndLeaveTheCube) {
   EXPECT_NE(message.find("overlaps object 1 of 30 (group `probe`)"), std::string::npos) << message;
 }
 
+TEST(LayoutErrors, ObjectsMayOverlapWhereBothSaySo) {
+  compiler::Scene scene = LayoutScene(2, 50, Layout("line", {{"gap", -0.25}}));
+  EXPECT_EQ(FailureOf(scene),
+            "object 2 of 2 (group `objects`) overlaps object 1 of 2 (group `objects`) by 0.25 m "
+            "along the line between their centres of mass; make gap larger, or say overlap on");
+  SetGroup(scene, "overlap", true);
+  EXPECT_EQ(FailureOf(scene), "");
+  // In one place; and with another group, once that agrees.
+  SetGroup(scene, "location", Layout("line", {{"gap", -1.0}}));
+  EXPECT_EQ(FailureOf(scene), "");
+  const std::size_t other = AddGroup(scene, "others", 1, At(0, 0, 0));
+  EXPECT_EQ(FailureOf(scene), "");
+  SetGroup(scene, "overlap", false, other);
+  EXPECT_NE(FailureOf(scene).find("give one of the two groups another place"), std::string::npos);
+  // What is drawn finds a free place all the same, and walls are walls.
+  SetGroup(scene, "location", test::Word("uniform"), other);
+  EXPECT_EQ(FailureOf(scene), "");
+  SetGroup(scene, "location", Layout("line", {{"gap", 60.0}}));
+  EXPECT_NE(FailureOf(scene).find("through the cube's wall"), std::string::npos);
+}
+
 TEST(LayoutErrors, AFixedGroupThatIsDrawnStaysInside) {
   compiler::Scene scene = LayoutScene(1, 10, test::Word("uniform"));
   SetFixedCuboid(scene, {11, 1, 1}, 0);

@@ -76,6 +76,43 @@ TEST(Layout, StackStandsOnTheFloor) {
   }
 }
 
+TEST(Layout, LineIsCentredAndTheFirstIsFirst) {
+  // Downwards, a tenth of the largest extent between surfaces: 3.2 long in all.
+  const InitialState state = MakeInitialState(LayoutScene(3, 20, Layout("line")));
+  for (std::size_t i = 0; i < 3; ++i)
+    ExpectAt(state.objects[i], {0, 1.1 - 1.1 * static_cast<double>(i), 0});
+}
+
+TEST(Layout, LineAlongAVectorLeavesItsGapBetweenSurfaces) {
+  const compiler::Value layout = Layout("line", {{"gap", 0.5}, {"along", Vector3d(3, 0, 4)}});
+  compiler::Scene scene = LayoutScene(4, 40, layout);
+  const Vector3d along(0.6, 0, 0.8);
+  const InitialState balls = MakeInitialState(scene);
+  for (std::size_t i = 0; i < 4; ++i)
+    ExpectAt(balls.objects[i], 1.5 * (static_cast<double>(i) - 1.5) * along);
+  MixObjects(scene);
+  test::SeedStreams(scene);
+  const InitialState mixed = MakeInitialState(scene);
+  const auto reach = [](const ObjectState& object, const Vector3d& direction) {
+    const Vector3d local = object.pose.orientation.conjugate() * direction;
+    return object.pose.position.dot(direction) + object.solid.Support(local).dot(local);
+  };
+  for (std::size_t i = 0; i + 1 < 4; ++i)
+    EXPECT_NEAR(-reach(mixed.objects[i + 1], -along) - reach(mixed.objects[i], along), 0.5, kExact);
+  EXPECT_NEAR(reach(mixed.objects[0], -along), reach(mixed.objects[3], along), kExact);
+}
+
+TEST(Layout, AHeavyEndIsTheLastObjectsMass) {
+  compiler::Scene scene = LayoutScene(3, 20, Layout("line"));
+  SetGroup(scene, "mass", 2.0);
+  SetGroup(scene, "links.end_mass", 50.0);
+  EXPECT_EQ(MakeInitialState(scene).objects[2].mass, 2) << "without links";
+  SetGroup(scene, "links.type", test::Word("ball"));
+  const InitialState state = MakeInitialState(scene);
+  EXPECT_EQ(state.objects[1].mass, 2);
+  EXPECT_EQ(state.objects[2].mass, 50);
+}
+
 TEST(Layout, StackOfEverythingFits) {
   for (const std::uint64_t height : {1, 4, 40}) {
     compiler::Scene scene = LayoutScene(40, 60, Layout("stack", {{"height", height}}));

@@ -140,6 +140,12 @@ class RandomScene {
     }
     if (Chance(0.05)) SetGroup(scene, "ccd", true);
     if (Chance(0.1)) SetGroup(scene, "contact_stiffness", 1e4);
+    if (Chance(0.05)) {
+      SetGroup(scene, "links.type", Word(Pick({"ball", "hinge", "fixed", "spring"})));
+      SetGroup(scene, "links.stiffness", Log(1, 1e4));
+      SetGroup(scene, "links.anchor",
+               Chance(0.5) || scene.groups[0].settings.Count("quantity") == 1);
+    }
     SeedStreams(scene, random_());
     return scene;
   }
