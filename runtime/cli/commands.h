@@ -42,10 +42,22 @@ struct RunArguments {
   bool quiet = false;
 };
 
+struct StabilityArguments {
+  std::vector<std::string> scenes;  ///< of the suite; empty: all
+  std::vector<std::string> precisions = {"single", "double"}, detectors = {"dbvt"};
+  std::string out = "stability";  ///< folder of the results
+  std::uint64_t jobs = 1;
+  bool fresh = false;
+  bool quiet = false;
+};
+
 int CheckCommand(const std::vector<std::string>& files);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
 int ShowCommand(const std::string& file, const std::vector<std::string>& by);
+/// Runs the suite, going on where it stopped, and prints the map. What ends badly there is what it
+/// is for: exit status 0.
+int StabilityCommand(const StabilityArguments& arguments);
 int MergeCommand(const std::string& out, const std::vector<std::string>& shards);
 /// `check`: change nothing, exit status 1 where something would change.
 int FormatCommand(const std::vector<std::string>& files, bool check);

@@ -84,6 +84,22 @@ int Main(int argc, char** argv) {
   show->add_option("--by", by, "axes that make the rows (quantity,detector)")->delimiter(',');
   show->callback([&] { status = ShowCommand(results, by); });
 
+  StabilityArguments stability_arguments;
+  auto* stability = app.add_subcommand(
+      "stability", "run the stability suite and map where each configuration stops being sound");
+  stability->add_option("SCENE", stability_arguments.scenes, "scenes of the suite (default: all)");
+  stability->add_option("--precision", stability_arguments.precisions, "default: single,double")
+      ->delimiter(',');
+  stability->add_option("--detector", stability_arguments.detectors, "default: dbvt")
+      ->delimiter(',');
+  stability->add_option("-o,--out", stability_arguments.out,
+                        "folder of the results (default: stability)");
+  stability->add_option("-j,--jobs", stability_arguments.jobs, "runs at a time (default: 1)")
+      ->check(CLI::Range(1, 4096));
+  stability->add_flag("--fresh", stability_arguments.fresh, "forget results and start over");
+  stability->add_flag("-q,--quiet", stability_arguments.quiet, "no progress, only the map");
+  stability->callback([&] { status = StabilityCommand(stability_arguments); });
+
   std::string merged;
   std::vector<std::string> shards;
   auto* merge = app.add_subcommand("merge", "make a results file of shards, as far as they go");

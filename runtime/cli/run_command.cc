@@ -1,25 +1,18 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <csignal>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 
 #include "compiler/plan_yaml.h"
+#include "runtime/cli/carry_out.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/cli/show.h"
-#include "runtime/schedule/progress.h"
-#include "runtime/schedule/schedule.h"
 #include "runtime/schedule/stop.h"
 #include "runtime/store/store.h"
 
@@ -80,76 +73,6 @@ compiler::Plan OnlyRun(const std::vector<compiler::Plan>& plans, const std::stri
   throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", id));
 }
 
-/// The shards of `out.h5` lie in `out.runs`.
-fs::path ShardFolder(fs::path out) { return out.replace_extension(".runs"); }
-
-bool IsComplete(const ResultFile& file, const compiler::Plan& plan) {
-  return std::ranges::all_of(plan.runs, [&](const compiler::Run& run) {
-    return file.ReadStatus({run.at, run.rep}) != Status::kMissing;
-  });
-}
-
-/// The result that stands there already. Empty where there is none or it has to be made anew.
-bool IsThereAlready(const fs::path& out, const compiler::Plan& plan) {
-  std::error_code error;
-  if (!fs::exists(out, error)) return false;
-  const ResultFile file(out);
-  if (file.plan_sha256() != plan.Sha256())
-    throw CommandError(fmt::format(
-        "'{}' holds the results of another plan and is left as it is; name another file "
-        "by -o, or say --fresh to write over it",
-        out.string()));
-  return IsComplete(file, plan);
-}
-
-/// Says to other runners that somebody works in a folder of shards. Shared while runs are carried
-/// out; the last one out gets it for itself, and only then may shards be removed.
-class FolderLock {
- public:
-  /// Makes the folder where there is none.
-  explicit FolderLock(const fs::path& folder) : folder_(folder) {
-    for (;;) {
-      std::error_code error;
-      fs::create_directories(folder, error);
-      fd_ = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-      if (fd_ < 0)
-        throw CommandError(fmt::format(
-            "cannot make the folder '{}' for the shards: {}; nothing was changed: choose another "
-            "place by -o",
-            folder.string(), error ? error.message() : std::strerror(errno)));
-      // Where the file system knows no locks, two runners on one result are the user's to avoid.
-      flock(fd_, LOCK_SH);
-      struct stat here = {}, there = {};
-      if (fstat(fd_, &here) == 0 && stat(folder.c_str(), &there) == 0 &&
-          here.st_ino == there.st_ino && here.st_dev == there.st_dev)
-        return;
-      close(fd_);  // removed by the runner that held it
-    }
-  }
-  /// A folder that nothing came into goes again.
-  ~FolderLock() {
-    if (TakeForMyself()) rmdir(folder_.c_str());
-    close(fd_);
-  }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
-  /// False where another runner is at work.
-  bool TakeForMyself() { return flock(fd_, LOCK_EX | LOCK_NB) == 0; }
-
- private:
-  fs::path folder_;
-  int fd_ = -1;
-};
-
-/// Removes the shards that `Merge` has verified, and nothing else.
-void RemoveShards(const compiler::Plan& plan, const fs::path& folder) {
-  std::error_code ignored;
-  for (const compiler::Run& run : plan.runs) fs::remove(folder / (run.id + ".h5"), ignored);
-  fs::remove(folder / "plan.yaml", ignored);
-  fs::remove(folder, ignored);
-}
-
 int ShowResult(const fs::path& out, bool quiet) {
   const ShowText shown = Show(ResultFile(out));
   if (!quiet) Print(fmt::format("{}\n{}\n", shown.text, out.string()));
@@ -158,43 +81,14 @@ int ShowResult(const fs::path& out, bool quiet) {
 
 int RunPlan(const compiler::Plan& plan, const fs::path& out, const RunArguments& arguments,
             const ShardChoice& shard, const Provenance& provenance, const StopFlag& stop) {
-  const fs::path folder = ShardFolder(out);
-  std::error_code error;
-  if (!arguments.fresh && IsThereAlready(out, plan)) {
-    // Shards are still there where the last runner was killed right after it had merged them.
-    if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
-    if (!arguments.quiet)
-      Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
-    return ShowResult(out, arguments.quiet);
-  }
-  FolderLock lock(folder);
-  ExecuteOptions options;
-  options.folder = folder;
-  options.jobs = arguments.jobs;
-  options.shard = shard;
-  options.fresh = arguments.fresh;
-  options.provenance = provenance;
-  options.stop = &stop;
-  ProgressListener silent;
-  Progress progress(StandardError());
-  ProgressListener& listener = arguments.quiet ? silent : static_cast<ProgressListener&>(progress);
-  const Summary summary = Execute(plan, options, listener);
-  if (summary.signal != 0) {
-    Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
-                    summary.ended(), summary.ended() + summary.left, folder.string()));
-    return 128 + summary.signal;
-  }
-  if (options.shard.count > 1) {
-    if (!arguments.quiet)
-      Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n", Describe(summary),
-                        out.string(), folder.string()));
-    return summary.HasBadRuns() ? kExitRuns : kExitGood;
-  }
-  RemoveStaleTemporaries(out.has_parent_path() ? out.parent_path() : ".");
-  // Another runner may have been faster with the same plan.
-  if (arguments.fresh || !IsThereAlready(out, plan)) Merge(plan, provenance, folder, out);
-  if (lock.TakeForMyself()) RemoveShards(plan, folder);
-  return ShowResult(out, arguments.quiet);
+  const CarriedOut end = CarryOut(
+      plan, {out, arguments.jobs, shard, arguments.fresh, arguments.quiet}, provenance, stop);
+  if (end.summary.signal != 0) return 128 + end.summary.signal;
+  if (end.is_merged) return ShowResult(out, arguments.quiet);
+  if (!arguments.quiet)
+    Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n", Describe(end.summary),
+                      out.string(), end.shards.string()));
+  return end.summary.HasBadRuns() ? kExitRuns : kExitGood;
 }
 
 }  // namespace

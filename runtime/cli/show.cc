@@ -26,12 +26,6 @@ using compiler::Axis;
 constexpr std::size_t kMaxBadListed = 8;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-std::string CoordinateText(const Axis& axis, std::size_t index) {
-  const compiler::Coordinate& value = axis.values[index];
-  if (const auto* number = std::get_if<double>(&value)) return compiler::FormatReal(*number);
-  return std::get<std::string>(value);
-}
-
 std::string Place(const ResultFile& file, const Cell& cell) {
   std::string text;
   for (std::size_t i = 0; i < cell.at.size(); ++i)

@@ -51,6 +51,12 @@ std::string Table::Text() const {
   return text;
 }
 
+std::string CoordinateText(const compiler::Axis& axis, std::size_t index) {
+  const compiler::Coordinate& value = axis.values[index];
+  if (const auto* number = std::get_if<double>(&value)) return compiler::FormatReal(*number);
+  return std::get<std::string>(value);
+}
+
 std::string ShortNumber(double value) {
   if (!std::isfinite(value)) return "-";
   if (value == 0) return "0";

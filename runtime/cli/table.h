@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "compiler/plan.h"
+
 namespace cdb::runtime {
 
 /// A table for a terminal: a head, a rule, rows. Numbers to the right, words to the left.
@@ -27,5 +29,8 @@ class Table {
 
 /// Three significant digits without an exponent: `0.0123`, `1.23`, `12345`.
 std::string ShortNumber(double value);
+
+/// A value on an axis.
+std::string CoordinateText(const compiler::Axis& axis, std::size_t index);
 
 }  // namespace cdb::runtime

@@ -79,7 +79,7 @@ class DriverTest : public testing::Test {
       const fs::path shard = folder / (run.id + ".h5");
       ASSERT_TRUE(fs::exists(shard)) << run.id;
       const ShardInfo info = ReadShardInfo(shard);
-      EXPECT_EQ(info.status, Status::kDone);
+      EXPECT_EQ(info.outcome.status, Status::kDone);
       EXPECT_EQ(info.plan_sha256, plan.Sha256());
       const ResultFile file(shard);
       const std::vector<double> pairs = file.ReadSeries("pairs", {{0, 0}, 0});

@@ -161,7 +161,7 @@ TEST(Shard, InfoNamesRunPlanAndStatus) {
   const ShardInfo info = ReadShardInfo(folder / (run.id + ".h5"));
   EXPECT_EQ(info.run_id, run.id);
   EXPECT_EQ(info.plan_sha256, plan.Sha256());
-  EXPECT_EQ(info.status, Status::kTimedOut);
+  EXPECT_EQ(info.outcome.status, Status::kTimedOut);
 }
 
 TEST(Shard, LongRunsAreCutIntoChunksUnderOneMebibyte) {

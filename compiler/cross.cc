@@ -1,0 +1,36 @@
+#include "compiler/cross.h"
+
+#include <algorithm>
+
+#include "compiler/schema.h"
+#include "dsl/check.h"
+
+namespace cdb::compiler {
+
+Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words) {
+  const Parameter* row = FindParameter(parameter, false);
+  CDB_CHECK(row != nullptr &&
+            std::ranges::all_of(words, [&](const auto& word) { return row->HasWord(word); }));
+  if (std::ranges::find(plan.axes, parameter, &Axis::parameter) != plan.axes.end()) return plan;
+  Plan crossed = plan;
+  Axis axis{std::string(parameter), std::string(parameter), std::string(row->unit), {}};
+  axis.values.assign(words.begin(), words.end());
+  crossed.axes.insert(crossed.axes.begin(), std::move(axis));
+  crossed.runs.clear();
+  crossed.skipped.clear();
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    for (Run run : plan.runs) {
+      run.at.insert(run.at.begin(), i);
+      run.scene.world.values.insert_or_assign(std::string(parameter), Word{words[i]});
+      run.id = RunId(run.scene, run.rep);
+      crossed.runs.push_back(std::move(run));
+    }
+    for (std::vector<std::size_t> at : plan.skipped) {
+      at.insert(at.begin(), i);
+      crossed.skipped.push_back(std::move(at));
+    }
+  }
+  return crossed;
+}
+
+}  // namespace cdb::compiler

@@ -1,0 +1,16 @@
+// A plan over one more axis than its file has: what a command line sweeps.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan.h"
+
+namespace cdb::compiler {
+
+/// The plan with an axis `parameter` of the world in front of the others, one of `words` for each
+/// of its values, all of which the schema has for it. A plan that sweeps the parameter itself is
+/// given back as it is.
+Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words);
+
+}  // namespace cdb::compiler

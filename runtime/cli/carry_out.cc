@@ -1,0 +1,133 @@
+#include "runtime/cli/carry_out.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/console.h"
+#include "runtime/schedule/progress.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The shards of `out.h5` lie in `out.runs`.
+fs::path ShardFolder(fs::path out) { return out.replace_extension(".runs"); }
+
+bool IsComplete(const ResultFile& file, const compiler::Plan& plan) {
+  return std::ranges::all_of(plan.runs, [&](const compiler::Run& run) {
+    return file.ReadStatus({run.at, run.rep}) != Status::kMissing;
+  });
+}
+
+/// The result that stands there already. Empty where there is none or it has to be made anew.
+bool IsThereAlready(const fs::path& out, const compiler::Plan& plan) {
+  std::error_code error;
+  if (!fs::exists(out, error)) return false;
+  const ResultFile file(out);
+  if (file.plan_sha256() != plan.Sha256())
+    throw CommandError(fmt::format(
+        "'{}' holds the results of another plan and is left as it is; name another file "
+        "by -o, or say --fresh to write over it",
+        out.string()));
+  return IsComplete(file, plan);
+}
+
+/// Says to other runners that somebody works in a folder of shards. Shared while runs are carried
+/// out; the last one out gets it for itself, and only then may shards be removed.
+class FolderLock {
+ public:
+  /// Makes the folder where there is none.
+  explicit FolderLock(const fs::path& folder) : folder_(folder) {
+    for (;;) {
+      std::error_code error;
+      fs::create_directories(folder, error);
+      fd_ = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (fd_ < 0)
+        throw CommandError(fmt::format(
+            "cannot make the folder '{}' for the shards: {}; nothing was changed: choose another "
+            "place by -o",
+            folder.string(), error ? error.message() : std::strerror(errno)));
+      // Where the file system knows no locks, two runners on one result are the user's to avoid.
+      flock(fd_, LOCK_SH);
+      struct stat here = {}, there = {};
+      if (fstat(fd_, &here) == 0 && stat(folder.c_str(), &there) == 0 &&
+          here.st_ino == there.st_ino && here.st_dev == there.st_dev)
+        return;
+      close(fd_);  // removed by the runner that held it
+    }
+  }
+  /// A folder that nothing came into goes again.
+  ~FolderLock() {
+    if (TakeForMyself()) rmdir(folder_.c_str());
+    close(fd_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+  /// False where another runner is at work.
+  bool TakeForMyself() { return flock(fd_, LOCK_EX | LOCK_NB) == 0; }
+
+ private:
+  fs::path folder_;
+  int fd_ = -1;
+};
+
+/// Removes the shards that `Merge` has verified, and nothing else.
+void RemoveShards(const compiler::Plan& plan, const fs::path& folder) {
+  std::error_code ignored;
+  for (const compiler::Run& run : plan.runs) fs::remove(folder / (run.id + ".h5"), ignored);
+  fs::remove(folder / "plan.yaml", ignored);
+  fs::remove(folder, ignored);
+}
+
+}  // namespace
+
+CarriedOut CarryOut(const compiler::Plan& plan, const CarryOutOptions& options,
+                    const Provenance& provenance, const StopFlag& stop) {
+  const fs::path folder = ShardFolder(options.out);
+  std::error_code error;
+  if (!options.fresh && IsThereAlready(options.out, plan)) {
+    // Shards are still there where the last runner was killed right after it had merged them.
+    if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
+    if (!options.is_quiet)
+      Say(fmt::format("'{}' is complete; --fresh runs it again\n", options.out.string()));
+    return {{}, folder, true};
+  }
+  FolderLock lock(folder);
+  ExecuteOptions execute;
+  execute.folder = folder;
+  execute.jobs = options.jobs;
+  execute.shard = options.shard;
+  execute.fresh = options.fresh;
+  execute.provenance = provenance;
+  execute.stop = &stop;
+  ProgressListener silent;
+  Progress progress(StandardError());
+  ProgressListener& listener = options.is_quiet ? silent : static_cast<ProgressListener&>(progress);
+  CarriedOut end = {Execute(plan, execute, listener), folder, false};
+  if (end.summary.signal != 0) {
+    Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
+                    end.summary.ended(), end.summary.ended() + end.summary.left, folder.string()));
+    return end;
+  }
+  if (options.shard.count > 1) return end;
+  RemoveStaleTemporaries(options.out.has_parent_path() ? options.out.parent_path() : ".");
+  // Another runner may have been faster with the same plan.
+  if (options.fresh || !IsThereAlready(options.out, plan))
+    Merge(plan, provenance, folder, options.out);
+  if (lock.TakeForMyself()) RemoveShards(plan, folder);
+  end.is_merged = true;
+  return end;
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,105 @@
+// `cdb stability`: the stability suite of the library, and the map of where it stops being sound.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <set>
+
+#include "compiler/cross.h"
+#include "compiler/schema.h"
+#include "dsl/diagnostics.h"
+#include "runtime/cli/carry_out.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/console.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/provenance.h"
+#include "runtime/cli/stability_map.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSuite = "stability";
+
+std::vector<std::string> SuiteFiles() {
+  const fs::path folder = fs::path(ScenarioLibrary()) / kSuite;
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".cdb") names.push_back(entry.path().stem());
+  if (names.empty())
+    throw CommandError(
+        "the stability suite does not lie beside this program; installing cdb "
+        "brings it");
+  std::ranges::sort(names);
+  return names;
+}
+
+/// Those of the suite that were asked for; all where none was.
+std::vector<std::string> Choose(const std::vector<std::string>& asked) {
+  const auto names = SuiteFiles();
+  if (asked.empty()) return names;
+  for (const std::string& name : asked) {
+    if (std::ranges::find(names, name) != names.end()) continue;
+    const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
+    throw CommandError(fmt::format("the stability suite has no '{}'; {}", name,
+                                   near.empty() ? fmt::format("it has {}", fmt::join(names, ", "))
+                                                : fmt::format("did you mean '{}'?", near)));
+  }
+  return asked;
+}
+
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words) {
+  const compiler::Parameter* row = compiler::FindParameter(parameter, false);
+  std::set<std::string_view> seen;
+  for (const std::string& word : words) {
+    const auto all = row->AllWords();
+    if (!row->HasWord(word)) {
+      const std::string_view near = dsl::DidYouMean(word, all);
+      throw CommandError(fmt::format("--{} {}: {}", parameter, word,
+                                     near.empty()
+                                         ? fmt::format("there are {}", fmt::join(all, ", "))
+                                         : fmt::format("did you mean '{}'?", near)));
+    }
+    if (!seen.insert(word).second)
+      throw CommandError(fmt::format("--{} names '{}' twice", parameter, word));
+  }
+}
+
+}  // namespace
+
+int StabilityCommand(const StabilityArguments& arguments) {
+  CheckWords("precision", arguments.precisions);
+  CheckWords("detector", arguments.detectors);
+  std::vector<compiler::Plan> plans;
+  for (const std::string& name : Choose(arguments.scenes)) {
+    const std::string file = fmt::format("{}/{}", kSuite, name);
+    const auto loaded = LoadPlans(file, {});
+    if (loaded.empty()) return kExitScenario;
+    for (const compiler::Plan& plan : loaded)
+      plans.push_back(
+          Cross(Cross(plan, "detector", arguments.detectors), "precision", arguments.precisions));
+  }
+  std::error_code error;
+  fs::create_directories(arguments.out, error);
+  if (error)
+    throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
+                                   arguments.out, error.message()));
+  Provenance provenance = CollectProvenance();
+  provenance["jobs"] = fmt::format("{}", arguments.jobs);
+  std::signal(SIGPIPE, SIG_IGN);
+  StopFlag stop;
+  const StopOnSignals signals(stop);
+  for (const compiler::Plan& plan : plans) {
+    const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
+    const CarriedOut end =
+        CarryOut(plan, {out, arguments.jobs, {}, arguments.fresh, arguments.quiet}, provenance, stop);
+    if (end.summary.signal != 0) return 128 + end.summary.signal;
+    Print(StabilityMap(ResultFile(out)) + "\n");
+  }
+  return kExitGood;
+}
+
+}  // namespace cdb::runtime

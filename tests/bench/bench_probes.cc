@@ -1,0 +1,136 @@
+// What taking a run's series between its cycles does to the cycles: each scene twice in one
+// program, timed alone and timed with `record timing, counts, stability`, in blocks of cycles in
+// turn, so that each has the caches to itself. Both go through the same states; a cycle is compared
+// with itself. Scenes come from .cdb files; of each benchmark the last run is taken.
+// Usage: bench_probes_f32 [-r ROUNDS] [-c CYCLES] [FILE.cdb ...]
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "library/layouts/initial_state.h"
+#include "runtime/engine/engine.h"
+#include "runtime/engine/precision.h"
+#include "runtime/engine/probes.h"
+#include "runtime/engine/state_hash.h"
+#include "tests/bench/median.h"
+
+namespace cdb::bench {
+namespace {
+
+constexpr std::uint64_t kBlock = 25;
+/// The first cycles of a block find the caches as the other world left them.
+constexpr std::uint64_t kSettle = 5;
+
+/// One of the two worlds, and what its cycles took.
+class Side {
+ public:
+  Side(compiler::Scene scene, const library::InitialState& state, compiler::WordList record)
+      : scene_(With(std::move(scene), std::move(record))),
+        recording_(runtime::Recording::Create(scene_)),
+        engine_(scene_, state, runtime::KeepEverything(scene_)),
+        probes_(scene_, engine_, recording_, -1) {
+    probes_.Begin();
+  }
+  void Step(std::uint64_t cycle) {
+    engine_.Step();
+    const auto begin = runtime::Now();
+    probes_.Record(cycle);
+    probe_ns.push_back(static_cast<double>(runtime::Now() - begin));
+    steps.push_back(engine_.timed_world()->Durations()[runtime::kStep]);
+  }
+  std::string Hash() const { return runtime::StateHash(engine_); }
+
+  std::vector<double> steps, probe_ns;
+
+ private:
+  static compiler::Scene With(compiler::Scene scene, compiler::WordList record) {
+    scene.world.values.insert_or_assign("record", std::move(record));
+    return scene;
+  }
+  const compiler::Scene scene_;
+  runtime::Recording recording_;
+  runtime::Engine engine_;
+  runtime::Probes probes_;
+};
+
+struct Result {
+  double alone_us, probes_us;
+  double change;  ///< of the median cycle
+};
+
+Result RunRound(const compiler::Scene& scene, std::uint64_t cycles, std::uint64_t round) {
+  const library::InitialState state = library::MakeInitialState(scene);
+  Side alone(scene, state, {"timing"});
+  Side probed(scene, state, {"timing", "counts", "stability"});
+  std::vector<double> ratios;
+  for (std::uint64_t begin = 0; begin < cycles; begin += kBlock) {
+    const std::uint64_t end = std::min(begin + kBlock, cycles);
+    const auto block = [&](Side& side) {
+      for (std::uint64_t cycle = begin; cycle < end; ++cycle) side.Step(cycle);
+    };
+    const bool alone_first = (begin / kBlock + round) % 2 == 0;
+    block(alone_first ? alone : probed);
+    block(alone_first ? probed : alone);
+    for (std::uint64_t cycle = begin + kSettle; cycle < end; ++cycle)
+      ratios.push_back(probed.steps[cycle] / alone.steps[cycle]);
+  }
+  if (alone.Hash() != probed.Hash()) {
+    fmt::print(stderr, "the two worlds went different ways\n");
+    std::exit(1);
+  }
+  return {Median(alone.steps) / 1e3, Median(probed.probe_ns) / 1e3, Median(ratios) - 1};
+}
+
+void RunScene(const std::string& name, compiler::Scene scene, std::uint64_t rounds,
+              std::uint64_t cycles) {
+  scene.world.values.insert_or_assign("precision",
+                                      compiler::Word{std::string(runtime::EnginePrecision())});
+  cycles = std::min(cycles, scene.world.Count("cycles"));
+  std::vector<double> changes, steps, probes;
+  for (std::uint64_t round = 0; round < rounds; ++round) {
+    const Result result = RunRound(scene, cycles, round);
+    changes.push_back(100 * result.change);
+    steps.push_back(result.alone_us);
+    probes.push_back(result.probes_us);
+  }
+  const auto [least, most] = std::ranges::minmax(changes);
+  fmt::print("{:<18} {:>6} {:>10.1f} {:>10.1f} {:>+9.2f} {:>+7.2f} .. {:<+6.2f}\n", name,
+             scene.ObjectCount(), Median(steps), Median(probes), Median(changes), least, most);
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace cdb::bench
+
+int main(int argc, char** argv) {
+  using namespace cdb;
+  std::uint64_t rounds = 7, cycles = 400;
+  std::vector<std::string> files;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if ((argument == "-r" || argument == "-c") && i + 1 < argc) {
+      (argument == "-r" ? rounds : cycles) = std::strtoull(argv[++i], nullptr, 10);
+    } else {
+      files.push_back(argument);
+    }
+  }
+  if (files.empty()) files = {CDB_SOURCE_DIR "/tests/bench/probes.cdb"};
+  fmt::print("{} precision, {} rounds of up to {} cycles; medians, and the range of the rounds\n",
+             runtime::EnginePrecision(), rounds, cycles);
+  fmt::print("{:<18} {:>6} {:>10} {:>10} {:>9} {:>17}\n", "scene", "N", "step, us", "probes, us",
+             "change, %", "range");
+  for (const std::string& file : files) {
+    const auto result = compiler::Compile(file, compiler::ReadFromDisk, {});
+    if (result.diagnostics.has_errors()) {
+      fmt::print(stderr, "{}: has errors; see cdb check\n", file);
+      return 1;
+    }
+    for (const compiler::Plan& plan : result.plans)
+      bench::RunScene(plan.benchmark, plan.runs.back().scene, rounds, cycles);
+  }
+}

@@ -1,0 +1,209 @@
+// Verdicts of series made by hand: each criterion just below its threshold and just above.
+#include "runtime/measure/verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "compiler/expectation.h"
+#include "tests/library/test_scene.h"
+
+namespace cdb::test {
+namespace {
+
+using compiler::Expectation;
+using runtime::Judgement;
+using runtime::Recording;
+using runtime::Verdict;
+
+constexpr std::uint64_t kCycles = 40;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// A run of 40 cycles to which nothing happened; energy 100 J in a scale of 200 J.
+class VerdictTest : public testing::Test {
+ protected:
+  VerdictTest() : scene_(DefaultScene(3, 500)), recording_(Make(scene_)) { SetUpQuiet(); }
+
+  static Recording Make(compiler::Scene& scene) {
+    SetWorld(scene, "cycles", kCycles);
+    return Recording::Create(scene);
+  }
+  void SetUpQuiet() {
+    recording_.header().initial_energy = 100;
+    recording_.header().energy_scale = 200;
+    recording_.header().speed_scale = 10;
+    for (const char* name : {"non_finite", "removed", "escaped", "contacts"})
+      std::ranges::fill(recording_.Ints(name), 0);
+    for (const char* name : {"displacement", "penetration_ratio", "max_speed"})
+      std::ranges::fill(recording_.Reals(name), 0);
+    std::ranges::fill(recording_.Reals("energy"), 100);
+  }
+  void Set(const char* series, std::size_t from, double value, std::size_t to = kCycles) {
+    std::fill(recording_.Reals(series).begin() + static_cast<std::ptrdiff_t>(from),
+              recording_.Reals(series).begin() + static_cast<std::ptrdiff_t>(to), value);
+  }
+  void SetCount(const char* series, std::size_t from, int value, std::size_t to = kCycles) {
+    std::fill(recording_.Ints(series).begin() + static_cast<std::ptrdiff_t>(from),
+              recording_.Ints(series).begin() + static_cast<std::ptrdiff_t>(to), value);
+  }
+  void Expect(const char* what) { SetWorld(scene_, "expect", Word(what)); }
+  Judgement Judged() const { return Judge(scene_, recording_, kCycles); }
+  void ExpectVerdict(Verdict verdict, std::int64_t first) const {
+    const Judgement judgement = Judged();
+    EXPECT_EQ(judgement.verdict, verdict) << VerdictName(judgement.verdict);
+    EXPECT_EQ(judgement.first_bad_cycle, first);
+  }
+
+  compiler::Scene scene_;
+  Recording recording_;
+};
+
+TEST_F(VerdictTest, NothingHappened) { ExpectVerdict(Verdict::kStable, -1); }
+
+TEST_F(VerdictTest, IsUnknownWithoutTheSeries) {
+  SetWorld(scene_, "record", compiler::WordList{"timing"});
+  ExpectVerdict(Verdict::kUnknown, -1);
+}
+
+TEST_F(VerdictTest, TheProcessComesFirst) {
+  SetCount("non_finite", 3, 1);
+  const Judgement crashed = Judge(scene_, recording_, 17, Verdict::kCrashed);
+  EXPECT_EQ(crashed.verdict, Verdict::kCrashed);
+  EXPECT_EQ(crashed.first_bad_cycle, 17);
+}
+
+TEST_F(VerdictTest, NonFinite) {
+  SetCount("non_finite", 7, 2);
+  Set("energy", 7, kNaN);
+  ExpectVerdict(Verdict::kNonFinite, 7);
+}
+
+TEST_F(VerdictTest, Removed) {
+  SetCount("removed", 9, 1);
+  Set("motion_ratio", 9, 0);
+  ExpectVerdict(Verdict::kRemoved, 9);
+}
+
+TEST_F(VerdictTest, FrozenByWayOrByFall) {
+  Set("motion_ratio", 5, 1.09);
+  Set("fall_ratio", 5, 0.91);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("motion_ratio", 12, 1.11);
+  ExpectVerdict(Verdict::kFrozen, 12);
+  Set("fall_ratio", 8, 0.89);
+  ExpectVerdict(Verdict::kFrozen, 8);
+  // Frozen bodies gain energy that is not there.
+  Set("energy", 6, 1e9);
+  ExpectVerdict(Verdict::kFrozen, 8);
+}
+
+TEST_F(VerdictTest, ExplodedAndDriftingByRise) {
+  Set("energy", 10, 60);                  // lost to friction
+  ExpectVerdict(Verdict::kDrifting, 10);  // nothing had touched anything
+  SetCount("contacts", 10, 1);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("energy", 20, 61.9);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("energy", 21, 62.1);
+  ExpectVerdict(Verdict::kDrifting, 21);
+  Set("energy", 30, 261);
+  ExpectVerdict(Verdict::kExploded, 30);
+}
+
+TEST_F(VerdictTest, EnergyIsKeptWhereItMustBe) {
+  SetCount("contacts", 0, 4);
+  Set("energy", 15, 97.9);
+  ExpectVerdict(Verdict::kStable, -1);
+  Expect("energy");
+  ExpectVerdict(Verdict::kDrifting, 15);
+}
+
+TEST_F(VerdictTest, ASceneThatIsDrivenHasNoEnergyVerdict) {
+  SetWorld(scene_, "acceleration",
+           compiler::Call{"every", {std::uint64_t{5}, Eigen::Vector3d(1, 0, 0)}});
+  Set("energy", 10, 1e9);
+  ExpectVerdict(Verdict::kStable, -1);
+}
+
+TEST_F(VerdictTest, TunnelledAtTheEndOnly) {
+  SetCount("escaped", 4, 1, 10);
+  ExpectVerdict(Verdict::kStable, -1);
+  SetCount("escaped", 33, 2);
+  ExpectVerdict(Verdict::kTunnelled, 33);
+}
+
+TEST_F(VerdictTest, Clamped) {
+  Set("turn_ratio", 2, 0.91);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("turn_ratio", 3, 0.89, 4);
+  ExpectVerdict(Verdict::kClamped, 3);
+}
+
+TEST_F(VerdictTest, WhatMustRestMayNotMove) {
+  Set("displacement", 11, 0.26);
+  ExpectVerdict(Verdict::kStable, -1);
+  Expect("rest");
+  ExpectVerdict(Verdict::kCollapsed, 11);
+}
+
+TEST_F(VerdictTest, PenetrationLateOrAtRest) {
+  Set("penetration_ratio", 5, 0.3, 29);
+  ExpectVerdict(Verdict::kStable, -1);
+  Expect("rest");
+  ExpectVerdict(Verdict::kPenetrating, 5);
+  Expect("anything");
+  Set("penetration_ratio", 33, 0.06);
+  ExpectVerdict(Verdict::kPenetrating, 33);
+}
+
+TEST_F(VerdictTest, SpeedLateAtRest) {
+  Set("max_speed", 0, 0.21);
+  ExpectVerdict(Verdict::kStable, -1);
+  Expect("rest");
+  ExpectVerdict(Verdict::kDrifting, 30);
+  Set("max_speed", 30, 0.19);
+  ExpectVerdict(Verdict::kStable, -1);
+}
+
+TEST_F(VerdictTest, LooksAtCyclesThatRanOnly) {
+  SetCount("removed", 30, 1);
+  EXPECT_EQ(Judge(scene_, recording_, 30).verdict, Verdict::kStable);
+  EXPECT_EQ(Judge(scene_, recording_, 0).verdict, Verdict::kStable);
+}
+
+TEST(Verdicts, HaveNamesOfTheirOwnInTheOrderOfTheirNumbers) {
+  std::set<std::string_view> names;
+  for (const runtime::VerdictInfo& info : runtime::Verdicts()) {
+    EXPECT_EQ(VerdictName(info.verdict), info.name);
+    EXPECT_TRUE(names.insert(info.name).second);
+    EXPECT_EQ(info.name.find(' '), std::string_view::npos);
+  }
+  EXPECT_TRUE(HasVoidTimings(Verdict::kFrozen));
+  EXPECT_FALSE(HasVoidTimings(Verdict::kExploded));
+}
+
+TEST(ExpectationOf, FollowsFromTheScene) {
+  compiler::Scene scene = DefaultScene(3, 500);
+  EXPECT_EQ(ExpectationOf(scene), Expectation::kAnything);
+  SetGroup(scene, "location", Layout("stack"));
+  EXPECT_EQ(ExpectationOf(scene), Expectation::kRest);
+  SetGroup(scene, "angular_velocity", Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(ExpectationOf(scene), Expectation::kAnything);
+  SetGroup(scene, "restitution", 1.0);
+  SetGroup(scene, "friction", 0.0);
+  EXPECT_EQ(ExpectationOf(scene), Expectation::kEnergy);
+  SetGroup(scene, "linear_damping", 0.1);
+  EXPECT_EQ(ExpectationOf(scene), Expectation::kAnything);
+  EXPECT_FALSE(FliesFreely(scene));
+  SetWorld(scene, "expect", Word("rest"));
+  EXPECT_EQ(ExpectationOf(scene), Expectation::kRest);
+  SetGroup(scene, "linear_velocity",
+           compiler::Call{"every", {std::uint64_t{5}, Eigen::Vector3d(1, 0, 0)}});
+  EXPECT_EQ(ExpectationOf(scene), Expectation::kDriven);
+}
+
+}  // namespace
+}  // namespace cdb::test
