@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "compiler/bounds.h"
@@ -22,7 +23,7 @@ constexpr double kWallThickness = 0.1;
 // Thresholds, measured.
 constexpr double kTallStack = 0.025, kMassRatio = 20;
 constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3;
-constexpr double kThinWall = 1.5, kSoftContact = 0.04, kThinShape = 30;
+constexpr double kThinWall = 1.5, kSoftContact = 0.04, kStiffSpring = 2, kThinShape = 30;
 constexpr double kFastSpin = 1.41, kSpinDrift = 0.05;
 constexpr double kHugeBox = 1e6, kCoarsePlace = 0.012, kLostMotion = 0.4;
 /// Bullet puts to sleep what has been slower than these for so long, s.
@@ -52,7 +53,9 @@ struct Objects {
   Vector3d place;      ///< largest coordinates at the start
   double stacked = 1;  ///< objects on one another
   double tower = 1;    ///< as unsteady as a stack of so many
-  double gap = 0;      ///< that a stack's objects fall by first; 0 where it is next to none
+  double load = 1;     ///< mass of the end of a chain over that of the others
+  bool linked = false, springs = false;
+  double gap = 0;  ///< that a stack's objects fall by first; 0 where it is next to none
 };
 
 bool MayBe(const Value& value, std::string_view word) {
@@ -99,10 +102,11 @@ class SceneNumbers {
       if (box_walls_) ThinWall(objects);
       if (walls_ != "none" || count_ > 1) FastHit(objects);
       EarlySleep(objects);
+      if (objects.springs) StiffSpring(objects);
       FastSpin(objects);
-      SpinDrift(objects);
+      if (!objects.linked) SpinDrift(objects);
       HugeBox(objects);
-      LostMotion(objects);
+      if (!objects.linked) LostMotion(objects);
       if (MayTouch()) {
         ThinShape(objects);
         CoarsePlace(objects);
@@ -110,6 +114,7 @@ class SceneNumbers {
       }
     }
     if (g_ > 0 && has_ground_) MassRatio();
+    if (g_ > 0) HeavyEnd();
     std::ranges::sort(numbers_, {}, &LintNumber::lint);
     return std::move(numbers_);
   }
@@ -131,6 +136,13 @@ class SceneNumbers {
     objects.velocity = LargestComponents(settings.Get("linear_velocity"));
     objects.speed = objects.velocity.norm();
     objects.spin = LargestComponents(settings.Get("angular_velocity")).norm();
+    objects.linked = settings.WordOr("links.type") != "none";
+    objects.springs = settings.WordOr("links.type") == "spring";
+    const auto* end_mass = std::get_if<double>(&settings.Get("links.end_mass"));
+    if (objects.linked && end_mass != nullptr) {
+      objects.load = *end_mass / objects.mass.least;
+      objects.mass.least = std::min(objects.mass.least, *end_mass);
+    }
     Locate(objects);
     groups_.push_back(objects);
   }
@@ -168,13 +180,16 @@ class SceneNumbers {
 
   /// The fastest that an object gets: by falling too, as far as there is to fall.
   double FastestSpeed(const Objects& objects) const {
-    if (walls_ == "none") return objects.speed + Fallen();
-    return std::hypot(objects.speed, Fallen());
+    if (walls_ == "none") return objects.speed + Fallen(objects);
+    return std::hypot(objects.speed, Fallen(objects));
   }
 
   /// The speed that falling gives, as far as there is to fall.
-  double Fallen() const {
+  double Fallen(const Objects& objects) const {
     if (rests_) return 0;
+    // What hangs swings at most from above its anchor to below.
+    if (objects.linked && objects.settings->On("links.anchor"))
+      return std::min(g_ * Time(), std::sqrt(8 * g_ * objects.quantity * objects.longest_side));
     const double fallen = g_ * Time();
     return walls_ == "none" ? fallen : std::min(std::sqrt(2 * g_ * side_), fallen);
   }
@@ -245,7 +260,7 @@ class SceneNumbers {
 
   /// Walls stand across the axes.
   double FastestComponent(const Objects& objects) const {
-    const double gained = Fallen();
+    const double gained = Fallen(objects);
     double fastest = 0;
     for (int axis = 0; axis < 3; ++axis)
       fastest = std::max(
@@ -284,6 +299,21 @@ class SceneNumbers {
     if (!(softest > 0)) return;
     Add(Lint::kSoftContact, objects, objects.stacked * objects.mass.most * g_ / softest,
         kSoftContact, [softest](double excess) { return softest * excess; });
+  }
+
+  /// A chain of n equal masses swings with at most 2 sqrt(k/m) times a sine, and what is explicit
+  /// explodes where (w dt)^2 + 2 c dt / m passes 4.
+  void StiffSpring(const Objects& objects) {
+    const double n = objects.quantity;
+    const bool anchored = objects.settings->On("links.anchor");
+    if (!anchored && n < 2) return;
+    const double fastest =
+        2 * std::sin(std::numbers::pi / 2 * (anchored ? (2 * n - 1) / (2 * n + 1) : (n - 1) / n));
+    const double k = objects.settings->Real("links.stiffness");
+    const double c = objects.settings->Real("links.damping");
+    Add(Lint::kStiffSpring, objects,
+        fastest * std::sqrt((k * timestep_ + 2 * c) * timestep_ / objects.mass.least), kStiffSpring,
+        ShorterStep());
   }
 
   void ThinShape(const Objects& objects) {
@@ -378,6 +408,14 @@ class SceneNumbers {
     const double limit = single_ ? kHeavySingle : kHeavyDouble;
     Add(Lint::kHeavyMass, objects, objects.mass.most, limit,
         [limit](double) { return Harmless(limit); });
+  }
+
+  void HeavyEnd() {
+    for (const Objects& objects : groups_)
+      if (objects.linked && !objects.springs && objects.settings->On("links.anchor") &&
+          objects.quantity > 1)
+        Add(Lint::kMassRatio, objects, objects.load / iterations_, kMassRatio,
+            [this](double excess) { return iterations_ * excess; });
   }
 
   /// Of objects in one stack, and of groups at known places of which the higher one is the load.

@@ -23,6 +23,7 @@ enum class Lint {
   kThinWall,
   kFastHit,
   kSoftContact,
+  kStiffSpring,
   kThinShape,
   kFastSpin,
   kSpinDrift,

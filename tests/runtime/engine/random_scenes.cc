@@ -252,6 +252,37 @@ Scene Heap(Maker& make) {
   return scene;
 }
 
+Scene Spring(Maker& make) {
+  const std::uint64_t n = make.Count(1, 6);
+  const double size = make.Size();
+  Scene scene = make.Make(n, 100 * size);
+  const double mass = make.Log(0.1, 100), step = std::get<double>(scene.world.Get("timestep"));
+  SetWorld(scene, "world.walls", Word("none"));
+  SetGroup(scene, "size", size);
+  SetGroup(scene, "mass", mass);
+  SetGroup(scene, "location", Layout("line"));
+  SetGroup(scene, "links.type", Word("spring"));
+  SetGroup(scene, "links.stiffness", mass * std::pow(make.Log(1e-2, 1e2) / step, 2));
+  if (make.Chance(0.5)) SetGroup(scene, "links.damping", mass / step * make.Log(1e-3, 10));
+  SetGroup(scene, "linear_velocity", Vector3d(0, -size * make.Log(0.1, 10), 0));
+  make.Fall(scene, make.Chance(0.5) ? 0 : make.Gravity());
+  return scene;
+}
+
+Scene Chain(Maker& make) {
+  const double size = make.Size();
+  Scene scene = make.Make(make.Count(2, 8), 100 * size);
+  SetWorld(scene, "solver.iterations", static_cast<std::uint64_t>(make.Log(1, 100)));
+  SetWorld(scene, "world.walls", Word("none"));
+  SetGroup(scene, "type", Word("cuboid"));
+  SetGroup(scene, "size", size);
+  SetGroup(scene, "location", Layout("line"));
+  SetGroup(scene, "links.type", Word(make.Pick({"ball", "hinge", "fixed"})));
+  SetGroup(scene, "links.end_mass", make.Log(1, 1e6));
+  make.Fall(scene, make.Gravity());
+  return scene;
+}
+
 struct Theme {
   std::string_view name;
   Scene (*make)(Maker&);
@@ -273,6 +304,8 @@ constexpr Theme kThemes[] = {
     {"far floor", FarFloor},
     {"gas", Gas},
     {"heap", Heap},
+    {"spring", Spring},
+    {"chain", Chain},
 };
 
 }  // namespace
