@@ -112,7 +112,8 @@ void Probes::Begin() {
 void Probes::SetScales() {
   const Energy energy = EnergyOf(engine_);
   const double pull = engine_.acceleration().norm();
-  header_.initial_energy = energy.kinetic + energy.other;
+  header_.initial_energy = energy.kinetic + energy.other +
+                           engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
   header_.energy_scale = energy.kinetic;
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
@@ -123,6 +124,7 @@ void Probes::SetScales() {
     header_.energy_scale +=
         mass * (pull * engine_.side() + std::pow(0.01 * least_sides_[i], 2) / 2);
   }
+  header_.least_side = smallest;
   header_.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
 }
 

@@ -37,7 +37,8 @@ struct RecordingHeader {
   // Of a run that records stability; what verdicts measure against.
   double initial_energy;  ///< J, as the series `energy`, before the first recorded cycle
   double energy_scale;    ///< J, the kinetic energy then and what the objects can gain by falling
-  double speed_scale;     ///< m/s, sqrt(g size) of the smallest object
+  double least_side;      ///< m, of the smallest object
+  double speed_scale;     ///< m/s, sqrt(g size) of that object
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 

@@ -27,7 +27,7 @@ constexpr VerdictInfo kVerdicts[] = {
     {kStable, "stable", "nothing of what is listed above"},
     {kDrifting, "drifting",
      "energy rose by 0.01; changed so where it is kept; late speed > 0.02 sqrt(g S) at rest"},
-    {kPenetrating, "penetrating", "late depth > 0.05 S; at rest, any depth > 0.25 S"},
+    {kPenetrating, "penetrating", "late depth or joint gap > 0.05 S; at rest, any depth > 0.25 S"},
     {kCollapsed, "collapsed", "what must rest moved by more than 0.25 S"},
     {kClamped, "clamped", "an object turned by less than 0.9 of its spin times the time step"},
     {kTunnelled, "tunnelled", "a centre is beyond a wall at the end"},
@@ -71,7 +71,8 @@ class Case {
       case kCollapsed:
         return MustRest() ? FirstAbove("displacement", kCollapse) : -1;
       case kPenetrating:
-        return Earlier(LateAbove("penetration_ratio", kLateDepth),
+        return Earlier(Earlier(LateAbove("penetration_ratio", kLateDepth),
+                               LateAbove("joint_gap", kLateDepth * header_.least_side)),
                        MustRest() ? FirstAbove("penetration_ratio", kPeakDepth) : -1);
       case kDrifting:
         return Drifting();

@@ -101,6 +101,7 @@ const std::map<std::string, std::string> kNotTheEngines = {
     {"seed", "is in the plan's stream seeds"},
     {"precision", "chooses the worker"},
     {"repeats", "is the schedule's"},
+    {"expect", "is the verdict's"},
     {"timeout", "is the schedule's"},
     {"record", "is what is stored; a test of its own says that it changes nothing"},
     {"omit", "leaves out only what changes nothing"},

@@ -35,6 +35,7 @@ class VerdictTest : public testing::Test {
     recording_.header().initial_energy = 100;
     recording_.header().energy_scale = 200;
     recording_.header().speed_scale = 10;
+    recording_.header().least_side = 2;
     for (const char* name : {"non_finite", "removed", "escaped", "contacts"})
       std::ranges::fill(recording_.Ints(name), 0);
     for (const char* name : {"displacement", "penetration_ratio", "max_speed"})
@@ -157,6 +158,14 @@ TEST_F(VerdictTest, PenetrationLateOrAtRest) {
   Expect("anything");
   Set("penetration_ratio", 33, 0.06);
   ExpectVerdict(Verdict::kPenetrating, 33);
+}
+
+TEST_F(VerdictTest, JointsThatOpenLate) {
+  Set("joint_gap", 0, 0.3, 29);
+  Set("joint_gap", 29, 0.09);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("joint_gap", 32, 0.11);
+  ExpectVerdict(Verdict::kPenetrating, 32);
 }
 
 TEST_F(VerdictTest, SpeedLateAtRest) {

@@ -77,7 +77,7 @@ TEST(ProgressBarTest, TellsAllOfIt) {
   progress.RunEnded(plan.runs[1], Result(Status::kCrashed, "signal 11"), 1);
   EXPECT_EQ(screen.Take(),
             "<cr><J>cdb: quantity 100, detector sap: crashed: signal 11\n"
-            "<cr>▕██████████          ▏ 2/4  50 %  80 s left  1 failed<K>");
+            "<cr>▕██████████          ▏ 2/4  50 %  80 s left  1 bad<K>");
   progress.End();
   EXPECT_EQ(screen.Take(), "<cr><J>");
   progress.End();

@@ -235,7 +235,7 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
         EXPECT_EQ(H5Tget_cset(type), H5T_CSET_UTF8);
         break;
       case H5T_INTEGER:
-        EXPECT_EQ(bytes, name == "status" ? 1u : 4u);
+        EXPECT_EQ(bytes, name == "status" || name == "verdict" ? 1u : 4u);
         EXPECT_EQ(H5Tget_sign(type), H5T_SGN_2);
         break;
       case H5T_FLOAT:
@@ -258,7 +258,7 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
 TEST_P(Conventions, FillValuesAreTold) {
   ForEachDataset([&](const std::string& name, hid_t dataset) {
     const bool has = H5Aexists(dataset, "_FillValue") > 0;
-    if (name == "status" || name == "n_cycles" || H5DSis_scale(dataset) > 0) {
+    if (name == "status" || name == "verdict" || name == "n_cycles" || H5DSis_scale(dataset) > 0) {
       EXPECT_FALSE(has);
     }
     const Series* series = FindSeries(name);
@@ -324,6 +324,10 @@ TEST_P(Conventions, CoordinatesSayWhatTheyAre) {
     EXPECT_EQ(text("type", "labels_separator"), ";");
   }
   EXPECT_EQ(text("status", "flag_meanings"), "missing done skipped failed crashed timed_out");
+  EXPECT_EQ(
+      text("verdict", "flag_meanings"),
+      "unknown stable drifting penetrating collapsed clamped tunnelled exploded frozen removed "
+      "non_finite timed_out crashed");
   EXPECT_EQ(text("duration", "units"), "ns");
   EXPECT_EQ(text("contacts", "sample_dimension"), "contact");
 }
