@@ -21,7 +21,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWallThickness = 0.1;
 
 // Thresholds, measured.
-constexpr double kTallStack = 0.025, kMassRatio = 20;
+constexpr double kTallStack = 0.025, kMassRatio = 12, kHeavyEnd = 30;
 constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3;
 constexpr double kThinWall = 1.5, kSoftContact = 0.04, kStiffSpring = 2, kThinShape = 30;
 constexpr double kFastSpin = 1.41, kSpinDrift = 0.05;
@@ -32,7 +32,7 @@ constexpr double kSlowSpeed = 0.8, kSlowSpin = 1, kSleepAfter = 2;
 constexpr double kPyramid = 0.4;
 /// Gravity is lost where it gives less than half a step, motion is wrong long before.
 constexpr double kGainOverPlace = 0.2;
-constexpr double kHopelesslyCoarse = 0.035;
+constexpr double kHopelesslyCoarse = 0.5;
 constexpr double kRounding = 1e-9;
 /// Sides that an object has to move for its motion to count.
 constexpr double kNoticed = 0.01;
@@ -274,9 +274,11 @@ class SceneNumbers {
     if (!(speed > 0 || objects.spin > 0)) return;
     // What hits something before is not in flight.
     if (MayTouch() && objects.speed * kSleepAfter > side_ / 4 / std::cbrt(count_)) return;
-    const double slow = std::min(speed > 0 ? kSlowSpeed / speed : kInfinity,
-                                 objects.spin > 0 ? kSlowSpin / objects.spin : kInfinity);
+    double slow = std::min(speed > 0 ? kSlowSpeed / speed : kInfinity,
+                           objects.spin > 0 ? kSlowSpin / objects.spin : kInfinity);
     if (slow < 1) return;
+    // Another may wake it.
+    if (MayTouch() && count_ > 1) slow = 0.99;
     Add(Lint::kEarlySleep, objects, slow, 1, [](double) { return 0.0; });
   }
 
@@ -378,7 +380,8 @@ class SceneNumbers {
   void CoarsePlace(const Objects& objects) {
     const double place = objects.place.maxCoeff();
     double coarse = StepAt(place) / objects.least_side;
-    // In between, much stays where it was put.
+    // Half a side is where rounding alone moves an object by a quarter of it. Below, much stays
+    // put.
     if (coarse < kHopelesslyCoarse) coarse = std::min(coarse, 0.99 * kCoarsePlace);
     Add(Lint::kCoarsePlace, objects, coarse, kCoarsePlace,
         [place](double excess) { return place / excess; });
@@ -395,7 +398,11 @@ class SceneNumbers {
         mean = std::min(mean, 4 * std::sqrt(pull_[axis] * way / 2));
       }
       if (!(way > noticed) || !(mean > 0)) continue;
-      worst = std::max(worst, StepAt(objects.place[axis]) / (mean * timestep_));
+      const double step = StepAt(objects.place[axis]);
+      double lost = step / (mean * timestep_);
+      // What begins within a step of what it falls on may not fall.
+      if (rests_ && way < step) lost = std::min(lost, 0.99 * kLostMotion);
+      worst = std::max(worst, lost);
       if (pull_[axis] > 0)
         worst = std::max(worst, kGainOverPlace * StepAt(mean) / (pull_[axis] * timestep_));
     }
@@ -411,11 +418,16 @@ class SceneNumbers {
   }
 
   void HeavyEnd() {
-    for (const Objects& objects : groups_)
-      if (objects.linked && !objects.springs && objects.settings->On("links.anchor") &&
-          objects.quantity > 1)
-        Add(Lint::kMassRatio, objects, objects.load / iterations_, kMassRatio,
-            [this](double excess) { return iterations_ * excess; });
+    for (const Objects& objects : groups_) {
+      if (!objects.linked || objects.springs || !objects.settings->On("links.anchor") ||
+          objects.quantity < 2)
+        continue;
+      double ratio = objects.load / iterations_;
+      // The joints open no faster than the end falls.
+      if (g_ * Time() * Time() < objects.least_side) ratio = std::min(ratio, 0.99 * kHeavyEnd);
+      Add(Lint::kMassRatio, objects, ratio, kHeavyEnd,
+          [this](double excess) { return iterations_ * excess; });
+    }
   }
 
   /// Of objects in one stack, and of groups at known places of which the higher one is the load.
