@@ -299,8 +299,13 @@ class SceneNumbers {
   void SoftContact(const Objects& objects) {
     const double softest = PositiveBounds(objects.settings->Get("contact_stiffness")).least;
     if (!(softest > 0)) return;
-    Add(Lint::kSoftContact, objects, objects.stacked * objects.mass.most * g_ / softest,
-        kSoftContact, [softest](double excess) { return softest * excess; });
+    double sinks = objects.stacked * objects.mass.most * g_ / softest;
+    // Half of those come to rest whose damper is the stronger.
+    const double damper = PositiveBounds(objects.settings->Get("contact_damping")).least;
+    if (damper * damper > 4 * softest * objects.mass.most)
+      sinks = std::min(sinks, 0.99 * kSoftContact);
+    Add(Lint::kSoftContact, objects, sinks, kSoftContact,
+        [softest](double excess) { return softest * excess; });
   }
 
   /// A chain of n equal masses swings with at most 2 sqrt(k/m) times a sine, and what is explicit
@@ -400,8 +405,8 @@ class SceneNumbers {
       if (!(way > noticed) || !(mean > 0)) continue;
       const double step = StepAt(objects.place[axis]);
       double lost = step / (mean * timestep_);
-      // What begins within a step of what it falls on may not fall.
-      if (rests_ && way < step) lost = std::min(lost, 0.99 * kLostMotion);
+      // What begins within a few steps of what it falls on may not fall.
+      if (rests_ && way < 3 * step) lost = std::min(lost, 0.99 * kLostMotion);
       worst = std::max(worst, lost);
       if (pull_[axis] > 0)
         worst = std::max(worst, kGainOverPlace * StepAt(mean) / (pull_[axis] * timestep_));
