@@ -594,7 +594,7 @@ class Expander {
       LintFinding& finding = at->second;
       finding.runs += plan_.repeats;
       if (number.IsBad()) finding.bad_runs += plan_.repeats;
-      if (!is_first && number.Severity() <= finding.worst.Severity()) continue;
+      if (!is_first && !number.IsWorseThan(finding.worst)) continue;
       finding.worst = number;
       finding.span = SpanOfLint(configuration, scene.groups[number.group].name, number.lint);
     }

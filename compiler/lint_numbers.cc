@@ -194,20 +194,21 @@ class SceneNumbers {
     return walls_ == "none" ? fallen : std::min(std::sqrt(2 * g_ * side_), fallen);
   }
 
-  /// Half the part of the threshold at which a warning ends: what remedies aim at.
+  /// Just below where warnings begin: what remedies aim at.
   static double Harmless(double threshold) { return threshold * LintNumber::kDoubtful * 0.999; }
 
   /// `remedy` is the parameter with which the number would be harmless, a function of how often the
   /// number is too large.
   template <typename Remedy>
-  void Add(Lint lint, const Objects& objects, double value, double threshold, Remedy remedy) {
+  void Add(Lint lint, const Objects& objects, double value, double threshold, Remedy remedy,
+           bool open = false) {
     if (!(value > 0)) return;
-    const LintNumber number{lint, value, threshold, objects.index,
-                            remedy(value / Harmless(threshold))};
+    const LintNumber number{
+        lint, value, threshold, objects.index, remedy(value / Harmless(threshold)), open};
     const auto other = std::ranges::find(numbers_, lint, &LintNumber::lint);
     if (other == numbers_.end()) {
       numbers_.push_back(number);
-    } else if (number.Severity() > other->Severity()) {
+    } else if (number.IsWorseThan(*other)) {
       *other = number;
     }
   }
@@ -240,15 +241,15 @@ class SceneNumbers {
   }
 
   void FastHit(const Objects& objects) {
-    // A ball that hits head-on is not spun.
+    // Falling or hitting head-on does not spin a ball.
     const bool is_ball = IsBall(objects);
     if (MayBeOn(objects, "ccd") || (is_ball && count_ == 1 && AlongOneAxis(objects.velocity)))
       return;
-    const double speed = FastestComponent(objects);
-    double hit = speed * timestep_ / objects.least_side;
+    const double speed = is_ball ? objects.velocity.maxCoeff() : FastestComponent(objects);
+    const double hit = speed * timestep_ / objects.least_side;
     // What does not cross the room may hit nothing.
-    if (speed * Time() < side_) hit = std::min(hit, 0.99 * kFastHit);
-    Add(Lint::kFastHit, objects, hit, kFastHit, ShorterStep());
+    const bool open = speed * Time() < side_;
+    Add(Lint::kFastHit, objects, hit, kFastHit, ShorterStep(), open);
   }
 
   static bool AlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
@@ -274,12 +275,13 @@ class SceneNumbers {
     if (!(speed > 0 || objects.spin > 0)) return;
     // What hits something before is not in flight.
     if (MayTouch() && objects.speed * kSleepAfter > side_ / 4 / std::cbrt(count_)) return;
-    double slow = std::min(speed > 0 ? kSlowSpeed / speed : kInfinity,
-                           objects.spin > 0 ? kSlowSpin / objects.spin : kInfinity);
+    const double slow = std::min(speed > 0 ? kSlowSpeed / speed : kInfinity,
+                                 objects.spin > 0 ? kSlowSpin / objects.spin : kInfinity);
     if (slow < 1) return;
     // Another may wake it.
-    if (MayTouch() && count_ > 1) slow = 0.99;
-    Add(Lint::kEarlySleep, objects, slow, 1, [](double) { return 0.0; });
+    const bool open = MayTouch() && count_ > 1;
+    Add(
+        Lint::kEarlySleep, objects, slow, 1, [](double) { return 0.0; }, open);
   }
 
   void ShortRun(const Objects& objects) {
@@ -299,13 +301,13 @@ class SceneNumbers {
   void SoftContact(const Objects& objects) {
     const double softest = PositiveBounds(objects.settings->Get("contact_stiffness")).least;
     if (!(softest > 0)) return;
-    double sinks = objects.stacked * objects.mass.most * g_ / softest;
+    const double sinks = objects.stacked * objects.mass.most * g_ / softest;
     // Half of those come to rest whose damper is the stronger.
     const double damper = PositiveBounds(objects.settings->Get("contact_damping")).least;
-    if (damper * damper > 4 * softest * objects.mass.most)
-      sinks = std::min(sinks, 0.99 * kSoftContact);
-    Add(Lint::kSoftContact, objects, sinks, kSoftContact,
-        [softest](double excess) { return softest * excess; });
+    const bool open = damper * damper > 4 * softest * objects.mass.most;
+    Add(
+        Lint::kSoftContact, objects, sinks, kSoftContact,
+        [softest](double excess) { return softest * excess; }, open);
   }
 
   /// A chain of n equal masses swings with at most 2 sqrt(k/m) times a sine, and what is explicit
@@ -329,9 +331,9 @@ class SceneNumbers {
     if (is_round || (std::get_if<Word>(&type) != nullptr && MayBe(type, "cuboid"))) return;
     if (count_ < 2 && !box_walls_) return;  // planes are met without GJK
     // What it makes wrong is how deep contacts are, of which only some runs go wrong.
-    Add(Lint::kThinShape, objects,
-        std::min(objects.longest_side / objects.least_side, 0.99 * kThinShape), kThinShape,
-        [](double) { return Harmless(kThinShape); });
+    Add(
+        Lint::kThinShape, objects, objects.longest_side / objects.least_side, kThinShape,
+        [](double) { return Harmless(kThinShape); }, true);
   }
 
   void FastSpin(const Objects& objects) {
@@ -384,18 +386,20 @@ class SceneNumbers {
 
   void CoarsePlace(const Objects& objects) {
     const double place = objects.place.maxCoeff();
-    double coarse = StepAt(place) / objects.least_side;
+    const double coarse = StepAt(place) / objects.least_side;
     // Half a side is where rounding alone moves an object by a quarter of it. Below, much stays
     // put.
-    if (coarse < kHopelesslyCoarse) coarse = std::min(coarse, 0.99 * kCoarsePlace);
-    Add(Lint::kCoarsePlace, objects, coarse, kCoarsePlace,
-        [place](double excess) { return place / excess; });
+
+    Add(
+        Lint::kCoarsePlace, objects, coarse, kCoarsePlace,
+        [place](double excess) { return place / excess; }, coarse < kHopelesslyCoarse);
   }
 
   void LostMotion(const Objects& objects) {
     // What does not get anywhere anyway loses nothing.
     const double noticed = kNoticed * 0.99 * objects.least_side;
     double worst = 0;
+    bool open = false;
     for (int axis = 0; axis < 3; ++axis) {
       double mean = objects.velocity[axis] + pull_[axis] * Time() / 2, way = mean * Time();
       if (rests_) {
@@ -404,16 +408,17 @@ class SceneNumbers {
       }
       if (!(way > noticed) || !(mean > 0)) continue;
       const double step = StepAt(objects.place[axis]);
-      double lost = step / (mean * timestep_);
+      const double lost = step / (mean * timestep_);
       // What begins within a few steps of what it falls on may not fall.
-      if (rests_ && way < 3 * step) lost = std::min(lost, 0.99 * kLostMotion);
+      if (lost > worst) open = rests_ && way < 3 * step;
       worst = std::max(worst, lost);
       if (pull_[axis] > 0)
         worst = std::max(worst, kGainOverPlace * StepAt(mean) / (pull_[axis] * timestep_));
     }
     const double place = objects.place.maxCoeff();
-    Add(Lint::kLostMotion, objects, worst, kLostMotion,
-        [place](double excess) { return place / excess; });
+    Add(
+        Lint::kLostMotion, objects, worst, kLostMotion,
+        [place](double excess) { return place / excess; }, open);
   }
 
   void HeavyMass(const Objects& objects) {
@@ -427,11 +432,12 @@ class SceneNumbers {
       if (!objects.linked || objects.springs || !objects.settings->On("links.anchor") ||
           objects.quantity < 2)
         continue;
-      double ratio = objects.load / iterations_;
+      const double ratio = objects.load / iterations_;
       // The joints open no faster than the end falls.
-      if (g_ * Time() * Time() < objects.least_side) ratio = std::min(ratio, 0.99 * kHeavyEnd);
-      Add(Lint::kMassRatio, objects, ratio, kHeavyEnd,
-          [this](double excess) { return iterations_ * excess; });
+      const bool open = g_ * Time() * Time() < objects.least_side;
+      Add(
+          Lint::kMassRatio, objects, ratio, kHeavyEnd,
+          [this](double excess) { return iterations_ * excess; }, open);
     }
   }
 

@@ -57,11 +57,15 @@ struct LintNumber {
   double threshold = 1;
   std::size_t group = 0;  ///< index into Scene::groups of the objects that it is about
   double remedy = 0;      ///< what fills LintInfo::remedy: with it the number would be harmless
+  bool open = false;      ///< beyond the threshold too it goes well as often as not
 
   double Severity() const { return value / threshold; }
   /// Wrong as a rule from the threshold on, and now and then from a third of it.
-  bool IsBad() const { return Severity() >= 1; }
+  bool IsBad() const { return !open && Severity() >= 1; }
   bool IsDoubtful() const { return Severity() >= kDoubtful; }
+  bool IsWorseThan(const LintNumber& other) const {
+    return IsBad() != other.IsBad() ? IsBad() : Severity() > other.Severity();
+  }
   static constexpr double kDoubtful = 1.0 / 3;
 };
 

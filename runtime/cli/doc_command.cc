@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compiler/calls.h"
+#include "compiler/lints.h"
 #include "compiler/needs.h"
 #include "compiler/schema.h"
 #include "dsl/diagnostics.h"
@@ -130,6 +131,15 @@ std::string AllVerdicts() {
   return std::string(kVerdictsReference) + table.Text();
 }
 
+std::string AllLints() {
+  Table table;
+  for (const char* head : {"lint", "number", "limit", "beyond it"}) table.AddColumn(head, false);
+  for (const compiler::LintInfo& info : compiler::Lints())
+    table.AddRow({std::string(info.kind.id), std::string(info.number), std::string(info.threshold),
+                  fmt::format(fmt::runtime(info.foretells), "will")});
+  return table.Text();
+}
+
 template <typename Rows, typename Doc>
 std::string Names(const char* title, const Rows& rows, Doc doc) {
   Table table;
@@ -192,6 +202,8 @@ constexpr Topic kTopics[] = {
     {"parameters", "every parameter with its default", AllParameters},
     {"omit", "what a run leaves out, and when",
      [] { return std::string(kOmitReference) + AllComponents() + "\n"; }},
+    {"lints", "numbers that Bullet cannot follow, before anything runs",
+     [] { return std::string(kLintsReference) + AllLints() + "\n"; }},
     {"results", "what a results file holds",
      [] { return std::string(kResultsReference) + AllSeriesText(); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},
