@@ -21,7 +21,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWallThickness = 0.1;
 
 // Thresholds, measured.
-constexpr double kTallStack = 0.025, kMassRatio = 12, kHeavyEnd = 30;
+constexpr double kTallStack = 0.025, kMassRatio = 12, kHeavyEndLimit = 0.1;
 constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3;
 constexpr double kThinWall = 1.5, kSoftContact = 0.04, kStiffSpring = 2, kThinShape = 30;
 constexpr double kFastSpin = 1.41, kSpinDrift = 0.05;
@@ -427,17 +427,17 @@ class SceneNumbers {
         [limit](double) { return Harmless(limit); });
   }
 
+  /// How far joints open in a step, over what is mended in one.
   void HeavyEnd() {
     for (const Objects& objects : groups_) {
       if (!objects.linked || objects.springs || !objects.settings->On("links.anchor") ||
           objects.quantity < 2)
         continue;
-      const double ratio = objects.load / iterations_;
       // The joints open no faster than the end falls.
       const bool open = g_ * Time() * Time() < objects.least_side;
-      Add(
-          Lint::kMassRatio, objects, ratio, kHeavyEnd,
-          [this](double excess) { return iterations_ * excess; }, open);
+      const double sag = g_ * timestep_ * timestep_ / objects.least_side;
+      Add(Lint::kHeavyEnd, objects, objects.load * sag / (iterations_ * world_.Real("solver.erp")),
+          kHeavyEndLimit, ShorterStepSquared(), open);
     }
   }
 

@@ -19,6 +19,7 @@ namespace cdb::compiler {
 enum class Lint {
   kTallStack,
   kMassRatio,
+  kHeavyEnd,
   kLongStep,
   kThinWall,
   kFastHit,
