@@ -21,7 +21,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWallThickness = 0.1;
 
 // Thresholds, measured.
-constexpr double kTallStack = 0.025, kMassRatio = 12, kHeavyEndLimit = 0.1;
+constexpr double kTallStack = 0.025, kMassRatio = 12, kHeavyEndLimit = 0.1, kNarrowFoot = 30;
 constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3;
 constexpr double kThinWall = 1.5, kSoftContact = 0.04, kStiffSpring = 2, kThinShape = 30;
 constexpr double kFastSpin = 1.41, kSpinDrift = 0.05;
@@ -115,6 +115,7 @@ class SceneNumbers {
     }
     if (g_ > 0 && has_ground_) MassRatio();
     if (g_ > 0) HeavyEnd();
+    if (g_ > 0 && rests_) NarrowFoot();
     std::ranges::sort(numbers_, {}, &LintNumber::lint);
     return std::move(numbers_);
   }
@@ -427,6 +428,30 @@ class SceneNumbers {
         [limit](double) { return Harmless(limit); });
   }
 
+  /// Of groups at known places, one right above the other.
+  void NarrowFoot() {
+    for (const Objects& load : groups_) {
+      const auto above = PlaceOf(load);
+      if (!load.moves || !above) continue;
+      for (const Objects& foot : groups_) {
+        const auto below = PlaceOf(foot);
+        if (!below || above->y() <= below->y()) continue;
+        const Vector3d aside = (*above - *below).cwiseAbs(), half = foot.most_sides / 2;
+        if (aside.x() > half.x() || aside.z() > half.z()) continue;
+        const double width = std::min(foot.most_sides.x(), foot.most_sides.z());
+        Add(Lint::kNarrowFoot, load, load.longest_side / width, kNarrowFoot,
+            [width](double excess) { return width * excess; });
+      }
+    }
+  }
+
+  static std::optional<Vector3d> PlaceOf(const Objects& objects) {
+    const Call* layout = AsCall(objects.settings->Get("location"));
+    if (layout == nullptr || layout->name != "at") return std::nullopt;
+    const auto real = [&](const char* name) { return std::get<double>(ArgumentOf(*layout, name)); };
+    return Vector3d(real("x"), real("y"), real("z"));
+  }
+
   /// How far joints open in a step, over what is mended in one.
   void HeavyEnd() {
     for (const Objects& objects : groups_) {
@@ -444,17 +469,12 @@ class SceneNumbers {
   /// Of objects in one stack, and of groups at known places of which the higher one is the load.
   /// Heaps bear much higher ratios, and which lies on which is chance.
   void MassRatio() {
-    const auto height = [](const Objects& objects) -> std::optional<double> {
-      const Call* layout = AsCall(objects.settings->Get("location"));
-      if (layout == nullptr || layout->name != "at") return std::nullopt;
-      return std::get<double>(ArgumentOf(*layout, "y"));
-    };
     for (const Objects& load : groups_) {
       for (const Objects& bearer : groups_) {
         if (!load.moves || !bearer.moves || (&load == &bearer && load.quantity < 2)) continue;
-        const auto above = height(load), below = height(bearer);
+        const auto above = PlaceOf(load), below = PlaceOf(bearer);
         const bool in_one_stack = &load == &bearer && load.stacked > 1;
-        if (!in_one_stack && !(above && below && *above > *below)) continue;
+        if (!in_one_stack && !(above && below && above->y() > below->y())) continue;
         Add(Lint::kMassRatio, load, load.mass.most / bearer.mass.least / iterations_, kMassRatio,
             [this](double excess) { return iterations_ * excess; });
       }

@@ -20,6 +20,7 @@ enum class Lint {
   kTallStack,
   kMassRatio,
   kHeavyEnd,
+  kNarrowFoot,
   kLongStep,
   kThinWall,
   kFastHit,
