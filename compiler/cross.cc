@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compiler/reference.h"
 #include "compiler/schema.h"
 #include "dsl/check.h"
 
@@ -30,6 +31,7 @@ Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::
       crossed.skipped.push_back(std::move(at));
     }
   }
+  AddReferences(crossed);
   return crossed;
 }
 

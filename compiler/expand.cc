@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "compiler/axes.h"
 #include "compiler/convert.h"
@@ -14,6 +15,7 @@
 #include "compiler/diagnostic_kinds.h"
 #include "compiler/lints.h"
 #include "compiler/needs.h"
+#include "compiler/reference.h"
 #include "dsl/check.h"
 #include "library/catalogue.h"
 
@@ -284,6 +286,7 @@ class Expander {
     }
     MakeRuns();
     if (Failed() || broken_) return std::nullopt;
+    AddReferences(plan_);
     if (plan_.runs.empty()) {
       diagnostics_.Report(kNoRuns, benchmark_.benchmark->name.span,
                           fmt::format("'{}' has no run left", benchmark_.benchmark->name.text),
@@ -457,13 +460,14 @@ class Expander {
     configuration.Choose(local);
     if (IsSkipped(configuration, at)) return false;
     const auto scene = configuration.MakeScene();
-    if (!scene || !CheckCounts(configuration, *scene) || !CheckNeeds(configuration, *scene)) {
+    if (!scene || !CheckCounts(configuration, *scene) || !CheckNeeds(configuration, *scene) ||
+        !CheckAccuracy(configuration, *scene)) {
       broken_ = true;
       return true;
     }
     if (lints_) FindLints(configuration, *scene);
     for (std::uint64_t rep = 0; rep < plan_.repeats; ++rep)
-      plan_.runs.push_back({RunId(*scene, rep), at, rep, *scene});
+      plan_.runs.push_back({RunId(*scene, rep), at, rep, *scene, {}, {}});
     return true;
   }
 
@@ -627,6 +631,40 @@ class Expander {
     }
   }
 
+  /// What is said of errors has to lead to some, and their samples to lie on everyone's cycles.
+  bool CheckAccuracy(Configuration& configuration, const Scene& scene) {
+    const dsl::Span name = benchmark_.benchmark->name.span;
+    const auto& settings = configuration.layers().settings;
+    const ParameterKey metrics{"", FindParameter("accuracy.metrics", false)};
+    const auto said = std::ranges::find_if(settings, [](const auto& setting) {
+      return setting.first.second->name.starts_with("accuracy.");
+    });
+    if (said != settings.end() && !settings.contains(metrics)) {
+      if (std::exchange(inaccurate_, true)) return false;
+      diagnostics_.Report(kContradiction, said->second.node->path.span,
+                          "accuracy without metrics collects nothing",
+                          "say which errors: accuracy.metrics position, energy");
+      return false;
+    }
+    const auto report = [&](const dsl::DiagnosticKind& kind, std::string_view parameter,
+                            const std::string& message, const std::string& help) {
+      if (!std::exchange(inaccurate_, true))
+        diagnostics_.Report(kind, configuration.SpanOf({"", FindParameter(parameter, false)}, name),
+                            message, help);
+      return false;
+    };
+    const AccuracyFault fault = FindAccuracyFault(scene);
+    if (!fault.parameter.empty())
+      return report(kContradiction, fault.parameter, fault.message, fault.help);
+    const auto sampling = SamplingOf(scene);
+    if (!sampling) return true;
+    if (!interval_s_) interval_s_ = sampling->interval_s;
+    if (*interval_s_ != sampling->interval_s)
+      return report(kMisplacedSweep, "accuracy.interval", "the interval is the same in every run",
+                    "their samples are one axis");
+    return true;
+  }
+
   const Scenario& scenario_;
   const BenchmarkRef& benchmark_;
   dsl::Diagnostics& diagnostics_;
@@ -643,6 +681,8 @@ class Expander {
   /// Words of `omit` that were refused: the reason may be another one in each run.
   std::set<std::tuple<const dsl::Source*, std::size_t, Component>> needed_;
   std::map<Lint, LintFinding> findings_;
+  bool inaccurate_ = false;           ///< a fault in what is said of accuracy is reported
+  std::optional<double> interval_s_;  ///< of the samples, once some run has any
   /// A point has an error, which another benchmark may have reported already.
   bool broken_ = false;
 };

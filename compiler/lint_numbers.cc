@@ -21,7 +21,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWallThickness = 0.1;
 
 // Thresholds, measured.
-constexpr double kTallStack = 0.025, kMassRatio = 12, kHeavyEndLimit = 0.1, kNarrowFoot = 30;
+constexpr double kTallStack = 0.025, kMassRatio = 12, kHeavyEndLimit = 0.1, kNarrowFoot = 30,
+                 kOverlap = 0.3;
 constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3;
 constexpr double kThinWall = 1.5, kSoftContact = 0.04, kStiffSpring = 2, kThinShape = 30;
 constexpr double kFastSpin = 1.41, kSpinDrift = 0.05;
@@ -55,7 +56,8 @@ struct Objects {
   double tower = 1;    ///< as unsteady as a stack of so many
   double load = 1;     ///< mass of the end of a chain over that of the others
   bool linked = false, springs = false;
-  double gap = 0;  ///< that a stack's objects fall by first; 0 where it is next to none
+  double overlap = 0;  ///< m, of neighbours at the start
+  double gap = 0;      ///< that a stack's objects fall by first; 0 where it is next to none
 };
 
 bool MayBe(const Value& value, std::string_view word) {
@@ -103,6 +105,9 @@ class SceneNumbers {
       if (walls_ != "none" || count_ > 1) FastHit(objects);
       EarlySleep(objects);
       if (objects.springs) StiffSpring(objects);
+      if (!objects.linked && objects.quantity > 1)
+        Add(Lint::kOverlap, objects, objects.overlap / objects.least_side, kOverlap,
+            [&](double excess) { return objects.overlap / excess; });
       FastSpin(objects);
       if (!objects.linked) SpinDrift(objects);
       HugeBox(objects);
@@ -160,6 +165,8 @@ class SceneNumbers {
       objects.place = Vector3d(*real("x"), *real("y"), *real("z")).cwiseAbs();
     } else if (layout->name == "pair") {
       objects.place = Vector3d::Constant(objects.longest_side + *real("distance"));
+    } else if (layout->name == "line") {
+      objects.overlap = std::max(0.0, -real("gap").value_or(0));
     } else if (layout->name == "stack") {
       const auto* height = std::get_if<std::uint64_t>(&ArgumentOf(*layout, "height"));
       objects.stacked = height != nullptr ? std::min(objects.quantity, static_cast<double>(*height))
@@ -329,7 +336,7 @@ class SceneNumbers {
   void ThinShape(const Objects& objects) {
     const Value& type = objects.settings->Get("type");
     const bool is_round = MayBe(type, "sphere") && objects.least_side == objects.longest_side;
-    if (is_round || (std::get_if<Word>(&type) != nullptr && MayBe(type, "cuboid"))) return;
+    if (is_round) return;
     if (count_ < 2 && !box_walls_) return;  // planes are met without GJK
     // What it makes wrong is how deep contacts are, of which only some runs go wrong.
     Add(
@@ -439,8 +446,8 @@ class SceneNumbers {
         const Vector3d aside = (*above - *below).cwiseAbs(), half = foot.most_sides / 2;
         if (aside.x() > half.x() || aside.z() > half.z()) continue;
         const double width = std::min(foot.most_sides.x(), foot.most_sides.z());
-        Add(Lint::kNarrowFoot, load, load.longest_side / width, kNarrowFoot,
-            [width](double excess) { return width * excess; });
+        Add(Lint::kNarrowFoot, load, std::min(load.most_sides.x(), load.most_sides.z()) / width,
+            kNarrowFoot, [width](double excess) { return width * excess; });
       }
     }
   }

@@ -21,6 +21,7 @@ enum class Lint {
   kMassRatio,
   kHeavyEnd,
   kNarrowFoot,
+  kOverlap,
   kLongStep,
   kThinWall,
   kFastHit,

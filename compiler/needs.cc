@@ -94,6 +94,10 @@ class Analysis {
           for (const char* what : {"timing", "counts", "contacts"})
             if (scene_.world.Lists("record", what))
               return {Fate::kKept, fmt::format("record {} asks for it", what)};
+        if (asked != Asked::kByName)
+          for (const char* what : {"contacts", "pairs", "penetration"})
+            if (scene_.world.Lists("accuracy.metrics", what))
+              return {Fate::kKept, fmt::format("accuracy.metrics {} asks for it", what)};
         return IfNothingTouches();
       case Component::kSolver:
         return IfNothingTouches();

@@ -20,6 +20,7 @@ std::string CanonicalText(const Settings& settings) {
 
 std::string CanonicalText(const Scene& scene) {
   std::string text = CanonicalText(scene.world);
+  if (scene.role != Role::kMeasured) text += fmt::format("role {}\n", RoleName(scene.role));
   for (const Group& group : scene.groups)
     text += fmt::format("group {}\n{}", group.name, CanonicalText(group.settings));
   for (const auto& [stream, seed] : scene.seeds)
@@ -33,6 +34,11 @@ std::string CoordinateText(const Coordinate& coordinate) {
 }
 
 }  // namespace
+
+std::string_view RoleName(Role role) {
+  constexpr std::string_view kNames[] = {"measured", "reference", "twin"};
+  return kNames[static_cast<std::size_t>(role)];
+}
 
 const Value& Settings::Get(std::string_view name) const {
   const auto found = values.find(name);
@@ -139,6 +145,8 @@ bool Plan::Records(std::string_view what) const {
 }
 
 std::string Describe(const Plan& plan, const Run& run) {
+  if (run.scene.role != Role::kMeasured)
+    return fmt::format("{} {}", RoleName(run.scene.role), run.id);
   std::string text;
   for (std::size_t i = 0; i < plan.axes.size(); ++i)
     text +=

@@ -49,8 +49,16 @@ struct Group {
   bool operator==(const Group&) const = default;
 };
 
+/// What a run is for. Only measured runs stand on the grid; the others say what is true
+/// (compiler/reference.h).
+enum class Role { kMeasured, kReference, kTwin };
+
+/// `measured`, `reference`, `twin`.
+std::string_view RoleName(Role role);
+
 /// All that decides a run's result.
 struct Scene {
+  Role role = Role::kMeasured;
   Settings world;             ///< every parameter that is not of a group
   std::vector<Group> groups;  ///< at least one
   /// The seed of every stream of random numbers, by its name: `objects.location`, `pebbles.size`,
@@ -83,9 +91,12 @@ struct Axis {
 /// One point of the grid in one repeat.
 struct Run {
   std::string id;  ///< 16 hex digits of a hash of `scene`, `rep` and kPlanVersion; the shard's name
-  std::vector<std::size_t> at;  ///< the index on each axis
+  std::vector<std::size_t> at;  ///< the index on each axis; empty for a reference
   std::uint64_t rep = 0;
   Scene scene;
+  /// Ids of the plan's references that it is held against; empty where there are none, and in a run
+  /// that was read by itself.
+  std::string reference, twin;
   bool operator==(const Run&) const = default;
 };
 
@@ -98,6 +109,8 @@ struct Plan {
   std::uint64_t repeats = 1;
   std::vector<Run> runs;                          ///< in grid order, repeats innermost
   std::vector<std::vector<std::size_t>> skipped;  ///< points that `skip` left out, in grid order
+  /// Reference runs and their twins, each once; they follow from `runs` (AddReferences).
+  std::vector<Run> references;
 
   /// 64 hex digits over axes, repeats, runs and skipped points: what decides the results. Title,
   /// source and text do not.
@@ -113,7 +126,8 @@ struct Plan {
 /// `16 hex digits` for a run; see Run::id.
 std::string RunId(const Scene& scene, std::uint64_t rep);
 
-/// `quantity 1000, detector dbvt, rep 0`: a run's place, for people.
+/// `quantity 1000, detector dbvt, rep 0`: a run's place, for people; `reference 0123…` for one that
+/// has none.
 std::string Describe(const Plan& plan, const Run& run);
 
 }  // namespace cdb::compiler

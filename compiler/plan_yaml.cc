@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "compiler/calls.h"
+#include "compiler/reference.h"
 #include "compiler/schema.h"
 #include "dsl/utf8.h"
 
@@ -89,6 +90,8 @@ void WriteRun(YAML::Emitter& out, const Run& run) {
   out << YAML::Key << "at" << YAML::Value;
   WriteIndices(out, run.at);
   out << YAML::Key << "rep" << YAML::Value << run.rep;
+  if (run.scene.role != Role::kMeasured)
+    out << YAML::Key << "role" << YAML::Value << std::string(RoleName(run.scene.role));
   out << YAML::Key << "world" << YAML::Value << YAML::BeginMap;
   WriteSettings(out, run.scene.world);
   out << YAML::EndMap << YAML::Key << "groups" << YAML::Value << YAML::BeginSeq;
@@ -211,6 +214,7 @@ class Reader {
     run.id = Text(Member(node, "id"));
     run.at = Indices(Member(node, "at"));
     run.rep = Count(Member(node, "rep"));
+    if (node["role"]) run.scene.role = ReadRole(node["role"]);
     run.scene.world = ReadSettings(Member(node, "world"), false);
     for (const YAML::Node& group : Member(node, "groups"))
       run.scene.groups.push_back({Text(Member(group, "name")), ReadSettings(group, true)});
@@ -223,6 +227,12 @@ class Reader {
                                     "write the change into the .cdb file and plan again",
                                     run.id, id));
     return run;
+  }
+
+  Role ReadRole(const YAML::Node& node) const {
+    for (const Role role : {Role::kReference, Role::kTwin})
+      if (Text(node) == RoleName(role)) return role;
+    Fail(node.Mark(), fmt::format("a run has no role `{}`", Text(node)));
   }
 
   Axis ReadAxis(const YAML::Node& node) const {
@@ -262,12 +272,16 @@ class Reader {
       plan.runs.push_back(ReadRun(run));
       CheckPlace(run, plan, plan.runs.back().at);
       if (plan.runs.back().rep >= plan.repeats) Fail(run.Mark(), "`rep` is past `repeats`");
+      if (plan.runs.back().scene.role != Role::kMeasured)
+        Fail(run.Mark(), "references are no runs of a plan; they follow from them");
+      CheckAccuracy(run, plan.runs.back().scene);
     }
     for (const YAML::Node& point : Member(root, "skipped")) {
       plan.skipped.push_back(Indices(point));
       CheckPlace(point, plan, plan.skipped.back());
     }
     plan.scenario_text = Text(Member(root, "scenario"));
+    AddReferences(plan);
     return plan;
   }
 
@@ -364,6 +378,12 @@ class Reader {
 
   [[noreturn]] void FailWord(const YAML::Node& node, const Parameter& parameter) const {
     Fail(node.Mark(), fmt::format("`{}` takes {}", parameter.name, parameter.Takes()));
+  }
+
+  /// What a plan that was compiled keeps to, and its ids do not vouch for.
+  void CheckAccuracy(const YAML::Node& node, const Scene& scene) const {
+    const AccuracyFault fault = FindAccuracyFault(scene);
+    if (!fault.parameter.empty()) Fail(node.Mark(), fault.message);
   }
 
   void CheckPlace(const YAML::Node& node, const Plan& plan,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compiler/calls.h"
+#include "compiler/metrics.h"
 #include "compiler/needs.h"
 #include "compiler/value.h"
 #include "library/catalogue.h"
@@ -151,6 +152,27 @@ constexpr Parameter kParameters[] = {
     {"omit", false, kWords, kAny, kConstant, "", "auto", "auto none", kComponents, "needs",
      "which parts of the engine to leave out that the scene provably does not need",
      "prune exclude skip_parts without leave_out"},
+
+    // What it is held against.
+    {"accuracy.metrics", false, kWords, kAny, kConstant, "", "none", "none", kMetrics, "accuracy",
+     "errors to collect, in a pass of its own beside the timed one",
+     "errors error accuracy"},
+    {"accuracy.interval", false, kReal, kPositive, kConstant, "s", "1 / 15", "", kOwn, "accuracy",
+     "simulated time from one sample to the next; a whole number of time steps, and the same in every run",
+     "accuracy.samples accuracy.every"},
+    {"accuracy.closed_form", false, kWord, kAny, kConstant, "", "none", "none", kClosedForms, "accuracy",
+     "what is true by physics alone; none makes a reference run where errors need one",
+     "accuracy.truth accuracy.analytic"},
+    {"accuracy.reference.timestep", false, kReal, kPositive, kConstant, "s", "1 / 3840", "", kOwn, "accuracy",
+     "time step of the reference run"},
+    {"accuracy.reference.precision", false, kWord, kAny, kConstant, "", "double", "single double", kOwn, "accuracy",
+     "of the reference run"},
+    {"accuracy.reference.detector", false, kWord, kAny, kConstant, "", "dbvt", "", kDetectors, "accuracy",
+     "of the reference run"},
+    {"accuracy.reference.iterations", false, kCount, kCountFromOne, kConstant, "", "100", "", kOwn, "accuracy",
+     "solver.iterations of the reference run"},
+    {"accuracy.reference.contact", false, kWord, kAny, kConstant, "", "same", "same bullet faithful", kOwn, "accuracy",
+     "of the reference run; same is the run's own"},
 };
 // clang-format on
 
@@ -200,6 +222,12 @@ std::vector<std::string_view> Parameter::AllWords() const {
     case kComponents:
       add(Components());
       break;
+    case kMetrics:
+      add(Metrics());
+      break;
+    case kClosedForms:
+      add(library::ClosedForms());
+      break;
   }
   return all;
 }
@@ -218,7 +246,7 @@ std::vector<std::string_view> Parameter::AllCalls() const {
 bool Parameter::TakesCall(std::string_view word) const { return ListsWord(calls, word); }
 
 bool Parameter::StandsAlone(std::string_view word) const {
-  return word_source == kComponents && ListsWord(words, word);
+  return type == kWords && word_source != kOwn && ListsWord(words, word);
 }
 
 std::string Parameter::Takes() const {
@@ -285,7 +313,7 @@ std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped) {
     std::string_view rest = parameter.name;
     if (parameter.grouped != grouped) continue;
     if (!block.empty()) {
-      if (!rest.starts_with(block) || rest[block.size()] != '.') continue;
+      if (!rest.starts_with(std::string(block) + ".")) continue;
       rest.remove_prefix(block.size() + 1);
     }
     const std::size_t dot = rest.find('.');

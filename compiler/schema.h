@@ -23,7 +23,15 @@ enum class ParameterType {
 };
 
 /// Where a parameter's words come from beside its own row.
-enum class WordSource { kOwn, kObjectTypes, kDetectors, kLayouts, kComponents };
+enum class WordSource {
+  kOwn,
+  kObjectTypes,
+  kDetectors,
+  kLayouts,
+  kComponents,
+  kMetrics,
+  kClosedForms,
+};
 
 /// Numbers a parameter takes: those between `min` and `max`. A vector's components each, a ratio's
 /// parts each.

@@ -31,11 +31,23 @@ constexpr LayoutInfo kLayouts[] = {
     {"normal", "each coordinate normal about 0 with a third of the wall's coordinate as deviation"},
 };
 
+constexpr ClosedFormInfo kClosedForms[] = {
+    {"flight", "objects under constant acceleration that touch nothing until the end"},
+    {"bounce", "a ball between walls along one axis, its acceleration along it or 0"},
+    {"slide", "a cuboid on the floor, its acceleration tilted more than friction holds"},
+    {"stick", "a cuboid on the floor, its acceleration tilted less than friction holds"},
+    {"spin", "one object that turns freely, without acceleration"},
+    {"head_on", "two balls that meet along the line of their centres, without acceleration"},
+    {"rolling", "a cuboid on equal balls that roll on the floor, under tilted acceleration"},
+    {"stack", "one column of cuboids at rest on the floor"},
+};
+
 }  // namespace
 
 std::span<const ObjectType> ObjectTypes() { return kObjectTypes; }
 std::span<const DetectorInfo> Detectors() { return kDetectors; }
 std::span<const LayoutInfo> Layouts() { return kLayouts; }
+std::span<const ClosedFormInfo> ClosedForms() { return kClosedForms; }
 
 const DetectorInfo* FindDetector(std::string_view name) {
   const auto* row = std::ranges::find(kDetectors, name, &DetectorInfo::name);

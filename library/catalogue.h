@@ -1,5 +1,5 @@
-// What a scenario can name: object types, detectors, layouts. The compiler, `cdb list` and `cdb
-// doc` read these tables.
+// What a scenario can name: object types, detectors, layouts, closed forms. The compiler, `cdb
+// list` and `cdb doc` read these tables.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,16 @@ struct LayoutInfo {
   std::string_view doc;
 };
 
+struct ClosedFormInfo {
+  std::string_view name;
+  std::string_view doc;
+};
+
 std::span<const ObjectType> ObjectTypes();
 std::span<const DetectorInfo> Detectors();
 std::span<const LayoutInfo> Layouts();
+/// library/closed_forms/closed_form.h makes them.
+std::span<const ClosedFormInfo> ClosedForms();
 
 /// Null where there is none of that name.
 const DetectorInfo* FindDetector(std::string_view name);

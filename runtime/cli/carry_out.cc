@@ -85,7 +85,8 @@ class FolderLock {
 /// Removes the shards that `Merge` has verified, and nothing else.
 void RemoveShards(const compiler::Plan& plan, const fs::path& folder) {
   std::error_code ignored;
-  for (const compiler::Run& run : plan.runs) fs::remove(folder / (run.id + ".h5"), ignored);
+  for (const auto* runs : {&plan.runs, &plan.references})
+    for (const compiler::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
   fs::remove(folder / "plan.yaml", ignored);
   fs::remove(folder, ignored);
 }

@@ -54,7 +54,9 @@ struct StabilityArguments {
 int CheckCommand(const std::vector<std::string>& files);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
-int ShowCommand(const std::string& file, const std::vector<std::string>& by);
+/// `error`: an array of /accuracy to set against run time, or empty for the summary.
+int ShowCommand(const std::string& file, const std::vector<std::string>& by,
+                const std::string& error);
 /// Runs the suite, going on where it stopped, and prints the map. What ends badly there is what it
 /// is for: exit status 0.
 int StabilityCommand(const StabilityArguments& arguments);

@@ -11,6 +11,7 @@
 
 #include "compiler/calls.h"
 #include "compiler/lints.h"
+#include "compiler/metrics.h"
 #include "compiler/needs.h"
 #include "compiler/schema.h"
 #include "dsl/diagnostics.h"
@@ -140,6 +141,22 @@ std::string AllLints() {
   return table.Text();
 }
 
+std::string AllErrors() {
+  Table table;
+  for (const char* head : {"error", "metrics", "unit", "held against", "up to", ""})
+    table.AddColumn(head, false);
+  for (const compiler::ErrorInfo& error : compiler::Errors())
+    table.AddRow({std::string(error.name), std::string(error.metric), std::string(error.unit),
+                  error.needs_truth ? "truth" : "nothing", error.to_horizon ? "horizon" : "end",
+                  std::string(error.doc)});
+  Table forms;
+  forms.AddColumn("closed form", false);
+  forms.AddColumn("", false);
+  for (const library::ClosedFormInfo& form : library::ClosedForms())
+    forms.AddRow({std::string(form.name), std::string(form.doc)});
+  return table.Text() + "\n" + forms.Text();
+}
+
 template <typename Rows, typename Doc>
 std::string Names(const char* title, const Rows& rows, Doc doc) {
   Table table;
@@ -204,6 +221,8 @@ constexpr Topic kTopics[] = {
      [] { return std::string(kOmitReference) + AllComponents() + "\n"; }},
     {"lints", "numbers that Bullet cannot follow, before anything runs",
      [] { return std::string(kLintsReference) + AllLints() + "\n"; }},
+    {"accuracy", "errors beside timings, and what they are held against",
+     [] { return std::string(kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",
      [] { return std::string(kResultsReference) + AllSeriesText(); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},

@@ -77,12 +77,15 @@ int Main(int argc, char** argv) {
     status = RunCommand(run_arguments);
   });
 
-  std::string results;
+  std::string results, error_name;
   std::vector<std::string> by;
   auto* show = app.add_subcommand("show", "a summary of a results file on the terminal");
   show->add_option("FILE", results, "results file")->required();
   show->add_option("--by", by, "axes that make the rows (quantity,detector)")->delimiter(',');
-  show->callback([&] { status = ShowCommand(results, by); });
+  show->add_option("--error", error_name,
+                   "an error against run time (position, energy: cdb doc accuracy); --by then "
+                   "makes a table for each value");
+  show->callback([&] { status = ShowCommand(results, by, error_name); });
 
   StabilityArguments stability_arguments;
   auto* stability = app.add_subcommand(

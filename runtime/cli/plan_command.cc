@@ -96,6 +96,9 @@ std::string PlanTable(const compiler::Plan& plan) {
       "{}: {} {}{}{}\n", plan.benchmark, plan.runs.size(), plan.runs.size() == 1 ? "run" : "runs",
       grid.empty() ? "" : " = " + grid,
       plan.skipped.empty() ? "" : fmt::format(", {} left out by skip", plan.skipped.size()));
+  if (!plan.references.empty())
+    text += fmt::format("  held against {} reference runs, half of them twins: cdb doc accuracy\n",
+                        plan.references.size());
   Table table;
   table.AddColumn("run", false);
   for (const compiler::Axis& axis : plan.axes) table.AddColumn(axis.name, !axis.IsText());

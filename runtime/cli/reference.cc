@@ -46,6 +46,8 @@ STATEMENTS
   omit auto                   leaves out what a scene provably does not need; `omit none` times
                               everything; `omit walls, solver` leaves out these: `cdb doc omit`
 
+  accuracy { ... }            what to hold each run against, and by which errors: `cdb doc accuracy`
+
 VALUES
   arithmetic                  + - * / ^ and ( ); exact as long as numbers are whole and fit 64 bits.
                               Vectors add, and stretch by a number.
@@ -113,7 +115,7 @@ OBJECTS
   says how full the cube is.
 
 NOT YET
-  accuracy { } and plug-in detectors are refused.
+  Plug-in detectors are refused.
 )reference";
 
 const std::string_view kOmitReference = R"reference(WHAT A RUN LEAVES OUT
@@ -175,6 +177,46 @@ solver.iterations.
 
 )reference";
 
+const std::string_view kAccuracyReference = R"reference(ERRORS BESIDE TIMINGS
+
+  accuracy {
+    metrics  position, energy
+    reference { timestep 1/3840; precision double }
+  }
+
+Each run is timed as without it and then run once more from the same start, without a clock, and
+sampled every `interval`. Both passes must end in the same state to the last bit: a run that does not
+repeat itself fails. Its samples are held against the truth:
+
+  closed_form flight          what physics says of a simple scene, where it fits; else
+  reference { ... }           a run of the same scene from the same start over the same time with these
+                              settings. Runs that differ in nothing else share one, so that a sweep of
+                              time step x iterations x detector needs one; `cdb plan` counts them.
+
+A reference has a twin, whose objects start 1e-9 of their size away. Where the two part, nobody knows
+the truth: `horizon` is the time at which their places are a tenth of a size apart (root of the mean
+square over objects; the end where they never are), and errors of position and velocity are taken
+up to it. The `floor` of an error is its value between the two: an error below it says nothing. A
+closed form has neither: its horizon is the end and its floors are 0.
+
+The errors of a sample become one number as the table says; the start is left out. What cannot be had
+has no value, and `message` says why: the reference failed, the state of a run is not a number, the
+closed form does not fit. Objects that are fixed count nowhere. A size is an object's largest side.
+The energy of a scene, that errors of energy are divided by, is the most kinetic energy of the
+reference at a sample and what lifts every object by its own size; a closed form says its own. Energy
+is compared as it changes from each run's own start. Heights are along the acceleration at the start.
+An exact box is the tightest around the solid, in double, where the detector last looked; Bullet's
+are larger by margins and by what an object moves in a step, so that it always has phantom pairs.
+
+  /accuracy/NAME (..., rep)             and NAME_floor, horizon, timestep, truth, message
+  /accuracy/NAME_series (..., rep, sample)
+  /accuracy/reference/...               states and observables of each reference run and its twin
+
+  cdb show FILE --error NAME            each configuration: how fast, how wrong, and whether it is on
+                                        the Pareto front; --by AXIS makes a table for each of its values
+
+)reference";
+
 const std::string_view kResultsReference = R"reference(THE RESULTS FILE
 
 One benchmark, one HDF5 file that is netCDF-4 too: the whole sweep as one tensor with named axes.
@@ -194,6 +236,7 @@ For axes quantity and detector:
   omitted                                 parts of the engine that the run left out: `cdb doc omit`
   needs                                   what became of each part and why, a line each
   run_id, message, host, started, load, peak_rss, place_time, build_time, fill_fraction
+  /accuracy                               errors, where the scenario asks for them: cdb doc accuracy
   /provenance                             build, machine, plan_text, scenario_text; models: how well
                                           convex hulls stand for the meshes of the scene
 

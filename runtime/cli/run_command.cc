@@ -7,12 +7,14 @@
 #include <system_error>
 
 #include "compiler/plan_yaml.h"
+#include "compiler/reference.h"
 #include "runtime/cli/carry_out.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/cli/show.h"
+#include "runtime/cli/show_error.h"
 #include "runtime/schedule/stop.h"
 #include "runtime/store/store.h"
 
@@ -68,6 +70,7 @@ compiler::Plan OnlyRun(const std::vector<compiler::Plan>& plans, const std::stri
     run.rep = 0;
     run.id = compiler::RunId(run.scene, run.rep);
     one.runs = {run};
+    compiler::AddReferences(one);
     return one;
   }
   throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", id));
@@ -120,8 +123,10 @@ int RunCommand(const RunArguments& arguments) {
   return status;
 }
 
-int ShowCommand(const std::string& file, const std::vector<std::string>& by) {
-  const ShowText shown = Show(ResultFile(file), {by});
+int ShowCommand(const std::string& file, const std::vector<std::string>& by,
+                const std::string& error) {
+  const ShowText shown =
+      error.empty() ? Show(ResultFile(file), {by}) : ShowError(ResultFile(file), {error, by});
   Print(shown.text);
   return shown.bad_cells > 0 ? kExitRuns : kExitGood;
 }

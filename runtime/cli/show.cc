@@ -80,7 +80,7 @@ class Summary {
     std::vector<std::vector<std::size_t>> tables;
     if (!options.by.empty()) {
       tables.emplace_back();
-      for (const std::string& name : options.by) tables.back().push_back(FindAxis(name));
+      for (const std::string& name : options.by) tables.back().push_back(FindAxis(file_, name));
     } else if (rows <= kMaxRows) {
       tables.push_back(all);
     } else {
@@ -89,7 +89,7 @@ class Summary {
     if (!good_.empty())
       for (const auto& by : tables) text += Tables(by);
     text += Ratios(all);
-    return {text, bad_.size()};
+    return {text, bad_.size() + references_.size()};
   }
 
  private:
@@ -114,31 +114,13 @@ class Summary {
       ++skipped_;
     } else if (status == Status::kMissing) {
       ++missing_;
-    } else if (status != Status::kDone) {
-      const std::string message = file_.ReadText("message", cell);
-      bad_.push_back(
-          {cell, std::string(StatusName(status)) + (message.empty() ? "" : ": ") + message});
+    } else if (const auto trouble = Trouble(file_, cell)) {
+      bad_.push_back({cell, *trouble});
     } else {
       const Judgement judgement = file_.ReadJudgement(cell);
-      if (HasVoidTimings(judgement.verdict)) {
-        bad_.push_back({cell, fmt::format("{} from cycle {} on", VerdictName(judgement.verdict),
-                                          judgement.first_bad_cycle)});
-        return;
-      }
       good_.push_back(cell);
       verdicts_[judgement.verdict].push_back({cell, judgement.first_bad_cycle});
     }
-  }
-
-  std::size_t FindAxis(const std::string& name) const {
-    std::string names;
-    for (std::size_t i = 0; i < file_.axes().size(); ++i) {
-      if (file_.axes()[i].name == name) return i;
-      names += (i == 0 ? "" : ", ") + file_.axes()[i].name;
-    }
-    throw StoreError(names.empty()
-                         ? fmt::format("there is no axis '{}': this file has none", name)
-                         : fmt::format("there is no axis '{}'; there are {}", name, names));
   }
 
   /// What the physics of the runs in the figures is worth. Nothing where no run was judged.
@@ -192,6 +174,8 @@ class Summary {
     if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
       text += fmt::format(
           "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
+    for (const std::string& trouble : references_)
+      text += fmt::format("  What runs are held against is not there: {}\n", trouble);
     text += LeftOut() + Models() + Verdicts();
     if (missing_ > 0) text += fmt::format("  {} not run yet.\n", missing_);
     if (!bad_.empty()) {
@@ -412,6 +396,7 @@ class Summary {
   }
 
   const ResultFile& file_;
+  const std::vector<std::string> references_ = file_.ReadReferenceTroubles();  ///< that fail
   std::vector<Cell> good_;
   std::vector<Bad> bad_;
   struct Judged {
@@ -423,6 +408,29 @@ class Summary {
 };
 
 }  // namespace
+
+std::size_t FindAxis(const ResultFile& file, const std::string& name) {
+  std::string names;
+  for (std::size_t i = 0; i < file.axes().size(); ++i) {
+    if (file.axes()[i].name == name) return i;
+    names += (i == 0 ? "" : ", ") + file.axes()[i].name;
+  }
+  throw StoreError(names.empty() ? fmt::format("there is no axis '{}': this file has none", name)
+                                 : fmt::format("there is no axis '{}'; there are {}", name, names));
+}
+
+std::optional<std::string> Trouble(const ResultFile& file, const ResultFile::Cell& cell) {
+  const Status status = file.ReadStatus(cell);
+  if (status == Status::kMissing) return "not run yet";
+  if (status != Status::kDone) {
+    const std::string message = file.ReadText("message", cell);
+    return std::string(StatusName(status)) + (message.empty() ? "" : ": ") + message;
+  }
+  const Judgement judgement = file.ReadJudgement(cell);
+  if (!HasVoidTimings(judgement.verdict)) return std::nullopt;
+  return fmt::format("{} from cycle {} on", VerdictName(judgement.verdict),
+                     judgement.first_bad_cycle);
+}
 
 double Percentile(const std::vector<double>& sorted, double p) {
   if (sorted.empty()) return kNone;

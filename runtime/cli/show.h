@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,13 +20,19 @@ inline constexpr std::size_t kMaxRows = 60;
 
 struct ShowText {
   std::string text;
-  std::size_t bad_cells = 0;  ///< failed, crashed, timed out, or with timings that do not count
+  std::size_t bad_cells = 0;  ///< failed, crashed, timed out, or with void timings; references too
 };
 
 /// What runs did without, as far as it changes the figures; median, 5th and 95th percentile of
 /// every phase, pairs and contacts; the ratio between detectors. Cells that did not end well are in
 /// none of it, and said so. Throws StoreError, also for an axis that the file has not got.
 ShowText Show(const ResultFile& file, const ShowOptions& options = {});
+
+/// The place of an axis. Throws StoreError that names those of the file.
+std::size_t FindAxis(const ResultFile& file, const std::string& name);
+
+/// Why the figures of a cell that was not skipped do not count; nullopt where they do.
+std::optional<std::string> Trouble(const ResultFile& file, const ResultFile::Cell& cell);
 
 /// The value below which a part `p` of the sorted values lies, between two of them in proportion;
 /// NaN for none.

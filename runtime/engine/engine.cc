@@ -9,6 +9,7 @@
 
 #include "dsl/check.h"
 #include "library/scene_error.h"
+#include "library/walls.h"
 #include "runtime/engine/broad_phase.h"
 #include "runtime/engine/conversions.h"
 #include "runtime/engine/precision.h"
@@ -236,7 +237,8 @@ void Engine::MakeWall(int wall) {
   }
   btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, wall_shapes_.back().get());
   info.m_startWorldTransform.setOrigin(ToBullet(centre));
-  info.m_restitution = 1;
+  info.m_friction = static_cast<btScalar>(library::kWallFriction);
+  info.m_restitution = static_cast<btScalar>(library::kWallRestitution);
   auto body = std::make_unique<btRigidBody>(info);
   body->setUserIndex(static_cast<int>(objects_.size()) + wall);
   walls_.push_back(std::move(body));

@@ -18,11 +18,9 @@ namespace cdb::runtime {
 
 /// Holds only what the run does not leave out; every body moves as it would with all of it.
 ///
-/// Walls are fixed bodies with Bullet's own friction of 0.5 and a restitution of 1, so that what a
-/// bounce off a wall keeps is the object's restitution (Bullet's contact takes the product of
-/// both). `plane` walls are infinite half spaces; `box` walls are a tenth of the cube's side thick
-/// and reach over its edges. A fixed object keeps its place: its velocities are drawn and left out.
-/// Not for several threads.
+/// Walls are fixed bodies with the friction and restitution of library/walls.h. `plane` walls are
+/// infinite half spaces; `box` walls are a tenth of the cube's side thick and reach over its edges.
+/// A fixed object keeps its place: its velocities are drawn and left out. Not for several threads.
 class Engine {
  public:
   /// Builds the world of `state`, which MakeInitialState drew from `scene`, without what

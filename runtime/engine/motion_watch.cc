@@ -69,21 +69,27 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
     const double spin = ToEigen(body.getAngularVelocity()).norm();
     seen.displacement = std::max(
         seen.displacement, (ToEigen(pose.getOrigin()) - track.start).norm() / track.least_side);
-    if (body.isActive() && spin * timestep > kLeastTurn)
+    // A body that ccd sweeps stops where it hits.
+    const bool is_swept =
+        body.getCcdMotionThreshold() > 0 &&
+        velocity.norm() * timestep > static_cast<double>(body.getCcdMotionThreshold());
+    if (body.isActive() && !is_swept && spin * timestep > kLeastTurn)
       seen.turn_ratio = std::fmin(seen.turn_ratio,
                                   AngleBetween(pose.getBasis(), track.basis) / (spin * timestep));
     track.position = pose.getOrigin();
     track.velocity = body.getLinearVelocity();
     if (spin != 0) track.basis = pose.getBasis();
-    // A body that ccd sweeps stops where it hits.
-    const bool is_swept =
-        body.getCcdMotionThreshold() > 0 &&
-        velocity.norm() * timestep > static_cast<double>(body.getCcdMotionThreshold());
-    if (!body.isActive() || touches[i] != 0 || is_swept) {
+    // Bullet moves a body by its velocity at the end of the step, and out of what it overlaps.
+    const bool is_pushed = touches[i] == kPushed || is_swept;
+    if (!body.isActive() || is_pushed) {
       Forget(track);
       continue;
     }
-    // Bullet moves a body by its velocity at the end of the step.
+    if (touches[i] != kFree) {
+      track.gained = track.due = 0;
+      // What rests trembles, by less than can matter.
+      if (!(velocity.norm() * timestep > kLeastWay * track.least_side)) continue;
+    }
     track.gone += way.cwiseAbs();
     track.to_go += velocity.cwiseAbs() * timestep;
     for (int axis = 0; axis < 3; ++axis) {
@@ -93,7 +99,7 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
       worst = std::abs(ratio - 1);
       seen.motion_ratio = ratio;
     }
-    if (track.is_damped || !(pull > 0)) continue;
+    if (track.is_damped || !(pull > 0) || touches[i] != kFree) continue;
     track.gained += gain;
     track.due += pull * timestep;
     if (track.due > (kLeastCycles - 0.5) * pull * timestep)

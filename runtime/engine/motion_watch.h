@@ -13,6 +13,13 @@ namespace cdb::runtime {
 /// The engine must outlive it. Not for several threads.
 class MotionWatch {
  public:
+  /// What else than gravity acted on a body in a cycle.
+  enum Touch : char {
+    kFree,
+    kHeld,    ///< changed its velocity: a contact, a link
+    kPushed,  ///< moved it besides: an overlap
+  };
+
   explicit MotionWatch(Engine& engine);
 
   /// Call once before the first cycle: where the objects' ways begin.
@@ -23,7 +30,7 @@ class MotionWatch {
     /// Farthest way of an object from its place at Begin, before that was rounded to Bullet's
     /// precision, over its least side.
     double displacement = 0;
-    /// Sum |dx| over sum |v| dt along one axis, since the object's last contact; of all objects and
+    /// Sum |dx| over sum |v| dt along one axis, since the object was last pushed; of all objects and
     /// axes the one farthest from 1. Ways below a hundredth of the object's least side are not
     /// looked at: what rounding takes from them does not matter.
     double motion_ratio = std::numeric_limits<double>::quiet_NaN();
@@ -34,8 +41,7 @@ class MotionWatch {
     double turn_ratio = std::numeric_limits<double>::quiet_NaN();
   };
 
-  /// Call after each cycle. `touches`: by body, not 0 where something other than gravity may have
-  /// moved it.
+  /// Call after each cycle. `touches`: by body, a Touch.
   Seen After(std::span<const char> touches);
 
  private:

@@ -177,12 +177,15 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
     const int b = manifold.getBody1()->getUserIndex();
     ++manifolds;
     contacts += count;
-    if (!touches_.empty())
-      touches_[static_cast<std::size_t>(a)] = touches_[static_cast<std::size_t>(b)] = 1;
     for (int j = 0; j < count; ++j) {
       const btManifoldPoint& point = manifold.getContactPoint(j);
       const double distance = static_cast<double>(point.getDistance());
       deepest = std::max(deepest, -distance);
+      if (!touches_.empty())
+        for (const int body : {a, b}) {
+          char& touch = touches_[static_cast<std::size_t>(body)];
+          touch = std::max<char>(touch, distance < 0 ? MotionWatch::kPushed : MotionWatch::kHeld);
+        }
       if (distance < 0 && !least_sides_.empty())
         deepest_ratio = std::max(deepest_ratio, -distance / SmallerSide(a, b));
       if (!streams_contacts_) continue;
@@ -211,6 +214,22 @@ bool Probes::IsBeyondWall(const btVector3& centre) const {
   return floor_ && at.y() < -half;
 }
 
+/// Past this, Bullet takes the body out, or where it may not sleep leaves its box where it was
+/// (btCollisionWorld::updateSingleAabb).
+bool Probes::IsTooLarge(const btRigidBody& body) const {
+  constexpr btScalar kMostDiagonal = btScalar(1e6);
+  const btScalar way = body.getLinearVelocity().length() * engine_.timestep();
+  const btScalar disc = body.getCollisionShape()->getAngularMotionDisc();
+  if (4 * (disc + way) < kMostDiagonal) return false;
+  btVector3 lower, upper, swept_lower, swept_upper;
+  const btCollisionShape& shape = *body.getCollisionShape();
+  shape.getAabb(body.getWorldTransform(), lower, upper);
+  shape.getAabb(body.getInterpolationWorldTransform(), swept_lower, swept_upper);
+  lower.setMin(swept_lower);
+  upper.setMax(swept_upper);
+  return !((upper - lower).length() < kMostDiagonal);
+}
+
 void Probes::RecordStability(std::uint64_t cycle) {
   double fastest = 0;
   std::int32_t escaped = 0, asleep = 0, removed = 0, non_finite = 0;
@@ -223,7 +242,7 @@ void Probes::RecordStability(std::uint64_t cycle) {
     if (body->isStaticObject()) continue;  // Bullet marks fixed bodies as asleep
     fastest = std::max(fastest, ToEigen(body->getLinearVelocity()).norm());
     asleep += body->getActivationState() == ISLAND_SLEEPING;
-    removed += body->getActivationState() == DISABLE_SIMULATION;
+    removed += body->getActivationState() == DISABLE_SIMULATION || IsTooLarge(*body);
   }
   max_speed_[cycle] = fastest;
   escaped_[cycle] = escaped;

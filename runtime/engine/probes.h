@@ -33,6 +33,7 @@ class Probes {
   void RecordLinks(std::uint64_t cycle);
   void RecordMotion(std::uint64_t cycle);
   bool IsBeyondWall(const btVector3& centre) const;
+  bool IsTooLarge(const btRigidBody& body) const;
   double SmallerSide(int a, int b) const;
 
   Engine& engine_;

@@ -6,12 +6,16 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <stdexcept>
 #include <string>
 
+#include "compiler/reference.h"
 #include "library/layouts/initial_state.h"
+#include "library/layouts/nudge.h"
 #include "library/layouts/placement.h"
 #include "library/objects/solid_maker.h"
 #include "runtime/engine/probes.h"
+#include "runtime/engine/sampler.h"
 #include "runtime/engine/schedules.h"
 #include "runtime/engine/settle.h"
 #include "runtime/engine/state_hash.h"
@@ -26,27 +30,67 @@ void CopyText(const std::string& text, char (&to)[size]) {
   to[length] = '\0';
 }
 
+/// One cycle after the other, with what belongs to each.
+class Stepper {
+ public:
+  Stepper(const compiler::Scene& scene, Engine& engine)
+      : engine_(engine), schedules_(scene, engine), tripwire_(engine) {}
+
+  void Step() {
+    schedules_.BeforeStep(steps_++);
+    tripwire_.BeforeStep();
+    engine_.Step();
+    tripwire_.AfterStep();
+  }
+
+ private:
+  Engine& engine_;
+  Schedules schedules_;
+  Tripwire tripwire_;
+  std::uint64_t steps_ = 0;
+};
+
 void RunCycles(const compiler::Scene& scene, Engine& engine, Recording& recording,
                int contacts_fd) {
   Probes probes(scene, engine, recording, contacts_fd);
   const std::uint64_t warmup = scene.world.Count("warmup");
   const std::uint64_t cycles = scene.world.Count("cycles");
-  Schedules schedules(scene, engine);
-  Tripwire tripwire(engine);
-  std::uint64_t steps = 0;
-  const auto step = [&] {
-    schedules.BeforeStep(steps++);
-    tripwire.BeforeStep();
-    engine.Step();
-    tripwire.AfterStep();
-  };
-  for (std::uint64_t i = 0; i < warmup; ++i) step();
+  Stepper stepper(scene, engine);
+  for (std::uint64_t i = 0; i < warmup; ++i) stepper.Step();
   probes.Begin();
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
-    step();
+    stepper.Step();
     probes.Record(cycle);
     recording.header().cycles_done.store(cycle + 1, std::memory_order_release);
   }
+}
+
+/// All of it once, in a world that nobody has stepped yet.
+void CollectSamples(const compiler::Scene& scene, Engine& engine, Recording& recording) {
+  Sampler sampler(scene, engine, recording);
+  Stepper stepper(scene, engine);
+  const std::uint64_t cycles = scene.world.Count("warmup") + scene.world.Count("cycles");
+  sampler.Begin();
+  for (std::uint64_t i = 0; i < cycles; ++i) {
+    sampler.BeforeStep();
+    stepper.Step();
+    sampler.AfterStep();
+  }
+}
+
+/// The same run once more without a clock, from the start, for the samples alone. It has to go the
+/// same way.
+void RunAgain(const compiler::Scene& scene, const Engine& first, Recording& recording) {
+  compiler::Scene quiet = scene;
+  quiet.world.values.insert_or_assign("record", compiler::WordList{});
+  Engine engine(quiet, first.initial_state(), first.omissions());
+  CollectSamples(scene, engine, recording);
+  const std::string hash = StateHash(engine);
+  if (hash != recording.header().state_hash)
+    throw std::runtime_error(
+        fmt::format("the pass that collects errors ended in the state {} and the timed one in {}: "
+                    "this run does not repeat itself, and neither pass can be trusted",
+                    hash, recording.header().state_hash));
 }
 
 }  // namespace
@@ -67,6 +111,7 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
     CopyText(library::FormsText(state.forms), header.models);
     library::Place(run.scene, state);
     if (HasPile(run.scene)) SettlePiles(run.scene, state);
+    if (run.scene.role == compiler::Role::kTwin) library::Nudge(run.scene, state);
     const std::int64_t build_begin = Now();
     header.place_ns = static_cast<double>(build_begin - place_begin);
     Omissions omissions = SettleNeeds(run.scene, state);
@@ -75,8 +120,16 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
     header.build_ns = static_cast<double>(Now() - build_begin);
     CopyText(compiler::OmittedNames(engine->omissions().needs), header.omitted);
     CopyText(compiler::NeedsText(engine->omissions().needs), header.needs);
-    RunCycles(run.scene, *engine, recording, contacts_fd);
+    if (run.scene.role == compiler::Role::kMeasured) {
+      RunCycles(run.scene, *engine, recording, contacts_fd);
+    } else {
+      CollectSamples(run.scene, *engine, recording);
+      header.cycles_done.store(run.scene.world.Count("cycles"), std::memory_order_release);
+    }
     CopyText(StateHash(*engine), header.state_hash);
+    header.peak_rss_bytes = PeakRssBytes();
+    if (run.scene.role == compiler::Role::kMeasured && compiler::SamplingOf(run.scene))
+      RunAgain(run.scene, *engine, recording);
     header.outcome.store(WorkerOutcome::kDone, std::memory_order_release);
   } catch (const Tripped& tripped) {
     if (HowAsked(run.scene, compiler::Component::kWalls) == compiler::Asked::kAuto) throw;

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -61,7 +62,9 @@ void RunWorker(const char* program, const std::string& keep_walls) {
       StartAgain(program, recording, tripped);
     }
   }
-  recording.header().peak_rss_bytes = PeakRssBytes();
+  // Where the run did not get that far.
+  if (std::isnan(recording.header().peak_rss_bytes))
+    recording.header().peak_rss_bytes = PeakRssBytes();
 }
 
 }  // namespace

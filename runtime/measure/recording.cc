@@ -34,6 +34,11 @@ Recording::Recording(int fd, const compiler::Scene& scene, bool create) : fd_(fd
     places_.push_back({&series, bytes_, bytes});
     bytes_ += Aligned(bytes);
   }
+  if (const auto shape = SampleShapeOf(scene)) {
+    samples_offset_ = bytes_;
+    samples_count_ = shape->Count();
+    bytes_ += Aligned(samples_count_ * sizeof(double));
+  }
   if (create && ftruncate(fd_, static_cast<off_t>(bytes_)) != 0)
     throw std::system_error(errno, std::generic_category(), "no memory for the recording of a run");
   struct stat status = {};
@@ -71,6 +76,7 @@ void Recording::Clear() {
       std::ranges::fill(Reals(place.series->name), kNone);
     }
   }
+  std::ranges::fill(SampleValues(), kNone);
 }
 
 Recording Recording::Open(int fd, const compiler::Scene& scene) {
@@ -85,7 +91,9 @@ Recording::Recording(Recording&& other) noexcept
     : fd_(std::exchange(other.fd_, -1)),
       header_(std::exchange(other.header_, nullptr)),
       bytes_(other.bytes_),
-      places_(std::move(other.places_)) {}
+      places_(std::move(other.places_)),
+      samples_offset_(other.samples_offset_),
+      samples_count_(other.samples_count_) {}
 
 Recording::~Recording() {
   if (header_ != nullptr) munmap(header_, bytes_);
@@ -97,6 +105,11 @@ std::span<std::byte> Recording::Find(const Series& series) const {
     if (place.series == &series)
       return {reinterpret_cast<std::byte*>(header_) + place.offset, place.bytes};
   return {};
+}
+
+std::span<double> Recording::SampleValues() const {
+  auto* memory = reinterpret_cast<std::byte*>(header_);
+  return {reinterpret_cast<double*>(memory + samples_offset_), samples_count_};
 }
 
 std::span<const std::byte> Recording::Bytes(const Series& series) const { return Find(series); }

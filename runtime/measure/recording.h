@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "compiler/plan.h"
+#include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 
 namespace cdb::runtime {
@@ -74,6 +75,9 @@ class Recording {
   std::span<const double> Reals(std::string_view series) const { return Find<double>(series); }
   /// The same as bytes.
   std::span<const std::byte> Bytes(const Series& series) const;
+  /// The run's samples, in the places that SampleShapeOf the scene gives them; empty where it asks
+  /// for no errors.
+  std::span<double> SampleValues() const;
 
  private:
   Recording(int fd, const compiler::Scene& scene, bool create);
@@ -92,6 +96,7 @@ class Recording {
     std::size_t offset, bytes;
   };
   std::vector<Place> places_;
+  std::size_t samples_offset_ = 0, samples_count_ = 0;
 };
 
 /// The worker's descriptors, set up by whoever starts it: one run as YAML to read, the recording,

@@ -28,12 +28,13 @@ constexpr Series kSeries[] = {
     {"escaped", "stability", kInt32, kScalar, "", "objects with their centre beyond a wall"},
     {"asleep", "stability", kInt32, kScalar, "", "objects that Bullet has put to sleep"},
     {"removed", "stability", kInt32, kScalar, "",
-     "objects whose simulation Bullet has switched off"},
+     "objects that Bullet has switched off, or whose box it cannot hold"},
     {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not a number"},
     {"displacement", "stability", kFloat64, kScalar, "",
      "farthest way of an object from its place before the first cycle, over its least side"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
-     "way gone over way to go, sum |dx| / sum |v| dt along one axis since the last contact, where "
+     "way gone over way to go, sum |dx| / sum |v| dt along one axis since it was last pushed, "
+     "where "
      "it is farthest from 1"},
     {"fall_ratio", "stability", kFloat64, kScalar, "",
      "least gain of speed over what gravity gives, dv / (g dt), since the last contact"},
@@ -59,6 +60,8 @@ std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) cons
       return cycles * kPhaseCount;
     case kPose:
       return cycles * objects * kPoseSize;
+    case kSample:
+      break;
   }
   return 0;
 }

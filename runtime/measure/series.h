@@ -17,6 +17,7 @@ enum class SeriesShape {
   kScalar,  ///< [cycle]
   kPhase,   ///< [phase, cycle]
   kPose,    ///< [cycle, body, pose]: x y z qx qy qz qw
+  kSample,  ///< [sample]; errors, of which a run's recording knows nothing
 };
 
 struct Series {

@@ -70,6 +70,7 @@ ShardFolder::ShardFolder(const compiler::Plan& plan, fs::path folder, bool fresh
 void ShardFolder::RefuseOthers(const compiler::Plan& plan) const {
   std::unordered_set<std::string_view> ids;
   for (const compiler::Run& run : plan.runs) ids.insert(run.id);
+  for (const compiler::Run& run : plan.references) ids.insert(run.id);
   ForEachName(folder_, [&](const std::string& name) {
     const std::string id = ShardRunId(name, kShardEnding);
     if (!id.empty() && !ids.contains(id)) RefuseMixture(folder_ / name);

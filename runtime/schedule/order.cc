@@ -81,6 +81,16 @@ std::vector<Rivals> Pick(std::vector<Rivals> groups, ShardChoice shard) {
 
 }  // namespace
 
+std::vector<const compiler::Run*> ReferencesOf(const compiler::Plan& plan,
+                                               const std::vector<const compiler::Run*>& runs) {
+  std::unordered_set<std::string_view> wanted;
+  for (const compiler::Run* run : runs) wanted.insert({run->reference, run->twin});
+  std::vector<const compiler::Run*> references;
+  for (const compiler::Run& reference : plan.references)
+    if (wanted.contains(reference.id)) references.push_back(&reference);
+  return references;
+}
+
 double EstimatedWork(const compiler::Run& run) {
   const compiler::Settings& world = run.scene.world;
   const auto cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));

@@ -22,6 +22,10 @@ struct ShardChoice {
 /// that there is not.
 std::vector<const compiler::Run*> OrderRuns(const compiler::Plan& plan, ShardChoice shard = {});
 
+/// The references that `runs` are held against, each once, in the order of the plan.
+std::vector<const compiler::Run*> ReferencesOf(const compiler::Plan& plan,
+                                               const std::vector<const compiler::Run*>& runs);
+
 /// Work of a run in arbitrary units, to weigh runs that nobody has timed yet: objects x cycles, and
 /// the cost of a process.
 double EstimatedWork(const compiler::Run& run);

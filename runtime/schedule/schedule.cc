@@ -8,9 +8,11 @@
 #include <string>
 #include <utility>
 
+#include "compiler/reference.h"
 #include "dsl/check.h"
 #include "runtime/measure/series.h"
 #include "runtime/schedule/folder.h"
+#include "runtime/schedule/held_against.h"
 #include "runtime/schedule/worker.h"
 
 namespace cdb::runtime {
@@ -22,11 +24,16 @@ constexpr double kTick = 1;  // s
 /// A shard is as wide as the widest run of the plan, and is made in memory. Said before hours of
 /// work rather than after.
 void CheckMemory(const compiler::Plan& plan) {
-  double bytes = 0;
+  double bytes = 0, sampled = 0;
   for (const Series& series : AllSeries())
     if (series.IsRecordedBy(plan))
       bytes += static_cast<double>(series.ItemBytes() *
                                    series.ValueCount(plan.MaxCycles(), plan.MaxObjects()));
+  for (const compiler::Run& run : plan.runs)
+    if (const auto shape = SampleShapeOf(run.scene))
+      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
+  // Those of the run, of its reference and of its twin.
+  bytes += 3 * sampled;
   std::ifstream info("/proc/meminfo");
   for (std::string name; info >> name; std::getline(info, name)) {
     double kib = 0;
@@ -51,7 +58,9 @@ class Execution {
 
   Summary Run() {
     CheckMemory(plan_);
-    const std::vector<const compiler::Run*> all = OrderRuns(plan_, options_.shard);
+    const std::vector<const compiler::Run*> measured = OrderRuns(plan_, options_.shard);
+    std::vector<const compiler::Run*> all = ReferencesOf(plan_, measured);
+    all.insert(all.end(), measured.begin(), measured.end());
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
     for (const compiler::Run* run : all) {
@@ -103,7 +112,7 @@ class Execution {
   bool FillSlots() {
     bool is_busy = false;
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
-      if (slots_[slot] == nullptr && !IsStopped()) {
+      if (slots_[slot] == nullptr && !IsStopped() && !MustWait()) {
         if (const compiler::Run* run = NextRun()) {
           launcher_.Start(slot, *run);
           slots_[slot] = run;
@@ -113,6 +122,16 @@ class Execution {
       is_busy |= slots_[slot] != nullptr;
     }
     return is_busy;
+  }
+
+  /// What runs are held against has to be there when they end. And nothing that runs beside them
+  /// should be longer than they are.
+  bool MustWait() const {
+    const auto is_reference = [](const compiler::Run* run) {
+      return run != nullptr && run->scene.role != compiler::Role::kMeasured;
+    };
+    return next_ < queue_.size() && !is_reference(queue_[next_]) &&
+           std::ranges::any_of(slots_, is_reference);
   }
 
   const compiler::Run* NextRun() {
@@ -133,7 +152,7 @@ class Execution {
     CDB_CHECK(ending.slot < slots_.size() && slots_[ending.slot] != nullptr);
     const compiler::Run& run = *slots_[ending.slot];
     try {
-      writer_.Write(run, ending.result, folder_->path());
+      Write(run, ending);
     } catch (const StoreError& error) {
       throw StoreError(
           fmt::format("{}\n{} of {} runs are safe in {}; the same command goes on from there",
@@ -145,6 +164,22 @@ class Execution {
     listener_.RunEnded(run, ending.result, ending.wall_s);
   }
 
+  void Write(const compiler::Run& run, Ending& ending) {
+    if (run.scene.role != compiler::Role::kMeasured) {
+      WriteReference(plan_sha256_, run, ending.result, ending.recording->SampleValues(),
+                     options_.provenance, folder_->path());
+      return;
+    }
+    if (compiler::SamplingOf(run.scene)) {
+      ending.result.errors = held_against_.ErrorsOf(run, ending.result.status, *ending.recording);
+      const RunErrors& errors = ending.result.errors;
+      if (!errors.message.empty() && ending.result.status == Status::kDone)
+        listener_.Warn(
+            fmt::format("{}: errors without a value: {}", Describe(plan_, run), errors.message));
+    }
+    writer_.Write(run, ending.result, folder_->path());
+  }
+
   std::size_t Busy() const {
     return slots_.size() - static_cast<std::size_t>(std::ranges::count(slots_, nullptr));
   }
@@ -154,6 +189,8 @@ class Execution {
   Launcher& launcher_;
   ProgressListener& listener_;
   const ShardWriter writer_{plan_, options_.provenance};
+  const std::string plan_sha256_ = plan_.Sha256();
+  HeldAgainst held_against_{plan_, options_.folder};
   std::optional<ShardFolder> folder_;
   std::vector<const compiler::Run*> queue_;
   std::size_t next_ = 0;                     // of queue_

@@ -221,9 +221,11 @@ WorkerPrograms FindWorkers(const compiler::Plan& plan) {
 WorkerPrograms FindWorkers(const compiler::Plan& plan, const fs::path& folder) {
   WorkerPrograms programs;
   const auto needs = [&plan](std::string_view precision) {
-    return std::ranges::any_of(plan.runs, [precision](const compiler::Run& run) {
+    const auto is_of_it = [precision](const compiler::Run& run) {
       return run.scene.world.WordOr("precision") == precision;
-    });
+    };
+    return std::ranges::any_of(plan.runs, is_of_it) ||
+           std::ranges::any_of(plan.references, is_of_it);
   };
   if (needs("single")) programs.single = FindWorker(folder, "cdb-worker-f32");
   if (needs("double")) programs.double_ = FindWorker(folder, "cdb-worker-f64");

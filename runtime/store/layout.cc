@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "compiler/metrics.h"
+#include "compiler/reference.h"
 #include "compiler/schema.h"
 #include "dsl/check.h"
 
@@ -88,7 +90,7 @@ Dimension AxisDimension(const compiler::Axis& axis, const compiler::Run* run, st
 h5::Shape ChunkOf(const Array& array, std::size_t outer) {
   h5::Shape chunk = array.shape;
   std::fill_n(chunk.begin(), outer, 1);
-  for (const char* name : {"cycle", "body", "contact"}) {
+  for (const char* name : {"cycle", "sample", "body", "contact"}) {
     const auto found = std::ranges::find(array.dimensions, name);
     if (found == array.dimensions.end()) continue;
     std::uint64_t& n = chunk[static_cast<std::size_t>(found - array.dimensions.begin())];
@@ -123,24 +125,32 @@ class Maker {
     std::vector<std::string> phases(PhaseNames().begin(), PhaseNames().end());
     layout_.dimensions.push_back(Labelled("phase", phases, "part of a cycle that is timed"));
     layout_.dimensions.push_back(Counted("cycle", facts_.cycles, "recorded cycle"));
-    if (facts_.poses) {
+    const bool holds_references = run_ == nullptr && !plan.references.empty();
+    if (facts_.poses || holds_references)
       layout_.dimensions.push_back(
           Counted("body", facts_.bodies, "object, in the order of its group and within it"));
+    if (facts_.poses) {
       layout_.dimensions.push_back(Labelled("pose", {"x", "y", "z", "qx", "qy", "qz", "qw"},
                                             "centre of mass, m, and quaternion"));
     }
     if (facts_.contacts) AddContactDimensions(contact_rows);
+    if (facts_.samples > 0) AddSampleDimension();
+    if (holds_references) AddReferenceDimensions(plan);
     for (const Series* series : facts_.series) AddSeries(*series);
     if (facts_.contacts) AddContacts();
     AddRunArrays();
+    for (const Series& series : facts_.error_series) AddSeries(series);
+    if (holds_references) AddReferences();
     NameAxes(plan);
     return std::move(layout_);
   }
 
  private:
   std::uint64_t Extent(const std::string& dimension) const {
-    const auto found = std::ranges::find(layout_.dimensions, dimension, &Dimension::name);
-    CDB_CHECK(found != layout_.dimensions.end());
+    // From the end, as the axes come first and one may be called the same until NameAxes.
+    const auto found = std::ranges::find(layout_.dimensions.rbegin(), layout_.dimensions.rend(),
+                                         dimension, &Dimension::name);
+    CDB_CHECK(found != layout_.dimensions.rend());
     return found->size;
   }
 
@@ -163,6 +173,7 @@ class Maker {
     std::vector<std::string> inner = {"cycle"};
     if (series.shape == SeriesShape::kPhase) inner = {"phase", "cycle"};
     if (series.shape == SeriesShape::kPose) inner = {"cycle", "body", "pose"};
+    if (series.shape == SeriesShape::kSample) inner = {"sample"};
     const bool is_int = series.type == SeriesType::kInt32;
     Array& array =
         Add(std::string(series.name), is_int ? Type::kInt32 : Type::kFloat64, inner, true);
@@ -177,6 +188,39 @@ class Maker {
       array.attributes.emplace(
           "comment",
           "a cell's contacts stand in contact_* one cycle after the other, from row contact_first");
+    }
+  }
+
+  void AddSampleDimension() {
+    Dimension sample{"sample", facts_.samples, Type::kFloat64, {}, {}, {}};
+    for (std::uint64_t i = 0; i < facts_.samples; ++i)
+      sample.numbers.push_back(static_cast<double>(i) * facts_.interval_s);
+    sample.attributes = {{"units", "s"},
+                         {"long_name", "simulated time of a sample, warm-up included"}};
+    layout_.dimensions.push_back(std::move(sample));
+  }
+
+  void AddReferenceDimensions(const compiler::Plan& plan) {
+    std::vector<std::string> ids;
+    for (const compiler::Run& reference : plan.references) ids.push_back(reference.id);
+    layout_.dimensions.push_back(Labelled("reference", std::move(ids), "id of a reference run"));
+    layout_.dimensions.push_back(Labelled(
+        "state", {StateNames().begin(), StateNames().end()},
+        "centre of mass, m, orientation quaternion, velocity, m/s, and angular velocity, rad/s"));
+    layout_.dimensions.push_back(Labelled(
+        "observable", {ObservableNames().begin(), ObservableNames().end()},
+        "energies, J; momentum, kg m/s; angular momentum, kg m^2/s; depths in sizes; counts"));
+  }
+
+  /// Filled by the merge alone; a reference's shard is of another kind (reference_shard.h).
+  void AddReferences() {
+    for (const ReferenceArray& row : ReferenceArrays()) {
+      Array& array = Add(kReferenceGroup + row.name, row.type, row.dimensions, false);
+      array.fill = row.type == Type::kFloat64 ? kNaN : 0;
+      array.has_fill_value = row.type == Type::kFloat64;
+      if (row.dimensions.size() > 1) array.chunk = ChunkOf(array, 1);
+      array.attributes = {{"units", row.unit}, {"long_name", row.doc}};
+      if (row.flags != nullptr) array.flags = row.flags();
     }
   }
 
@@ -209,14 +253,14 @@ class Maker {
   }
 
   void AddRunArrays() {
-    for (const RunNumber& number : RunNumbers()) {
+    for (const RunNumber& number : facts_.numbers) {
       Array& array = Add(number.name, number.type, {}, true);
       array.fill = number.missing;
       array.has_fill_value = number.type == Type::kFloat64;
       array.attributes = {{"units", number.unit}, {"long_name", number.doc}};
       if (number.flags != nullptr) array.flags = number.flags();
     }
-    for (const RunText& text : RunTexts())
+    for (const RunText& text : facts_.texts)
       Add(text.name, Type::kText, {}, true).attributes = {{"long_name", text.doc}};
   }
 
@@ -246,16 +290,6 @@ std::string Now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std:
 
 }  // namespace
 
-PlanFacts::PlanFacts(const compiler::Plan& plan)
-    : sha256(plan.Sha256()),
-      cycles(std::max<std::uint64_t>(1, plan.MaxCycles())),
-      bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
-      poses(plan.Records("poses")),
-      contacts(plan.Records("contacts")) {
-  for (const Series& row : AllSeries())
-    if (row.IsRecordedBy(plan)) series.push_back(&row);
-}
-
 namespace {
 
 std::string VerdictNames() {
@@ -265,14 +299,92 @@ std::string VerdictNames() {
   return names;
 }
 
+std::string StatusNames() { return "missing done skipped failed crashed timed_out"; }
+
+double ErrorOf(const RunResult& result, const std::string& name) {
+  const auto found = result.errors.values.find(name);
+  return found == result.errors.values.end() || found->second.size() != 1 ? kNaN : found->second[0];
+}
+
+/// The arrays of /accuracy, as the errors that some run asks for want them.
+void AddErrors(const compiler::Plan& plan, PlanFacts& facts) {
+  using compiler::Run;
+  using R = const RunResult&;
+  const auto add = [&](const std::string& name, std::string_view unit, std::string doc) {
+    facts.numbers.push_back({std::string(kAccuracyGroup) + name, Type::kFloat64, std::string(unit),
+                             std::move(doc), kNaN,
+                             [name](const RunResult& r) { return ErrorOf(r, name); }});
+  };
+  bool needs_truth = false;
+  for (const compiler::ErrorInfo* error : compiler::ErrorsOf(plan)) {
+    const std::string name(error->name);
+    add(name, error->unit, std::string(error->doc));
+    needs_truth = needs_truth || error->needs_truth;
+    if (error->needs_truth)
+      add(name + "_floor", error->unit,
+          "the same between the reference and its twin: an error below it says nothing");
+    facts.error_series.push_back(
+        {error->series, "", SeriesType::kFloat64, SeriesShape::kSample, error->unit, error->doc});
+  }
+  if (needs_truth)
+    add("horizon", "s", "simulated time from which on the reference is not sure of places itself");
+  add("timestep", "s", "simulated time of a cycle, for what a simulated second takes");
+  facts.texts.push_back({std::string(kAccuracyGroup) + "truth",
+                         "what errors are held against: a closed form, or the id of a reference",
+                         [](const Run&, R r) { return r.errors.truth; }});
+  facts.texts.push_back({std::string(kAccuracyGroup) + "message",
+                         "why some error of the run has no value",
+                         [](const Run&, R r) { return r.errors.message; }});
+}
+
 }  // namespace
+
+PlanFacts::PlanFacts(const compiler::Plan& plan)
+    : sha256(plan.Sha256()),
+      cycles(std::max<std::uint64_t>(1, plan.MaxCycles())),
+      bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
+      poses(plan.Records("poses")),
+      contacts(plan.Records("contacts")) {
+  for (const Series& row : AllSeries())
+    if (row.IsRecordedBy(plan)) series.push_back(&row);
+  numbers = RunNumbers();
+  texts = RunTexts();
+  for (const compiler::Run& run : plan.runs) {
+    if (const auto sampling = compiler::SamplingOf(run.scene)) {
+      samples = std::max(samples, sampling->count);
+      interval_s = sampling->interval_s;
+    }
+  }
+  if (samples > 0) AddErrors(plan, *this);
+}
+
+const std::vector<ReferenceArray>& ReferenceArrays() {
+  static const std::vector<ReferenceArray> kArrays = {
+      {"role", Type::kText, {"reference"}, "", "reference, or the twin that shows its horizon"},
+      {"status", Type::kInt8, {"reference"}, "", "how the run ended", StatusNames},
+      {"message", Type::kText, {"reference"}, "", "why it did not end well"},
+      {"state_hash", Type::kText, {"reference"}, "", "as that of the runs"},
+      {"host", Type::kText, {"reference"}, "", "the machine that it ran on"},
+      {"run_text", Type::kText, {"reference"}, "", "all that decides it, as YAML"},
+      {"states",
+       Type::kFloat64,
+       {"reference", "sample", "body", "state"},
+       "",
+       "of every object at every sample"},
+      {"observables",
+       Type::kFloat64,
+       {"reference", "sample", "observable"},
+       "",
+       "of all objects together at every sample"},
+  };
+  return kArrays;
+}
 
 const std::vector<RunNumber>& RunNumbers() {
   using R = const RunResult&;
   static const std::vector<RunNumber> kNumbers = {
       {"status", Type::kInt8, "", "how the run ended", 0,
-       [](R r) { return static_cast<double>(r.status); },
-       [] { return std::string("missing done skipped failed crashed timed_out"); }},
+       [](R r) { return static_cast<double>(r.status); }, StatusNames},
       {"verdict", Type::kInt8, "", "how the run ended as physics: cdb doc verdicts", 0,
        [](R r) { return static_cast<double>(r.judgement.verdict); }, VerdictNames},
       {"first_bad_cycle", Type::kInt32, "", "recorded cycle at which the verdict shows; -1: none",
@@ -343,6 +455,11 @@ Layout MakeLayout(const compiler::Plan& plan, const PlanFacts& facts, const comp
 }
 
 void CreateArrays(h5::File& file, const Layout& layout) {
+  for (const Array& array : layout.arrays)
+    for (std::size_t slash = array.name.find('/'); slash != std::string::npos;
+         slash = array.name.find('/', slash + 1))
+      if (const std::string group = array.name.substr(0, slash); !file.Has(group))
+        file.CreateGroup(group);
   for (const Dimension& dimension : layout.dimensions) {
     h5::Dataset dataset =
         file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -19,24 +20,14 @@ inline constexpr std::string_view kSchema = "cdb-results";
 /// Raised when a reader of the version before would misunderstand a file.
 inline constexpr int kSchemaVersion = 1;
 
-/// What follows from all runs of a plan together.
-struct PlanFacts {
-  explicit PlanFacts(const compiler::Plan& plan);
-  std::string sha256;
-  std::uint64_t cycles;               ///< extent of `cycle`
-  std::uint64_t bodies;               ///< extent of `body`
-  std::vector<const Series*> series;  ///< that some run records
-  bool poses, contacts;               ///< some run records them
-};
-
 /// An array over the grid that holds one number for each run.
 struct RunNumber {
-  const char* name;
+  std::string name;
   h5::Type type;
-  const char* unit;
-  const char* doc;
+  std::string unit;
+  std::string doc;
   double missing;  ///< where there is no run
-  double (*get)(const RunResult&);
+  std::function<double(const RunResult&)> get;
   /// What its values from 0 on mean, separated by spaces; empty where it is a number.
   std::string (*flags)() = nullptr;
 };
@@ -44,11 +35,43 @@ const std::vector<RunNumber>& RunNumbers();
 
 /// The same for text; empty where there is no run.
 struct RunText {
-  const char* name;
-  const char* doc;
+  std::string name;
+  std::string doc;
   std::string (*get)(const compiler::Run&, const RunResult&);
 };
 const std::vector<RunText>& RunTexts();
+
+/// What follows from all runs of a plan together. Not copied: layouts point into it.
+struct PlanFacts {
+  explicit PlanFacts(const compiler::Plan& plan);
+  PlanFacts(const PlanFacts&) = delete;
+  PlanFacts& operator=(const PlanFacts&) = delete;
+  std::string sha256;
+  std::uint64_t cycles;               ///< extent of `cycle`
+  std::uint64_t bodies;               ///< extent of `body`
+  std::vector<const Series*> series;  ///< that some run records
+  bool poses, contacts;               ///< some run records them
+  std::vector<RunNumber> numbers;     ///< RunNumbers(), and those of /accuracy
+  std::vector<RunText> texts;         ///< RunTexts(), and those of /accuracy
+  std::vector<Series> error_series;   ///< of /accuracy, over `sample`
+  std::uint64_t samples = 0;          ///< extent of `sample`; 0 where no run has any
+  double interval_s = 0;              ///< from one to the next
+};
+
+/// Where /accuracy's arrays are, and those of its references.
+inline constexpr const char* kAccuracyGroup = "accuracy/";
+inline const std::string kReferenceGroup = "accuracy/reference/";
+
+/// An array over the references of a plan, in a merged file.
+struct ReferenceArray {
+  std::string name;
+  h5::Type type;
+  std::vector<std::string> dimensions;  ///< `reference` first
+  std::string unit;
+  std::string doc;
+  std::string (*flags)() = nullptr;  ///< as of RunNumber
+};
+const std::vector<ReferenceArray>& ReferenceArrays();
 
 /// A dimension with its coordinate, a dataset of the same name.
 struct Dimension {

@@ -16,6 +16,7 @@
 
 #include "compiler/plan_yaml.h"
 #include "runtime/store/layout.h"
+#include "runtime/store/reference_shard.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/store.h"
@@ -73,11 +74,11 @@ class Merger {
     for (const Array& array : layout_.arrays)
       if (array.series != nullptr) series_.push_back(&array);
     is_cut_known_.assign(series_.size(), false);
-    for (const RunNumber& number : RunNumbers())
+    for (const RunNumber& number : facts_.numbers)
       numbers_.emplace_back(h5::Product(grid), number.missing);
-    for (const RunText& text : RunTexts()) {
+    for (const RunText& text : facts_.texts) {
       texts_.emplace_back(h5::Product(grid));
-      if (std::string_view(text.name) != "run_id") continue;
+      if (text.name != "run_id") continue;
       for (const Cells& cells : runs_)
         for (const std::size_t cell : cells.cells) texts_.back()[cell] = cells.run->id;
     }
@@ -93,9 +94,10 @@ class Merger {
     WriteHead(file, plan_, facts_, layout_,
               fmt::format("merged {} of {} runs", merged, runs_.size()));
     for (std::size_t i = 0; i < numbers_.size(); ++i)
-      file.OpenDataset(RunNumbers()[i].name).Write(numbers_[i]);
+      file.OpenDataset(facts_.numbers[i].name).Write(numbers_[i]);
     for (std::size_t i = 0; i < texts_.size(); ++i)
-      file.OpenDataset(RunTexts()[i].name).WriteText(texts_[i]);
+      file.OpenDataset(facts_.texts[i].name).WriteText(texts_[i]);
+    if (!plan_.references.empty()) MergeReferences(plan_, layout_, ReferencePaths(), file);
     if (facts_.contacts) file.OpenDataset("contact_first").Write(contact_first_);
     WriteProvenance(file);
     file.Close();
@@ -124,13 +126,14 @@ class Merger {
         !std::ranges::equal(file.OpenDataset("contact_first").Read(), contact_first_, SameBits))
       throw h5::Error("contact_first did not come back as it was written");
     for (std::size_t i = 0; i < numbers_.size(); ++i) {
-      const char* name = RunNumbers()[i].name;
+      const std::string& name = facts_.numbers[i].name;
       const std::vector<double> values = file.OpenDataset(name).Read();
       if (!std::ranges::equal(values, numbers_[i], SameBits))
         throw h5::Error(fmt::format("{} did not come back as it was written", name));
     }
+    if (!plan_.references.empty()) VerifyReferences(plan_, layout_, ReferencePaths(), file);
     for (std::size_t i = 0; i < texts_.size(); ++i) {
-      const char* name = RunTexts()[i].name;
+      const std::string& name = facts_.texts[i].name;
       if (file.OpenDataset(name).ReadText() != texts_[i])
         throw h5::Error(fmt::format("{} did not come back as it was written", name));
     }
@@ -167,6 +170,14 @@ class Merger {
   bool IsThere(const compiler::Run& run) const {
     std::error_code error;
     return fs::symlink_status(PathOf(run), error).type() != fs::file_type::not_found;
+  }
+
+  /// Where the shard of each reference is; empty where there is none.
+  std::vector<fs::path> ReferencePaths() const {
+    std::vector<fs::path> paths;
+    for (const compiler::Run& reference : plan_.references)
+      paths.push_back(IsThere(reference) ? PathOf(reference) : fs::path());
+    return paths;
   }
 
   h5::File OpenOf(const compiler::Run& run) const {
@@ -260,11 +271,11 @@ class Merger {
 
   void ReadRunArrays(const h5::File& shard, const std::vector<std::size_t>& cells) {
     for (std::size_t i = 0; i < numbers_.size(); ++i) {
-      const double value = shard.OpenDataset(RunNumbers()[i].name).Read().at(0);
+      const double value = shard.OpenDataset(facts_.numbers[i].name).Read().at(0);
       for (const std::size_t cell : cells) numbers_[i][cell] = value;
     }
     for (std::size_t i = 0; i < texts_.size(); ++i) {
-      const std::string text = shard.OpenDataset(RunTexts()[i].name).ReadText().at(0);
+      const std::string text = shard.OpenDataset(facts_.texts[i].name).ReadText().at(0);
       for (const std::size_t cell : cells) texts_[i][cell] = text;
     }
     for (auto& [name, text] : shard.OpenGroup("provenance").Texts()) {
@@ -316,7 +327,7 @@ class Merger {
 
   const std::vector<std::string>& Texts(std::string_view name) const {
     std::size_t i = 0;
-    while (RunTexts()[i].name != name) ++i;
+    while (facts_.texts[i].name != name) ++i;
     return texts_[i];
   }
 
@@ -330,8 +341,8 @@ class Merger {
   std::vector<bool> is_cut_known_;  ///< as series_
   std::vector<CopiedChunk> copied_;
   std::vector<CopiedRows> copied_rows_;
-  std::vector<std::vector<double>> numbers_;     ///< as RunNumbers()
-  std::vector<std::vector<std::string>> texts_;  ///< as RunTexts()
+  std::vector<std::vector<double>> numbers_;     ///< as facts_.numbers
+  std::vector<std::vector<std::string>> texts_;  ///< as facts_.texts
   std::vector<double> contact_first_;
   std::uint64_t contact_rows_ = 0;
   std::map<std::string, std::vector<std::string>> run_facts_;

@@ -235,6 +235,27 @@ std::vector<double> ResultFile::ReadDuration(Phase phase, const Cell& cell) cons
   });
 }
 
+std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
+  return impl_->Reading([&] {
+    std::vector<std::string> troubles;
+    const h5::File& file = impl_->file;
+    if (!file.Has("reference") || !file.Has("accuracy")) return troubles;
+    const auto text = [&file](const std::string& name) {
+      return file.OpenDataset(name).ReadText();
+    };
+    const std::vector<std::string> ids = text("reference"), roles = text(kReferenceGroup + "role"),
+                                   messages = text(kReferenceGroup + "message");
+    const std::vector<double> statuses = file.OpenDataset(kReferenceGroup + "status").Read();
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const auto status = static_cast<Status>(statuses.at(i));
+      if (status == Status::kDone || status == Status::kMissing) continue;
+      troubles.push_back(fmt::format("{} {}: {}{}{}", roles.at(i), ids[i], StatusName(status),
+                                     messages.at(i).empty() ? "" : ": ", messages.at(i)));
+    }
+    return troubles;
+  });
+}
+
 std::string ResultFile::ReadProvenance(std::string_view name) const {
   return impl_->Reading([&]() -> std::string {
     const h5::Group group = impl_->file.OpenGroup("provenance");

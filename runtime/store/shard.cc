@@ -49,6 +49,20 @@ void WriteSeries(h5::File& file, const Layout& layout, const compiler::Run& run,
   }
 }
 
+/// A run has samples as far as it goes; the file keeps fill values for the rest.
+void WriteErrors(h5::File& file, const PlanFacts& facts, const Layout& layout,
+                 const RunResult& result) {
+  for (const Series& series : facts.error_series) {
+    const auto key = series.name.substr(std::string_view(kAccuracyGroup).size());
+    const auto found = result.errors.values.find(key);
+    if (found == result.errors.values.end()) continue;
+    h5::Shape count(layout.grid.size(), 1);
+    count.push_back(found->second.size());
+    file.OpenDataset(std::string(series.name))
+        .Write(h5::Shape(count.size(), 0), count, found->second);
+  }
+}
+
 /// A run that was killed may have counted contacts that it did not hand over: rows of fill values.
 void WriteContacts(h5::File& file, const RunResult& result, std::uint64_t rows) {
   const std::size_t n = std::min<std::size_t>(rows, result.contacts.size());
@@ -86,9 +100,10 @@ std::vector<std::byte> MakeImage(const compiler::Plan& plan, const PlanFacts& fa
     if (run.scene.world.Lists("record", "contacts"))
       file.OpenDataset("contact_first").Write({{0.0}});
   }
-  for (const RunNumber& number : RunNumbers())
+  WriteErrors(file, facts, layout, result);
+  for (const RunNumber& number : facts.numbers)
     file.OpenDataset(number.name).Write({{number.get(result)}});
-  for (const RunText& text : RunTexts())
+  for (const RunText& text : facts.texts)
     file.OpenDataset(text.name).WriteText({{text.get(run, result)}});
   h5::Group group = file.CreateGroup("provenance");
   for (const auto& [name, text] : provenance) group.SetText(name.c_str(), text);
@@ -149,10 +164,11 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
     const std::vector<double> status = file.OpenDataset("status").Read();
     const std::string id = file.Text("run_id");
     if (status.size() != 1 || id.empty()) throw h5::Error("it does not hold one run");
-    const std::vector<double> verdict = file.OpenDataset("verdict").Read();
+    // A reference run has no timings that a verdict could void.
+    const double verdict = file.Has("verdict") ? file.OpenDataset("verdict").Read().at(0) : 0;
     return {id,
             file.Text("plan_sha256"),
-            {static_cast<Status>(status[0]), static_cast<Verdict>(verdict.at(0))}};
+            {static_cast<Status>(status[0]), static_cast<Verdict>(verdict)}};
   } catch (const h5::Error& error) {
     throw StoreError(
         fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "compiler/plan.h"
+#include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
 
@@ -54,6 +55,7 @@ struct RunResult {
   double load = 0;      ///< the machine's one-minute load average when the run began
   double peak_rss_bytes = 0, place_ns = 0, build_ns = 0, fill_fraction = 0;
   std::vector<std::pair<const Series*, std::span<const std::byte>>> series;
+  RunErrors errors;  ///< empty where the scene asks for none
   std::vector<ContactRecord>
       contacts;  ///< of all cycles in order; as many a cycle as the series `contacts` says
 
@@ -142,6 +144,9 @@ class ResultFile {
   /// doubles.
   std::vector<double> ReadSeries(std::string_view dataset, const Cell& cell) const;
   std::vector<double> ReadDuration(Phase phase, const Cell& cell) const;
+  /// Why reference runs are of no use, a line each: `reference 0123…: crashed: …`. Empty where all
+  /// ended well, or there are none.
+  std::vector<std::string> ReadReferenceTroubles() const;
   /// `/provenance`: `plan_text`, `scenario_text`, and its attributes.
   std::string ReadProvenance(std::string_view name) const;
 

@@ -400,6 +400,38 @@ TEST(Run, OrderOfAListHasNoMeaning) {
             PlanOf("benchmark a { omit pools, walls }").runs[0].id);
 }
 
+TEST(Blocks, StandInBlocks) {
+  const Plan plan = PlanOf(
+      "benchmark b {\n"
+      "  let k = 3; objects.links.stiffness 1\n"
+      "  objects pebbles {\n"
+      "    let m = 2; quantity 4\n"
+      "    links { let s = m * k; type ball; stiffness s * sweep(1, 2); damping stiffness + "
+      "quantity }\n"
+      "  }\n"
+      "  pebbles.links.anchor off; objects { links.end_mass 7 }\n"
+      "}");
+  EXPECT_EQ(Axes(plan), "pebbles_links_stiffness: 6 12");
+  EXPECT_EQ(plan.axes[0].parameter, "pebbles.links.stiffness");
+  EXPECT_EQ(plan.axes[0].unit, "N/m");
+  ASSERT_EQ(plan.runs.size(), 2u);
+  const std::vector<Group>& groups = plan.runs[1].scene.groups;
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_EQ(groups[0].settings.Real("links.stiffness"), 1);
+  EXPECT_EQ(groups[0].settings.Real("links.end_mass"), 7);
+  EXPECT_FALSE(groups[0].HasLinks());
+  EXPECT_EQ(groups[1].settings.Real("links.stiffness"), 12);
+  EXPECT_EQ(groups[1].settings.Real("links.damping"), 16) << "names are looked for outwards";
+  EXPECT_FALSE(groups[1].settings.On("links.anchor"));
+  EXPECT_TRUE(groups[1].HasLinks());
+}
+
+TEST(Blocks, NameTheirAxes) {
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects { links { type sweep(none, ball) } } }")),
+            "links_type: none ball");
+  EXPECT_EQ(Axes(PlanOf("benchmark b { world { side sweep(100, 200) } }")), "side: 100 200");
+}
+
 // The language's own promise: `benchmark b { }` is a whole benchmark, and its first example has 75
 // runs.
 TEST(Language, FirstExample) {

@@ -19,15 +19,32 @@ class Maker {
 
   RandomScenario Make() {
     for (const Parameter& parameter : Schema()) {
-      // The number of runs stays small.
-      if (Below(3) != 0) continue;
+      // The number of runs stays small. What is said of errors hangs together.
+      if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy."))
+        continue;
       scenario_.settings.push_back(parameter.FullName() + " " + ValueOf(parameter));
     }
+    AddAccuracy();
     return std::move(scenario_);
   }
 
  private:
   std::uint64_t Below(std::uint64_t n) { return random_() % n; }
+
+  /// Errors at times that are whole numbers of the default's steps.
+  void AddAccuracy() {
+    const bool has_timestep = std::ranges::any_of(
+        scenario_.settings, [](const auto& setting) { return setting.starts_with("timestep "); });
+    if (has_timestep || Below(2) == 0) return;
+    scenario_.settings.push_back("accuracy.metrics " +
+                                 Constant(*FindParameter("accuracy.metrics", false)));
+    scenario_.settings.emplace_back("accuracy.interval 1 / 60");
+    for (const char* name : {"closed_form", "reference.contact", "reference.iterations"}) {
+      const Parameter& parameter = *FindParameter("accuracy." + std::string(name), false);
+      if (Below(2) == 0)
+        scenario_.settings.push_back(parameter.FullName() + " " + Constant(parameter));
+    }
+  }
 
   std::string Constant(const Parameter& parameter) {
     using enum ParameterType;
@@ -64,6 +81,12 @@ class Maker {
         return parameter.name == "file" ? fmt::format("\"{}\"", kModelFile) : "any";
     }
     return {};
+  }
+
+  /// What links cannot hold is left alone: fixed objects, piles, and one without an anchor.
+  bool MayBeSet(std::string_view parameter) const {
+    if (parameter == "links.type") return !Sets("mass") && !Sets("location");
+    return parameter != "links.anchor" || !Sets("quantity");
   }
 
   /// Those that may stand here. `at` and `pair` place so many objects and no others.
@@ -104,6 +127,8 @@ class Maker {
     // The defaults need these.
     if (component == "gravity" || component == "static_boxes") return false;
     if (component == "damping") return !sets("linear_damping") && !sets("angular_damping");
+    for (const char* of_links : {"walls", "detection", "solver", "sleeping", "rotation"})
+      if (component == of_links && sets("links.type")) return false;
     if (component == "rotation") return !sets("angular_velocity");
     for (const char* of_ccd : {"walls", "raycast_tree", "detection", "solver", "swept_contacts"})
       if (component == of_ccd) return !sets("ccd");

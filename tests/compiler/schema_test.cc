@@ -73,6 +73,17 @@ TEST(Schema, OmitTakesEveryComponent) {
   EXPECT_FALSE(FindParameter("timeout", false)->StandsAlone("none"));
 }
 
+TEST(Schema, BlocksFollowFromItsNames) {
+  using Blocks = std::vector<std::string_view>;
+  EXPECT_EQ(BlocksIn("", true), Blocks({"links"}));
+  EXPECT_EQ(BlocksIn("links", true), Blocks());
+  const Blocks of_world = BlocksIn("", false);
+  for (const std::string_view block : {"world", "solver"})
+    EXPECT_EQ(std::ranges::count(of_world, block), 1) << block;
+  EXPECT_EQ(BlocksIn("world", false), Blocks());
+  EXPECT_EQ(BlocksIn("links", false), Blocks());
+}
+
 TEST(Calls, AreDocumentedAndTakenBySomething) {
   std::set<std::string_view> names;
   for (const CallInfo& info : Calls()) {
@@ -83,7 +94,7 @@ TEST(Calls, AreDocumentedAndTakenBySomething) {
     EXPECT_FALSE(FindDistribution(info.name)) << info.name;
     int takers = 0;
     for (const Parameter& parameter : Schema()) {
-      EXPECT_FALSE(parameter.HasWord(info.name)) << info.name;
+      EXPECT_FALSE(parameter.TakesCall(info.name) && parameter.HasWord(info.name)) << info.name;
       takers += parameter.TakesCall(info.name);
     }
     EXPECT_GT(takers, 0) << info.name;
@@ -106,7 +117,8 @@ TEST(Calls, AreDocumentedAndTakenBySomething) {
 
 TEST(Calls, AreShownWithWhatTheyNeed) {
   const std::string location = FindParameter("location", true)->Takes();
-  EXPECT_EQ(location, "one of uniform, normal, grid, stack, pyramid, pile, ring, at( ), pair( )");
+  EXPECT_EQ(location,
+            "one of uniform, normal, grid, stack, pyramid, pile, ring, line, at( ), pair( )");
   EXPECT_EQ(FindParameter("acceleration", false)->Takes(),
             "a vector (x, y, z), or 0, or every( ), or rotating( ), or a distribution");
   EXPECT_EQ(ToText(Value(*WithDefaults(*FindCall("stack")))), "stack");

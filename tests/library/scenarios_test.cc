@@ -16,6 +16,9 @@
 #include "compiler/schema.h"
 #include "dsl/format.h"
 #include "dsl/render.h"
+#include "library/catalogue.h"
+#include "library/closed_forms/closed_form.h"
+#include "library/layouts/initial_state.h"
 
 namespace cdb::compiler {
 namespace {
@@ -98,6 +101,23 @@ TEST(Scenarios, AreFoundFromAnywhereAndLaidOver) {
   ASSERT_EQ(plans.size(), 1u);
   EXPECT_EQ(plans[0].runs.size(), 25u);
   EXPECT_EQ(plans[0].runs[0].scene.world.Count("cycles"), 10u);
+}
+
+TEST(Accuracy, ScenariosAreOfTheClosedFormsThatTheyName) {
+  std::set<std::string> named;
+  for (const fs::path& file : Files()) {
+    if (file.parent_path().filename() != "accuracy") continue;
+    for (const Plan& plan : Plans(file))
+      for (const compiler::Run& run : plan.runs) {
+        const std::string form(run.scene.world.WordOr("accuracy.closed_form"));
+        if (form == "none") continue;
+        named.insert(form);
+        EXPECT_NO_THROW(
+            library::MakeClosedForm(form, run.scene, library::MakeInitialState(run.scene)))
+            << file << ": " << Describe(plan, run);
+      }
+  }
+  EXPECT_EQ(named.size(), library::ClosedForms().size());
 }
 
 // What follows is written from the paper, not from the files.

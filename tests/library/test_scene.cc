@@ -19,7 +19,8 @@ Value DefaultValue(const compiler::Parameter& parameter) {
     case compiler::ParameterType::kCount:
       return static_cast<std::uint64_t>(std::stoull(text, nullptr, 0));
     case compiler::ParameterType::kReal:
-      if (parameter.name == "timestep") return 1.0 / 60;
+      if (const std::size_t slash = text.find('/'); slash != text.npos)
+        return std::stod(text) / std::stod(text.substr(slash + 1));
       if (parameter.name == "world.side") return 500.0;
       return std::stod(text);
     case compiler::ParameterType::kSwitch:
@@ -31,7 +32,7 @@ Value DefaultValue(const compiler::Parameter& parameter) {
     case compiler::ParameterType::kRatio:
       return compiler::Ratio{Vector3d::Ones()};
     case compiler::ParameterType::kWords:
-      if (text == "auto") return compiler::WordList{text};
+      if (parameter.HasWord(text)) return compiler::WordList{text};
       return compiler::WordList{"timing", "counts", "stability"};
     case compiler::ParameterType::kText:
     case compiler::ParameterType::kWord:

@@ -42,6 +42,11 @@ inline Eigen::Vector3d Velocity(const runtime::Engine& engine, std::size_t objec
   return ToEigen(engine.objects()[object]->getLinearVelocity());
 }
 
+inline Eigen::Quaterniond Orientation(const runtime::Engine& engine, std::size_t object = 0) {
+  const btQuaternion turn = engine.objects()[object]->getWorldTransform().getRotation();
+  return Eigen::Quaterniond(turn.w(), turn.x(), turn.y(), turn.z()).normalized();
+}
+
 inline void Steps(runtime::Engine& engine, int count) {
   for (int i = 0; i < count; ++i) engine.Step();
 }

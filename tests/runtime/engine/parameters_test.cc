@@ -60,6 +60,14 @@ std::map<std::string, Variation> Variations() {
     SetGroup(scene, "linear_velocity", Vector3d(0.1, 0, 0));
     return scene;
   }();
+  const compiler::Scene chain = [] {
+    compiler::Scene scene = EngineScene(5, 500);
+    SetWorld(scene, "cycles", std::uint64_t{50});
+    SetGroup(scene, "size", 5.0);
+    SetGroup(scene, "location", Layout("line", {}));
+    SetGroup(scene, "links.type", Word("spring"));
+    return scene;
+  }();
   return {
       {"cycles", {crowd, World("cycles", std::uint64_t{151})}},
       {"warmup", {crowd, World("warmup", std::uint64_t{1})}},
@@ -93,6 +101,11 @@ std::map<std::string, Variation> Variations() {
        {With(crowd, Objects("contact_stiffness", 5000.0)), Objects("contact_damping", 30.0)}},
       {"objects.ccd", {BulletScene(), Objects("ccd", true)}},
       {"objects.orientation", {crowd, Objects("orientation", Word("random"))}},
+      {"objects.links.type", {chain, Objects("links.type", Word("ball"))}},
+      {"objects.links.stiffness", {chain, Objects("links.stiffness", 900.0)}},
+      {"objects.links.damping", {chain, Objects("links.damping", 1.0)}},
+      {"objects.links.anchor", {chain, Objects("links.anchor", false)}},
+      {"objects.links.end_mass", {chain, Objects("links.end_mass", 2.0)}},
   };
 }
 
@@ -100,6 +113,7 @@ std::map<std::string, Variation> Variations() {
 const std::map<std::string, std::string> kNotTheEngines = {
     {"seed", "is in the plan's stream seeds"},
     {"precision", "chooses the worker"},
+    {"objects.overlap", "is of layouts that are refused without it"},
     {"repeats", "is the schedule's"},
     {"expect", "is the verdict's"},
     {"timeout", "is the schedule's"},

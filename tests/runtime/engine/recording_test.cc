@@ -150,6 +150,7 @@ TEST(Series, EveryCycleHasEveryValue) {
   const std::set<std::string_view> may_have_none = {"motion_ratio", "fall_ratio", "turn_ratio"};
   for (const runtime::Series& series : runtime::AllSeries()) {
     ASSERT_TRUE(series.IsRecordedBy(scene)) << series.name;
+    if (series.name == "joint_gap") continue;  // the scene has no joint
     if (series.type == runtime::SeriesType::kInt32) {
       for (const std::int32_t value : run.recording.Ints(series.name))
         ASSERT_GE(value, 0) << series.name;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/store/reference_shard.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -121,7 +122,12 @@ std::string ScaleOf(hid_t dataset, unsigned dimension) {
   return names.empty() ? "" : names[0];
 }
 
-class Conventions : public testing::TestWithParam<bool> {
+/// Of a shard or of the merged file; with errors or without.
+struct Kind {
+  bool merged, accuracy;
+};
+
+class Conventions : public testing::TestWithParam<Kind> {
  protected:
   Conventions() {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
@@ -130,17 +136,25 @@ class Conventions : public testing::TestWithParam<bool> {
       WriteShard(plan_, run, fake.result, {{"cpu", "cpu " + run.id}, {"compiler", "gcc"}},
                  folder_.path());
     }
+    for (const compiler::Run& run : plan_.references) {
+      const std::vector<double> samples(SampleShapeOf(run.scene)->Count(), 0.5);
+      RunResult result;
+      result.status = Status::kDone;
+      WriteReference(plan_.Sha256(), run, result, samples, {}, folder_.path());
+    }
     Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
-    const bool merged = GetParam();
+    const bool merged = GetParam().merged;
+    if (GetParam().accuracy) groups_.emplace_back("/accuracy");
+    if (GetParam().accuracy && merged) groups_.emplace_back("/accuracy/reference");
     file_ = H5Fopen((folder_ / (merged ? "out.h5" : plan_.runs[1].id + ".h5")).c_str(),
                     H5F_ACC_RDONLY, H5P_DEFAULT);
-    for (const char* group : {"/", "/provenance"}) {
-      const hid_t id = H5Gopen2(file_, group, H5P_DEFAULT);
+    for (const std::string& group : groups_) {
+      const hid_t id = H5Gopen2(file_, group.c_str(), H5P_DEFAULT);
       for (const std::string& name : LinksInOrder(id)) {
         H5O_info_t info;
         H5Oget_info_by_name(id, name.c_str(), &info, H5P_DEFAULT);
         if (info.type == H5O_TYPE_DATASET)
-          datasets_.push_back(group == std::string("/") ? name : "provenance/" + name);
+          datasets_.push_back(group == "/" ? name : group.substr(1) + "/" + name);
       }
       H5Gclose(id);
     }
@@ -158,18 +172,24 @@ class Conventions : public testing::TestWithParam<bool> {
   }
 
   const TemporaryFolder folder_;
-  const compiler::Plan plan_ = MakePlan(
-      {NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
-       TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
-      2, {.cycles = 35000, .objects = 1, .record = {"timing", "stability", "contacts", "poses"}});
+  const compiler::Plan plan_ =
+      MakePlan({NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
+                TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
+               2,
+               {.cycles = 35000,
+                .objects = 1,
+                .record = {"timing", "stability", "contacts", "poses"},
+                .metrics = GetParam().accuracy ? compiler::WordList{"pairs", "position"}
+                                               : compiler::WordList{"none"}});
   hid_t file_ = -1;
+  std::vector<std::string> groups_ = {"/", "/provenance"};
   std::vector<std::string> datasets_;
 };
 
 TEST_P(Conventions, CreationOrderIsTrackedAndIndexedEverywhere) {
   unsigned flags = 0;
-  for (const char* name : {"/", "/provenance"}) {
-    const hid_t group = H5Gopen2(file_, name, H5P_DEFAULT);
+  for (const std::string& name : groups_) {
+    const hid_t group = H5Gopen2(file_, name.c_str(), H5P_DEFAULT);
     const hid_t creation = H5Gget_create_plist(group);
     H5Pget_link_creation_order(creation, &flags);
     EXPECT_EQ(flags, kOrder) << name;
@@ -187,9 +207,16 @@ TEST_P(Conventions, CreationOrderIsTrackedAndIndexedEverywhere) {
 }
 
 TEST_P(Conventions, AxesComeFirstAndInOrder) {
-  std::vector<std::string> first(datasets_.begin(), datasets_.begin() + 12);
-  EXPECT_THAT(first, ElementsAre("quantity", "size", "type", "rep", "phase", "cycle", "body",
-                                 "pose", "contact", "contact_side", "xyz", "duration"));
+  std::vector<std::string> expected = {"quantity", "size",         "type", "rep",
+                                       "phase",    "cycle",        "body", "pose",
+                                       "contact",  "contact_side", "xyz"};
+  if (GetParam().accuracy) expected.emplace_back("sample");
+  if (GetParam().accuracy && GetParam().merged)
+    expected.insert(expected.end(), {"reference", "state", "observable"});
+  expected.emplace_back("duration");
+  const std::vector<std::string> first(
+      datasets_.begin(), datasets_.begin() + static_cast<std::ptrdiff_t>(expected.size()));
+  EXPECT_EQ(first, expected);
 }
 
 TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
@@ -212,6 +239,12 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
     for (unsigned d = 0; d < shape.size(); ++d) scales.push_back(ScaleOf(dataset, d));
     std::vector<std::string> expected = {"quantity", "size", "type", "rep"};
     if (name.ends_with("_text")) expected = {};
+    if (name.ends_with("_series")) expected.emplace_back("sample");
+    if (name.starts_with("accuracy/reference/")) expected = {"reference"};
+    if (name == "accuracy/reference/states")
+      expected.insert(expected.end(), {"sample", "body", "state"});
+    if (name == "accuracy/reference/observables")
+      expected.insert(expected.end(), {"sample", "observable"});
     if (name == "contact_body") expected = {"contact", "contact_side"};
     if (name == "contact_point" || name == "contact_normal") expected = {"contact", "xyz"};
     if (name == "contact_distance") expected = {"contact"};
@@ -235,7 +268,7 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
         EXPECT_EQ(H5Tget_cset(type), H5T_CSET_UTF8);
         break;
       case H5T_INTEGER:
-        EXPECT_EQ(bytes, name == "status" || name == "verdict" ? 1u : 4u);
+        EXPECT_EQ(bytes, name.ends_with("status") || name == "verdict" ? 1u : 4u);
         EXPECT_EQ(H5Tget_sign(type), H5T_SGN_2);
         break;
       case H5T_FLOAT:
@@ -319,7 +352,7 @@ TEST_P(Conventions, CoordinatesSayWhatTheyAre) {
   EXPECT_EQ(text("quantity", "units"), "(none)");
   EXPECT_EQ(text("phase", "labels"), "broad narrow detect solve integrate step");
   EXPECT_EQ(text("phase", "labels_separator"), " ");
-  if (GetParam()) {
+  if (GetParam().merged) {
     EXPECT_EQ(text("type", "labels"), "sphere;any(sphere 3, cone)");
     EXPECT_EQ(text("type", "labels_separator"), ";");
   }
@@ -334,7 +367,7 @@ TEST_P(Conventions, CoordinatesSayWhatTheyAre) {
 
 TEST_P(Conventions, ShardsNameTheirRunAndMergedFilesTheirPlan) {
   const hid_t group = H5Gopen2(file_, "/provenance", H5P_DEFAULT);
-  if (GetParam()) {
+  if (GetParam().merged) {
     EXPECT_THAT(LinksInOrder(group), ElementsAre("cpu", "plan_text", "scenario_text"));
     EXPECT_EQ(TextOf(group, "compiler"), "gcc");
   } else {
@@ -344,10 +377,14 @@ TEST_P(Conventions, ShardsNameTheirRunAndMergedFilesTheirPlan) {
   H5Gclose(group);
 }
 
-std::string CaseName(const testing::TestParamInfo<bool>& merged) {
-  return merged.param ? "Merged" : "Shard";
+std::string CaseName(const testing::TestParamInfo<Kind>& kind) {
+  return std::string(kind.param.merged ? "Merged" : "Shard") +
+         (kind.param.accuracy ? "WithErrors" : "");
 }
-INSTANTIATE_TEST_SUITE_P(, Conventions, testing::Bool(), CaseName);
+INSTANTIATE_TEST_SUITE_P(, Conventions,
+                         testing::Values(Kind{false, false}, Kind{true, false}, Kind{false, true},
+                                         Kind{true, true}),
+                         CaseName);
 
 }  // namespace
 }  // namespace cdb::runtime

@@ -202,9 +202,10 @@ TEST(Merge, FactsThatDifferBetweenRunsAreAllKept) {
 }
 
 TEST(Merge, AxesThatAreCalledLikeArraysAreToldApart) {
-  const Plan plan = MakePlan({TextAxis("load", {"calm", "a storm"}), TextAxis("load_axis", {"x"}),
-                              NumberAxis("status", {1, 2})},
-                             1, {});
+  const Plan plan = MakePlan(
+      {TextAxis("load", {"calm", "a storm"}), TextAxis("load_axis", {"x"}),
+       NumberAxis("status", {1, 2}), NumberAxis("phase", {1, 2, 3}), NumberAxis("cycle", {7, 8})},
+      1, {});
   const TemporaryFolder folder;
   for (const compiler::Run& run : plan.runs)
     WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
@@ -212,6 +213,7 @@ TEST(Merge, AxesThatAreCalledLikeArraysAreToldApart) {
   const ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.axes(), plan.axes);
   EXPECT_TRUE(file.Has("status_axis"));
+  EXPECT_TRUE(file.Has("phase_axis"));
   for (const compiler::Run& run : plan.runs) ExpectCell(file, run, Status::kDone, 5);
 }
 

@@ -10,6 +10,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "compiler/metrics.h"
+#include "compiler/reference.h"
+
 namespace cdb::runtime {
 namespace {
 
@@ -35,6 +38,16 @@ compiler::Axis TextAxis(std::string name, const std::vector<std::string>& values
 void Resize(compiler::Run& run, const SceneSize& size) {
   run.scene.world.values["cycles"] = size.cycles;
   run.scene.world.values["record"] = size.record;
+  run.scene.world.values["accuracy.metrics"] = size.metrics;
+  run.scene.world.values["accuracy.interval"] = 2.0;
+  run.scene.world.values["accuracy.closed_form"] = compiler::Word{"none"};
+  run.scene.world.values["timestep"] = 1.0;
+  run.scene.world.values["warmup"] = std::uint64_t{0};
+  run.scene.world.values["accuracy.reference.timestep"] = 1.0;
+  run.scene.world.values["accuracy.reference.precision"] = compiler::Word{"double"};
+  run.scene.world.values["accuracy.reference.detector"] = compiler::Word{"dbvt"};
+  run.scene.world.values["accuracy.reference.iterations"] = std::uint64_t{100};
+  run.scene.world.values["accuracy.reference.contact"] = compiler::Word{"same"};
   run.scene.groups = {{"objects", {{{"quantity", compiler::Value(size.objects)}}}}};
   run.id = compiler::RunId(run.scene, run.rep);
 }
@@ -66,6 +79,7 @@ compiler::Plan MakePlan(std::vector<compiler::Axis> axes, std::uint64_t repeats,
       plan.runs.push_back(std::move(run));
     }
   }
+  compiler::AddReferences(plan);
   return plan;
 }
 
@@ -118,6 +132,15 @@ FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_
     for (std::size_t row = 0; row < rows; ++row) result.contacts.push_back(ContactAt(run, row));
   }
   const auto n = static_cast<double>(NumberOf(run));
+  for (const compiler::ErrorInfo* error : compiler::ErrorsOf(run.scene)) {
+    auto& values = result.errors.values;
+    values[std::string(error->name)] = {n + 0.25};
+    if (error->needs_truth) values[std::string(error->name) + "_floor"] = {n + 0.125};
+    auto& series = values[std::string(error->name) + "_series"];
+    for (std::size_t i = 0; i < SampleShapeOf(run.scene)->samples; ++i)
+      series.push_back(n + static_cast<double>(i) / 4);
+  }
+  if (!run.reference.empty()) result.errors.truth = run.reference;
   result.status = status;
   result.n_cycles = n_cycles;
   result.started_s = 1.7e9 + n + 0.5;

@@ -17,6 +17,7 @@ struct SceneSize {
   std::uint64_t cycles = 5;
   std::uint64_t objects = 3;
   compiler::WordList record = {"timing", "counts", "stability"};
+  compiler::WordList metrics = {"none"};
 };
 
 compiler::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit = "");

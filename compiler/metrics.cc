@@ -1,0 +1,87 @@
+#include "compiler/metrics.h"
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <string>
+#include <variant>
+
+namespace cdb::compiler {
+namespace {
+
+using enum Fold;
+
+constexpr bool kTruth = true, kOwn = false;
+constexpr bool kToHorizon = true, kToEnd = false;
+
+// clang-format off
+constexpr ErrorInfo kErrors[] = {
+    {ErrorKind::kPosition, "position", "accuracy/position_series", "position", "",
+     "distance from the true place, in sizes of the object; root of the mean square over objects and samples", kTruth, kToHorizon, kRms},
+    {ErrorKind::kVelocity, "velocity", "accuracy/velocity_series", "velocity", "m/s",
+     "difference from the true velocity; root of the mean square over objects and samples", kTruth, kToHorizon, kRms},
+    {ErrorKind::kEnergy, "energy", "accuracy/energy_series", "energy", "",
+     "kinetic and potential energy less the true one, over the scene's energy; root of the mean square over samples", kTruth, kToEnd, kRms},
+    {ErrorKind::kMomentum, "momentum", "accuracy/momentum_series", "momentum", "",
+     "of all objects together less the true one, over the largest sum of their m|v|; root of the mean square", kTruth, kToEnd, kRms},
+    {ErrorKind::kAngularMomentum, "angular_momentum", "accuracy/angular_momentum_series", "angular_momentum", "",
+     "about the common centre of mass, less the true one, over the largest sum of the objects' own; root of the mean square", kTruth, kToEnd, kRms},
+    {ErrorKind::kPenetration, "penetration", "accuracy/penetration_series", "penetration", "",
+     "mean depth of the contacts that overlap, in sizes of the smaller object; mean over samples", kOwn, kToEnd, kMean},
+    {ErrorKind::kPenetrationMax, "penetration_max", "accuracy/penetration_max_series", "penetration", "",
+     "deepest contact, in sizes of the smaller object; largest over samples", kOwn, kToEnd, kMax},
+    {ErrorKind::kHeight, "height", "accuracy/height_series", "height", "",
+     "the objects' mean height less the true one, in mean sizes; root of the mean square over samples", kTruth, kToEnd, kRms},
+    {ErrorKind::kHeightW1, "height_w1", "accuracy/height_w1_series", "height", "",
+     "how far heights have to be moved to be spread as the true ones (W1), in mean sizes; mean over samples", kTruth, kToEnd, kMean},
+    {ErrorKind::kContacts, "contacts", "accuracy/contacts_series", "contacts", "",
+     "contact points less the true number, over the true number; root of the mean square over samples", kTruth, kToEnd, kRms},
+    {ErrorKind::kPairsMissed, "pairs_missed", "accuracy/pairs_missed_series", "pairs", "",
+     "pairs of objects whose exact boxes overlap and that the broad phase has not got, over those that overlap; mean over samples", kOwn, kToEnd, kMean},
+    {ErrorKind::kPairsPhantom, "pairs_phantom", "accuracy/pairs_phantom_series", "pairs", "",
+     "pairs that the broad phase has got though their exact boxes do not overlap, over those that overlap; mean over samples", kOwn, kToEnd, kMean},
+};
+// clang-format on
+
+/// Most runs of most plans ask for none, and there may be many.
+bool AsksForNone(const WordList& metrics) { return metrics.size() == 1 && metrics[0] == "none"; }
+
+const WordList& MetricsOf(const Scene& scene) {
+  return std::get<WordList>(scene.world.Get("accuracy.metrics"));
+}
+
+template <typename Words>
+std::vector<const ErrorInfo*> Asked(const Words& words) {
+  std::vector<const ErrorInfo*> asked;
+  for (const ErrorInfo& error : kErrors)
+    if (std::ranges::find(words, error.metric) != words.end()) asked.push_back(&error);
+  return asked;
+}
+
+}  // namespace
+
+std::span<const ErrorInfo> Errors() { return kErrors; }
+std::span<const Metric> Metrics() {
+  static const std::vector<Metric> metrics = [] {
+    std::vector<Metric> words;
+    for (const ErrorInfo& error : kErrors)
+      if (words.empty() || words.back().name != error.metric) words.push_back({error.metric});
+    return words;
+  }();
+  return metrics;
+}
+
+std::vector<const ErrorInfo*> ErrorsOf(const Scene& scene) {
+  const WordList& metrics = MetricsOf(scene);
+  return AsksForNone(metrics) ? std::vector<const ErrorInfo*>() : Asked(metrics);
+}
+
+std::vector<const ErrorInfo*> ErrorsOf(const Plan& plan) {
+  std::set<std::string, std::less<>> words;
+  for (const Run& run : plan.runs)
+    if (const WordList& metrics = MetricsOf(run.scene); !AsksForNone(metrics))
+      words.insert(metrics.begin(), metrics.end());
+  return Asked(words);
+}
+
+}  // namespace cdb::compiler

@@ -1,0 +1,30 @@
+#include "library/closed_forms/closed_form.h"
+
+#include <algorithm>
+
+#include "dsl/check.h"
+#include "library/closed_forms/fit.h"
+
+namespace cdb::library {
+namespace {
+
+struct Row {
+  std::string_view name;
+  std::unique_ptr<ClosedForm> (*make)(const Fit& fit);
+};
+
+constexpr Row kForms[] = {
+    {"flight", MakeFlight}, {"bounce", MakeBounce},  {"slide", MakeSlide},     {"stick", MakeStick},
+    {"spin", MakeSpin},     {"head_on", MakeHeadOn}, {"rolling", MakeRolling}, {"stack", MakeStack},
+};
+
+}  // namespace
+
+std::unique_ptr<ClosedForm> MakeClosedForm(std::string_view name, const compiler::Scene& scene,
+                                           const InitialState& state) {
+  const auto* row = std::ranges::find(kForms, name, &Row::name);
+  CDB_CHECK(row != std::end(kForms));
+  return row->make(Fit(name, scene, state));
+}
+
+}  // namespace cdb::library

@@ -1,0 +1,159 @@
+// A plate of mass M on N balls of mass m and moment I that roll on the floor, all under an
+// acceleration a along it; after the rolling test of SimBenchmark
+// (leggedrobotics.github.io/SimBenchmark). Nothing slips, so that a ball's top, and with it the
+// plate, goes twice as fast as its centre, and what a does is kinetic energy:
+//   d/dt [M (2v)²/2 + N (m + I/r²) v²/2] = M a 2v + N m a v
+//   v' = a (2M + N m) / (4M + N (m + I/r²))
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "library/closed_forms/fit.h"
+#include "library/walls.h"
+
+namespace cdb::library {
+namespace {
+
+using Eigen::Vector3d;
+
+class Rolling : public ClosedForm {
+ public:
+  /// `along` is the balls' acceleration, `rest` where each object's centre is while it stands.
+  Rolling(const Fit& fit, std::size_t plate, double radius, const Vector3d& along,
+          std::vector<Vector3d> rest)
+      : objects_(fit.objects()),
+        plate_(plate),
+        radius_(radius),
+        along_(along),
+        rest_(std::move(rest)) {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const Vector3d weight = objects_[i].mass * fit.acceleration();
+      released_ += weight.dot(Way(i, fit.end()));
+      settled_ -= weight.dot(rest_[i] - objects_[i].pose.position);
+    }
+  }
+
+  Truth At(double time_s) const override {
+    Truth truth;
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const bool is_plate = i == plate_;
+      truth.positions.push_back(rest_[i] + Way(i, time_s));
+      truth.velocities.push_back((is_plate ? 2 : 1) * time_s * along_);
+      truth.spins.push_back(is_plate
+                                ? Vector3d(Vector3d::Zero())
+                                : Vector3d(Vector3d::UnitY().cross(time_s * along_) / radius_));
+    }
+    truth.energy = settled_;
+    const Momenta momenta = MomentaOf(objects_, truth.positions, truth.velocities, truth.spins);
+    truth.momentum = momenta.linear;
+    truth.angular_momentum = momenta.angular;
+    return truth;
+  }
+
+  double energy_scale() const override { return released_; }
+
+ private:
+  Vector3d Way(std::size_t index, double time_s) const {
+    return (index == plate_ ? 2 : 1) * time_s * time_s / 2 * along_;
+  }
+
+  std::vector<ObjectState> objects_;
+  std::size_t plate_;
+  double radius_;
+  Vector3d along_;
+  std::vector<Vector3d> rest_;
+  double released_ = 0;  ///< until the end, J
+  double settled_ = 0;   ///< from the start to `rest_`, J
+};
+
+const Box kNowhere = {Vector3d::Constant(HUGE_VAL), Vector3d::Constant(-HUGE_VAL)};
+
+void Extend(Box& box, const Vector3d& point) {
+  box = {box.lower.cwiseMin(point), box.upper.cwiseMax(point)};
+}
+
+/// The only object that is no ball.
+std::size_t RequirePlateOnBalls(const Fit& fit) {
+  std::size_t plate = fit.size();
+  for (std::size_t i = 0; i < fit.size(); ++i) {
+    fit.RequireNoSpin(i);
+    fit.RequireNoVelocity(i);
+    if (fit.object(i).rolling_friction != 0)
+      fit.Refuse(fit.Name(i) + " has rolling friction", "make its rolling_friction 0");
+    if (fit.object(i).solid.shape != Shape::kCuboid) continue;
+    if (plate < fit.size()) fit.Refuse("there are two cuboids", "it is of one, on balls");
+    plate = i;
+  }
+  if (plate == fit.size()) fit.Refuse("there is no cuboid", "lay one on the balls");
+  if (fit.size() < 2) fit.Refuse("there are no balls", "lay the cuboid on balls");
+  return plate;
+}
+
+}  // namespace
+
+std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit) {
+  fit.RequireFloor();
+  const std::size_t plate_index = RequirePlateOnBalls(fit);
+  const ObjectState& plate = fit.object(plate_index);
+  const int upright = fit.RequireLevelCuboid(plate_index);
+  const double height = plate.solid.sides[upright];
+  const ObjectState& ball = fit.object(plate_index == 0 ? 1 : 0);
+  const double radius = ball.solid.sides.x() / 2, floor = fit.WallAt(-1);
+
+  // The plate gains on each ball what the ball has gone.
+  const double balls = static_cast<double>(fit.size() - 1);
+  const double rolling = ball.mass * (1 + ball.solid.InertiaPerMass().x() / (radius * radius));
+  const double gain = (2 * plate.mass + balls * ball.mass) / (4 * plate.mass + balls * rolling);
+  const Vector3d downhill = fit.Downhill(), along = gain * downhill;
+  if (downhill.isZero(0)) fit.Refuse("the acceleration is straight down", "tilt it");
+  const Vector3d way = along * fit.end() * fit.end() / 2;
+
+  std::vector<Vector3d> rest(fit.size());
+  Box at_start = kNowhere, at_end = kNowhere;  // of the balls' centres, as seen from the plate
+  for (std::size_t i = 0; i < fit.size(); ++i) {
+    const ObjectState& object = fit.object(i);
+    rest[i] = object.pose.position;
+    if (i == plate_index) {
+      rest[i].y() = floor + 2 * radius + height / 2;
+      fit.RequireStanding(i, object.pose.position.y() - rest[i].y(), height);
+      continue;
+    }
+    fit.RequireBall(i);
+    if (object.solid.sides != ball.solid.sides || object.mass != ball.mass ||
+        object.friction != ball.friction)
+      fit.Refuse(fit.Name(i) + " is not like the other balls",
+                 "give all one size, mass and friction");
+    rest[i].y() = floor + radius;
+    fit.RequireStanding(i, object.pose.position.y() - rest[i].y(), 2 * radius);
+    const Vector3d from_plate = object.pose.position - plate.pose.position;
+    if (!fit.IsOverBase(plate_index, upright, from_plate) ||
+        !fit.IsOverBase(plate_index, upright, from_plate - way))
+      fit.Refuse(fit.Name(i) + " is not under the plate from start to end",
+                 "make the plate larger or the run shorter");
+    Extend(at_start, from_plate);
+    Extend(at_end, from_plate - way);
+  }
+
+  // What friction must do so that nothing slips, over all balls together; and where below the
+  // plate's middle the balls' forces add up, which by their box alone is between them.
+  const Vector3d held = downhill - 2 * along;
+  const Vector3d pressed = held / fit.Pressing() * height / 2;
+  for (const Box& box : {at_start, at_end})
+    for (const int axis : {0, 2})
+      if (pressed[axis] < box.lower[axis] || pressed[axis] > box.upper[axis])
+        fit.Refuse("the plate would tip off the balls",
+                   "put balls under its ends, or make the run shorter");
+  const double on_plate = plate.mass * held.norm();
+  const double on_floor =
+      (balls * ball.mass * (along - downhill) + plate.mass * (2 * along - downhill)).norm();
+  const double above = plate.friction * ball.friction * plate.mass * fit.Pressing();
+  const double below =
+      ball.friction * kWallFriction * (plate.mass + balls * ball.mass) * fit.Pressing();
+  if (on_plate > above || on_floor > below)
+    fit.Refuse(fmt::format("the balls would slip on the {}", on_plate > above ? "plate" : "floor"),
+               "make the friction larger or tilt the acceleration less");
+  return std::make_unique<Rolling>(fit, plate_index, radius, along, std::move(rest));
+}
+
+}  // namespace cdb::library

@@ -1,0 +1,112 @@
+// A free rigid body: Euler's equations with the orientation, by Taylor series far below rounding.
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+
+#include "library/closed_forms/fit.h"
+
+namespace cdb::library {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+struct Turning {
+  Vector3d spin = Vector3d::Zero();  ///< in the body's axes, rad/s
+  Quaterniond orientation = Quaterniond::Identity();
+};
+
+// The rates are at most the squares of the spin, so that a solution's coefficients are at most
+// powers of it: a step of a tenth of a radian leaves 0.1^17 after this many.
+constexpr std::size_t kOrder = 16;
+constexpr double kRadiansPerStep = 0.1;
+
+/// `ratios` are (I2 - I3)/I1 and so on, each within ±1.
+Turning Step(const Turning& from, const Vector3d& ratios, double seconds) {
+  // The equations are quadratic, so that each coefficient is a sum of products of those before.
+  std::array<Vector3d, kOrder + 1> spin;
+  std::array<Quaterniond, kOrder + 1> turn;
+  spin[0] = from.spin;
+  turn[0] = from.orientation;
+  Turning to = from;
+  double power = 1;
+  for (std::size_t k = 0; k < kOrder; ++k) {
+    Vector3d spin_sum = Vector3d::Zero();
+    Quaterniond turn_sum(0, 0, 0, 0);
+    for (std::size_t j = 0; j <= k; ++j) {
+      const Vector3d &a = spin[j], &b = spin[k - j];
+      spin_sum += Vector3d(a.y() * b.z(), a.z() * b.x(), a.x() * b.y());
+      turn_sum.coeffs() += (turn[j] * Quaterniond(0, b.x(), b.y(), b.z())).coeffs();
+    }
+    const double next = static_cast<double>(k + 1);
+    spin[k + 1] = ratios.cwiseProduct(spin_sum) / next;
+    turn[k + 1].coeffs() = turn_sum.coeffs() / (2 * next);
+    power *= seconds;
+    to.spin += power * spin[k + 1];
+    to.orientation.coeffs() += power * turn[k + 1].coeffs();
+  }
+  to.orientation.normalize();
+  return to;
+}
+
+class Spin : public ClosedForm {
+ public:
+  explicit Spin(const Fit& fit) : object_(fit.object(0)) {
+    start_.orientation = object_.pose.orientation;
+    start_.spin = start_.orientation.conjugate() * object_.angular_velocity;
+    const Vector3d inertia = object_.solid.InertiaPerMass();
+    ratios_ =
+        Vector3d(inertia.y() - inertia.z(), inertia.z() - inertia.x(), inertia.x() - inertia.y())
+            .cwiseQuotient(inertia);
+    const double energy = inertia.dot(start_.spin.cwiseAbs2()) / 2;
+    energy_scale_ = object_.mass * energy;
+    const double fastest = std::sqrt(2 * energy / inertia.minCoeff());
+    step_ = kRadiansPerStep / fastest;
+    angular_momentum_ = object_.mass * (start_.orientation * inertia.cwiseProduct(start_.spin));
+    last_ = start_;
+  }
+
+  Truth At(double time_s) const override {
+    if (time_s < steps_done_ * step_) {
+      last_ = start_;
+      steps_done_ = 0;
+    }
+    for (; (steps_done_ + 1) * step_ <= time_s; ++steps_done_) last_ = Step(last_, ratios_, step_);
+    const Turning now = Step(last_, ratios_, time_s - steps_done_ * step_);
+    Truth truth;
+    truth.positions = {object_.pose.position + time_s * object_.linear_velocity};
+    truth.velocities = {object_.linear_velocity};
+    truth.orientations = {now.orientation};
+    truth.spins = {now.orientation * now.spin};
+    truth.energy = 0;
+    truth.momentum = object_.mass * object_.linear_velocity;
+    truth.angular_momentum = angular_momentum_;
+    return truth;
+  }
+
+  double energy_scale() const override { return energy_scale_; }
+
+ private:
+  ObjectState object_;
+  Turning start_;
+  Vector3d ratios_, angular_momentum_;
+  double energy_scale_ = 0, step_ = 0;
+  // How far it is integrated, for the next time to go on from.
+  mutable Turning last_;
+  mutable double steps_done_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ClosedForm> MakeSpin(const Fit& fit) {
+  fit.RequireOneObject();
+  fit.RequireNoAcceleration();
+  const ObjectState& object = fit.object(0);
+  if (object.angular_velocity.isZero(0))
+    fit.Refuse(fit.Name(0) + " does not spin", "give it an angular_velocity");
+  fit.RequireClearOfWalls(0, ReachOf(object), object.pose.position, object.linear_velocity,
+                          Vector3d::Zero(), fit.end());
+  return std::make_unique<Spin>(fit);
+}
+
+}  // namespace cdb::library

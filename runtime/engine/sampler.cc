@@ -1,0 +1,198 @@
+#include "runtime/engine/sampler.h"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+
+#include "compiler/reference.h"
+#include "runtime/engine/conversions.h"
+
+namespace cdb::runtime {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Eigen::Quaterniond TurnOf(const btRigidBody& body) {
+  const btQuaternion turn = body.getWorldTransform().getRotation();
+  return Eigen::Quaterniond(static_cast<double>(turn.w()), static_cast<double>(turn.x()),
+                            static_cast<double>(turn.y()), static_cast<double>(turn.z()));
+}
+
+/// Pairs of objects, not both fixed, whose tightest boxes overlap as they stand now: all of them,
+/// in double, found along x. Smaller index first, in order.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> ExactPairs(const Engine& engine) {
+  struct Row {
+    library::Box box;
+    std::uint32_t object;
+    bool is_fixed;
+  };
+  std::vector<Row> rows;
+  const auto& objects = engine.initial_state().objects;
+  for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    const btRigidBody& body = *engine.objects()[i];
+    library::Box box = library::Bounds(objects[i].solid, TurnOf(body));
+    const Vector3d centre = ToEigen(body.getWorldTransform().getOrigin());
+    box.lower += centre;
+    box.upper += centre;
+    rows.push_back({box, i, objects[i].IsFixed()});
+  }
+  std::ranges::sort(rows, {}, [](const Row& row) { return row.box.lower.x(); });
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (auto a = rows.begin(); a != rows.end(); ++a) {
+    for (auto b = a + 1; b != rows.end() && b->box.lower.x() <= a->box.upper.x(); ++b) {
+      if (a->is_fixed && b->is_fixed) continue;
+      if ((a->box.lower.array() <= b->box.upper.array()).all() &&
+          (b->box.lower.array() <= a->box.upper.array()).all())
+        pairs.push_back(std::minmax(a->object, b->object));
+    }
+  }
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+}  // namespace
+
+Sampler::Sampler(const compiler::Scene& scene, Engine& engine, Recording& recording)
+    : engine_(engine),
+      shape_(*SampleShapeOf(scene)),
+      values_(recording.SampleValues()),
+      cycles_per_sample_(compiler::SamplingOf(scene)->cycles),
+      wants_pairs_(scene.world.Lists("accuracy.metrics", "pairs")) {
+  const auto& objects = engine.initial_state().objects;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    values_[shape_.Body(i)] = objects[i].mass;
+    values_[shape_.Body(i) + 1] = objects[i].solid.sides.maxCoeff();
+  }
+}
+
+void Sampler::Begin() { Take(); }
+
+void Sampler::BeforeStep() {
+  // The detector looks before the bodies are moved.
+  if (wants_pairs_ && !IsComplete() && (steps_ + 1) % cycles_per_sample_ == 0)
+    exact_ = ExactPairs(engine_);
+}
+
+void Sampler::AfterStep() {
+  if (++steps_ % cycles_per_sample_ == 0 && !IsComplete()) Take();
+}
+
+double& Sampler::Value(Observable which) { return values_[shape_.Observables(taken_) + which]; }
+
+void Sampler::Take() {
+  TakeStates();
+  TakeMotion();
+  if (steps_ > 0) {
+    TakeContacts();
+    if (wants_pairs_) TakePairs();
+  }
+  ++taken_;
+}
+
+void Sampler::TakeStates() {
+  for (std::size_t i = 0; i < shape_.objects; ++i) {
+    const btRigidBody& body = *engine_.objects()[i];
+    Eigen::Map<Eigen::Matrix<double, kStateSize, 1>> state(&values_[shape_.State(taken_, i)]);
+    state << ToEigen(body.getWorldTransform().getOrigin()), TurnOf(body).coeffs(),
+        ToEigen(body.getLinearVelocity()), ToEigen(body.getAngularVelocity());
+  }
+}
+
+void Sampler::TakeMotion() {
+  struct Motion {
+    double mass;
+    Vector3d place, momentum, spin;  ///< `spin`: angular momentum about its own centre
+  };
+  std::vector<Motion> motions;
+  double kinetic = 0, potential = 0, mass = 0;
+  Vector3d centre = Vector3d::Zero();
+  for (std::size_t i = 0; i < shape_.objects; ++i) {
+    const library::ObjectState& object = engine_.initial_state().objects[i];
+    if (object.IsFixed()) continue;
+    const btRigidBody& body = *engine_.objects()[i];
+    const Vector3d x = ToEigen(body.getWorldTransform().getOrigin());
+    const Vector3d v = ToEigen(body.getLinearVelocity());
+    const Vector3d w = ToEigen(body.getAngularVelocity());
+    // The axes of a body are its principal ones.
+    const Matrix3d axes = TurnOf(body).toRotationMatrix();
+    const Vector3d inertia = object.mass * object.solid.InertiaPerMass();
+    const Vector3d spin = axes * inertia.cwiseProduct(axes.transpose() * w);
+    kinetic += (object.mass * v.squaredNorm() + w.dot(spin)) / 2;
+    potential -= object.mass * engine_.acceleration().dot(x);
+    motions.push_back({object.mass, x, object.mass * v, spin});
+    mass += object.mass;
+    centre += object.mass * x;
+  }
+  if (mass > 0) centre /= mass;
+  Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
+  double momentum_sum = 0, angular_sum = 0;
+  for (const Motion& motion : motions) {
+    // The common centre moves, which takes nothing from the sum over all.
+    const Vector3d own = (motion.place - centre).cross(motion.momentum) + motion.spin;
+    momentum += motion.momentum;
+    angular += own;
+    momentum_sum += motion.momentum.norm();
+    angular_sum += own.norm();
+  }
+  Value(kKinetic) = kinetic;
+  // Of the energies of one time: without the integrator's own term.
+  Value(kPotential) = potential + engine_.links().SpringEnergy(0);
+  Eigen::Map<Vector3d>(&Value(kAccelerationX)) = engine_.acceleration();
+  Eigen::Map<Vector3d>(&Value(kMomentumX)) = momentum;
+  Eigen::Map<Vector3d>(&Value(kAngularX)) = angular;
+  Value(kMomentumSum) = momentum_sum;
+  Value(kAngularSum) = angular_sum;
+}
+
+/// Walls are as large as what touches them.
+double Sampler::SizeOf(const btCollisionObject* body) const {
+  const auto index = static_cast<std::size_t>(body->getUserIndex());
+  return index < shape_.objects ? values_[shape_.Body(index) + 1]
+                                : std::numeric_limits<double>::infinity();
+}
+
+void Sampler::TakeContacts() {
+  btDispatcher& dispatcher = *engine_.world().getDispatcher();
+  double contacts = 0, overlaps = 0, sum = 0, deepest = 0;
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+    const double size = std::min(SizeOf(manifold.getBody0()), SizeOf(manifold.getBody1()));
+    contacts += manifold.getNumContacts();
+    for (int j = 0; j < manifold.getNumContacts(); ++j) {
+      const double depth = -static_cast<double>(manifold.getContactPoint(j).getDistance()) / size;
+      if (!(depth > 0)) continue;
+      ++overlaps;
+      sum += depth;
+      deepest = std::max(deepest, depth);
+    }
+  }
+  Value(kContactCount) = contacts;
+  Value(kDepthMean) = overlaps > 0 ? sum / overlaps : 0;
+  Value(kDepthMax) = deepest;
+}
+
+void Sampler::TakePairs() {
+  const btOverlappingPairCache& cache = *engine_.world().getPairCache();
+  const btBroadphasePair* begin =
+      const_cast<btOverlappingPairCache&>(cache).getOverlappingPairArrayPtr();
+  Pairs found;
+  for (int i = 0; i < cache.getNumOverlappingPairs(); ++i) {
+    const auto index = [](const btBroadphaseProxy* proxy) {
+      return static_cast<std::uint32_t>(
+          static_cast<const btCollisionObject*>(proxy->m_clientObject)->getUserIndex());
+    };
+    const std::pair<std::uint32_t, std::uint32_t> pair =
+        std::minmax({index(begin[i].m_pProxy0), index(begin[i].m_pProxy1)});
+    if (pair.second < shape_.objects) found.push_back(pair);
+  }
+  std::ranges::sort(found);
+  Pairs missed, phantom;
+  std::ranges::set_difference(exact_, found, std::back_inserter(missed));
+  std::ranges::set_difference(found, exact_, std::back_inserter(phantom));
+  Value(kPairsExact) = static_cast<double>(exact_.size());
+  Value(kPairsMissed) = static_cast<double>(missed.size());
+  Value(kPairsPhantom) = static_cast<double>(phantom.size());
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,46 @@
+// Takes a run's samples between two cycles, in the pass that has no clock.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "runtime/engine/engine.h"
+#include "runtime/measure/recording.h"
+
+namespace cdb::runtime {
+
+/// The scene asks for samples. Engine and recording must outlive it. Not for several threads.
+class Sampler {
+ public:
+  Sampler(const compiler::Scene& scene, Engine& engine, Recording& recording);
+
+  /// Call before the first step, then before and after each one.
+  void Begin();
+  void BeforeStep();
+  void AfterStep();
+  /// All samples are taken.
+  bool IsComplete() const { return taken_ == shape_.samples; }
+
+ private:
+  using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+  void Take();
+  void TakeStates();
+  void TakeMotion();
+  void TakeContacts();
+  void TakePairs();
+  double& Value(Observable which);
+  double SizeOf(const btCollisionObject* body) const;
+
+  Engine& engine_;
+  const SampleShape shape_;
+  const std::span<double> values_;
+  const std::uint64_t cycles_per_sample_;
+  const bool wants_pairs_;
+  std::uint64_t steps_ = 0;
+  std::size_t taken_ = 0;
+  Pairs exact_;  ///< whose boxes overlapped when the detector last looked
+};
+
+}  // namespace cdb::runtime

@@ -1,0 +1,42 @@
+#include "runtime/measure/samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "compiler/reference.h"
+
+namespace cdb::runtime {
+
+std::span<const std::string_view> ObservableNames() {
+  static constexpr std::string_view kNames[kObservableCount] = {
+      "kinetic",    "potential",    "acceleration_x", "acceleration_y", "acceleration_z",
+      "momentum_x", "momentum_y",   "momentum_z",     "angular_x",      "angular_y",
+      "angular_z",  "momentum_sum", "angular_sum",    "depth_mean",     "depth_max",
+      "contacts",   "pairs_exact",  "pairs_missed",   "pairs_phantom"};
+  return kNames;
+}
+
+std::span<const std::string_view> StateNames() {
+  static constexpr std::string_view kNames[kStateSize] = {"x",  "y",  "z",  "qx", "qy", "qz", "qw",
+                                                          "vx", "vy", "vz", "wx", "wy", "wz"};
+  return kNames;
+}
+
+std::optional<SampleShape> SampleShapeOf(const compiler::Scene& scene) {
+  const auto sampling = compiler::SamplingOf(scene);
+  if (!sampling) return std::nullopt;
+  return SampleShape{sampling->count, scene.ObjectCount()};
+}
+
+Eigen::Vector3d Samples::Up() const {
+  const Eigen::Vector3d start = acceleration(0);
+  return start.isZero(0) ? Eigen::Vector3d::UnitY() : Eigen::Vector3d(-start.stableNormalized());
+}
+
+bool Samples::IsFinite() const {
+  const auto states =
+      values.subspan(shape.State(0, 0), shape.State(shape.samples, 0) - shape.State(0, 0));
+  return std::ranges::all_of(states, [](double value) { return std::isfinite(value); });
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,211 @@
+// Errors of samples made by hand, whose right values follow from a line of arithmetic.
+#include "runtime/accuracy/errors.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cdb::runtime {
+namespace {
+
+using compiler::ErrorInfo;
+using compiler::Fold;
+using Eigen::Vector3d;
+
+/// Two balls of size 2 and 4 and mass 1 and 3, and a fixed one; samples a second apart.
+struct HandMade {
+  explicit HandMade(std::size_t count) : shape{count, 3}, values(shape.Count(), 0) {
+    const double masses[] = {1, 3, 0}, sizes[] = {2, 4, 100};
+    for (std::size_t i = 0; i < 3; ++i) {
+      values[shape.Body(i)] = masses[i];
+      values[shape.Body(i) + 1] = sizes[i];
+    }
+    for (std::size_t s = 0; s < count; ++s) Set(s, kAccelerationX, {0, -10, 0});
+  }
+  void Set(std::size_t sample, std::size_t object, int from, const Vector3d& v) {
+    double* place = &values[shape.State(sample, object) + static_cast<std::size_t>(from)];
+    std::ranges::copy(v, place);
+  }
+  void Set(std::size_t sample, Observable which, const Vector3d& v) {
+    double* place = &values[shape.Observables(sample) + which];
+    std::ranges::copy(v, place);
+  }
+  void Set(std::size_t sample, Observable which, double value) {
+    values[shape.Observables(sample) + which] = value;
+  }
+  Samples samples() const { return {shape, 1, values}; }
+
+  SampleShape shape;
+  std::vector<double> values;
+};
+
+const ErrorInfo& Info(std::string_view name) {
+  for (const ErrorInfo& error : compiler::Errors())
+    if (error.name == name) return error;
+  throw std::runtime_error("no such error");
+}
+
+/// The error `name` of `run` at sample `at`.
+double ErrorAt(std::string_view name, const HandMade& run, const HandMade& truth,
+               std::size_t at = 1) {
+  const ErrorInfo* info = &Info(name);
+  const Samples reference = truth.samples();
+  const auto standard = StandardOf(reference);
+  return ErrorSeries({&info, 1}, run.samples(), standard.get())[0].at(at);
+}
+
+TEST(Errors, OfPlacesAreInSizesOfEachObject) {
+  HandMade truth(2), run(2);
+  run.Set(1, 0, 0, {2, 0, 0});   // one size away
+  run.Set(1, 1, 0, {0, 0, 12});  // three
+  run.Set(1, 2, 0, {9, 9, 9});   // fixed: counts nowhere
+  EXPECT_DOUBLE_EQ(ErrorAt("position", run, truth), std::sqrt((1.0 + 9) / 2));
+  EXPECT_EQ(ErrorAt("position", run, truth, 0), 0);
+}
+
+TEST(Errors, OfVelocitiesAreInMetresASecond) {
+  HandMade truth(2), run(2);
+  truth.Set(1, 0, 7, {0, 5, 0});
+  run.Set(1, 0, 7, {3, 1, 0});  // 5 apart
+  run.Set(1, 1, 7, {0, 0, 1});
+  EXPECT_DOUBLE_EQ(ErrorAt("velocity", run, truth), std::sqrt((25.0 + 1) / 2));
+}
+
+TEST(Errors, OfEnergyCompareChanges) {
+  HandMade truth(2), run(2);
+  // Another zero of the potential, as rounding the start makes it, is no error.
+  run.Set(0, kPotential, 100);
+  run.Set(1, kPotential, 90);
+  run.Set(1, kKinetic, 16);
+  truth.Set(1, kKinetic, 20);
+  truth.Set(1, kPotential, -20);
+  // 6 J too many over 20 J and 10 m/s^2 * (1 * 2 + 3 * 4).
+  EXPECT_DOUBLE_EQ(ErrorAt("energy", run, truth), 6.0 / (20 + 140));
+}
+
+TEST(Errors, OfMomentaAreOverTheLargestSum) {
+  HandMade truth(2), run(2);
+  truth.Set(0, kMomentumSum, 8);
+  truth.Set(1, kMomentumSum, 4);
+  run.Set(1, kMomentumX, {0, 3, 4});
+  EXPECT_DOUBLE_EQ(ErrorAt("momentum", run, truth), 5.0 / 8);
+  EXPECT_TRUE(std::isnan(ErrorAt("angular_momentum", run, truth))) << "nothing turns";
+  truth.Set(0, kAngularSum, 10);
+  truth.Set(1, kAngularX, {0, 0, 2});
+  EXPECT_DOUBLE_EQ(ErrorAt("angular_momentum", run, truth), 0.2);
+}
+
+TEST(Errors, OfHeightsAreAlongTheAcceleration) {
+  HandMade truth(2), run(2);
+  run.Set(1, 0, 0, {7, 6, 0});
+  truth.Set(1, 1, 0, {0, 3, 0});
+  // Mean size 3: heights 6 and 0 against 0 and 3.
+  EXPECT_DOUBLE_EQ(ErrorAt("height", run, truth), (3 - 1.5) / 3);
+  EXPECT_DOUBLE_EQ(ErrorAt("height_w1", run, truth), (0 + 3) / 2.0 / 3);
+}
+
+TEST(Errors, OfContactsAndPairsAreOfTheTrueNumber) {
+  HandMade truth(2), run(2);
+  truth.Set(1, kContactCount, 8);
+  run.Set(1, kContactCount, 6);
+  run.Set(1, kPairsExact, 10);
+  run.Set(1, kPairsMissed, 1);
+  run.Set(1, kPairsPhantom, 4);
+  run.Set(1, kDepthMean, 0.25);
+  run.Set(1, kDepthMax, 0.5);
+  EXPECT_DOUBLE_EQ(ErrorAt("contacts", run, truth), 0.25);
+  EXPECT_DOUBLE_EQ(ErrorAt("pairs_missed", run, truth), 0.1);
+  EXPECT_DOUBLE_EQ(ErrorAt("pairs_phantom", run, truth), 0.4);
+  EXPECT_DOUBLE_EQ(ErrorAt("penetration", run, truth), 0.25);
+  EXPECT_DOUBLE_EQ(ErrorAt("penetration_max", run, truth), 0.5);
+}
+
+TEST(Folded, LeavesOutTheStartAndWhatFollows) {
+  const std::vector<double> series = {100, 3, 4, 12};
+  EXPECT_DOUBLE_EQ(Folded(series, Fold::kRms, 3), std::sqrt(12.5));
+  EXPECT_DOUBLE_EQ(Folded(series, Fold::kMean, 4), 19.0 / 3);
+  EXPECT_DOUBLE_EQ(Folded(series, Fold::kMax, 9), 12);
+  EXPECT_TRUE(std::isnan(Folded(series, Fold::kRms, 1)));
+  EXPECT_TRUE(std::isnan(Folded(std::vector<double>{0, NAN}, Fold::kMax, 2)));
+}
+
+TEST(MeanMove, IsW1) {
+  EXPECT_DOUBLE_EQ(MeanMove({3, 1, 2}, {2, 3, 1}), 0);
+  EXPECT_DOUBLE_EQ(MeanMove({0, 10}, {11, 1}), 1);
+  EXPECT_TRUE(std::isnan(MeanMove({0, NAN}, {0, 1})));
+}
+
+TEST(Horizon, IsWhereTheTwinIsATenthOfASizeAway) {
+  HandMade reference(4), twin(4);
+  twin.Set(1, 0, 0, {0.1, 0, 0});
+  EXPECT_EQ(HorizonOf(reference.samples(), twin.samples()), 4u);
+  // 0.1 sizes of one object are 0.1 / sqrt(2) of both.
+  twin.Set(2, 0, 0, {0.2, 0, 0});
+  EXPECT_EQ(HorizonOf(reference.samples(), twin.samples()), 4u);
+  twin.Set(3, 0, 0, {0.3, 0, 0});
+  EXPECT_EQ(HorizonOf(reference.samples(), twin.samples()), 3u);
+}
+
+compiler::Scene Asking(compiler::WordList metrics) {
+  compiler::Scene scene;
+  scene.world.values["accuracy.metrics"] = std::move(metrics);
+  scene.world.values["timestep"] = 0.5;
+  return scene;
+}
+
+TEST(CollectErrors, ReachesToTheHorizonWithAFloor) {
+  HandMade reference(4), twin(4), run(4);
+  for (std::size_t s = 1; s < 4; ++s) run.Set(s, 0, 0, {2.0 * static_cast<double>(s), 0, 0});
+  twin.Set(1, 1, 0, {0.4, 0, 0});
+  twin.Set(2, 0, 0, {1, 0, 0});
+  const Samples samples = reference.samples(), others = twin.samples();
+  const auto standard = StandardOf(samples);
+  const RunErrors errors =
+      CollectErrors(Asking({"position"}), run.samples(), standard.get(), &samples, &others);
+  EXPECT_EQ(errors.message, "");
+  EXPECT_EQ(errors.values.at("horizon"), std::vector<double>{2});
+  EXPECT_EQ(errors.values.at("timestep"), std::vector<double>{0.5});
+  EXPECT_DOUBLE_EQ(errors.values.at("position").at(0), std::sqrt(0.5));
+  EXPECT_DOUBLE_EQ(errors.values.at("position_floor").at(0), std::sqrt(0.01 / 2));
+  EXPECT_EQ(errors.values.at("position_series").size(), 4u);
+  EXPECT_EQ(errors.values.size(), 5u);
+}
+
+TEST(CollectErrors, HasNoValueOfWhatIsNotANumber) {
+  HandMade run(3);
+  run.Set(2, 0, 0, {NAN, 0, 0});
+  const RunErrors errors =
+      CollectErrors(Asking({"penetration"}), run.samples(), nullptr, nullptr, nullptr);
+  EXPECT_EQ(errors.message, "a state of the run is not a number");
+  EXPECT_EQ(errors.values.at("penetration").at(0), 0);
+  EXPECT_FALSE(errors.values.contains("penetration_floor"));
+}
+
+/// Says nothing but that energy is kept.
+class OnlyEnergy : public library::ClosedForm {
+ public:
+  library::Truth At(double) const override {
+    library::Truth truth;
+    truth.energy = 0;
+    return truth;
+  }
+  double energy_scale() const override { return 4; }
+};
+
+TEST(CollectErrors, HoldsAgainstAClosedForm) {
+  HandMade run(3);
+  run.Set(1, kKinetic, 2);
+  run.Set(2, kKinetic, 2);
+  const Samples samples = run.samples();
+  const OnlyEnergy form;
+  const RunErrors errors = CollectErrors(Asking({"energy", "position"}), samples,
+                                         StandardOf(form, samples).get(), nullptr, nullptr);
+  EXPECT_DOUBLE_EQ(errors.values.at("energy").at(0), 0.5);
+  EXPECT_EQ(errors.values.at("energy_floor").at(0), 0);
+  EXPECT_EQ(errors.values.at("horizon").at(0), 2);
+  EXPECT_TRUE(std::isnan(errors.values.at("position").at(0)));
+}
+
+}  // namespace
+}  // namespace cdb::runtime

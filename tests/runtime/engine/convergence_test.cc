@@ -1,0 +1,252 @@
+// How fast the engine comes to the closed forms as its steps get smaller: orders fitted by least
+// squares. Figures beside the bounds were measured with Bullet 3.24, the same in both precisions to
+// the digits given unless both are.
+#include <gtest/gtest.h>
+
+#include "tests/runtime/engine/against_form.h"
+
+namespace cdb::test {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr bool kSingle = sizeof(btScalar) == 4;
+
+/// Hz. Finer steps drown in the rounding of single precision.
+const std::vector<double> kRates = {30, 60, 120, 240, 480};
+
+compiler::Scene In(compiler::Scene scene, std::string_view contact = "bullet") {
+  SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
+  SetWorld(scene, "contact", Word(contact));
+  return scene;
+}
+
+std::vector<double> Timesteps(const std::vector<double>& rates) {
+  std::vector<double> timesteps;
+  for (const double rate : rates) timesteps.push_back(1 / rate);
+  return timesteps;
+}
+
+/// The errors of the scene at each rate.
+std::vector<FormErrors> Sweep(std::string_view form, compiler::Scene scene, double seconds,
+                              const std::vector<double>& rates = kRates) {
+  std::vector<FormErrors> errors;
+  for (const double rate : rates) {
+    SetTime(scene, 1 / rate, seconds);
+    errors.push_back(AgainstForm(form, scene));
+  }
+  return errors;
+}
+
+double OrderOfForm(const std::vector<FormErrors>& errors, double FormErrors::*which,
+                   const std::vector<double>& rates = kRates) {
+  std::vector<double> values;
+  for (const FormErrors& error : errors) values.push_back(error.*which);
+  return OrderOf(Timesteps(rates), values);
+}
+
+TEST(Convergence, OrderOfAPowerIsItsExponent) {
+  EXPECT_NEAR(OrderOf({1, 0.5, 0.25}, {3, 0.75, 0.1875}), 2, 1e-12);
+}
+
+TEST(Convergence, FlightIsOfOrderOne) {
+  const std::vector<FormErrors> errors = Sweep("flight", In(FlightScene()), 1);
+  EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position), 1, 0.01);
+  EXPECT_NEAR(OrderOfForm(errors, &FormErrors::energy), 1, 0.01);
+  for (std::size_t i = 0; i < kRates.size(); ++i) {
+    // All of it is the discrete formula's, g dt t/2; what is left is rounding, of a place that 480
+    // steps of at most 6 m/s lead to, and of a velocity that g dt is added to.
+    EXPECT_NEAR(errors[i].position, 9.8 / kRates[i] / 2, 2 * kRates[i] * 6 * kEpsilon);
+    EXPECT_LE(errors[i].velocity, (kRates[i] + 8) * 10 * kEpsilon);
+  }
+}
+
+TEST(Convergence, SpinIsOfOrderOneInEnergyAngularMomentumAndTurn) {
+  const std::vector<FormErrors> errors = Sweep("spin", In(SpinScene()), 2);
+  EXPECT_NEAR(OrderOfForm(errors, &FormErrors::energy), 1, 0.03);
+  EXPECT_NEAR(OrderOfForm(errors, &FormErrors::angular_momentum), 1, 0.03);
+  EXPECT_NEAR(OrderOfForm(errors, &FormErrors::turn), 1, 0.03);
+  EXPECT_NEAR(errors[1].energy, 1.9e-3, 1e-4);  // at 60 Hz, after 6 rad
+  EXPECT_NEAR(errors[1].angular_momentum, 3.6e-3, 2e-4);
+}
+
+TEST(Convergence, StickCreepsWithOrderTwo) {
+  const std::vector<FormErrors> errors = Sweep("stick", In(SlopeScene(0.3, 1)), 4);
+  EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position), 2, 0.05);
+  EXPECT_NEAR(errors[1].position, 2.4e-3, 1e-4);  // 60 Hz
+  // Nearly all of it in the first half second, as it lands and rocks: then the box stays, but for
+  // 3e-6 m in 4 s at 60 Hz.
+  compiler::Scene scene = In(SlopeScene(0.3, 1));
+  SetTime(scene, 1.0 / 60, 4);
+  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  Steps(engine, 30);
+  const Vector3d soon = Position(engine);
+  Steps(engine, 210);
+  EXPECT_LT((Position(engine) - soon).norm(), 1e-5);
+  // g dt²/S is 0.04 at 15 Hz, and the box slides away.
+  SetTime(scene, 1.0 / 15, 4);
+  EXPECT_GT(AgainstForm("stick", scene).position, 1);
+}
+
+TEST(Convergence, SlideComesToItsAcceleration) {
+  // Contacts come and go under the sliding box: the error falls unevenly, by about the step.
+  const std::vector<double> rates = {30, 60, 120, 240, 480, 960, 1920};
+  const std::vector<FormErrors> errors = Sweep("slide", In(SlopeScene(0.5, 0.4)), 1, rates);
+  EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position, rates), 1.1, 0.5);
+  EXPECT_LT(errors.back().position, 0.002 * 1.5);  // of 1.5 m
+}
+
+/// The mean over so many heights about 50 m of the energy that a ball of size 50 with restitution
+/// 1 has lost after 10 s, in parts of what it had above the floor. With g dt v/2, which the
+/// integrator keeps in free flight.
+double LostInBounces(double rate, std::string_view contact) {
+  constexpr int kHeights = 32;
+  double sum = 0;
+  for (int i = 0; i < kHeights; ++i) {
+    const double height = 50 * (0.9 + 0.2 * i / kHeights);
+    compiler::Scene scene = In(BounceScene(), contact);
+    SetWorld(scene, "world.side", 500.0);
+    SetGroup(scene, "size", 50.0);
+    SetGroup(scene, "location", At(0, -225 + height, 0));
+    SetTime(scene, 1 / rate, 10);
+    runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+    const auto energy = [&] {
+      const double v = Velocity(engine).y();
+      return v * v / 2 + 9.8 * (Position(engine).y() + 225) - 9.8 * v / rate / 2;
+    };
+    const double start = energy();
+    Steps(engine, static_cast<int>(10 * rate));
+    sum += (start - energy()) / start / kHeights;
+  }
+  return sum;
+}
+
+TEST(Convergence, DefaultBounceGoesTheWrongWayAndTheFaithfulOneComesTrue) {
+  EXPECT_NEAR(LostInBounces(15, "bullet"), 0.23, 0.05);
+  EXPECT_NEAR(LostInBounces(30, "bullet"), 0.76, 0.05);
+  EXPECT_NEAR(LostInBounces(60, "bullet"), 1, 0.001);
+  EXPECT_NEAR(LostInBounces(240, "bullet"), 1, 0.001);
+  // What is left gains a little: 0.7, 0.3, 0.2 % …
+  std::vector<double> gained;
+  const std::vector<double> rates = {15, 30, 60, 120, 240};
+  for (const double rate : rates) gained.push_back(-LostInBounces(rate, "faithful"));
+  EXPECT_NEAR(gained[2], 0.0015, 0.0005);
+  EXPECT_NEAR(OrderOf(Timesteps(rates), gained), 1, 0.15);
+
+  // Position and energy of a ball of size 1 that falls 4.5 m.
+  const std::vector<FormErrors> faithful = Sweep("bounce", In(BounceScene(), "faithful"), 10);
+  EXPECT_NEAR(OrderOfForm(faithful, &FormErrors::energy), 1, 0.15);
+  EXPECT_LT(faithful.back().energy, 0.004);
+  const std::vector<FormErrors> bullet = Sweep("bounce", In(BounceScene()), 10);
+  EXPECT_LT(OrderOfForm(bullet, &FormErrors::energy), -0.5);
+  EXPECT_NEAR(bullet.back().energy, 1, 0.001);
+}
+
+struct HeadOn {
+  double mean = 0, first_phase = 0;  ///< |x - x*| of the first ball at the end, m
+  double speed = 0, energy = 0;      ///< means; energy in parts of the form's scale
+};
+
+/// Over 32 parts of a step by which the balls meet later.
+HeadOn OverPhases(double rate, double mass, std::string_view contact) {
+  constexpr int kPhases = 32;
+  HeadOn sum;
+  for (int phase = 0; phase < kPhases; ++phase) {
+    compiler::Scene scene = In(HeadOnScene(mass, 1), contact);
+    SetGroup(scene, "location", At(-1.5 - 4 / rate * phase / kPhases, 0, 0));
+    SetTime(scene, 1 / rate, 1.2);
+    const library::InitialState state = library::MakeInitialState(scene);
+    const auto truth = library::MakeClosedForm("head_on", scene, state)->At(1.2);
+    runtime::Engine engine = WholeEngine(scene, state);
+    const Observed start = Observe(engine);
+    Steps(engine, static_cast<int>(scene.world.Count("cycles")));
+    const double error = (Position(engine) - truth.positions[0]).norm();
+    if (phase == 0) sum.first_phase = error;
+    sum.mean += error / kPhases;
+    sum.speed += (Velocity(engine) - truth.velocities[0]).norm() / kPhases;
+    const double energy_scale = mass / (1 + mass) / 2 * 16;
+    sum.energy += (Observe(engine).energy - start.energy) / energy_scale / kPhases;
+  }
+  return sum;
+}
+
+TEST(Convergence, HeadOnIsOfOrderOneInTheMeanOverPhases) {
+  for (const double mass : {1.0, 5.0}) {
+    std::vector<double> means;
+    bool first_phase_falls = true;
+    double last = HUGE_VAL;
+    for (const double rate : kRates) {
+      const HeadOn faithful = OverPhases(rate, mass, "faithful");
+      means.push_back(faithful.mean);
+      first_phase_falls &= faithful.first_phase < last;
+      last = faithful.first_phase;
+      EXPECT_LE(faithful.speed, 100 * kEpsilon);
+    }
+    // Half a step late at (1 + e) times the speed: 0.031 m at 60 Hz for equal masses.
+    EXPECT_NEAR(OrderOf(Timesteps(kRates), means), 1, 0.05);
+    EXPECT_FALSE(first_phase_falls) << "one phase saws";
+  }
+  EXPECT_NEAR(OverPhases(60, 1, "faithful").mean, 0.031, 0.001);
+  // Bullet's own presets lose a fifth of the energy, whatever the step, and stay as far off.
+  EXPECT_NEAR(OverPhases(60, 1, "bullet").mean, 0.058, 0.005);
+  EXPECT_NEAR(OverPhases(480, 1, "bullet").mean, 0.131, 0.02);
+}
+
+TEST(Convergence, RollingAgreesWithItsClosedForm) {
+  compiler::Scene scene = In(RollingScene(0.1));
+  SetWorld(scene, "solver.iterations", std::uint64_t{100});
+  std::vector<double> errors;
+  const std::vector<double> rates = {60, 120, 240, 480};
+  for (const double rate : rates) {
+    SetTime(scene, 1 / rate, 1);
+    const library::InitialState state = library::MakeInitialState(scene);
+    const auto form = library::MakeClosedForm("rolling", scene, state);
+    const library::Truth start = form->At(0), truth = form->At(1);
+    runtime::Engine engine = WholeEngine(scene, state);
+    Steps(engine, static_cast<int>(rate));
+    for (std::size_t i = 0; i < state.objects.size(); ++i) {
+      // Velocities are exact but for rounding: relative errors of 1e-15 in double, 4e-6 in single.
+      const double speed = truth.velocities[i].x();
+      EXPECT_NEAR(Velocity(engine, i).x(), speed, 100 * kEpsilon * speed) << rate << ' ' << i;
+      // And places are the discrete formula's, n (n + 1)/2 steps of a dt².
+      const double way = truth.positions[i].x() - start.positions[i].x();
+      EXPECT_NEAR(Position(engine, i).x() - start.positions[i].x(), way * (1 + 1 / rate),
+                  100 * kEpsilon * 10)
+          << rate << ' ' << i;
+    }
+    errors.push_back(std::abs(Position(engine, 25).x() - truth.positions[25].x()));
+  }
+  EXPECT_NEAR(OrderOf(Timesteps(rates), errors), 1, 0.01);
+  // With Bullet's 10 iterations the plate is 0.3 % slow in double and right in single, where the
+  // contacts happen to be solved in a better order.
+  SetWorld(scene, "solver.iterations", std::uint64_t{10});
+  SetTime(scene, 1.0 / 60, 1);
+  const auto form = FormOf("rolling", scene);
+  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  Steps(engine, 60);
+  const double speed = form->At(1).velocities[25].x();
+  EXPECT_NEAR(Velocity(engine, 25).x() / speed, kSingle ? 1 : 0.9973, 1e-4);
+}
+
+TEST(Convergence, StackSinksWithOrderTwo) {
+  // The top of 10 cubes after 4 s: 0.010 m too low in double at 60 Hz, 0.013 in single; 100
+  // iterations leave 4e-4 and 3e-4.
+  std::vector<double> sunk;
+  const auto sinks = [](double rate, std::uint64_t iterations) {
+    compiler::Scene scene = In(StackScene(10));
+    SetWorld(scene, "solver.iterations", iterations);
+    SetTime(scene, 1 / rate, 4);
+    const auto form = FormOf("stack", scene);
+    runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+    Steps(engine, static_cast<int>(4 * rate));
+    return form->At(4).positions[9].y() - Position(engine, 9).y();
+  };
+  const std::vector<double> rates = {60, 120, 240, 480};
+  for (const double rate : rates) sunk.push_back(sinks(rate, 10));
+  EXPECT_NEAR(OrderOf(Timesteps(rates), sunk), 2, 0.15);
+  EXPECT_NEAR(sunk[0], kSingle ? 0.013 : 0.0104, 0.001);
+  EXPECT_NEAR(sinks(60, 100), kSingle ? 2.9e-4 : 4.3e-4, 5e-5);
+}
+
+}  // namespace
+}  // namespace cdb::test
