@@ -70,9 +70,10 @@ Compilation Compile(const std::string& path, const ReadFile& read, const Compile
   CheckLets(*scenario, result.diagnostics);
   for (const BenchmarkRef& benchmark : benchmarks) {
     if (!is_whole(benchmark)) continue;
-    auto plan = Expand(*scenario, benchmark, result.diagnostics);
-    if (!plan || (options.benchmark && *options.benchmark != benchmark.benchmark->name.text))
-      continue;
+    const bool is_asked_for =
+        !options.benchmark || *options.benchmark == benchmark.benchmark->name.text;
+    auto plan = Expand(*scenario, benchmark, result.diagnostics, is_asked_for);
+    if (!plan || !is_asked_for) continue;
     plan->benchmark = benchmark.benchmark->name.text;
     plan->title = benchmark.benchmark->title;
     plan->source = path;

@@ -13,6 +13,7 @@
 #include "compiler/convert.h"
 #include "compiler/defaults.h"
 #include "compiler/diagnostic_kinds.h"
+#include "compiler/lints.h"
 #include "compiler/needs.h"
 #include "compiler/reference.h"
 #include "dsl/check.h"
@@ -128,6 +129,8 @@ class Configuration {
     if (setting == layers_.settings.end()) return otherwise;
     return evaluator_.Origin(*setting->second.node->values[0], setting->second.scope).span;
   }
+
+  bool IsSet(const ParameterKey& key) const { return layers_.settings.contains(key); }
 
   /// The place of one word of the list that `key` is set to, at the chosen point.
   dsl::Span SpanOfWord(const ParameterKey& key, std::string_view word) {
@@ -245,6 +248,13 @@ class Configuration {
   Point point_;
 };
 
+/// What a lint has to say about the runs of a benchmark.
+struct LintFinding {
+  LintNumber worst;
+  dsl::Span span;  ///< of what makes the worst number
+  std::size_t runs = 0, bad_runs = 0;
+};
+
 /// An axis of the plan: a sweep under one name in every configuration, or the names of cases.
 struct GridAxis {
   Axis axis;
@@ -256,10 +266,12 @@ struct GridAxis {
 
 class Expander {
  public:
-  Expander(const Scenario& scenario, const BenchmarkRef& benchmark, dsl::Diagnostics& diagnostics)
+  Expander(const Scenario& scenario, const BenchmarkRef& benchmark, dsl::Diagnostics& diagnostics,
+           bool lints)
       : scenario_(scenario),
         benchmark_(benchmark),
         diagnostics_(diagnostics),
+        lints_(lints),
         errors_before_(diagnostics.error_count()),
         layered_(scenario, benchmark, diagnostics) {}
 
@@ -281,6 +293,7 @@ class Expander {
                           "its `skip` leaves out every point");
       return std::nullopt;
     }
+    ReportLints();
     return std::move(plan_);
   }
 
@@ -452,6 +465,7 @@ class Expander {
       broken_ = true;
       return true;
     }
+    if (lints_) FindLints(configuration, *scene);
     for (std::uint64_t rep = 0; rep < plan_.repeats; ++rep)
       plan_.runs.push_back({RunId(*scene, rep), at, rep, *scene, {}, {}});
     return true;
@@ -577,6 +591,46 @@ class Expander {
     return good;
   }
 
+  void FindLints(Configuration& configuration, const Scene& scene) {
+    for (const LintNumber& number : LintScene(scene)) {
+      if (!number.IsDoubtful()) continue;
+      const auto [at, is_first] = findings_.try_emplace(number.lint);
+      LintFinding& finding = at->second;
+      finding.runs += plan_.repeats;
+      if (number.IsBad()) finding.bad_runs += plan_.repeats;
+      if (!is_first && !number.IsWorseThan(finding.worst)) continue;
+      finding.worst = number;
+      finding.span = SpanOfLint(configuration, scene.groups[number.group].name, number.lint);
+    }
+  }
+
+  /// The first parameter to blame that the benchmark sets, else its name.
+  dsl::Span SpanOfLint(Configuration& configuration, const std::string& group, Lint lint) const {
+    std::string_view names = InfoOf(lint).about;
+    while (!names.empty()) {
+      const std::string_view name = names.substr(0, names.find(' '));
+      names.remove_prefix(std::min(names.size(), name.size() + 1));
+      const Parameter* of_world = FindParameter(name, false);
+      const ParameterKey key = of_world != nullptr ? ParameterKey{"", of_world}
+                                                   : ParameterKey{group, FindParameter(name, true)};
+      if (configuration.IsSet(key)) return configuration.SpanOf(key, {});
+    }
+    return benchmark_.benchmark->name.span;
+  }
+
+  void ReportLints() {
+    for (const auto& [lint, finding] : findings_) {
+      std::string where;
+      if (plan_.runs.size() > 1) {
+        where = fmt::format("; in {} of {} runs", finding.runs, plan_.runs.size());
+        if (finding.bad_runs > 0 && finding.bad_runs < finding.runs)
+          where += fmt::format(", beyond the limit in {}", finding.bad_runs);
+      }
+      diagnostics_.Report(InfoOf(lint).kind, finding.span, LintMessage(finding.worst) + where,
+                          LintRemedy(finding.worst));
+    }
+  }
+
   /// What is said of errors has to lead to some, and their samples to lie on everyone's cycles.
   bool CheckAccuracy(Configuration& configuration, const Scene& scene) {
     const dsl::Span name = benchmark_.benchmark->name.span;
@@ -614,6 +668,7 @@ class Expander {
   const Scenario& scenario_;
   const BenchmarkRef& benchmark_;
   dsl::Diagnostics& diagnostics_;
+  bool lints_;
   int errors_before_;
   LayeredBenchmark layered_;
   std::vector<std::size_t> case_extents_, extents_;
@@ -625,6 +680,7 @@ class Expander {
   std::set<std::pair<std::string, std::string>> misplaced_;
   /// Words of `omit` that were refused: the reason may be another one in each run.
   std::set<std::tuple<const dsl::Source*, std::size_t, Component>> needed_;
+  std::map<Lint, LintFinding> findings_;
   bool inaccurate_ = false;           ///< a fault in what is said of accuracy is reported
   std::optional<double> interval_s_;  ///< of the samples, once some run has any
   /// A point has an error, which another benchmark may have reported already.
@@ -634,8 +690,8 @@ class Expander {
 }  // namespace
 
 std::optional<Plan> Expand(const Scenario& scenario, const BenchmarkRef& benchmark,
-                           dsl::Diagnostics& diagnostics) {
-  return Expander(scenario, benchmark, diagnostics).Run();
+                           dsl::Diagnostics& diagnostics, bool lints) {
+  return Expander(scenario, benchmark, diagnostics, lints).Run();
 }
 
 }  // namespace cdb::compiler

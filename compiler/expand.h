@@ -8,8 +8,9 @@
 
 namespace cdb::compiler {
 
-/// Nullopt after diagnostics. Title and texts of the plan are filled in by `Compile`.
+/// Nullopt after diagnostics. Title and texts of the plan are filled in by `Compile`. `lints`: warn
+/// of numbers that Bullet cannot follow (compiler/lints.h), each once with its worst run.
 std::optional<Plan> Expand(const Scenario& scenario, const BenchmarkRef& benchmark,
-                           dsl::Diagnostics& diagnostics);
+                           dsl::Diagnostics& diagnostics, bool lints);
 
 }  // namespace cdb::compiler

@@ -75,7 +75,9 @@ Expectation ExpectationOf(const Scene& scene) {
 bool FliesFreely(const Scene& scene) {
   return !IsDriven(scene) && std::ranges::all_of(scene.groups, [](const Group& group) {
     return IsZero(group.settings.Get("linear_damping")) &&
-           IsZero(group.settings.Get("angular_damping"));
+           IsZero(group.settings.Get("angular_damping")) &&
+           (group.settings.WordOr("links.type") != "spring" ||
+            IsZero(group.settings.Get("links.damping")));
   });
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compiler/calls.h"
+#include "compiler/lints.h"
 #include "compiler/metrics.h"
 #include "compiler/needs.h"
 #include "compiler/schema.h"
@@ -131,6 +132,15 @@ std::string AllVerdicts() {
   return std::string(kVerdictsReference) + table.Text();
 }
 
+std::string AllLints() {
+  Table table;
+  for (const char* head : {"lint", "number", "limit", "beyond it"}) table.AddColumn(head, false);
+  for (const compiler::LintInfo& info : compiler::Lints())
+    table.AddRow({std::string(info.kind.id), std::string(info.number), std::string(info.threshold),
+                  fmt::format(fmt::runtime(info.foretells), "will")});
+  return table.Text();
+}
+
 std::string AllErrors() {
   Table table;
   for (const char* head : {"error", "metrics", "unit", "held against", "up to", ""})
@@ -209,6 +219,8 @@ constexpr Topic kTopics[] = {
     {"parameters", "every parameter with its default", AllParameters},
     {"omit", "what a run leaves out, and when",
      [] { return std::string(kOmitReference) + AllComponents() + "\n"; }},
+    {"lints", "numbers that Bullet cannot follow, before anything runs",
+     [] { return std::string(kLintsReference) + AllLints() + "\n"; }},
     {"accuracy", "errors beside timings, and what they are held against",
      [] { return std::string(kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "compiler/lints.h"
 #include "compiler/plan_yaml.h"
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
@@ -28,6 +30,18 @@ void CheckBenchmarkName(const std::string& name, const std::vector<std::string>&
   throw CommandError(fmt::format("{} has no benchmark '{}'; {}", file, name,
                                  near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
                                               : fmt::format("did you mean '{}'?", near)));
+}
+
+/// Each lint by its name, once. Empty where there is none.
+std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::string& file) {
+  std::vector<std::string_view> names;
+  for (const dsl::Diagnostic& diagnostic : diagnostics.all())
+    if (compiler::IsLint(*diagnostic.kind) &&
+        std::ranges::find(names, diagnostic.kind->id) == names.end())
+      names.push_back(diagnostic.kind->id);
+  if (names.empty()) return {};
+  return fmt::format("{}: Bullet may not follow these numbers: {}; `cdb check {}` says why\n", file,
+                     fmt::join(names, ", "), file);
 }
 
 }  // namespace
@@ -55,24 +69,30 @@ std::string FindScenario(const std::string& file) {
 }
 
 compiler::Compilation CompileAndReport(const std::string& file,
-                                       const std::optional<std::string>& benchmark) {
+                                       const std::optional<std::string>& benchmark,
+                                       LintText lints) {
   compiler::Compilation result =
-      compiler::Compile(file, compiler::ReadFromDisk, {ScenarioLibrary(), benchmark});
+      compiler::Compile(FindScenario(file), compiler::ReadFromDisk, {ScenarioLibrary(), benchmark});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
-  const std::string text = dsl::Render(result.diagnostics, options);
-  Say(text);
+  dsl::Diagnostics shown;
+  for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
+    if (lints == LintText::kWhole || !compiler::IsLint(*diagnostic.kind))
+      shown.Report(*diagnostic.kind, diagnostic.span, diagnostic.message, diagnostic.help,
+                   diagnostic.notes);
+  Say(dsl::Render(shown, options));
+  if (lints == LintText::kOneLine) Say(LintsInOneLine(result.diagnostics, file));
   return result;
 }
 
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark) {
+                                      const std::optional<std::string>& benchmark, LintText lints) {
   if (IsPlanFile(file)) {
     compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
     return {std::move(plan)};
   }
-  compiler::Compilation result = CompileAndReport(FindScenario(file), benchmark);
+  compiler::Compilation result = CompileAndReport(file, benchmark, lints);
   // As the user named it: where the library lies is this machine's affair.
   for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)

@@ -18,14 +18,18 @@ std::string ScenarioLibrary();
 /// with or without `.cdb`. Throws CommandError.
 std::string FindScenario(const std::string& file);
 
-/// Compiles and prints every diagnostic on standard error.
+/// How much is said of numbers that Bullet cannot follow (compiler/lints.h).
+enum class LintText { kNone, kOneLine, kWhole };
+
+/// Compiles the file that FindScenario finds, and prints every diagnostic on standard error.
 compiler::Compilation CompileAndReport(const std::string& file,
-                                       const std::optional<std::string>& benchmark);
+                                       const std::optional<std::string>& benchmark, LintText lints);
 
 /// The plans of a `.cdb` file, here or in the library, or of a plan as YAML. Empty after
 /// diagnostics were printed (exit status 1). Throws CommandError, compiler::PlanError.
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark);
+                                      const std::optional<std::string>& benchmark,
+                                      LintText lints = LintText::kOneLine);
 
 /// The whole text of a file. Throws CommandError.
 std::string ReadText(const std::string& file);

@@ -129,7 +129,7 @@ std::string PlanTable(const compiler::Plan& plan) {
 int CheckCommand(const std::vector<std::string>& files) {
   int status = kExitGood;
   for (const std::string& file : files) {
-    const auto result = CompileAndReport(FindScenario(file), std::nullopt);
+    const auto result = CompileAndReport(file, std::nullopt, LintText::kWhole);
     if (result.diagnostics.has_errors()) {
       status = kExitScenario;
       continue;

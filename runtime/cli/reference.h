@@ -9,6 +9,7 @@ extern const std::string_view kLanguageReference;
 extern const std::string_view kAccuracyReference;
 extern const std::string_view kResultsReference;
 extern const std::string_view kOmitReference;
+extern const std::string_view kLintsReference;
 extern const std::string_view kVerdictsReference;
 
 }  // namespace cdb::runtime

@@ -42,7 +42,10 @@ void MotionWatch::Begin() {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const btRigidBody& body = *engine_.objects()[i];
     Track& track = tracks_[i];
-    track.start = track.position = body.getWorldTransform().getOrigin();
+    track.position = body.getWorldTransform().getOrigin();
+    // Bullet's precision may have moved it before it ever moved.
+    const Vector3d& exact = engine_.initial_state().objects[i].pose.position;
+    track.start = ToEigen(track.position) + exact - RoundedForBullet(exact);
     track.basis = body.getWorldTransform().getBasis();
     track.velocity = body.getLinearVelocity();
     Forget(track);
@@ -64,9 +67,8 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
     const Vector3d velocity = ToEigen(body.getLinearVelocity());
     const double gain = pull > 0 ? (velocity - ToEigen(track.velocity)).dot(g) / pull : 0;
     const double spin = ToEigen(body.getAngularVelocity()).norm();
-    seen.displacement =
-        std::max(seen.displacement,
-                 (ToEigen(pose.getOrigin()) - ToEigen(track.start)).norm() / track.least_side);
+    seen.displacement = std::max(
+        seen.displacement, (ToEigen(pose.getOrigin()) - track.start).norm() / track.least_side);
     // A body that ccd sweeps stops where it hits.
     const bool is_swept =
         body.getCcdMotionThreshold() > 0 &&

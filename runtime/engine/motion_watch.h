@@ -27,7 +27,8 @@ class MotionWatch {
 
   /// What one cycle showed; NaN where there was nothing to see.
   struct Seen {
-    /// Farthest way of an object from its place at Begin, over its least side.
+    /// Farthest way of an object from its place at Begin, before that was rounded to Bullet's
+    /// precision, over its least side.
     double displacement = 0;
     /// Sum |dx| over sum |v| dt along one axis, since the object was last pushed; of all objects and
     /// axes the one farthest from 1. Ways below a hundredth of the object's least side are not
@@ -45,7 +46,8 @@ class MotionWatch {
 
  private:
   struct Track {
-    btVector3 start, position;
+    Eigen::Vector3d start;  ///< as the scene has it, not rounded
+    btVector3 position;
     btMatrix3x3 basis;
     btVector3 velocity;
     double least_side;

@@ -13,7 +13,7 @@ namespace {
 Plan PlanOf(const std::string& text, std::map<std::string, std::string> others = {},
             std::size_t index = 0) {
   Compilation result = CompileText(text, std::move(others));
-  EXPECT_EQ(dsl::Render(result.diagnostics), "");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   return index < result.plans.size() ? result.plans[index] : Plan();
 }
 
@@ -180,7 +180,7 @@ TEST(Model, IsReadOnce) {
         ++reads;
         return kRock;
       });
-  EXPECT_EQ(dsl::Render(result.diagnostics), "");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   EXPECT_EQ(reads, 1);
 }
 

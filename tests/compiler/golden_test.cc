@@ -13,6 +13,7 @@
 
 #include "compiler/compile.h"
 #include "compiler/diagnostic_kinds.h"
+#include "compiler/lints.h"
 #include "compiler/plan_yaml.h"
 #include "dsl/render.h"
 
@@ -62,6 +63,23 @@ TEST(Golden, ErrorsAndEveryKindOfThem) {
   }
   for (const dsl::DiagnosticKind* kind : kDiagnosticKinds)
     EXPECT_TRUE(seen.contains(kind->id)) << kind->id << " is in no golden file";
+}
+
+TEST(Golden, LintsAndEveryOneOfThem) {
+  std::set<std::string_view> seen;
+  for (const fs::path& input : Inputs("lints")) {
+    const Compilation result = CompileHere(input);
+    EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+    EXPECT_EQ(result.plans.size(), result.benchmarks.size()) << input;
+    fs::path expected = input;
+    ExpectGolden(expected.replace_extension(".txt"), dsl::Render(result.diagnostics));
+    for (const auto& diagnostic : result.diagnostics.all()) {
+      EXPECT_TRUE(IsLint(*diagnostic.kind)) << diagnostic.message;
+      seen.insert(diagnostic.kind->id);
+    }
+  }
+  for (const LintInfo& info : Lints())
+    EXPECT_TRUE(seen.contains(info.kind.id)) << info.kind.id << " is in no golden file";
 }
 
 TEST(Golden, Plans) {

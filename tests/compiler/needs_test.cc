@@ -17,7 +17,7 @@ namespace {
 /// The scene of a benchmark with these statements.
 Scene SceneOf(const std::string& statements) {
   const Compilation result = CompileText("benchmark b {\n" + statements + "\n}\n");
-  EXPECT_EQ(dsl::Render(result.diagnostics), "");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   return result.plans.empty() ? Scene() : result.plans[0].runs.at(0).scene;
 }
 

@@ -16,7 +16,7 @@ Plan Example() {
       "detector sweep(simple, dbvt); timestep 1/3; objects { mass any(fixed 3, 2) } skip "
       "when cycles == "
       "2 and detector == dbvt }");
-  EXPECT_EQ(dsl::Render(result.diagnostics), "");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   return result.plans.at(0);
 }
 
@@ -54,7 +54,7 @@ Plan WordsExample() {
       "cone)\n"
       "angular_velocity rotating((1, 0, 0), (0, 0, 1), 4) } }",
       {{"a \"\n\tb.obj", "v 0 0 0"}});
-  EXPECT_EQ(dsl::Render(result.diagnostics), "");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   return result.plans.at(0);
 }
 

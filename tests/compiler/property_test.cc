@@ -19,7 +19,7 @@ constexpr int kScenarios = 150;
 
 Plan PlanOf(const std::string& text) {
   Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}});
-  EXPECT_EQ(dsl::Render(result.diagnostics), "") << text;
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics) << text;
   return result.plans.empty() ? Plan() : std::move(result.plans[0]);
 }
 

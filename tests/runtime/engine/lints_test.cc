@@ -1,0 +1,117 @@
+// What the lints foretell is what runs come to.
+#include "compiler/lints.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "compiler/compile.h"
+#include "runtime/measure/verdict.h"
+#include "tests/runtime/engine/engine_fixture.h"
+#include "tests/runtime/engine/random_scenes.h"
+
+namespace cdb::test {
+namespace {
+
+constexpr std::size_t kScenes = 1700;
+constexpr std::uint64_t kSeed = 1;
+constexpr double kAgreement = 0.95;
+
+/// What the lints say of a scene, by its worst number.
+enum Forecast { kSound, kDoubtful, kBad };
+
+Forecast ForecastOf(const std::vector<compiler::LintNumber>& numbers) {
+  if (std::ranges::any_of(numbers, &compiler::LintNumber::IsBad)) return kBad;
+  return std::ranges::any_of(numbers, &compiler::LintNumber::IsDoubtful) ? kDoubtful : kSound;
+}
+
+/// Runs by forecast and by whether they were stable.
+struct Confusion {
+  std::array<std::array<int, 2>, 3> runs = {};
+  double Agreement(Forecast forecast, bool stable) const {
+    const auto& row = runs[forecast];
+    return static_cast<double>(row[stable]) / (row[0] + row[1]);
+  }
+};
+
+/// Runs scenes, and holds what comes of each against its lints.
+class Trial {
+ public:
+  void Add(const std::string& theme, const compiler::Scene& scene) {
+    const Recorded recorded = RunHere(scene);
+    if (!recorded.done()) {
+      ++failed_;  // out of the precision's reach: said when it is placed or built
+      return;
+    }
+    const runtime::Judgement judged =
+        runtime::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
+    ASSERT_NE(judged.verdict, runtime::Verdict::kUnknown);
+    const bool stable = judged.verdict == runtime::Verdict::kStable;
+    const auto numbers = compiler::LintScene(scene);
+    const Forecast forecast = ForecastOf(numbers);
+    ++all_.runs[forecast][stable];
+    ++themes_[theme].runs[forecast][stable];
+    if (forecast == kDoubtful || stable == (forecast == kSound)) return;
+    surprises_ += fmt::format("  {}: {}:", theme, VerdictName(judged.verdict));
+    for (const compiler::LintNumber& number : numbers)
+      if (number.Severity() > 0.1)
+        surprises_ += fmt::format(" {} {:.2g}", InfoOf(number.lint).kind.id, number.Severity());
+    surprises_ += "\n";
+  }
+
+  void PrintAndCheck(int most_failed) const {
+    std::string table =
+        fmt::format("{:28} {:>20} {:>20} {:>20}\n", runtime::EnginePrecision(),
+                    "sound: stable, not", "doubtful: stable, not", "bad: stable, not");
+    const auto add = [&table](std::string_view name, const Confusion& confusion) {
+      table += fmt::format("{:28}", name);
+      for (const auto& row : confusion.runs) table += fmt::format(" {:14} {:5}", row[1], row[0]);
+      table += "\n";
+    };
+    for (const auto& [name, confusion] : themes_) add(name, confusion);
+    add("all", all_);
+    std::printf("%s%d failed to begin\nsurprises, with numbers over their limits:\n%s",
+                table.c_str(), failed_, surprises_.c_str());
+    EXPECT_LE(failed_, most_failed);
+    EXPECT_GE(all_.Agreement(kSound, true), kAgreement);
+    EXPECT_GE(all_.Agreement(kBad, false), kAgreement);
+  }
+
+ private:
+  Confusion all_;
+  std::map<std::string, Confusion> themes_;
+  int failed_ = 0;
+  std::string surprises_;
+};
+
+TEST(Lints, ForetellTheVerdictsOfTheStabilitySuite) {
+  const std::string library = CDB_SOURCE_DIR "/library/scenarios";
+  Trial trial;
+  for (const auto& entry : std::filesystem::directory_iterator(library + "/stability")) {
+    const auto compiled = compiler::Compile(entry.path(), compiler::ReadFromDisk, {library, {}});
+    for (const compiler::Plan& plan : compiled.plans) {
+      for (const compiler::Run& run : plan.runs) {
+        compiler::Scene scene = run.scene;
+        SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
+        trial.Add(plan.benchmark, scene);
+      }
+    }
+  }
+  trial.PrintAndCheck(0);
+}
+
+TEST(Lints, ForetellTheVerdictsOfRandomScenes) {
+  Trial trial;
+  for (const RandomScene& random : RandomScenes(kScenes, kSeed))
+    trial.Add(std::string(random.theme), random.scene);
+  trial.PrintAndCheck(kScenes / 20);
+}
+
+}  // namespace
+}  // namespace cdb::test

@@ -1,0 +1,22 @@
+// Scenes at random, from harmless to hopeless, to hold the lints against.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan.h"
+
+namespace cdb::test {
+
+struct RandomScene {
+  std::string_view theme;  ///< what is swept: `stack`, `spin`
+  compiler::Scene scene;
+};
+
+/// `count` scenes, the themes in turn; the same for the same seed. What a theme is about is uniform
+/// in its logarithm, from where nothing can go wrong to where everything does; the rest is drawn as
+/// studies have it. At most 20 objects and 300 cycles, no timing, in the engine's precision.
+std::vector<RandomScene> RandomScenes(std::size_t count, std::uint64_t seed);
+
+}  // namespace cdb::test
