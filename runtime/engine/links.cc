@@ -135,10 +135,10 @@ void Links::Add(const compiler::Settings& settings, btRigidBody& first, btRigidB
   links_.push_back(std::move(link));
 }
 
-void Links::MarkHeld(std::vector<char>& marks) const {
+void Links::MarkHeld(std::vector<char>& marks, char mark) const {
   for (const Link& link : links_)
     for (const btRigidBody* body : {link.first, link.second})
-      if (body->getUserIndex() >= 0) marks[static_cast<std::size_t>(body->getUserIndex())] = 1;
+      if (body->getUserIndex() >= 0) marks[static_cast<std::size_t>(body->getUserIndex())] = mark;
 }
 
 double Links::LargestGap() const {

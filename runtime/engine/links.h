@@ -36,8 +36,8 @@ class Links {
   Links& operator=(const Links&) = delete;
 
   bool HasJoints() const { return joints_; }
-  /// Sets the marks of the objects that a link pulls at: their motion is not their own.
-  void MarkHeld(std::vector<char>& marks) const;
+  /// Sets the marks of the objects that a link pulls at to `mark`: their motion is not their own.
+  void MarkHeld(std::vector<char>& marks, char mark) const;
   /// m: the largest distance of the two pivots of a joint; 0 without joints.
   double LargestGap() const;
   /// J: k x^2 / 2 of all springs, with the integrator's own term, dt F.v / 2.

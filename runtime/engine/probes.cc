@@ -167,7 +167,7 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
   std::int32_t manifolds = 0, contacts = 0;
   double deepest = 0, deepest_ratio = 0;
   std::ranges::fill(touches_, 0);
-  if (!touches_.empty()) engine_.links().MarkHeld(touches_);
+  if (!touches_.empty()) engine_.links().MarkHeld(touches_, MotionWatch::kHeld);
   contact_records_.clear();
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
