@@ -94,8 +94,8 @@ int StabilityCommand(const StabilityArguments& arguments) {
   const StopOnSignals signals(stop);
   for (const compiler::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
-    const CarriedOut end =
-        CarryOut(plan, {out, arguments.jobs, {}, arguments.fresh, arguments.quiet}, provenance, stop);
+    const CarriedOut end = CarryOut(
+        plan, {out, arguments.jobs, {}, arguments.fresh, arguments.quiet}, provenance, stop);
     if (end.summary.signal != 0) return 128 + end.summary.signal;
     Print(StabilityMap(ResultFile(out)) + "\n");
   }
