@@ -42,6 +42,13 @@ struct RunArguments {
   bool quiet = false;
 };
 
+struct ShowArguments {
+  std::string file;
+  std::vector<std::string> by;  ///< axes that make the rows
+  std::string error;            ///< an array of /accuracy to set against run time; empty: a summary
+  std::vector<std::string> each;  ///< with `error`: axes with a table for each value
+};
+
 struct StabilityArguments {
   std::vector<std::string> scenes;  ///< of the suite; empty: all
   std::vector<std::string> precisions = {"single", "double"}, detectors = {"dbvt"};
@@ -54,9 +61,7 @@ struct StabilityArguments {
 int CheckCommand(const std::vector<std::string>& files);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
-/// `error`: an array of /accuracy to set against run time, or empty for the summary.
-int ShowCommand(const std::string& file, const std::vector<std::string>& by,
-                const std::string& error);
+int ShowCommand(const ShowArguments& arguments);
 /// Runs the suite, going on where it stopped, and prints the map. What ends badly there is what it
 /// is for: exit status 0.
 int StabilityCommand(const StabilityArguments& arguments);

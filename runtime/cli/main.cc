@@ -77,15 +77,17 @@ int Main(int argc, char** argv) {
     status = RunCommand(run_arguments);
   });
 
-  std::string results, error_name;
-  std::vector<std::string> by;
+  ShowArguments show_arguments;
   auto* show = app.add_subcommand("show", "a summary of a results file on the terminal");
-  show->add_option("FILE", results, "results file")->required();
-  show->add_option("--by", by, "axes that make the rows (quantity,detector)")->delimiter(',');
-  show->add_option("--error", error_name,
-                   "an error against run time (position, energy: cdb doc accuracy); --by then "
-                   "makes a table for each value");
-  show->callback([&] { status = ShowCommand(results, by, error_name); });
+  show->add_option("FILE", show_arguments.file, "results file")->required();
+  show->add_option("--by", show_arguments.by, "axes that make the rows (quantity,detector)")
+      ->delimiter(',');
+  show->add_option("--error", show_arguments.error,
+                   "an error against run time (position, energy: cdb doc accuracy)");
+  show->add_option("--each", show_arguments.each,
+                   "with --error: axes each value of which has a table and a front of its own")
+      ->delimiter(',');
+  show->callback([&] { status = ShowCommand(show_arguments); });
 
   StabilityArguments stability_arguments;
   auto* stability = app.add_subcommand(

@@ -213,7 +213,8 @@ are larger by margins and by what an object moves in a step, so that it always h
   /accuracy/reference/...               states and observables of each reference run and its twin
 
   cdb show FILE --error NAME            each configuration: how fast, how wrong, and whether it is on
-                                        the Pareto front; --by AXIS makes a table for each of its values
+                                        the Pareto front. --by AXIS,... makes the rows and takes the
+                                        mean over all else; --each AXIS,... a table for each value
 
 )reference";
 

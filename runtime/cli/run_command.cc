@@ -123,10 +123,13 @@ int RunCommand(const RunArguments& arguments) {
   return status;
 }
 
-int ShowCommand(const std::string& file, const std::vector<std::string>& by,
-                const std::string& error) {
-  const ShowText shown =
-      error.empty() ? Show(ResultFile(file), {by}) : ShowError(ResultFile(file), {error, by});
+int ShowCommand(const ShowArguments& arguments) {
+  if (arguments.error.empty() && !arguments.each.empty())
+    throw CommandError("--each goes with --error NAME; a summary takes --by");
+  const ResultFile file(arguments.file);
+  const ShowText shown = arguments.error.empty()
+                             ? Show(file, {arguments.by})
+                             : ShowError(file, {arguments.error, arguments.by, arguments.each});
   Print(shown.text);
   return shown.bad_cells > 0 ? kExitRuns : kExitGood;
 }

@@ -22,15 +22,22 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kPlotWidth = 60, kPlotHeight = 14;
 constexpr std::size_t kMaxListed = 12;
 
-/// One configuration, its repeats together.
+double Mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// One configuration: its repeats together, and all points of the axes that are not shown.
 struct Row {
-  Point at;
-  std::vector<double> ms_per_s;  ///< of each repeat, sorted
-  double error = kNone, floor = kNone, horizon = kNone;
+  Point at;                      ///< on the axes that make the rows
+  std::vector<double> ms_per_s;  ///< of each run, sorted
+  std::vector<double> errors, floors;
+  double horizon = kNone;  ///< the shortest
   bool on_front = false;
 
+  double Error() const { return Mean(errors); }
+  double Floor() const { return Mean(floors); }
   /// What is known of the error: a smaller one than its floor is not better.
-  double Known() const { return std::fmax(error, floor); }
+  double Known() const { return std::fmax(Error(), Floor()); }
   double Time() const { return Percentile(ms_per_s, 0.5); }
   /// Simulated seconds in a second.
   double RealTimeFactor() const { return 1000 / Time(); }
@@ -57,19 +64,28 @@ class ErrorTable {
   ErrorTable(const ResultFile& file, const ShowErrorOptions& options)
       : file_(file), name_(options.error), dataset_("accuracy/" + options.error) {
     CheckName();
-    for (const std::string& axis : options.by) by_.push_back(FindAxis(file, axis));
+    for (const std::string& axis : options.each) each_.push_back(FindAxis(file, axis));
+    for (const std::string& axis : options.by) rows_.push_back(FindAxis(file, axis));
+    if (rows_.empty())
+      for (std::size_t i = 0; i < file.axes().size(); ++i) rows_.push_back(i);
+    std::erase_if(rows_, [&](std::size_t axis) { return IsIn(each_, axis); });
     Collect();
   }
 
   ShowText Text() {
     std::string text = Head();
-    for (auto& [key, rows] : tables_) {
+    for (auto& [key, rows_of_key] : tables_) {
+      std::vector<Row> rows;
+      for (auto& [at, row] : rows_of_key) {
+        std::ranges::sort(row.ms_per_s);
+        rows.push_back(std::move(row));
+      }
       MarkFront(rows);
       text += "\n";
-      for (std::size_t i = 0; i < by_.size(); ++i)
-        text += fmt::format("{} {}{}", file_.axes()[by_[i]].name,
-                            CoordinateText(file_.axes()[by_[i]], key[i]),
-                            i + 1 < by_.size() ? ", " : "\n");
+      for (std::size_t i = 0; i < each_.size(); ++i)
+        text += fmt::format("{} {}{}", file_.axes()[each_[i]].name,
+                            CoordinateText(file_.axes()[each_[i]], key[i]),
+                            i + 1 < each_.size() ? ", " : "\n");
       text += TableOf(rows) + PlotOf(rows);
     }
     if (!below_floor_.empty())
@@ -109,7 +125,8 @@ class ErrorTable {
   }
 
   void CollectPoint(const Point& at) {
-    Row row{at, {}, kNone, kNone, kNone, false};
+    std::vector<double> ms_per_s;
+    double error = kNone, floor = kNone, horizon = kNone;
     std::string why;
     for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep) {
       const Cell cell{at, rep};
@@ -124,21 +141,37 @@ class ErrorTable {
       const double ns =
           std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
       if (!steps.empty() && std::isfinite(ns))
-        row.ms_per_s.push_back(ns * 1e-6 / file_.ReadReal("accuracy/timestep", cell));
+        ms_per_s.push_back(ns * 1e-6 / file_.ReadReal("accuracy/timestep", cell));
       // Repeats go the same way, so that errors are alike.
-      row.error = file_.ReadReal(dataset_, cell);
-      if (file_.Has(dataset_ + "_floor")) row.floor = file_.ReadReal(dataset_ + "_floor", cell);
-      if (file_.Has("accuracy/horizon")) row.horizon = file_.ReadReal("accuracy/horizon", cell);
-      if (std::isnan(row.error)) why = file_.ReadText("accuracy/message", cell);
+      error = file_.ReadReal(dataset_, cell);
+      if (file_.Has(dataset_ + "_floor")) floor = file_.ReadReal(dataset_ + "_floor", cell);
+      if (file_.Has("accuracy/horizon")) horizon = file_.ReadReal("accuracy/horizon", cell);
+      if (std::isnan(error)) why = file_.ReadText("accuracy/message", cell);
     }
-    std::ranges::sort(row.ms_per_s);
-    if (row.ms_per_s.empty() || std::isnan(row.error)) {
+    if (ms_per_s.empty() || std::isnan(error)) {
       left_out_.push_back(fmt::format("{}: {}", PlaceOf(at), why.empty() ? "no value" : why));
       return;
     }
-    Point key;
-    for (const std::size_t axis : by_) key.push_back(at[axis]);
-    tables_[key].push_back(std::move(row));
+    Row& row = tables_[Project(at, each_)][Project(at, rows_)];
+    row.at = Project(at, rows_);
+    row.ms_per_s.insert(row.ms_per_s.end(), ms_per_s.begin(), ms_per_s.end());
+    row.errors.push_back(error);
+    row.floors.push_back(floor);
+    row.horizon = std::fmin(row.horizon, horizon);
+  }
+
+  static bool IsIn(const std::vector<std::size_t>& axes, std::size_t axis) {
+    return std::ranges::find(axes, axis) != axes.end();
+  }
+  static Point Project(const Point& at, const std::vector<std::size_t>& axes) {
+    Point part;
+    for (const std::size_t axis : axes) part.push_back(at[axis]);
+    return part;
+  }
+
+  /// Several runs are in one row.
+  bool Pools() const {
+    return file_.repeats() > 1 || rows_.size() + each_.size() < file_.axes().size();
   }
 
   std::string PlaceOf(const Point& at) const {
@@ -157,6 +190,11 @@ class ErrorTable {
     if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
       text +=
           fmt::format("  Timed with a {} build of cdb: these are not timings to quote.\n", build);
+    std::string pooled;
+    for (std::size_t i = 0; i < file_.axes().size(); ++i)
+      if (!IsIn(rows_, i) && !IsIn(each_, i))
+        pooled += (pooled.empty() ? "" : ", ") + file_.axes()[i].name;
+    if (!pooled.empty()) text += fmt::format("  the mean over {}\n", pooled);
     if (left_out_.empty()) return text;
     text += fmt::format("  {} without a place in it:\n", left_out_.size());
     for (std::size_t i = 0; i < std::min(left_out_.size(), kMaxListed); ++i)
@@ -168,12 +206,11 @@ class ErrorTable {
 
   std::string TableOf(const std::vector<Row>& rows) {
     Table table;
-    for (std::size_t i = 0; i < file_.axes().size(); ++i)
-      if (std::ranges::find(by_, i) == by_.end())
-        table.AddColumn(file_.axes()[i].name, !file_.axes()[i].IsText());
+    for (const std::size_t axis : rows_)
+      table.AddColumn(file_.axes()[axis].name, !file_.axes()[axis].IsText());
     table.AddColumn("x real time", true);
     table.AddColumn("ms per s", true);
-    if (file_.repeats() > 1) table.AddColumn("5th .. 95th", true);
+    if (Pools()) table.AddColumn("5th .. 95th", true);
     table.AddColumn(name_, true);
     const bool has_floor = file_.Has(dataset_ + "_floor");
     if (has_floor) table.AddColumn("floor", true);
@@ -181,19 +218,18 @@ class ErrorTable {
     table.AddColumn("", false);
     for (const Row& row : rows) {
       std::vector<std::string> cells;
-      for (std::size_t i = 0; i < row.at.size(); ++i)
-        if (std::ranges::find(by_, i) == by_.end())
-          cells.push_back(CoordinateText(file_.axes()[i], row.at[i]));
+      for (std::size_t i = 0; i < rows_.size(); ++i)
+        cells.push_back(CoordinateText(file_.axes()[rows_[i]], row.at[i]));
       cells.push_back(ShortNumber(row.RealTimeFactor()));
       cells.push_back(ShortNumber(row.Time()));
-      if (file_.repeats() > 1)
+      if (Pools())
         cells.push_back(ShortNumber(Percentile(row.ms_per_s, 0.05)) + " .. " +
                         ShortNumber(Percentile(row.ms_per_s, 0.95)));
-      cells.push_back(ErrorText(row.error));
-      if (has_floor) cells.push_back(ErrorText(row.floor));
+      cells.push_back(ErrorText(row.Error()));
+      if (has_floor) cells.push_back(ErrorText(row.Floor()));
       if (has_floor) cells.push_back(ShortNumber(row.horizon));
       std::string mark = row.on_front ? "front" : "";
-      if (row.error < row.floor) {
+      if (row.Error() < row.Floor()) {
         mark += mark.empty() ? "below floor" : ", below floor";
         below_floor_ = mark;
       }
@@ -206,15 +242,15 @@ class ErrorTable {
   std::string PlotOf(const std::vector<Row>& rows) const {
     std::vector<PlotPoint> points;
     for (const Row& row : rows)
-      if (row.error > 0) points.push_back({row.RealTimeFactor(), row.error, row.on_front});
+      if (row.Error() > 0) points.push_back({row.RealTimeFactor(), row.Error(), row.on_front});
     const std::string plot = LogPlot(points, "x real time", name_);
     return plot.empty() ? plot : "\n" + plot;
   }
 
   const ResultFile& file_;
   const std::string name_, dataset_;
-  std::vector<std::size_t> by_;
-  std::map<Point, std::vector<Row>> tables_;
+  std::vector<std::size_t> rows_, each_;  ///< axes
+  std::map<Point, std::map<Point, Row>> tables_;
   std::vector<std::string> left_out_;
   std::string below_floor_;
   std::size_t bad_ = 0;

@@ -10,8 +10,11 @@
 namespace cdb::runtime {
 
 struct ShowErrorOptions {
-  std::string error;            ///< an array of /accuracy: `position`
-  std::vector<std::string> by;  ///< a table of its own for each value of these axes
+  std::string error;  ///< an array of /accuracy: `position`
+  /// Axes that make the rows; over the others errors are averaged and times pooled. Empty: all.
+  std::vector<std::string> by;
+  /// Axes each value of which has a table and a front of its own: other scenes than the rest.
+  std::vector<std::string> each;
 };
 
 /// Each configuration, the fastest first: how much faster than real time it is, what a simulated

@@ -21,8 +21,8 @@ inline Eigen::Vector3d ToEigen(const btVector3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
 }
 
-/// `v` as Bullet has it. By way of memory: GCC 12 at -O2 takes ToEigen(ToBullet(v)) for v itself, its
-/// vectorizer forgets the rounding.
+/// `v` as Bullet has it. By way of memory: GCC 12 at -O2 takes ToEigen(ToBullet(v)) for v itself,
+/// its vectorizer forgets the rounding.
 inline Eigen::Vector3d RoundedForBullet(const Eigen::Vector3d& v) {
   Eigen::Vector3d rounded;
   for (int axis = 0; axis < 3; ++axis) {

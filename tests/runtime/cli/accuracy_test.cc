@@ -178,7 +178,7 @@ std::string ShownError(const ShowErrorOptions& options) {
 }
 
 TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
-  EXPECT_EQ(ShownError({"position", {}}), R"(A plan for tests – µ
+  EXPECT_EQ(ShownError({"position", {}, {}}), R"(A plan for tests – µ
   position: distance from the true place, in sizes of the object; root of the mean square over objects and samples
   2 without a place in it:
     hz 60, precision double: crashed: of old age
@@ -214,9 +214,17 @@ Below its floor an error says nothing: reference and twin are as far apart.
 }
 
 TEST(ShowError, MakesATableForEachValue) {
-  const std::string text = ShownError({"position", {"precision"}});
+  const std::string text = ShownError({"position", {}, {"precision"}});
   EXPECT_NE(text.find("\nprecision single\n"), std::string::npos) << text;
   EXPECT_NE(text.find("\nprecision double\n"), std::string::npos) << text;
+}
+
+TEST(ShowError, TakesTheMeanOverWhatMakesNoRows) {
+  const std::string text = ShownError({"position", {"precision"}, {}});
+  EXPECT_NE(text.find("\n  the mean over hz\n"), std::string::npos) << text;
+  // (1.5 / 60 + 1.5 / 120 + 1.5 / 240) / 3, and what is left of double.
+  EXPECT_NE(text.find("1.46e-02"), std::string::npos) << text;
+  EXPECT_NE(text.find("8.33e-03"), std::string::npos) << text;
 }
 
 TEST(ShowError, NamesWhatThereIs) {
@@ -228,10 +236,10 @@ TEST(ShowError, NamesWhatThereIs) {
     }
     return "nothing";
   };
-  EXPECT_EQ(said({"energy", {}}),
+  EXPECT_EQ(said({"energy", {}, {}}),
             "there is no error 'energy' in this file; there are position, pairs_missed, "
             "pairs_phantom");
-  EXPECT_EQ(said({"position", {"size"}}), "there is no axis 'size'; there are hz, precision");
+  EXPECT_EQ(said({"position", {"size"}, {}}), "there is no axis 'size'; there are hz, precision");
 }
 
 }  // namespace

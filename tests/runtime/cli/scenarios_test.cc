@@ -13,8 +13,8 @@ TEST(Scenarios, AreListedByFolderWithWhatTheyAre) {
   EXPECT_EQ(list.status, 0);
   for (const char* part :
        {"scenarios: paper\n", "scenarios: related\n", "scenarios: application\n",
-        "scenarios: stability\n", "scenarios: accuracy\n", "paper/experiment2 ",
-        "Woulfe & Manzke 2009, experiment 2"})
+        "scenarios: stability\n", "scenarios: accuracy\n", "scenarios: work_precision\n",
+        "paper/experiment2 ", "Woulfe & Manzke 2009, experiment 2"})
     EXPECT_NE(list.out.find(part), std::string::npos) << part << '\n' << list.out;
   EXPECT_EQ(list.out.find("Look at"), std::string::npos);
 }
