@@ -36,7 +36,7 @@ TEST(Verdicts, TimingsThatDoNotCountAreMarkedAndLeftOut) {
 TEST(Verdicts, UnsoundRunsAreNamedAndStay) {
   const Program program;
   program.Write("drift.cdb",
-                "benchmark drift { cycles 60; expect energy; world { side 500; walls none }\n"
+                "benchmark drift { cycles 300; expect energy; world { side 500; walls none }\n"
                 "  objects { quantity 1; linear_damping sweep(0, 0.9) } }");
   const Finished run = program.Run({"run", "drift.cdb"});
   EXPECT_EQ(run.status, 0) << run.err;
