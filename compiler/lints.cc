@@ -96,6 +96,9 @@ constexpr LintInfo kLints[] = {
 // clang-format on
 
 /// As people write it: a step is a fraction of a second.
+/// s; nobody waits for smaller ones.
+constexpr double kLeastTimestep = 1e-5;
+
 std::string RemedyNumber(Lint lint, double value) {
   const LintInfo& info = InfoOf(lint);
   if (info.remedy.starts_with("timestep") && value < 1)
@@ -127,6 +130,10 @@ std::string LintMessage(const LintNumber& number) {
 }
 
 std::string LintRemedy(const LintNumber& number) {
+  const std::string_view about = InfoOf(number.lint).about;
+  if (InfoOf(number.lint).remedy.starts_with("timestep") && number.remedy < kLeastTimestep)
+    return fmt::format("no time step of use is small enough; change {}",
+                       about.substr(0, about.find(' ')));
   return fmt::format(fmt::runtime(InfoOf(number.lint).remedy),
                      RemedyNumber(number.lint, number.remedy));
 }

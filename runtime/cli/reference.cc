@@ -100,7 +100,8 @@ SWEEPS
   a .. b count n [log]        n values, both ends included
   let n = sweep(10, 100)      every use of n is the same axis, called n
   sweep(1 .. 5) as z          an axis called z. Else it takes its parameter's name: quantity,
-                              aspect_z, pebbles_size, links_type; in `20 * sweep(1, 2)` its values are 20 and 40.
+                              aspect_z, pebbles_size, links_type; in `20 * sweep(1, 2)` its values
+                              are 20 and 40.
   Two sweeps are two axes, the first written varying slowest; file-level lets come before the rest.
   A value stands on an axis once: `repeats` is what measures a point again.
 
@@ -110,9 +111,9 @@ OBJECTS
   given by `orientation`, the axis times the angle in rad, or `random`.
   location uniform draws each coordinate between the walls, normal with mean 0 and a third of the
   wall's coordinate as standard deviation; a place that touches a wall or an object is drawn again.
-  Objects lie inside the cube also where it has no walls. `overlap on` lets objects begin inside one
-  another, where a layout with arguments puts them there: line(gap: -0.5). Where they find no place the run fails and
-  says how full the cube is.
+  Objects lie inside the cube also where it has no walls. Where they find no place the run fails and
+  says how full the cube is. `overlap on` lets objects begin inside one another, where a layout with
+  arguments puts them there: line(gap: -0.5).
 
 NOT YET
   Plug-in detectors are refused.

@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "compiler/metrics.h"
 #include "compiler/needs.h"
 #include "compiler/schema.h"
 #include "runtime/cli/table.h"
@@ -123,6 +124,15 @@ class Summary {
     }
   }
 
+  /// Where the errors are shown, if the file has any.
+  std::string Errors() const {
+    std::string names;
+    for (const compiler::ErrorInfo& error : compiler::Errors())
+      if (file_.Has(fmt::format("accuracy/{}", error.name)))
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", error.name);
+    return names.empty() ? names : fmt::format("  Errors, by cdb show --error: {}.\n", names);
+  }
+
   /// What the physics of the runs in the figures is worth. Nothing where no run was judged.
   std::string Verdicts() const {
     std::string doubts;
@@ -176,7 +186,7 @@ class Summary {
           "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
     for (const std::string& trouble : references_)
       text += fmt::format("  What runs are held against is not there: {}\n", trouble);
-    text += LeftOut() + Models() + Verdicts();
+    text += LeftOut() + Models() + Verdicts() + Errors();
     if (missing_ > 0) text += fmt::format("  {} not run yet.\n", missing_);
     if (!bad_.empty()) {
       text += fmt::format("  {} did not end well and {} in no figure below:\n", bad_.size(),

@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "compiler/compile.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/engine.h"
 #include "runtime/engine/precision.h"
 #include "runtime/engine/probes.h"
 #include "runtime/engine/state_hash.h"
 #include "tests/bench/median.h"
+#include "tests/bench/scenario_runs.h"
 
 namespace cdb::bench {
 namespace {
@@ -109,28 +109,13 @@ void RunScene(const std::string& name, compiler::Scene scene, std::uint64_t roun
 
 int main(int argc, char** argv) {
   using namespace cdb;
-  std::uint64_t rounds = 7, cycles = 400;
-  std::vector<std::string> files;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if ((argument == "-r" || argument == "-c") && i + 1 < argc) {
-      (argument == "-r" ? rounds : cycles) = std::strtoull(argv[++i], nullptr, 10);
-    } else {
-      files.push_back(argument);
-    }
-  }
-  if (files.empty()) files = {CDB_SOURCE_DIR "/tests/bench/probes.cdb"};
+  const bench::ScenarioRuns runs(argc, argv, {7, 400, CDB_SOURCE_DIR "/tests/bench/probes.cdb"});
   fmt::print("{} precision, {} rounds of up to {} cycles; medians, and the range of the rounds\n",
-             runtime::EnginePrecision(), rounds, cycles);
+             runtime::EnginePrecision(), runs.rounds, runs.cycles);
   fmt::print("{:<18} {:>6} {:>10} {:>10} {:>9} {:>17}\n", "scene", "N", "step, us", "probes, us",
              "change, %", "range");
-  for (const std::string& file : files) {
-    const auto result = compiler::Compile(file, compiler::ReadFromDisk, {});
-    if (result.diagnostics.has_errors()) {
-      fmt::print(stderr, "{}: has errors; see cdb check\n", file);
-      return 1;
-    }
-    for (const compiler::Plan& plan : result.plans)
-      bench::RunScene(plan.benchmark, plan.runs.back().scene, rounds, cycles);
-  }
+  const bool good = runs.ForEach([&](const std::string& name, const compiler::Scene& scene) {
+    bench::RunScene(name, scene, runs.rounds, runs.cycles);
+  });
+  return good ? 0 : 1;
 }
