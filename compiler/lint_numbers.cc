@@ -408,15 +408,17 @@ class SceneNumbers {
     const double noticed = kNoticed * 0.99 * objects.least_side;
     double worst = 0;
     bool open = false;
+    Eigen::Vector3d means = objects.velocity + pull_ * Time() / 2, ways = means * Time();
+    if (rests_) {
+      ways.setConstant(objects.gap);
+      means = means.cwiseMin(4 * (pull_ * objects.gap / 2).cwiseSqrt());
+    }
     for (int axis = 0; axis < 3; ++axis) {
-      double mean = objects.velocity[axis] + pull_[axis] * Time() / 2, way = mean * Time();
-      if (rests_) {
-        way = objects.gap;
-        mean = std::min(mean, 4 * std::sqrt(pull_[axis] * way / 2));
-      }
+      const double mean = means[axis], way = ways[axis];
       if (!(way > noticed) || !(mean > 0)) continue;
       const double step = StepAt(objects.place[axis]);
-      const double lost = step / (mean * timestep_);
+      // Of the whole way: what is lost of a slow part of it does not matter.
+      const double lost = step / (means.maxCoeff() * timestep_);
       // What begins within a few steps of what it falls on may not fall.
       if (lost > worst) open = rests_ && way < 3 * step;
       worst = std::max(worst, lost);

@@ -92,12 +92,12 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
     }
     track.gone += way.cwiseAbs();
     track.to_go += velocity.cwiseAbs() * timestep;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(track.to_go[axis] > kLeastWay * track.least_side)) continue;
-      const double ratio = track.gone[axis] / track.to_go[axis];
-      if (std::abs(ratio - 1) < worst) continue;
-      worst = std::abs(ratio - 1);
-      seen.motion_ratio = ratio;
+    const double longest = track.to_go.maxCoeff();
+    for (int axis = 0; axis < 3 && longest > kLeastWay * track.least_side; ++axis) {
+      const double excess = (track.gone[axis] - track.to_go[axis]) / longest;
+      if (std::abs(excess) < worst) continue;
+      worst = std::abs(excess);
+      seen.motion_ratio = 1 + excess;
     }
     if (track.is_damped || !(pull > 0) || touches[i] != kFree) continue;
     track.gained += gain;

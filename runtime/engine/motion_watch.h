@@ -30,9 +30,10 @@ class MotionWatch {
     /// Farthest way of an object from its place at Begin, before that was rounded to Bullet's
     /// precision, over its least side.
     double displacement = 0;
-    /// Sum |dx| over sum |v| dt along one axis, since the object was last pushed; of all objects
-    /// and axes the one farthest from 1. Ways below a hundredth of the object's least side are not
-    /// looked at: what rounding takes from them does not matter.
+    /// 1 and what the sum of |dx| along an axis is more than that of |v| dt, over the latter along
+    /// the object's fastest axis: how much of its way rounding gives or takes. Since the object was
+    /// last pushed; of all objects and axes the one farthest from 1. Ways below a hundredth of the
+    /// object's least side are not looked at: what is lost of them does not matter.
     double motion_ratio = std::numeric_limits<double>::quiet_NaN();
     /// Least sum of dv along g over sum of |g| dt since an object's last contact, from four cycles
     /// on. Not of objects that are damped.

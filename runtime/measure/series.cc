@@ -33,9 +33,9 @@ constexpr Series kSeries[] = {
     {"displacement", "stability", kFloat64, kScalar, "",
      "farthest way of an object from its place before the first cycle, over its least side"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
-     "way gone over way to go, sum |dx| / sum |v| dt along one axis since it was last pushed, "
-     "where "
-     "it is farthest from 1"},
+     "way gone over way to go, |v| dt, since it was last pushed, of the object where it is "
+     "farthest "
+     "from 1"},
     {"fall_ratio", "stability", kFloat64, kScalar, "",
      "least gain of speed over what gravity gives, dv / (g dt), since the last contact"},
     {"turn_ratio", "stability", kFloat64, kScalar, "",

@@ -33,7 +33,7 @@ constexpr VerdictInfo kVerdicts[] = {
     {kTunnelled, "tunnelled", "a centre is beyond a wall at the end"},
     {kExploded, "exploded", "energy rose by more than its scale"},
     {kFrozen, "frozen",
-     "not pushed: way outside 0.9 .. 1.1 of |v| dt on an axis; in flight: dv < 0.9 g dt"},
+     "not pushed: an object's way outside 0.9 .. 1.1 of |v| dt; in flight: dv < 0.9 g dt"},
     {kRemoved, "removed", "a box with its way passes 1e6, or Bullet switched the object off"},
     {kNonFinite, "non_finite", "a state that is not a number"},
     {kTimedOut, "timed_out", "it took longer than its timeout"},
