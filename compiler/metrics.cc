@@ -40,6 +40,12 @@ constexpr ErrorInfo kErrors[] = {
      "pairs of objects whose exact boxes overlap and that the broad phase has not got, over those that overlap; mean over samples", kOwn, kToEnd, kMean},
     {ErrorKind::kPairsPhantom, "pairs_phantom", "accuracy/pairs_phantom_series", "pairs", "",
      "pairs that the broad phase has got though their exact boxes do not overlap, over those that overlap; mean over samples", kOwn, kToEnd, kMean},
+    {ErrorKind::kDepthError, "depth_error", "accuracy/depth_error_series", "geometry", "",
+     "deepest contact point of an overlap less the exact depth, in sizes of the smaller object; mean over overlaps that have one, then over samples", kOwn, kToEnd, kMeanOfSome},
+    {ErrorKind::kNormalError, "normal_error", "accuracy/normal_error_series", "geometry", "rad",
+     "angle between its normal and the exact one, where there is only one; mean over overlaps, then over samples", kOwn, kToEnd, kMeanOfSome},
+    {ErrorKind::kContactsMissed, "contacts_missed", "accuracy/contacts_missed_series", "geometry", "",
+     "exact overlaps without a contact point, over all; mean over samples", kOwn, kToEnd, kMeanOfSome},
 };
 // clang-format on
 

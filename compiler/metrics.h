@@ -11,7 +11,12 @@
 namespace cdb::compiler {
 
 /// How the errors at a run's samples become one number.
-enum class Fold { kRms, kMean, kMax };
+enum class Fold {
+  kRms,
+  kMean,
+  kMax,
+  kMeanOfSome,  ///< over the samples that have a value: a sample may have nothing to look at
+};
 
 /// The errors that there are, in the order of the table.
 enum class ErrorKind {
@@ -27,6 +32,9 @@ enum class ErrorKind {
   kContacts,
   kPairsMissed,
   kPairsPhantom,
+  kDepthError,
+  kNormalError,
+  kContactsMissed,
 };
 
 /// One number of a run at each sample.

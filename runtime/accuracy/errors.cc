@@ -85,6 +85,16 @@ class At {
         return OfExactPairs(kPairsMissed);
       case ErrorKind::kPairsPhantom:
         return OfExactPairs(kPairsPhantom);
+      case ErrorKind::kDepthError:
+        return Over(
+            run_.observable(sample_, kDepthErrorSum),
+            run_.observable(sample_, kOverlapsExact) - run_.observable(sample_, kOverlapsMissed));
+      case ErrorKind::kNormalError:
+        return Over(run_.observable(sample_, kNormalErrorSum),
+                    run_.observable(sample_, kNormalCount));
+      case ErrorKind::kContactsMissed:
+        return Over(run_.observable(sample_, kOverlapsMissed),
+                    run_.observable(sample_, kOverlapsExact));
     }
     CDB_CHECK(false);
   }
@@ -146,7 +156,7 @@ double Folded(std::span<const double> series, Fold fold, std::size_t end) {
   if (end < 2) return kNone;
   const auto values = Eigen::Map<const Eigen::ArrayXd>(series.data(), static_cast<long>(end))
                           .tail(static_cast<long>(end) - 1);
-  if (!values.isFinite().all()) return kNone;
+  if (fold != Fold::kMeanOfSome && !values.isFinite().all()) return kNone;
   switch (fold) {
     case Fold::kRms:
       return std::sqrt(values.square().mean());
@@ -154,6 +164,9 @@ double Folded(std::span<const double> series, Fold fold, std::size_t end) {
       return values.mean();
     case Fold::kMax:
       return values.maxCoeff();
+    case Fold::kMeanOfSome:
+      return Over(values.isNaN().select(0.0, values).sum(),
+                  static_cast<double>((!values.isNaN()).count()));
   }
   CDB_CHECK(false);
 }

@@ -20,13 +20,13 @@ inline constexpr double kHorizonDistance = 0.1;
 std::size_t HorizonOf(const Samples& reference, const Samples& twin);
 
 /// One value a sample, NaN where there is none: where the standard says nothing of it, and, of what
-/// only a step makes, at the start. `standard` may be null where no error of `errors` needs it.
-/// Result: [error][sample].
+/// only a step makes, at the start, and, of overlaps, where there is none. `standard` may be null
+/// where no error of `errors` needs it. Result: [error][sample].
 std::vector<std::vector<double>> ErrorSeries(std::span<const compiler::ErrorInfo* const> errors,
                                              const Samples& run, const Standard* standard);
 
 /// The series as one number; the start, where all is true, is left out, and so is `end` and what
-/// follows. NaN where one of the values is.
+/// follows. NaN where one of the values is, but of Fold::kMeanOfSome only where all are.
 double Folded(std::span<const double> series, compiler::Fold fold, std::size_t end);
 
 /// How far the values of `from` have to be moved, on average, to be those of `to`: W1 of two

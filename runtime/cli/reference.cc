@@ -209,6 +209,12 @@ is compared as it changes from each run's own start. Heights are along the accel
 An exact box is the tightest around the solid, in double, where the detector last looked; Bullet's
 are larger by margins and by what an object moves in a step, so that it always has phantom pairs.
 
+An exact overlap is one that a closed form tells, in double, at the same places: of balls, of a ball
+and a cuboid, of cuboids, of any of these with a box wall, and of all but compounds with a plane wall,
+deeper than a ten thousandth of the smaller object's size. Its depth is the least move that parts the
+two. Where another way out is as short within 1 %, its normal counts nowhere. A run without any exact
+overlap has no errors of `geometry`.
+
   /accuracy/NAME (..., rep)             and NAME_floor, horizon, timestep, truth, message
   /accuracy/NAME_series (..., rep, sample)
   /accuracy/reference/...               states and observables of each reference run and its twin

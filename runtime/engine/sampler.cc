@@ -19,38 +19,6 @@ Eigen::Quaterniond TurnOf(const btRigidBody& body) {
                             static_cast<double>(turn.y()), static_cast<double>(turn.z()));
 }
 
-/// Pairs of objects, not both fixed, whose tightest boxes overlap as they stand now: all of them,
-/// in double, found along x. Smaller index first, in order.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> ExactPairs(const Engine& engine) {
-  struct Row {
-    library::Box box;
-    std::uint32_t object;
-    bool is_fixed;
-  };
-  std::vector<Row> rows;
-  const auto& objects = engine.initial_state().objects;
-  for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    const btRigidBody& body = *engine.objects()[i];
-    library::Box box = library::Bounds(objects[i].solid, TurnOf(body));
-    const Vector3d centre = ToEigen(body.getWorldTransform().getOrigin());
-    box.lower += centre;
-    box.upper += centre;
-    rows.push_back({box, i, objects[i].IsFixed()});
-  }
-  std::ranges::sort(rows, {}, [](const Row& row) { return row.box.lower.x(); });
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  for (auto a = rows.begin(); a != rows.end(); ++a) {
-    for (auto b = a + 1; b != rows.end() && b->box.lower.x() <= a->box.upper.x(); ++b) {
-      if (a->is_fixed && b->is_fixed) continue;
-      if ((a->box.lower.array() <= b->box.upper.array()).all() &&
-          (b->box.lower.array() <= a->box.upper.array()).all())
-        pairs.push_back(std::minmax(a->object, b->object));
-    }
-  }
-  std::ranges::sort(pairs);
-  return pairs;
-}
-
 }  // namespace
 
 Sampler::Sampler(const compiler::Scene& scene, Engine& engine, Recording& recording)
@@ -58,7 +26,8 @@ Sampler::Sampler(const compiler::Scene& scene, Engine& engine, Recording& record
       shape_(*SampleShapeOf(scene)),
       values_(recording.SampleValues()),
       cycles_per_sample_(compiler::SamplingOf(scene)->cycles),
-      wants_pairs_(scene.world.Lists("accuracy.metrics", "pairs")) {
+      wants_pairs_(scene.world.Lists("accuracy.metrics", "pairs")),
+      wants_geometry_(scene.world.Lists("accuracy.metrics", "geometry")) {
   const auto& objects = engine.initial_state().objects;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     values_[shape_.Body(i)] = objects[i].mass;
@@ -70,8 +39,10 @@ void Sampler::Begin() { Take(); }
 
 void Sampler::BeforeStep() {
   // The detector looks before the bodies are moved.
-  if (wants_pairs_ && !IsComplete() && (steps_ + 1) % cycles_per_sample_ == 0)
-    exact_ = ExactPairs(engine_);
+  if (!(wants_pairs_ || wants_geometry_) || IsComplete() || (steps_ + 1) % cycles_per_sample_ != 0)
+    return;
+  exact_ = ExactPairs(engine_);
+  if (wants_geometry_) overlaps_ = ExactOverlaps(engine_, exact_);
 }
 
 void Sampler::AfterStep() {
@@ -86,6 +57,7 @@ void Sampler::Take() {
   if (steps_ > 0) {
     TakeContacts();
     if (wants_pairs_) TakePairs();
+    if (wants_geometry_) TakeGeometry();
   }
   ++taken_;
 }
@@ -176,7 +148,7 @@ void Sampler::TakePairs() {
   const btOverlappingPairCache& cache = *engine_.world().getPairCache();
   const btBroadphasePair* begin =
       const_cast<btOverlappingPairCache&>(cache).getOverlappingPairArrayPtr();
-  Pairs found;
+  std::vector<BodyPair> found;
   for (int i = 0; i < cache.getNumOverlappingPairs(); ++i) {
     const auto index = [](const btBroadphaseProxy* proxy) {
       return static_cast<std::uint32_t>(
@@ -186,12 +158,21 @@ void Sampler::TakePairs() {
     if (pair.second < shape_.objects) found.push_back(pair);
   }
   std::ranges::sort(found);
-  Pairs missed, phantom;
+  std::vector<BodyPair> missed, phantom;
   std::ranges::set_difference(exact_, found, std::back_inserter(missed));
   std::ranges::set_difference(found, exact_, std::back_inserter(phantom));
   Value(kPairsExact) = static_cast<double>(exact_.size());
   Value(kPairsMissed) = static_cast<double>(missed.size());
   Value(kPairsPhantom) = static_cast<double>(phantom.size());
+}
+
+void Sampler::TakeGeometry() {
+  const NarrowPhaseErrors errors = CompareContacts(engine_, overlaps_);
+  Value(kOverlapsExact) = static_cast<double>(overlaps_.size());
+  Value(kOverlapsMissed) = errors.missed;
+  Value(kDepthErrorSum) = errors.depth_sum;
+  Value(kNormalErrorSum) = errors.normal_sum;
+  Value(kNormalCount) = errors.normals;
 }
 
 }  // namespace cdb::runtime

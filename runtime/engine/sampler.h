@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "runtime/engine/engine.h"
+#include "runtime/engine/exact_geometry.h"
 #include "runtime/measure/recording.h"
 
 namespace cdb::runtime {
@@ -23,13 +23,12 @@ class Sampler {
   bool IsComplete() const { return taken_ == shape_.samples; }
 
  private:
-  using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
   void Take();
   void TakeStates();
   void TakeMotion();
   void TakeContacts();
   void TakePairs();
+  void TakeGeometry();
   double& Value(Observable which);
   double SizeOf(const btCollisionObject* body) const;
 
@@ -37,10 +36,11 @@ class Sampler {
   const SampleShape shape_;
   const std::span<double> values_;
   const std::uint64_t cycles_per_sample_;
-  const bool wants_pairs_;
+  const bool wants_pairs_, wants_geometry_;
   std::uint64_t steps_ = 0;
   std::size_t taken_ = 0;
-  Pairs exact_;  ///< whose boxes overlapped when the detector last looked
+  std::vector<BodyPair> exact_;         ///< whose boxes overlapped when the detector last looked
+  std::vector<ExactOverlap> overlaps_;  ///< of then
 };
 
 }  // namespace cdb::runtime

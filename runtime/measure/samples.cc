@@ -9,10 +9,11 @@ namespace cdb::runtime {
 
 std::span<const std::string_view> ObservableNames() {
   static constexpr std::string_view kNames[kObservableCount] = {
-      "kinetic",    "potential",    "acceleration_x", "acceleration_y", "acceleration_z",
-      "momentum_x", "momentum_y",   "momentum_z",     "angular_x",      "angular_y",
-      "angular_z",  "momentum_sum", "angular_sum",    "depth_mean",     "depth_max",
-      "contacts",   "pairs_exact",  "pairs_missed",   "pairs_phantom"};
+      "kinetic",         "potential",       "acceleration_x",   "acceleration_y", "acceleration_z",
+      "momentum_x",      "momentum_y",      "momentum_z",       "angular_x",      "angular_y",
+      "angular_z",       "momentum_sum",    "angular_sum",      "depth_mean",     "depth_max",
+      "contacts",        "pairs_exact",     "pairs_missed",     "pairs_phantom",  "overlaps_exact",
+      "overlaps_missed", "depth_error_sum", "normal_error_sum", "normals"};
   return kNames;
 }
 

@@ -33,14 +33,19 @@ enum Observable {
   kAngularX,  ///< kg m^2/s, about the common centre of mass
   kAngularY,
   kAngularZ,
-  kMomentumSum,   ///< of the objects' m|v|
-  kAngularSum,    ///< of the lengths of the objects' own
-  kDepthMean,     ///< of the contacts that overlap, in sizes of the smaller object; 0 for none
-  kDepthMax,      ///< of them
-  kContactCount,  ///< contact points
-  kPairsExact,    ///< pairs of objects whose exact boxes overlap; no value where nobody asks
-  kPairsMissed,   ///< of them, those that the broad phase has not got
-  kPairsPhantom,  ///< those that it has got and are none of them
+  kMomentumSum,     ///< of the objects' m|v|
+  kAngularSum,      ///< of the lengths of the objects' own
+  kDepthMean,       ///< of the contacts that overlap, in sizes of the smaller object; 0 for none
+  kDepthMax,        ///< of them
+  kContactCount,    ///< contact points
+  kPairsExact,      ///< pairs of objects whose exact boxes overlap; no value where nobody asks
+  kPairsMissed,     ///< of them, those that the broad phase has not got
+  kPairsPhantom,    ///< those that it has got and are none of them
+  kOverlapsExact,   ///< overlaps that a closed form tells; no value where nobody asks for geometry
+  kOverlapsMissed,  ///< of them, those without a contact point
+  kDepthErrorSum,   ///< of the others' |depth - exact|, in sizes of the smaller object
+  kNormalErrorSum,  ///< of the angles between normals, rad, where there is only one normal
+  kNormalCount,     ///< those
   kObservableCount,
 };
 std::span<const std::string_view> ObservableNames();

@@ -121,6 +121,25 @@ TEST(Errors, OfContactsAndPairsAreOfTheTrueNumber) {
   EXPECT_DOUBLE_EQ(ErrorAt("penetration_max", run, truth), 0.5);
 }
 
+TEST(Errors, OfGeometryAreOfTheOverlapsThatThereAre) {
+  HandMade truth(2), run(2);
+  const auto no_value = [&](const char* name) { return std::isnan(ErrorAt(name, run, truth)); };
+  for (const char* name : {"depth_error", "normal_error", "contacts_missed"})
+    EXPECT_TRUE(no_value(name)) << "no overlap";
+  run.Set(1, kOverlapsExact, 2);
+  run.Set(1, kOverlapsMissed, 2);
+  EXPECT_DOUBLE_EQ(ErrorAt("contacts_missed", run, truth), 1);
+  EXPECT_TRUE(no_value("depth_error"));
+  EXPECT_TRUE(no_value("normal_error"));
+  run.Set(1, kOverlapsExact, 10);
+  run.Set(1, kDepthErrorSum, 0.4);
+  run.Set(1, kNormalErrorSum, 0.3);
+  run.Set(1, kNormalCount, 6);
+  EXPECT_DOUBLE_EQ(ErrorAt("contacts_missed", run, truth), 0.2);
+  EXPECT_DOUBLE_EQ(ErrorAt("depth_error", run, truth), 0.05);
+  EXPECT_DOUBLE_EQ(ErrorAt("normal_error", run, truth), 0.05);
+}
+
 TEST(Folded, LeavesOutTheStartAndWhatFollows) {
   const std::vector<double> series = {100, 3, 4, 12};
   EXPECT_DOUBLE_EQ(Folded(series, Fold::kRms, 3), std::sqrt(12.5));
@@ -128,6 +147,12 @@ TEST(Folded, LeavesOutTheStartAndWhatFollows) {
   EXPECT_DOUBLE_EQ(Folded(series, Fold::kMax, 9), 12);
   EXPECT_TRUE(std::isnan(Folded(series, Fold::kRms, 1)));
   EXPECT_TRUE(std::isnan(Folded(std::vector<double>{0, NAN}, Fold::kMax, 2)));
+}
+
+TEST(Folded, OfSomeIsOverTheSamplesThatHaveAValue) {
+  EXPECT_DOUBLE_EQ(Folded(std::vector<double>{7, NAN, 2, NAN, 4}, Fold::kMeanOfSome, 5), 3);
+  EXPECT_TRUE(std::isnan(Folded(std::vector<double>{7, NAN, NAN}, Fold::kMeanOfSome, 3)));
+  EXPECT_TRUE(std::isinf(Folded(std::vector<double>{7, INFINITY, 1}, Fold::kMeanOfSome, 3)));
 }
 
 TEST(MeanMove, IsW1) {

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "compiler/reference.h"
+#include "runtime/engine/exact_geometry.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::test {
@@ -101,6 +103,118 @@ TEST(Sampler, SeesHowDeepContactsAre) {
     most = std::max(most, samples.observable(s, kDepthMax));
   }
   EXPECT_GT(most, 0);
+}
+
+/// The sums over all samples of what a scene's narrow phase made of its overlaps.
+struct Geometry {
+  double overlaps = 0, missed = 0, depth_sum = 0, normal_sum = 0, normals = 0;
+};
+
+Geometry GeometryOf(compiler::Scene scene) {
+  SetWorld(scene, "accuracy.metrics", compiler::WordList{"geometry"});
+  SetWorld(scene, "accuracy.interval", 1.0 / 60);
+  SeedStreams(scene);
+  const Recorded recorded = RunHere(scene);
+  EXPECT_TRUE(recorded.done()) << recorded.message();
+  const Samples samples = SamplesOf(recorded, scene);
+  EXPECT_TRUE(std::isnan(samples.observable(0, kOverlapsExact))) << "before any step";
+  Geometry sums;
+  for (std::size_t s = 1; s < samples.shape.samples; ++s) {
+    sums.overlaps += samples.observable(s, kOverlapsExact);
+    sums.missed += samples.observable(s, kOverlapsMissed);
+    sums.depth_sum += samples.observable(s, kDepthErrorSum);
+    sums.normal_sum += samples.observable(s, kNormalErrorSum);
+    sums.normals += samples.observable(s, kNormalCount);
+  }
+  return sums;
+}
+
+/// One object of 10 m in a cube of 100 m that falls on the floor.
+compiler::Scene OnTheFloor(const char* type, const char* wall_shape) {
+  compiler::Scene scene = EngineScene(1, 100);
+  SetWorld(scene, "cycles", std::uint64_t{60});
+  SetWorld(scene, "world.wall_shape", Word(wall_shape));
+  SetWorld(scene, "acceleration", Vector3d(0, -100, 0));
+  SetGroup(scene, "type", Word(type));
+  SetGroup(scene, "size", 10.0);
+  SetGroup(scene, "linear_velocity", Vector3d(3, -200, 1));
+  SetGroup(scene, "angular_velocity", Vector3d(1, 2, 3));
+  SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", -44.0}, {"z", 0.0}}));
+  return scene;
+}
+
+/// An object of 10 m at `upper`, turned by `turn`, and one at the origin, without any walls.
+compiler::Scene InEachOther(const char* upper_type, const char* lower_type, const Vector3d& upper,
+                            const Vector3d& turn) {
+  compiler::Scene scene = EngineScene(1, 100);
+  SetWorld(scene, "cycles", std::uint64_t{1});
+  SetWorld(scene, "world.walls", Word("none"));
+  SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
+  SetGroup(scene, "size", 10.0);
+  SetGroup(scene, "overlap", true);
+  scene.groups.push_back(scene.groups[0]);
+  scene.groups[1].name = "lower";
+  SetGroup(scene, "type", Word(upper_type));
+  SetGroup(scene, "orientation", turn);
+  SetGroup(scene, "location", Layout("at", {{"x", upper.x()}, {"y", upper.y()}, {"z", upper.z()}}));
+  SetGroup(scene, "type", Word(lower_type), 1);
+  SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}), 1);
+  return scene;
+}
+
+void ExpectRight(const Geometry& sums) {
+  EXPECT_EQ(sums.missed, 0);
+  EXPECT_EQ(sums.normals, sums.overlaps);
+  EXPECT_LE(sums.depth_sum, 20 * kEpsilon * sums.overlaps);
+  EXPECT_LE(sums.normal_sum, 20 * kEpsilon * sums.overlaps);
+}
+
+TEST(Geometry, OfWhatStandsOnAWallIsRightToRounding) {
+  for (const char* type : {"sphere", "cuboid"}) {
+    for (const char* wall_shape : {"plane", "box"}) {
+      SCOPED_TRACE(testing::Message() << type << " on " << wall_shape);
+      const Geometry sums = GeometryOf(OnTheFloor(type, wall_shape));
+      EXPECT_GT(sums.overlaps, 10);
+      ExpectRight(sums);
+    }
+  }
+}
+
+TEST(Geometry, OfShallowOverlapsIsRightToRounding) {
+  for (const char* upper : {"sphere", "cuboid"}) {
+    for (const char* lower : {"sphere", "cuboid"}) {
+      SCOPED_TRACE(testing::Message() << upper << " in " << lower);
+      const Geometry sums = GeometryOf(InEachOther(upper, lower, {1, 9.3, -1}, {0.1, 0.3, 0.05}));
+      EXPECT_EQ(sums.overlaps, 1);
+      ExpectRight(sums);
+    }
+  }
+}
+
+TEST(Geometry, HoldsNoNormalAgainstOneOfTwo) {
+  const Geometry sums = GeometryOf(InEachOther("cuboid", "cuboid", {9, 9, 0}, {0, 0, 0}));
+  EXPECT_EQ(sums.overlaps, 1);
+  EXPECT_EQ(sums.normals, 0) << "it can leave by x as well as by y";
+  EXPECT_NEAR(sums.depth_sum, 0, 20 * kEpsilon);
+}
+
+TEST(Geometry, IsOfOverlapsAlone) {
+  const Vector3d just(0, 10 - 0.5 * kLeastOverlap * 10, 0);
+  EXPECT_EQ(GeometryOf(InEachOther("sphere", "sphere", just, {0, 0, 0})).overlaps, 0) << "touch";
+  EXPECT_EQ(GeometryOf(InEachOther("cuboid", "cone", {1, 2, 0}, {0, 0, 0})).overlaps, 0)
+      << "no closed form";
+}
+
+TEST(Geometry, LeavesOutThoseThatALinkLetsThrough) {
+  compiler::Scene scene = InEachOther("sphere", "sphere", {0, 8, 0}, {0, 0, 0});
+  EXPECT_EQ(GeometryOf(scene).overlaps, 1);
+  const Recorded recorded = RunHere(scene);
+  btRigidBody &a = *recorded.engine->objects()[0], &b = *recorded.engine->objects()[1];
+  ASSERT_EQ(ExactOverlaps(*recorded.engine, {{0, 1}}).size(), 1u);
+  // As a constraint without collisions between its two does.
+  a.setIgnoreCollisionCheck(&b, true);
+  EXPECT_TRUE(ExactOverlaps(*recorded.engine, {{0, 1}}).empty());
+  a.setIgnoreCollisionCheck(&b, false);
 }
 
 /// The reference of `scene` in this engine's precision.
