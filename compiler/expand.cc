@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "compiler/axes.h"
+#include "compiler/capacity.h"
 #include "compiler/convert.h"
 #include "compiler/defaults.h"
 #include "compiler/diagnostic_kinds.h"
@@ -499,8 +500,7 @@ class Expander {
   bool CheckCounts(Configuration& configuration, const Scene& scene) {
     const dsl::Span name = benchmark_.benchmark->name.span;
     const std::uint64_t objects = scene.ObjectCount();
-    const std::string_view walls = scene.world.WordOr("world.walls");
-    const std::uint64_t bodies = objects + (walls == "all" ? 6 : walls == "floor" ? 1 : 0);
+    const std::uint64_t bodies = BodyCount(scene);
     if (bodies > 2147483647) {
       diagnostics_.Report(kCapacity, name,
                           fmt::format("{} objects are more than a run holds", objects),
@@ -512,7 +512,7 @@ class Expander {
     const std::string_view detector_name = scene.world.WordOr("detector");
     const library::DetectorInfo* detector = library::FindDetector(detector_name);
     CDB_CHECK(detector != nullptr);
-    if (detector->max_bodies == 0 || bodies <= detector->max_bodies) return true;
+    if (detector->Holds(bodies)) return true;
     if (!capacity_reported_)
       diagnostics_.Report(kCapacity,
                           configuration.SpanOf({"", FindParameter("detector", false)}, name),

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "compiler/calls.h"
+#include "compiler/capacity.h"
 #include "compiler/metrics.h"
 #include "dsl/check.h"
 #include "library/catalogue.h"
@@ -104,14 +105,11 @@ AccuracyFault FindAccuracyFault(const Scene& scene) {
     return {"accuracy.reference.timestep",
             "a schedule changes after cycles that are no whole number of the reference's",
             "take a reference.timestep that divides the time step of the run"};
-  const std::string_view walls = world.WordOr("world.walls");
-  const std::uint64_t bodies = scene.ObjectCount() + (walls == "all"     ? 6
-                                                      : walls == "floor" ? 1
-                                                                         : 0);
+  const std::uint64_t bodies = BodyCount(scene);
   const std::string_view detector_name = world.WordOr("accuracy.reference.detector");
   const library::DetectorInfo* detector = library::FindDetector(detector_name);
   CDB_CHECK(detector != nullptr);
-  if (detector->max_bodies != 0 && bodies > detector->max_bodies)
+  if (!detector->Holds(bodies))
     return {"accuracy.reference.detector",
             fmt::format("'{}' holds at most {} bodies, walls included; here are {}", detector_name,
                         detector->max_bodies, bodies),

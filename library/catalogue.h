@@ -19,6 +19,8 @@ struct DetectorInfo {
   std::string_view source;
   std::string_view phases;       ///< `broad`
   std::uint64_t max_bodies = 0;  ///< objects and walls together; 0 means no limit
+  /// So many, walls included.
+  bool Holds(std::uint64_t bodies) const { return max_bodies == 0 || bodies <= max_bodies; }
 };
 
 struct LayoutInfo {

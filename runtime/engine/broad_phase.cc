@@ -11,7 +11,7 @@ namespace cdb::runtime {
 
 std::unique_ptr<btBroadphaseInterface> MakeBroadPhase(const BroadPhaseOptions& options) {
   const library::DetectorInfo* info = library::FindDetector(options.detector);
-  if (info != nullptr && info->max_bodies != 0 && options.bodies > info->max_bodies)
+  if (info != nullptr && !info->Holds(options.bodies))
     throw library::SceneError(
         fmt::format("detector `{}` takes at most {} bodies, objects and walls together; this scene "
                     "has {}; choose another detector or fewer objects",
