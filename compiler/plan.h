@@ -15,7 +15,7 @@
 namespace cdb::compiler {
 
 /// Raised with every other plan format than this one. Part of every run's id.
-inline constexpr int kPlanVersion = 4;
+inline constexpr int kPlanVersion = 5;
 
 /// The settings of the world or of one group of objects, by the parameter's name without its group:
 /// `timestep`, `world.side`; in a group `quantity`, `size`. Complete: what the file leaves out has

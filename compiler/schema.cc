@@ -84,6 +84,15 @@ constexpr Parameter kParameters[] = {
     {"detector", false, kWord, kAny, kConstant, "", "dbvt", "", kDetectors, "detector",
      "the collision detector",
      "broadphase broad_phase broad algorithm detectors"},
+    {"narrow_phase", false, kWord, kAny, kConstant, "", "own", "own bullet", kNarrowPhases, "detector",
+     "who finds the contacts of the detector's pairs; own is the detector itself where it has a narrow phase, else Bullet",
+     "narrowphase narrow contacts_by"},
+    {"pair_order", false, kWord, kAny, kConstant, "", "detector", "detector sorted", kOwn, "detector",
+     "in which order pairs are worked on: as the detector lists them, or sorted by body, so that all who list the same pairs move alike to the bit",
+     "order deterministic"},
+    {"threads", false, kCount, kCountFromOne, kConstant, "", "1", "", kOwn, "detector",
+     "threads that the detector may work on; those without threads work on one",
+     "cores parallel"},
     {"contact", false, kWord, kAny, kConstant, "", "bullet", "bullet faithful", kOwn, "solver",
      "Bullet's own contact settings, or those under which bounces keep their energy"},
     {"solver.iterations", false, kCount, kCountFromOne, kConstant, "", "10", "", kOwn, "solver",
@@ -143,7 +152,7 @@ constexpr Parameter kParameters[] = {
     {"timeout", false, kReal, kPositive, kConstant, "s", "none", "none", kOwn, "schedule",
      "wall time after which a run is ended and marked"},
     {"record", false, kWords, kAny, kConstant, "", "timing, counts, stability",
-     "timing counts energy stability contacts poses memory", kOwn, "recording",
+     "timing counts energy stability contacts poses memory pairs boxes", kOwn, "recording",
      "what is stored of each cycle",
      "output store measure metrics"},
     {"expect", false, kWord, kAny, kConstant, "", "auto", "auto anything rest energy", kOwn, "verdict",
@@ -207,6 +216,10 @@ std::vector<std::string_view> Parameter::AllWords() const {
   const auto add = [&all](const auto& rows) {
     for (const auto& row : rows) all.push_back(row.name);
   };
+  const auto add_detectors = [&all](std::string_view phase) {
+    for (const library::DetectorInfo& detector : library::Detectors())
+      if (detector.HasPhase(phase)) all.push_back(detector.name);
+  };
   switch (word_source) {
     case kOwn:
       break;
@@ -214,7 +227,10 @@ std::vector<std::string_view> Parameter::AllWords() const {
       add(library::ObjectTypes());
       break;
     case kDetectors:
-      add(library::Detectors());
+      add_detectors("broad");
+      break;
+    case kNarrowPhases:
+      add_detectors("narrow");
       break;
     case kLayouts:
       add(library::Layouts());

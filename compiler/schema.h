@@ -26,7 +26,8 @@ enum class ParameterType {
 enum class WordSource {
   kOwn,
   kObjectTypes,
-  kDetectors,
+  kDetectors,     ///< that have a broad phase
+  kNarrowPhases,  ///< detectors that have one
   kLayouts,
   kComponents,
   kMetrics,

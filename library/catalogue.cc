@@ -19,11 +19,33 @@ constexpr ObjectType kObjectTypes[] = {
 };
 
 constexpr DetectorInfo kDetectors[] = {
-    {"simple", "every pair of boxes is tested (btSimpleBroadphase)", "Bullet", "broad", 0},
-    {"sap", "sweep and prune on boxes rounded to 16 bits (btAxisSweep3)", "Bullet", "broad", 16384},
+    {"simple", "every pair of boxes is tested (btSimpleBroadphase)", "Bullet", "broad",
+     "all pairs"},
+    {"sap", "sweep and prune on boxes rounded to 16 bits (btAxisSweep3)", "Bullet", "broad",
+     "sweep and prune", 16384},
     {"sap32", "sweep and prune on boxes rounded to 32 bits (bt32BitAxisSweep3)", "Bullet", "broad",
-     0},
-    {"dbvt", "two dynamic bounding-volume trees (btDbvtBroadphase)", "Bullet", "broad", 0},
+     "sweep and prune"},
+    {"dbvt", "two dynamic bounding-volume trees (btDbvtBroadphase)", "Bullet", "broad",
+     "AABB trees"},
+    {"null", "finds nothing: what the harness itself costs", "cdb", "broad", "none"},
+};
+
+// What was there when this was built.
+#ifndef CDB_BUILT_PARTS
+#define CDB_BUILT_PARTS ""
+#endif
+constexpr bool IsBuilt(std::string_view part) {
+  const std::string_view built = " " CDB_BUILT_PARTS " ";
+  for (std::size_t at = built.find(part); at != std::string_view::npos;
+       at = built.find(part, at + 1))
+    if (built[at - 1] == ' ' && built[at + part.size()] == ' ') return true;
+  return false;
+}
+
+constexpr DetectorPart kParts[] = {
+    {"fcl", "libfcl-dev", IsBuilt("fcl")},       {"ode", "libode-dev", IsBuilt("ode")},
+    {"cgal", "libcgal-dev", IsBuilt("cgal")},    {"embree", "libembree-dev", IsBuilt("embree")},
+    {"boost", "libboost-dev", IsBuilt("boost")}, {"ccd", "libccd-dev", IsBuilt("ccd")},
 };
 
 constexpr LayoutInfo kLayouts[] = {
@@ -46,12 +68,18 @@ constexpr ClosedFormInfo kClosedForms[] = {
 
 std::span<const ObjectType> ObjectTypes() { return kObjectTypes; }
 std::span<const DetectorInfo> Detectors() { return kDetectors; }
+std::span<const DetectorPart> DetectorParts() { return kParts; }
 std::span<const LayoutInfo> Layouts() { return kLayouts; }
 std::span<const ClosedFormInfo> ClosedForms() { return kClosedForms; }
 
 const DetectorInfo* FindDetector(std::string_view name) {
   const auto* row = std::ranges::find(kDetectors, name, &DetectorInfo::name);
   return row == std::end(kDetectors) ? nullptr : row;
+}
+
+const DetectorPart* FindDetectorPart(std::string_view name) {
+  const auto* row = std::ranges::find(kParts, name, &DetectorPart::name);
+  return row == std::end(kParts) ? nullptr : row;
 }
 
 }  // namespace cdb::library

@@ -17,10 +17,24 @@ struct DetectorInfo {
   std::string_view name;
   std::string_view doc;
   std::string_view source;
-  std::string_view phases;       ///< `broad`
+  std::string_view phases;       ///< space-separated: `broad`, `narrow`
+  std::string_view family;       ///< of algorithms, as the paper's section 2 names them
   std::uint64_t max_bodies = 0;  ///< objects and walls together; 0 means no limit
+  std::string_view limits = {};  ///< what else it cannot do, or does wrong; may be empty
+  std::string_view part = {};    ///< the optional part it is in; empty for what is always there
+  bool HasPhase(std::string_view phase) const {
+    return phases.find(phase) != std::string_view::npos;
+  }
   /// So many, walls included.
   bool Holds(std::uint64_t bodies) const { return max_bodies == 0 || bodies <= max_bodies; }
+};
+
+/// A shared library of detectors that is built where its Debian package is installed:
+/// `cdb-detectors-<name>.so`, beside the workers in the folder `detectors`.
+struct DetectorPart {
+  std::string_view name;
+  std::string_view package;
+  bool is_built = false;
 };
 
 struct LayoutInfo {
@@ -35,11 +49,13 @@ struct ClosedFormInfo {
 
 std::span<const ObjectType> ObjectTypes();
 std::span<const DetectorInfo> Detectors();
+std::span<const DetectorPart> DetectorParts();
 std::span<const LayoutInfo> Layouts();
 /// library/closed_forms/closed_form.h makes them.
 std::span<const ClosedFormInfo> ClosedForms();
 
 /// Null where there is none of that name.
 const DetectorInfo* FindDetector(std::string_view name);
+const DetectorPart* FindDetectorPart(std::string_view name);
 
 }  // namespace cdb::library

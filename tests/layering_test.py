@@ -38,7 +38,7 @@ ALLOWED = {
 OUTSIDE = [
     (r"(hdf5|H5.*)\.h$", lambda file: file.startswith("runtime/store/hdf5_file.")),
     (r"yaml-cpp/", lambda file: file == "compiler/plan_yaml.cc"),
-    (r"(^|/)(bt|Bullet|LinearMath)", lambda file: file.startswith("runtime/engine/")),
+    (r"(^|/)(bt|Bullet|LinearMath)", lambda file: file.startswith(("runtime/engine/", "library/detectors/bullet/"))),
     (r"^(hacd|meshoptimizer)", lambda file: file == "library/meshes/decompose.cc"),
     (r"^libqhull_r/", lambda file: file == "library/meshes/convex_hull.cc"),
     (r"^(CLI/|nlohmann/)", lambda file: file.startswith("runtime/cli/")),

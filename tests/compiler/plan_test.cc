@@ -111,9 +111,9 @@ TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
   const std::string yaml = ToYaml(Example());
   EXPECT_NE(ErrorOf("").find("this is no cdb plan"), std::string::npos);
   EXPECT_NE(ErrorOf("a: [1, 2").find("plan.yaml:"), std::string::npos);
-  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 4", "cdb_plan: 99")).find("format 99"),
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 5", "cdb_plan: 99")).find("format 99"),
             std::string::npos);
-  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 4", "cdb_plan: 2")).find("plan again"),
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 5", "cdb_plan: 2")).find("plan again"),
             std::string::npos);
   // A word alone has the same text, and so the same id, as a list of it.
   EXPECT_NE(ErrorOf(Replaced(yaml, "omit: [auto]", "omit: auto")).find("a list of words"),

@@ -1,0 +1,77 @@
+#include "library/detectors/exact_pairs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+
+namespace cdb::library {
+namespace {
+
+struct Row {
+  Box box;
+  Id body;
+};
+
+using Component = double Vec3::*;
+
+/// Along which the finite boxes are spread the widest for their size: few overlap there.
+Component BestAxis(const std::vector<Row>& rows) {
+  Component best = &Vec3::x;
+  double best_crowding = INFINITY;
+  for (const Component axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    double length = 0, least = INFINITY, most = -INFINITY;
+    for (const Row& row : rows) {
+      const double lower = row.box.lower.*axis, upper = row.box.upper.*axis;
+      if (!std::isfinite(upper - lower)) continue;
+      length += upper - lower;
+      least = std::min(least, lower);
+      most = std::max(most, upper);
+    }
+    const double crowding = most > least ? length / (most - least) : INFINITY;
+    if (crowding < best_crowding) {
+      best = axis;
+      best_crowding = crowding;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Pair> ExactPairs(const Scene& scene) {
+  std::vector<Row> rows;
+  rows.reserve(scene.size);
+  for (Id body = 0; body < scene.size; ++body) {
+    const Box& box = scene.boxes[body];
+    if (Overlap(box, box)) rows.push_back({box, body});  // false for what is not a number
+  }
+  const Component axis = BestAxis(rows);
+  std::ranges::sort(
+      rows, [axis](const Row& a, const Row& b) { return a.box.lower.*axis < b.box.lower.*axis; });
+  std::vector<Pair> pairs;
+  for (auto a = rows.begin(); a != rows.end(); ++a)
+    for (auto b = a + 1; b != rows.end() && b->box.lower.*axis <= a->box.upper.*axis; ++b)
+      if (Overlap(a->box, b->box) && scene.MayCollide(a->body, b->body))
+        pairs.push_back({std::min(a->body, b->body), std::max(a->body, b->body)});
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found) {
+  const std::vector<Pair> exact = ExactPairs(scene);
+  std::erase_if(found, [&](const Pair& pair) { return !scene.MayCollide(pair.a, pair.b); });
+  std::ranges::sort(found);
+  const std::size_t listed = found.size();
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  PairFaults faults = {.exact = exact.size(), .duplicate = listed - found.size()};
+  std::vector<Pair> rest;
+  std::ranges::set_difference(exact, found, std::back_inserter(rest));
+  faults.missed = rest.size();
+  rest.clear();
+  std::ranges::set_difference(found, exact, std::back_inserter(rest));
+  faults.phantom = rest.size();
+  return faults;
+}
+
+}  // namespace cdb::library

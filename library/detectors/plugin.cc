@@ -1,0 +1,47 @@
+#include "library/detectors/plugin.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <span>
+#include <string_view>
+
+namespace cdb::library {
+
+const Plugin& LoadPlugin(const std::string& path) {
+  // A name without a slash would be looked for in the system's folders.
+  const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
+  void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) throw PluginError(fmt::format("cannot load '{}': {}", path, dlerror()));
+  const auto get = reinterpret_cast<const Plugin* (*)()>(dlsym(handle, "cdb_plugin"));
+  if (get == nullptr)
+    throw PluginError(
+        fmt::format("'{}' offers no detector: it has no function cdb_plugin; write CDB_DETECTORS "
+                    "once in it (cdb/detector.h)",
+                    path));
+  const Plugin* plugin = get();
+  if (plugin == nullptr) throw PluginError(fmt::format("'{}': cdb_plugin returns nothing", path));
+  if (plugin->abi != kDetectorAbi)
+    throw PluginError(
+        fmt::format("'{}' was built for detector interface {}, this cdb has {}; build "
+                    "it again with this cdb's cdb/detector.h",
+                    path, plugin->abi, kDetectorAbi));
+  if (plugin->build == nullptr || std::string_view(plugin->build) != DetectorBuild())
+    throw PluginError(fmt::format(
+        "'{}' was built with {}, this cdb with {}; build it with the same compiler", path,
+        plugin->build == nullptr ? "nothing named" : plugin->build, DetectorBuild()));
+  for (const DetectorEntry& entry : std::span(plugin->entries, plugin->count))
+    if (entry.name == nullptr || entry.doc == nullptr || entry.make == nullptr ||
+        (entry.phases & (kBroad | kNarrow)) == 0)
+      throw PluginError(
+          fmt::format("'{}' offers a detector without name, line, phase or function", path));
+  return *plugin;
+}
+
+const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name) {
+  for (const DetectorEntry& entry : std::span(plugin.entries, plugin.count))
+    if (name == entry.name) return &entry;
+  return nullptr;
+}
+
+}  // namespace cdb::library

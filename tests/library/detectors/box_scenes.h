@@ -1,0 +1,47 @@
+// Boxes that move as the objects of well-known scenes do, for detectors and without physics.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string_view>
+#include <vector>
+
+#include "library/detectors/detector.h"
+
+namespace cdb::tests {
+
+/// Scenes after ../shared/spec detectors.md: `sparse` (a: the paper's cube, nearly no pairs),
+/// `dense` (b: 15 % full, moving a tenth of a size a cycle), `cluster` (c: normal about 0),
+/// `pile` (d: layers that jitter), `asleep` (ds: the same at rest), `mixed` (e: sizes 50 to 500 and
+/// rods of 1 : 1 : 50). All is drawn from `seed`.
+class BoxScene {
+ public:
+  BoxScene(std::string_view name, std::size_t objects, bool walls = false, std::uint64_t seed = 1);
+
+  /// The bodies as they stand; valid until Move or the end.
+  Scene View() const;
+  /// One cycle further. Objects bounce off the sides of their cube.
+  void Move();
+
+ private:
+  double Uniform(double lower, double upper) {
+    return std::uniform_real_distribution<double>(lower, upper)(random_);
+  }
+
+  std::mt19937_64 random_;
+  bool jitters_ = false;
+  double half_side_ = 0, jitter_ = 0;
+  std::vector<Vec3> half_, at_, step_;
+  std::vector<Box> boxes_;
+  std::vector<Filter> filters_;
+  std::vector<std::uint8_t> is_asleep_;
+};
+
+/// The names.
+inline constexpr std::string_view kBoxScenes[] = {"sparse", "dense",  "cluster",
+                                                  "pile",   "asleep", "mixed"};
+
+/// Every pair tested: what exact_pairs.h has to find.
+std::vector<Pair> BruteForce(const Scene& scene);
+
+}  // namespace cdb::tests

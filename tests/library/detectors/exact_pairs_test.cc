@@ -1,0 +1,51 @@
+#include "library/detectors/exact_pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/library/detectors/box_scenes.h"
+
+namespace cdb::library {
+namespace {
+
+TEST(ExactPairs, IsBruteForceOnEveryScene) {
+  for (const std::string_view name : tests::kBoxScenes) {
+    for (const bool walls : {false, true}) {
+      tests::BoxScene scene(name, 300, walls);
+      for (int cycle = 0; cycle < 5; ++cycle, scene.Move())
+        EXPECT_EQ(ExactPairs(scene.View()), tests::BruteForce(scene.View())) << name;
+    }
+  }
+}
+
+TEST(ExactPairs, BoxesThatAreNotNumbersOverlapNothing) {
+  const double nan = NAN;
+  const std::vector<Box> boxes = {
+      {{0, 0, 0}, {1, 1, 1}}, {{nan, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
+  const std::vector<Filter> filters(3);
+  const Scene scene = {
+      .size = 3, .boxes = boxes, .filters = filters, .poses = {}, .shapes = {}, .is_asleep = {}};
+  EXPECT_EQ(ExactPairs(scene), (std::vector<Pair>{{0, 2}}));
+}
+
+TEST(ComparePairs, CountsEachFaultByItself) {
+  tests::BoxScene moving("dense", 200);
+  const Scene scene = moving.View();
+  std::vector<Pair> found = ExactPairs(scene);
+  ASSERT_GT(found.size(), 3u);
+  EXPECT_EQ(ComparePairs(scene, found), (PairFaults{.exact = found.size()}));
+  const std::size_t exact = found.size();
+  Pair stranger = {0, 1};
+  while (Overlap(scene.boxes[stranger.a], scene.boxes[stranger.b])) ++stranger.b;
+  found.front() = stranger;       // one missed, one phantom,
+  found.push_back(found.back());  // and one twice
+  found.push_back(stranger);
+  EXPECT_EQ(ComparePairs(scene, found),
+            (PairFaults{.exact = exact, .missed = 1, .phantom = 1, .duplicate = 2}));
+}
+
+}  // namespace
+}  // namespace cdb::library
