@@ -87,7 +87,7 @@ constexpr Parameter kParameters[] = {
     {"narrow_phase", false, kWord, kAny, kConstant, "", "own", "own bullet", kNarrowPhases, "detector",
      "who finds the contacts of the detector's pairs; own is the detector itself where it has a narrow phase, else Bullet",
      "narrowphase narrow contacts_by"},
-    {"pair_order", false, kWord, kAny, kConstant, "", "detector", "detector sorted", kOwn, "detector",
+    {"pair_order", false, kWord, kAny, kConstant, "", "listed", "listed sorted", kOwn, "detector",
      "in which order pairs are worked on: as the detector lists them, or sorted by body, so that all who list the same pairs move alike to the bit",
      "order deterministic"},
     {"threads", false, kCount, kCountFromOne, kConstant, "", "1", "", kOwn, "detector",

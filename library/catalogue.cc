@@ -27,6 +27,8 @@ constexpr DetectorInfo kDetectors[] = {
      "sweep and prune"},
     {"dbvt", "two dynamic bounding-volume trees (btDbvtBroadphase)", "Bullet", "broad",
      "AABB trees"},
+    {"octree", "a loose octree, made anew in each cycle", "cdb", "broad", "octrees"},
+    {"kd_tree", "a k-d tree of boxes, made anew in each cycle", "cdb", "broad", "k-d trees"},
     {"null", "finds nothing: what the harness itself costs", "cdb", "broad", "none"},
 };
 
@@ -46,6 +48,31 @@ constexpr DetectorPart kParts[] = {
     {"fcl", "libfcl-dev", IsBuilt("fcl")},       {"ode", "libode-dev", IsBuilt("ode")},
     {"cgal", "libcgal-dev", IsBuilt("cgal")},    {"embree", "libembree-dev", IsBuilt("embree")},
     {"boost", "libboost-dev", IsBuilt("boost")}, {"ccd", "libccd-dev", IsBuilt("ccd")},
+};
+
+constexpr FamilyInfo kFamilies[] = {
+    {"sweep and prune", "Baraff 1992; Cohen et al. 1995"},
+    {"uniform grid", "the cells of equal size that section 2 begins with"},
+    {"hierarchical grid", "one uniform grid for each range of sizes"},
+    {"spatial hashing", "Teschner et al. 2003"},
+    {"hierarchical spatial hashing", "Mirtich 1998a"},
+    {"octrees", "a cube cut in eight, again and again"},
+    {"k-d trees", "Bentley 1975; Friedman et al. 1977"},
+    {"AABB trees", "van den Bergen 1997"},
+    {"sphere trees", "Quinlan 1994",
+     "Debian has no library with them. fcl_rss is next to them: its volumes are spheres swept over "
+     "a "
+     "rectangle"},
+    {"OBB trees", "Gottschalk et al. 1996"},
+    {"k-DOP trees", "Klosowski et al. 1998"},
+    {"GJK", "Gilbert et al. 1988; Gilbert and Foo 1990"},
+    {"Lin-Canny", "Lin and Canny 1991",
+     "Debian has no library with it. It tracks the closest features of two convex polyhedra, which "
+     "spheres, cylinders and cones are not, and can go round in circles where they overlap, as "
+     "bodies in contact do; GJK that starts from its last answer takes its place"},
+    {"V-Clip", "Mirtich 1998b",
+     "Debian has no library with it. It mends Lin-Canny's circles; polyhedra it still needs"},
+    {"continuous", "Redon et al. 2002"},
 };
 
 constexpr LayoutInfo kLayouts[] = {
@@ -69,6 +96,7 @@ constexpr ClosedFormInfo kClosedForms[] = {
 std::span<const ObjectType> ObjectTypes() { return kObjectTypes; }
 std::span<const DetectorInfo> Detectors() { return kDetectors; }
 std::span<const DetectorPart> DetectorParts() { return kParts; }
+std::span<const FamilyInfo> Families() { return kFamilies; }
 std::span<const LayoutInfo> Layouts() { return kLayouts; }
 std::span<const ClosedFormInfo> ClosedForms() { return kClosedForms; }
 
