@@ -84,7 +84,7 @@ constexpr Parameter kParameters[] = {
     {"detector", false, kWord, kAny, kConstant, "", "dbvt", "", kDetectors, "detector",
      "the collision detector",
      "broadphase broad_phase broad algorithm detectors"},
-    {"narrow_phase", false, kWord, kAny, kConstant, "", "own", "own bullet", kNarrowPhases, "detector",
+    {"narrow_phase", false, kWord, kAny, kConstant, "", "own", "own", kNarrowPhases, "detector",
      "who finds the contacts of the detector's pairs; own is the detector itself where it has a narrow phase, else Bullet",
      "narrowphase narrow contacts_by"},
     {"pair_order", false, kWord, kAny, kConstant, "", "listed", "listed sorted", kOwn, "detector",
