@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "library/detectors/finite_boxes.h"
+
 namespace cdb::library {
 namespace {
 
@@ -12,35 +14,25 @@ constexpr std::uint32_t kNone = ~0u;
 /// Cubes are halved so often at most; what is smaller still shares one.
 constexpr int kMostLevels = 20;
 
-class Octree final : public Detector {
- public:
-  void Prepare(const Scene& scene) override { next_.resize(scene.size); }
+class Octree final : public FiniteBoxes {
+ private:
+  void Build(const Scene& scene, std::span<const Id>) override { next_.resize(scene.size); }
 
-  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
-    unbounded_.clear();
+  void ListPairs(const Scene& scene, std::vector<Pair>& pairs) override {
     nodes_.clear();
+    if (bodies().empty()) return;
     SetRoot(scene);
     // Each looks at those before it, then joins them.
-    for (Id body = 0; body < scene.size; ++body) {
+    for (const Id body : bodies()) {
       const Box& box = scene.boxes[body];
-      if (!Overlap(box, box)) continue;  // not a number
-      const auto test = [&](Id other) {
+      Search(box, [&](Id other) {
         if (Overlap(box, scene.boxes[other]) && scene.MayCollide(other, body))
           pairs.push_back({other, body});
-      };
-      for (const Id other : unbounded_) test(other);
-      if (IsBounded(box)) {
-        Search(box, test);
-        Insert(body, box);
-      } else {
-        for (Id other = 0; other < body; ++other)
-          if (IsBounded(scene.boxes[other])) test(other);
-        unbounded_.push_back(body);
-      }
+      });
+      Insert(body, box);
     }
   }
 
- private:
   struct Node {
     Vec3 centre;
     double half;  ///< of the cube; its bodies reach no farther than twice that from the centre
@@ -49,10 +41,6 @@ class Octree final : public Detector {
                                              kNone, kNone, kNone, kNone};
   };
 
-  static bool IsBounded(const Box& box) {
-    return std::isfinite(box.upper.x - box.lower.x) && std::isfinite(box.upper.y - box.lower.y) &&
-           std::isfinite(box.upper.z - box.lower.z);
-  }
   static Vec3 Centre(const Box& box) {
     return {box.lower.x + (box.upper.x - box.lower.x) / 2,
             box.lower.y + (box.upper.y - box.lower.y) / 2,
@@ -61,14 +49,13 @@ class Octree final : public Detector {
 
   void SetRoot(const Scene& scene) {
     Vec3 lower = {INFINITY, INFINITY, INFINITY}, upper = {-INFINITY, -INFINITY, -INFINITY};
-    for (const Box& box : scene.boxes) {
-      if (!Overlap(box, box) || !IsBounded(box)) continue;
+    for (const Id body : bodies()) {
+      const Box& box = scene.boxes[body];
       lower = {std::min(lower.x, box.lower.x), std::min(lower.y, box.lower.y),
                std::min(lower.z, box.lower.z)};
       upper = {std::max(upper.x, box.upper.x), std::max(upper.y, box.upper.y),
                std::max(upper.z, box.upper.z)};
     }
-    if (!(lower.x <= upper.x)) return;  // nothing to hold
     const Vec3 half = {upper.x / 2 - lower.x / 2, upper.y / 2 - lower.y / 2,
                        upper.z / 2 - lower.z / 2};
     nodes_.push_back({.centre = {lower.x + half.x, lower.y + half.y, lower.z + half.z},
@@ -125,11 +112,10 @@ class Octree final : public Detector {
   std::vector<Node> nodes_;           ///< the root first
   std::vector<std::uint32_t> next_;   ///< by body: the next in its node
   std::vector<std::uint32_t> stack_;  ///< of Search
-  std::vector<Id> unbounded_;
 };
 
 }  // namespace
 
-Detector* MakeOctree(const Options&) { return new Octree; }
+Detector* MakeOctree(const Options& options) { return MakeDetector<Octree>(options); }
 
 }  // namespace cdb::library
