@@ -27,6 +27,14 @@ constexpr DetectorInfo kDetectors[] = {
      "sweep and prune"},
     {"dbvt", "two dynamic bounding-volume trees (btDbvtBroadphase)", "Bullet", "broad",
      "AABB trees"},
+    {"auto", "skin, grid or sweep, whichever suits the scene as it moves", "cdb", "broad",
+     "Verlet list, uniform grid, sweep and prune"},
+    {"skin", "a list of the pairs of fattened boxes that lasts for several cycles", "cdb", "broad",
+     "Verlet list"},
+    {"grid", "a uniform grid built every cycle, rows tested eight boxes at once", "cdb", "broad",
+     "uniform grid"},
+    {"sweep", "sweep and prune along one axis, eight boxes tested at once", "cdb", "broad",
+     "sweep and prune"},
     {"null", "finds nothing: what the harness itself costs", "cdb", "broad", "none"},
 };
 
