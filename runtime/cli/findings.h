@@ -28,6 +28,7 @@ struct DetectorFindings {
   std::size_t failed_runs = 0;  ///< that did not end well, whatever they recorded
   std::optional<ResultFile::Cell> first_failed;
   std::size_t unwatched_runs = 0;  ///< whose pairs were not recorded
+  std::size_t AllRuns() const { return runs + unwatched_runs; }
 };
 
 /// In the order of the axis of detectors, else in that of the cells. Throws StoreError.

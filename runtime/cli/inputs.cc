@@ -100,6 +100,23 @@ std::vector<compiler::Plan> LoadPlans(const std::string& file,
   return std::move(result.plans);
 }
 
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words) {
+  const compiler::Parameter* row = compiler::FindParameter(parameter, false);
+  std::set<std::string_view> seen;
+  for (const std::string& word : words) {
+    const auto all = row->AllWords();
+    if (!row->HasWord(word)) {
+      const std::string_view near = dsl::DidYouMean(word, all);
+      throw CommandError(fmt::format("--{} {}: {}", parameter, word,
+                                     near.empty()
+                                         ? fmt::format("there are {}", fmt::join(all, ", "))
+                                         : fmt::format("did you mean '{}'?", near)));
+    }
+    if (!seen.insert(word).second)
+      throw CommandError(fmt::format("--{} names '{}' twice", parameter, word));
+  }
+}
+
 std::string ReadText(const std::string& file) {
   std::string why;
   auto text = compiler::ReadFromDisk(file, why);
