@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "compiler/lints.h"
 #include "compiler/plan_yaml.h"
+#include "compiler/schema.h"
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
 #include "runtime/cli/commands.h"

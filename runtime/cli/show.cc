@@ -314,9 +314,9 @@ class Summary {
 
   /// Each detector against the first, at every point of the other axes.
   std::string Ratios(const std::vector<std::size_t>& all) const {
-    const auto axis = DetectorAxis(file_);
-    if (!axis || file_.axes()[*axis].values.size() < 2 || !file_.Has("duration")) return {};
-    const std::size_t d = *axis;
+    const auto found = DetectorAxis(file_);
+    if (!found || file_.axes()[*found].values.size() < 2 || !file_.Has("duration")) return {};
+    const std::size_t d = *found;
     const Axis* detector = &file_.axes()[d];
     std::vector<std::size_t> others = all;
     std::erase(others, d);

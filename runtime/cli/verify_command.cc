@@ -39,9 +39,9 @@ int VerifyCommand(const VerifyArguments& arguments) {
   std::vector<VerifyPlan> verified;
   for (const compiler::Plan& plan : plans)
     verified.push_back(MakeVerifyPlan(plan, {arguments.detectors, arguments.cycles}));
-  const fs::path folder = arguments.out.empty() ? "." : arguments.out;
+  const fs::path folder = arguments.out;
   std::error_code error;
-  fs::create_directories(folder, error);
+  if (!folder.empty()) fs::create_directories(folder, error);
   if (error)
     throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
                                    folder.string(), error.message()));
@@ -52,10 +52,10 @@ int VerifyCommand(const VerifyArguments& arguments) {
   const StopOnSignals signals(stop);
   int status = kExitGood;
   for (VerifyPlan& one : verified) {
-    const fs::path name = arguments.out.empty() ? one.plan.benchmark : folder / one.plan.benchmark;
-    const fs::path plan_file = name.string() + ".verify.yaml";
-    const fs::path out = name.string() + ".verify.h5";
-    one.plan.source = plan_file.string();
+    const std::string name = (folder / one.plan.benchmark).string();
+    const std::string plan_file = name + ".verify.yaml";
+    const fs::path out = name + ".verify.h5";
+    one.plan.source = plan_file;
     const CarriedOut end = CarryOut(
         one.plan, {out, arguments.jobs, {}, arguments.fresh, arguments.quiet}, provenance, stop);
     if (end.summary.signal != 0) return 128 + end.summary.signal;
