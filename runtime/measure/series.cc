@@ -45,6 +45,12 @@ constexpr Series kSeries[] = {
      "largest gap of a joint: distance of its two pivots"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
+    {"boxes", "boxes", kFloat64, kBox, "m",
+     "as the broad phase was given them in the cycle; a plane's is infinite, a wall that is left "
+     "out has none"},
+    {"box_filters", "boxes", kFloat64, kFilter, "",
+     "whom a body may meet: two may where each one's group is in the other's mask and not both "
+     "are fixed"},
 };
 
 constexpr std::string_view kPhaseNames[] = {"broad", "narrow",    "detect",
@@ -52,7 +58,8 @@ constexpr std::string_view kPhaseNames[] = {"broad", "narrow",    "detect",
 
 }  // namespace
 
-std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) const {
+std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects,
+                               std::uint64_t bodies) const {
   switch (shape) {
     case kScalar:
       return cycles;
@@ -60,6 +67,10 @@ std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) cons
       return cycles * kPhaseCount;
     case kPose:
       return cycles * objects * kPoseSize;
+    case kBox:
+      return cycles * bodies * kBoxSize;
+    case kFilter:
+      return bodies * kFilterSize;
     case kSample:
       break;
   }

@@ -178,7 +178,7 @@ class Conventions : public testing::TestWithParam<Kind> {
                2,
                {.cycles = 35000,
                 .objects = 1,
-                .record = {"timing", "stability", "contacts", "poses"},
+                .record = {"timing", "stability", "contacts", "poses", "boxes"},
                 .metrics = GetParam().accuracy ? compiler::WordList{"pairs", "position"}
                                                : compiler::WordList{"none"}});
   hid_t file_ = -1;
@@ -250,7 +250,11 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
     if (name == "contact_distance") expected = {"contact"};
     if (name == "duration") expected.push_back("phase");
     if (const Series* series = FindSeries(name)) {
-      expected.push_back("cycle");
+      if (series->HasCycles()) expected.emplace_back("cycle");
+      if (series->shape == SeriesShape::kBox)
+        expected.insert(expected.end(), {"box_body", "bound"});
+      if (series->shape == SeriesShape::kFilter)
+        expected.insert(expected.end(), {"box_body", "filter"});
       if (series->shape == SeriesShape::kPose) expected.insert(expected.end(), {"body", "pose"});
     }
     EXPECT_EQ(scales, expected);
