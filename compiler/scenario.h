@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/trace.h"
 #include "dsl/diagnostics.h"
 #include "dsl/syntax.h"
 
@@ -43,7 +44,7 @@ class Scenario {
   /// in `library`, with or without `.cdb`. Reports what cannot be read or parsed, and a `use` that
   /// leads back to itself.
   Scenario(const std::string& path, const std::string& library, const ReadFile& read,
-           dsl::Diagnostics& diagnostics);
+           const ReadTrace& read_trace, dsl::Diagnostics& diagnostics);
 
   /// Reports lets and benchmarks of one name in one file.
   void CheckNames(dsl::Diagnostics& diagnostics) const;
@@ -63,6 +64,9 @@ class Scenario {
   /// The SHA-256 of a file, which is read once; nullopt, and why, where it cannot be read. Not for
   /// several threads.
   std::optional<std::string> HashOf(const std::string& path, std::string& why) const;
+  /// What a trace holds, read once; nullopt, and why, where it is of no use. Not for several
+  /// threads.
+  std::optional<TraceFacts> TraceAt(const std::string& path, std::string& why) const;
   /// The main file's text, then each used file's under a comment with its name.
   std::string FullText() const;
 
@@ -81,6 +85,12 @@ class Scenario {
     std::string why;
   };
   mutable std::map<std::string, FileHash> hashes_;
+  ReadTrace read_trace_;
+  struct TraceRead {
+    std::optional<TraceFacts> facts;
+    std::string why;
+  };
+  mutable std::map<std::string, TraceRead> traces_;
 };
 
 }  // namespace cdb::compiler

@@ -207,9 +207,9 @@ TEST_P(Conventions, CreationOrderIsTrackedAndIndexedEverywhere) {
 }
 
 TEST_P(Conventions, AxesComeFirstAndInOrder) {
-  std::vector<std::string> expected = {"quantity", "size",         "type", "rep",
-                                       "phase",    "cycle",        "body", "pose",
-                                       "contact",  "contact_side", "xyz"};
+  std::vector<std::string> expected = {"quantity", "size",    "type",         "rep",      "phase",
+                                       "cycle",    "body",    "pose",         "box_body", "bound",
+                                       "filter",   "contact", "contact_side", "xyz"};
   if (GetParam().accuracy) expected.emplace_back("sample");
   if (GetParam().accuracy && GetParam().merged)
     expected.insert(expected.end(), {"reference", "state", "observable"});
@@ -328,7 +328,7 @@ TEST_P(Conventions, ChunksHoldOneRunAndStayUnderOneMebibyte) {
     hsize_t bytes = series->ItemBytes();
     for (const hsize_t n : chunk) bytes *= n;
     EXPECT_LT(bytes, 1u << 20);
-    EXPECT_GT(bytes, 1u << 17) << "chunks are needlessly small";
+    EXPECT_TRUE(bytes > 1u << 17 || !series->HasCycles()) << "chunks are needlessly small";
     EXPECT_THAT(std::vector(chunk.begin(), chunk.begin() + 4), ElementsAre(1, 1, 1, 1));
     EXPECT_TRUE(name != "duration" || chunk[4] == 6);
     ASSERT_EQ(H5Pget_nfilters(creation), 2);
