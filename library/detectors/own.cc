@@ -1,5 +1,8 @@
 #include "library/detectors/own.h"
 
+#include "library/detectors/kd_tree.h"
+#include "library/detectors/octree.h"
+
 namespace cdb::library {
 namespace {
 
@@ -12,6 +15,8 @@ Detector* Make(const Options&) {
 }
 
 constexpr DetectorEntry kEntries[] = {
+    {"octree", "a loose octree", kBroad, 0, MakeOctree},
+    {"kd_tree", "a k-d tree", kBroad, 0, MakeKdTree},
     {"null", "finds nothing", kBroad, 0, Make<Null>},
 };
 
