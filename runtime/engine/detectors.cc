@@ -12,6 +12,7 @@
 #include "library/detectors/own.h"
 #include "library/detectors/plugin.h"
 #include "library/scene_error.h"
+#include "runtime/engine/plugin_detectors.h"
 
 namespace cdb::runtime {
 namespace {
@@ -64,6 +65,14 @@ const DetectorEntry* FindAnywhere(std::string_view name) {
 }  // namespace
 
 NamedDetector MakeDetector(std::string_view name, const compiler::Scene& scene) {
+  const Options options{static_cast<unsigned>(scene.world.Count("threads"))};
+  const auto plugin = std::ranges::find(scene.plugins, name, &compiler::PluginDetector::name);
+  if (plugin != scene.plugins.end()) {
+    const auto index = static_cast<std::size_t>(plugin - scene.plugins.begin());
+    const DetectorEntry& entry = LoadPluginDetector(scene, index);
+    return {std::string(name), entry.phases, entry.max_bodies,
+            MakePluginDetector(scene, index, entry, options)};
+  }
   const DetectorEntry* entry = FindAnywhere(name);
   if (entry == nullptr)
     throw SceneError(fmt::format("detector `{}` is not part of this version", name));
@@ -75,7 +84,7 @@ NamedDetector MakeDetector(std::string_view name, const compiler::Scene& scene) 
     return SceneError(fmt::format("detector `{}` cannot be made: {}", name, why));
   };
   try {
-    made.detector.reset(entry->make(Options{static_cast<unsigned>(scene.world.Count("threads"))}));
+    made.detector.reset(entry->make(options));
   } catch (const std::exception& error) {
     throw failed(error.what());
   } catch (...) {
