@@ -60,6 +60,17 @@ struct StabilityArguments {
   bool quiet = false;
 };
 
+struct VerifyArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::vector<std::string> detectors;   ///< empty: the file's own; `all`: every one that can
+  std::optional<std::uint64_t> cycles;  ///< nullopt: the file's own
+  std::string out;                      ///< folder of the results; empty: the current one
+  std::uint64_t jobs = 1;
+  bool fresh = false;
+  bool quiet = false;
+};
+
 int CheckCommand(const std::vector<std::string>& files, const std::vector<std::string>& plugins);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
@@ -67,6 +78,9 @@ int ShowCommand(const ShowArguments& arguments);
 /// Runs the suite, going on where it stopped, and prints the map. What ends badly there is what it
 /// is for: exit status 0.
 int StabilityCommand(const StabilityArguments& arguments);
+/// Holds what detectors find in each cycle against exact pairs and contacts, and prints a table.
+/// Exit status 3 where a pair was missed or a run did not end well.
+int VerifyCommand(const VerifyArguments& arguments);
 int MergeCommand(const std::string& out, const std::vector<std::string>& shards);
 /// `check`: change nothing, exit status 1 where something would change.
 int FormatCommand(const std::vector<std::string>& files, bool check);

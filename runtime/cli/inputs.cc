@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "compiler/lints.h"
 #include "compiler/plan_yaml.h"
+#include "compiler/schema.h"
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
 #include "runtime/cli/commands.h"
@@ -109,6 +111,23 @@ std::vector<compiler::Plan> LoadPlans(const std::string& file,
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
   return std::move(result.plans);
+}
+
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words) {
+  const compiler::Parameter* row = compiler::FindParameter(parameter, false);
+  std::set<std::string_view> seen;
+  for (const std::string& word : words) {
+    const auto all = row->AllWords();
+    if (!row->HasWord(word)) {
+      const std::string_view near = dsl::DidYouMean(word, all);
+      throw CommandError(fmt::format("--{} {}: {}", parameter, word,
+                                     near.empty()
+                                         ? fmt::format("there are {}", fmt::join(all, ", "))
+                                         : fmt::format("did you mean '{}'?", near)));
+    }
+    if (!seen.insert(word).second)
+      throw CommandError(fmt::format("--{} names '{}' twice", parameter, word));
+  }
 }
 
 std::string ReadText(const std::string& file) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compiler/compile.h"
@@ -35,6 +36,9 @@ std::vector<compiler::Plan> LoadPlans(const std::string& file,
                                       const std::optional<std::string>& benchmark,
                                       LintText lints = LintText::kOneLine,
                                       const std::vector<std::string>& plugins = {});
+
+/// Throws CommandError for a word that the parameter has not got, or that is there twice.
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words);
 
 /// The whole text of a file. Throws CommandError.
 std::string ReadText(const std::string& file);

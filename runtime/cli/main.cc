@@ -111,6 +111,31 @@ int Main(int argc, char** argv) {
   stability->add_flag("-q,--quiet", stability_arguments.quiet, "no progress, only the map");
   stability->callback([&] { status = StabilityCommand(stability_arguments); });
 
+  VerifyArguments verify_arguments;
+  std::string verify_benchmark;
+  std::uint64_t verify_cycles = 0;
+  auto* verify = app.add_subcommand(
+      "verify", "hold every detector's pairs and contacts against exact ones, in each cycle");
+  verify->add_option("FILE", verify_arguments.file, "scenario file, or a plan as YAML")->required();
+  verify->add_option("-b,--benchmark", verify_benchmark, "only this benchmark");
+  verify
+      ->add_option("--detector", verify_arguments.detectors,
+                   "these in place of the file's own; all: every one that holds the scene")
+      ->delimiter(',');
+  verify->add_option("--cycles", verify_cycles, "so many in place of the file's own")
+      ->check(CLI::Range(1, 2147483647));
+  verify->add_option("-o,--out", verify_arguments.out,
+                     "folder of BENCHMARK.verify.h5 (default: the current one)");
+  verify->add_option("-j,--jobs", verify_arguments.jobs, "runs at a time (default: 1)")
+      ->check(CLI::Range(1, 4096));
+  verify->add_flag("--fresh", verify_arguments.fresh, "forget results and start over");
+  verify->add_flag("-q,--quiet", verify_arguments.quiet, "no progress, only the table");
+  verify->callback([&] {
+    if (!verify_benchmark.empty()) verify_arguments.benchmark = verify_benchmark;
+    if (verify_cycles > 0) verify_arguments.cycles = verify_cycles;
+    status = VerifyCommand(verify_arguments);
+  });
+
   std::string merged;
   std::vector<std::string> shards;
   auto* merge = app.add_subcommand("merge", "make a results file of shards, as far as they go");

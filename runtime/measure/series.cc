@@ -45,6 +45,18 @@ constexpr Series kSeries[] = {
      "largest gap of a joint: distance of its two pivots"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
+    {"exact_pairs", "pairs", kInt32, kScalar, "",
+     "pairs that may collide and whose boxes overlap, by brute force in double"},
+    {"missed_pairs", "pairs", kInt32, kScalar, "",
+     "of those, pairs that the detector did not list"},
+    {"phantom_pairs", "pairs", kInt32, kScalar, "",
+     "pairs that the detector listed and whose boxes do not overlap"},
+    {"duplicate_pairs", "pairs", kInt32, kScalar, "", "pairs that the detector listed again"},
+    {"missed_contacts", "pairs", kInt32, kScalar, "",
+     "overlaps known in closed form that have no contact"},
+    {"depth_error", "pairs", kFloat64, kScalar, "",
+     "mean error of the depth of the others, in sizes of the smaller object"},
+    {"normal_error", "pairs", kFloat64, kScalar, "rad", "mean error of their normals"},
 };
 
 constexpr std::string_view kPhaseNames[] = {"broad", "narrow",    "detect",

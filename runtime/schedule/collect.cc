@@ -151,6 +151,7 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
   result.place_ns = header.place_ns;
   result.build_ns = header.build_ns;
   result.fill_fraction = header.fill_fraction;
+  result.harness_ns = header.harness_ns;
   for (const Series& series : AllSeries())
     if (const auto bytes = recording.Bytes(series); !bytes.empty())
       result.series.emplace_back(&series, bytes);

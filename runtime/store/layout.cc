@@ -401,6 +401,9 @@ const std::vector<RunNumber>& RunNumbers() {
        [](R r) { return r.place_ns; }},
       {"build_time", Type::kFloat64, "ns", "time of making the world", kNaN,
        [](R r) { return r.build_ns; }},
+      {"harness", Type::kFloat64, "ns",
+       "what a cycle's calling of a detector costs beside the detector's own work", kNaN,
+       [](R r) { return r.harness_ns; }},
       {"fill_fraction", Type::kFloat64, "", "volume of the objects over that of the world", kNaN,
        [](R r) { return r.fill_fraction; }},
   };
