@@ -67,13 +67,9 @@ const DetectorEntry* FindAnywhere(std::string_view name) {
 NamedDetector MakeDetector(std::string_view name, const compiler::Scene& scene) {
   const Options options{static_cast<unsigned>(scene.world.Count("threads"))};
   const auto plugin = std::ranges::find(scene.plugins, name, &compiler::PluginDetector::name);
-  if (plugin != scene.plugins.end()) {
-    const auto index = static_cast<std::size_t>(plugin - scene.plugins.begin());
-    const DetectorEntry& entry = LoadPluginDetector(scene, index);
-    return {std::string(name), entry.phases, entry.max_bodies,
-            MakePluginDetector(scene, index, entry, options)};
-  }
-  const DetectorEntry* entry = FindAnywhere(name);
+  const bool is_plugin = plugin != scene.plugins.end();
+  const auto index = static_cast<std::size_t>(plugin - scene.plugins.begin());
+  const DetectorEntry* entry = is_plugin ? &LoadPluginDetector(scene, index) : FindAnywhere(name);
   if (entry == nullptr)
     throw SceneError(fmt::format("detector `{}` is not part of this version", name));
   NamedDetector made{.name = std::string(name),
@@ -84,7 +80,8 @@ NamedDetector MakeDetector(std::string_view name, const compiler::Scene& scene) 
     return SceneError(fmt::format("detector `{}` cannot be made: {}", name, why));
   };
   try {
-    made.detector.reset(entry->make(options));
+    made.detector = is_plugin ? MakePluginDetector(index, *entry, options)
+                              : std::unique_ptr<Detector>(entry->make(options));
   } catch (const std::exception& error) {
     throw failed(error.what());
   } catch (...) {

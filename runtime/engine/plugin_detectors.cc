@@ -3,8 +3,9 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
-#include <new>
+#include <cerrno>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "compiler/sha256.h"
@@ -24,7 +25,7 @@ std::atomic<std::uint32_t>* noted_in = nullptr;
 
 class Note {
  public:
-  explicit Note(std::uint32_t code) { Set(code); }
+  Note(PluginCall call, std::size_t index) { Set(PluginCallCode(call, index)); }
   ~Note() { Set(0); }
   Note(const Note&) = delete;
   Note& operator=(const Note&) = delete;
@@ -38,7 +39,7 @@ class Note {
 std::string HashOf(const PluginDetector& plugin) {
   const int fd = open(plugin.path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0)
-    throw SceneError(fmt::format("detector '{}': cannot read its library '{}': {}", plugin.name,
+    throw SceneError(fmt::format("detector `{}`: cannot read its library '{}': {}", plugin.name,
                                  plugin.path, std::generic_category().message(errno)));
   try {
     const std::string bytes = ReadAll(fd);
@@ -47,57 +48,36 @@ std::string HashOf(const PluginDetector& plugin) {
   } catch (const std::system_error& error) {
     close(fd);
     throw SceneError(
-        fmt::format("detector '{}': its library '{}': {}", plugin.name, plugin.path, error.what()));
+        fmt::format("detector `{}`: its library '{}': {}", plugin.name, plugin.path, error.what()));
   }
 }
 
 class WatchedDetector final : public Detector {
  public:
-  WatchedDetector(const compiler::Scene& scene, std::size_t index, const DetectorEntry& entry,
-                  const Options& options)
-      : name_(fmt::format("detector '{}' ({})", scene.plugins[index].name,
-                          scene.plugins[index].path)),
-        index_(index) {
-    Watch(PluginCall::kMake, "making", [&] { detector_.reset(entry.make(options)); });
-    if (detector_ == nullptr)
-      throw SceneError(fmt::format("{}: its make function returns nothing", name_));
-  }
+  WatchedDetector(std::size_t index, std::unique_ptr<Detector> detector)
+      : index_(index), detector_(std::move(detector)) {}
 
   void Prepare(const Scene& scene) override {
-    Watch(PluginCall::kPrepare, "Prepare of", [&] { detector_->Prepare(scene); });
+    const Note note(PluginCall::kPrepare, index_);
+    detector_->Prepare(scene);
   }
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
-    Watch(PluginCall::kFindPairs, "FindPairs of", [&] { detector_->FindPairs(scene, pairs); });
+    const Note note(PluginCall::kFindPairs, index_);
+    detector_->FindPairs(scene, pairs);
   }
   bool Handles(const Scene& scene, Id a, Id b) const override {
-    bool handles = false;
-    Watch(PluginCall::kHandles, "Handles of", [&] { handles = detector_->Handles(scene, a, b); });
-    return handles;
+    const Note note(PluginCall::kHandles, index_);
+    return detector_->Handles(scene, a, b);
   }
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
                     std::vector<Contact>& contacts) override {
-    Watch(PluginCall::kFindContacts, "FindContacts of",
-          [&] { detector_->FindContacts(scene, pairs, contacts); });
+    const Note note(PluginCall::kFindContacts, index_);
+    detector_->FindContacts(scene, pairs, contacts);
   }
 
  private:
-  template <typename Call>
-  void Watch(PluginCall call, const char* name, const Call& invoke) const {
-    const Note note(PluginCallCode(call, index_));
-    try {
-      invoke();
-    } catch (const std::bad_alloc&) {
-      throw SceneError(fmt::format("{} {} ran out of memory", name, name_));
-    } catch (const std::exception& error) {
-      throw SceneError(fmt::format("{} {} throws: {}", name, name_, error.what()));
-    } catch (...) {
-      throw SceneError(fmt::format("{} {} throws what is no std::exception", name, name_));
-    }
-  }
-
-  const std::string name_;
   const std::size_t index_;
-  std::unique_ptr<Detector> detector_;
+  const std::unique_ptr<Detector> detector_;
 };
 
 }  // namespace
@@ -109,22 +89,28 @@ const DetectorEntry& LoadPluginDetector(const compiler::Scene& scene, std::size_
   const PluginDetector& plugin = scene.plugins[index];
   if (HashOf(plugin) != plugin.sha256)
     throw SceneError(
-        fmt::format("detector '{}': '{}' is another file than the one that was planned with; plan "
+        fmt::format("detector `{}`: '{}' is another file than the one that was planned with; plan "
                     "again, or put the old one back",
                     plugin.name, plugin.path));
-  const Note note(PluginCallCode(PluginCall::kLoad, index));
+  const Note note(PluginCall::kLoad, index);
   try {
     const DetectorEntry* entry = library::FindEntry(library::LoadPlugin(plugin.path), plugin.name);
     if (entry != nullptr) return *entry;
   } catch (const library::PluginError& error) {
-    throw SceneError(fmt::format("detector '{}': {}", plugin.name, error.what()));
+    throw SceneError(fmt::format("detector `{}`: {}", plugin.name, error.what()));
   }
-  throw SceneError(fmt::format("'{}' has no detector '{}'", plugin.path, plugin.name));
+  throw SceneError(fmt::format("'{}' has no detector `{}`", plugin.path, plugin.name));
 }
 
-std::unique_ptr<Detector> MakePluginDetector(const compiler::Scene& scene, std::size_t index,
-                                             const DetectorEntry& entry, const Options& options) {
-  return std::make_unique<WatchedDetector>(scene, index, entry, options);
+std::unique_ptr<Detector> MakePluginDetector(std::size_t index, const DetectorEntry& entry,
+                                             const Options& options) {
+  std::unique_ptr<Detector> detector;
+  {
+    const Note note(PluginCall::kMake, index);
+    detector.reset(entry.make(options));
+  }
+  if (detector == nullptr) return nullptr;
+  return std::make_unique<WatchedDetector>(index, std::move(detector));
 }
 
 }  // namespace cdb::runtime

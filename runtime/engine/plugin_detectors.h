@@ -1,5 +1,5 @@
-// Detectors of a user's shared library, each call of which is watched: what it throws gets the
-// library's name, and where it crashes or hangs the recording says in which call.
+// Detectors of a user's shared library, each call of which is noted, so that where one crashes or
+// hangs the recording says in which.
 #pragma once
 
 #include <atomic>
@@ -26,9 +26,8 @@ class NotesPluginCalls {
 /// refuses.
 const DetectorEntry& LoadPluginDetector(const compiler::Scene& scene, std::size_t index);
 
-/// Its detector. Throws library::SceneError, also from every call of the detector that throws
-/// anything: with the call and the library's name.
-std::unique_ptr<Detector> MakePluginDetector(const compiler::Scene& scene, std::size_t index,
-                                             const DetectorEntry& entry, const Options& options);
+/// Its detector; null, or thrown, is what the entry's function returns or throws.
+std::unique_ptr<Detector> MakePluginDetector(std::size_t index, const DetectorEntry& entry,
+                                             const Options& options);
 
 }  // namespace cdb::runtime

@@ -19,7 +19,7 @@ std::string PluginCallText(std::uint32_t code, const compiler::Scene& scene) {
   const std::uint32_t call = code % kCalls, index = code / kCalls;
   if (call == 0 || index >= scene.plugins.size()) return {};
   const compiler::PluginDetector& plugin = scene.plugins[index];
-  return std::string(kNames[call]) + " detector '" + plugin.name + "' (" + plugin.path + ")";
+  return std::string(kNames[call]) + " detector `" + plugin.name + "` (" + plugin.path + ")";
 }
 
 }  // namespace cdb::runtime

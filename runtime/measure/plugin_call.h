@@ -21,7 +21,7 @@ enum class PluginCall : std::uint32_t {
 /// A call into the plug-in `index` of a scene, in a number; 0 for none.
 std::uint32_t PluginCallCode(PluginCall call, std::size_t index);
 
-/// `FindPairs of detector 'mine' (libmine.so)`; empty for none, and for what a crash left there.
+/// FindPairs of detector `mine` (libmine.so); empty for none, and for what a crash left there.
 std::string PluginCallText(std::uint32_t code, const compiler::Scene& scene);
 
 }  // namespace cdb::runtime
