@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "compiler/lints.h"
@@ -93,9 +94,9 @@ compiler::Compilation CompileAndReport(const std::string& file,
   return result;
 }
 
-std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark, LintText lints,
-                                      const std::vector<std::string>& plugins) {
+LoadedPlans LoadPlansAndPlugins(const std::string& file,
+                                const std::optional<std::string>& benchmark, LintText lints,
+                                const std::vector<std::string>& plugins) {
   if (IsPlanFile(file)) {
     if (!plugins.empty())
       throw CommandError(
@@ -103,22 +104,37 @@ std::vector<compiler::Plan> LoadPlans(const std::string& file,
                       plugins[0], file));
     compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
-    return {std::move(plan)};
+    std::map<std::string, compiler::PluginDetector> used;
+    for (const compiler::Run& run : plan.runs)
+      for (const compiler::PluginDetector& plugin : run.scene.plugins)
+        used.emplace(plugin.name, plugin);
+    LoadedPlans loaded;
+    for (auto& [name, plugin] : used) loaded.plugins.push_back(std::move(plugin));
+    loaded.plans.push_back(std::move(plan));
+    return loaded;
   }
   compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
   // As the user named it: where the library lies is this machine's affair.
   for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
-  return std::move(result.plans);
+  const auto found = result.scenario->plugins();
+  return {std::move(result.plans), {found.begin(), found.end()}};
 }
 
-void CheckWords(std::string_view parameter, const std::vector<std::string>& words) {
+std::vector<compiler::Plan> LoadPlans(const std::string& file,
+                                      const std::optional<std::string>& benchmark, LintText lints,
+                                      const std::vector<std::string>& plugins) {
+  return LoadPlansAndPlugins(file, benchmark, lints, plugins).plans;
+}
+
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
+                std::span<const compiler::PluginDetector> plugins) {
   const compiler::Parameter* row = compiler::FindParameter(parameter, false);
   std::set<std::string_view> seen;
   for (const std::string& word : words) {
-    const auto all = row->AllWords();
-    if (!row->HasWord(word)) {
+    const auto all = row->AllWords(plugins);
+    if (!row->HasWord(word, plugins)) {
       const std::string_view near = dsl::DidYouMean(word, all);
       throw CommandError(fmt::format("--{} {}: {}", parameter, word,
                                      near.empty()

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,16 +30,25 @@ compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
                                        const std::vector<std::string>& plugins = {});
 
+struct LoadedPlans {
+  std::vector<compiler::Plan> plans;
+  std::vector<compiler::PluginDetector> plugins;  ///< that they can name, by name
+};
+
 /// The plans of a `.cdb` file, here or in the library, or of a plan as YAML. Empty after
 /// diagnostics were printed (exit status 1). A plan names its own plug-ins. Throws CommandError,
 /// ScheduleError, compiler::PlanError.
+LoadedPlans LoadPlansAndPlugins(const std::string& file,
+                                const std::optional<std::string>& benchmark, LintText lints,
+                                const std::vector<std::string>& plugins);
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
                                       const std::optional<std::string>& benchmark,
                                       LintText lints = LintText::kOneLine,
                                       const std::vector<std::string>& plugins = {});
 
 /// Throws CommandError for a word that the parameter has not got, or that is there twice.
-void CheckWords(std::string_view parameter, const std::vector<std::string>& words);
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
+                std::span<const compiler::PluginDetector> plugins = {});
 
 /// The whole text of a file. Throws CommandError.
 std::string ReadText(const std::string& file);

@@ -27,6 +27,8 @@ LEXICAL RULES
 FILES
   use "other"                 the lets and benchmarks of other.cdb: beside this file, else in the
                               library. Its benchmarks are for `from`; only a file's own are run.
+  use detector "mine.so"      the detectors of a shared library of your own, found likewise: their
+                              names are words as the catalogue's are (`cdb doc detectors`)
   let name = value            a name for any value
   benchmark name { ... }      one results file
   benchmark name from base { ... }   takes the statements of base and lays its own over them; what
@@ -114,9 +116,6 @@ OBJECTS
   Objects lie inside the cube also where it has no walls. Where they find no place the run fails and
   says how full the cube is. `overlap on` lets objects begin inside one another, where a layout with
   arguments puts them there: line(gap: -0.5).
-
-NOT YET
-  Plug-in detectors are refused.
 )reference";
 
 const std::string_view kOmitReference = R"reference(WHAT A RUN LEAVES OUT
@@ -183,6 +182,19 @@ detector.h: boxes in, pairs out. cdb turns the list into changes of Bullet's pai
 part of the time of the broad phase. A pair that is missed is a collision that does not happen; one
 too many (a phantom) costs time in the narrow phase. `null` finds nothing: its time is what calling
 a detector costs.
+
+PLUG-INS
+  use detector "mine.so"      a shared library with detectors of your own, from the folder of the file
+                              that says it, else from the library of scenarios
+  cdb run FILE --plugin mine.so    the same on the command line; for check, plan and verify too
+
+The installed header cdb/detector.h is all there is to know, and examples/my_detector is a whole one:
+find_package(cdb) has the target cdb::detector. The names in the library are words of `detector` and
+`narrow_phase`. A library is loaded by processes of their own alone: one that was built for another
+interface, crashes or hangs at loading (10 s) is refused by name. One that throws, crashes, hangs
+(`timeout` ends it) or returns what cannot be, a body that is not there or a normal that is not unit,
+costs its own runs. The plan names the file and its SHA-256: a library that was built anew is another
+run, and a plan refuses one that was changed.
 
 )reference";
 

@@ -33,12 +33,13 @@ void WritePlan(const compiler::Plan& plan, const fs::path& path) {
 
 int VerifyCommand(const VerifyArguments& arguments) {
   const bool all = arguments.detectors == std::vector<std::string>{std::string(kEveryDetector)};
-  if (!all) CheckWords("detector", arguments.detectors);
-  const auto plans = LoadPlans(arguments.file, arguments.benchmark, LintText::kNone);
+  const auto [plans, plugins] =
+      LoadPlansAndPlugins(arguments.file, arguments.benchmark, LintText::kNone, arguments.plugins);
   if (plans.empty()) return kExitScenario;
+  if (!all) CheckWords("detector", arguments.detectors, plugins);
   std::vector<VerifyPlan> verified;
   for (const compiler::Plan& plan : plans)
-    verified.push_back(MakeVerifyPlan(plan, {arguments.detectors, arguments.cycles}));
+    verified.push_back(MakeVerifyPlan(plan, {arguments.detectors, arguments.cycles, plugins}));
   const fs::path folder = arguments.out;
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);

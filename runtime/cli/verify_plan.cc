@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "compiler/capacity.h"
@@ -38,12 +39,13 @@ Plan WithoutAxis(const Plan& plan, std::size_t axis) {
   return rest;
 }
 
-Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors) {
+Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors,
+                   std::span<const compiler::PluginDetector> plugins) {
   const auto axis = std::ranges::find(plan.axes, "detector", &compiler::Axis::parameter);
   return Cross(axis == plan.axes.end()
                    ? plan
                    : WithoutAxis(plan, static_cast<std::size_t>(axis - plan.axes.begin())),
-               "detector", detectors);
+               "detector", detectors, plugins);
 }
 
 /// Why `all` is without a detector, whatever the scene; empty where it is not.
@@ -56,10 +58,14 @@ std::string Absence(const library::DetectorInfo& info) {
 }
 
 /// Points that a detector does not hold are skipped, and a detector that holds none is left out.
-VerifyPlan WithEveryDetector(const Plan& plan) {
+VerifyPlan WithEveryDetector(const Plan& plan,
+                             const std::vector<compiler::PluginDetector>& plugins) {
   VerifyPlan every;
   std::vector<std::string> names;
-  for (const library::DetectorInfo& info : library::Detectors()) {
+  std::vector<library::DetectorInfo> all(library::Detectors().begin(), library::Detectors().end());
+  for (const compiler::PluginDetector& plugin : plugins)
+    all.push_back(*compiler::FindDetector(plugin.name, plugins));
+  for (const library::DetectorInfo& info : all) {
     if (!info.HasPhase("broad")) continue;
     std::string why = Absence(info);
     const auto held = std::ranges::count_if(
@@ -75,9 +81,9 @@ VerifyPlan WithEveryDetector(const Plan& plan) {
       every.left_out.push_back(fmt::format("{} {}", info.name, why));
     }
   }
-  every.plan = WithDetectors(plan, names);
+  every.plan = WithDetectors(plan, names, plugins);
   for (const Run& run : every.plan.runs)
-    if (!library::FindDetector(names[run.at[0]])->Holds(compiler::BodyCount(run.scene)))
+    if (!compiler::FindDetector(names[run.at[0]], plugins)->Holds(compiler::BodyCount(run.scene)))
       every.plan.skipped.push_back(run.at);
   std::erase_if(every.plan.runs, [&](const Run& run) {
     return std::ranges::find(every.plan.skipped, run.at) != every.plan.skipped.end();
@@ -106,9 +112,10 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   AddReferences(bare);
   VerifyPlan made;
   if (options.detectors == std::vector<std::string>{std::string(kEveryDetector)}) {
-    made = WithEveryDetector(bare);
+    made = WithEveryDetector(bare, options.plugins);
   } else {
-    made.plan = options.detectors.empty() ? bare : WithDetectors(bare, options.detectors);
+    made.plan =
+        options.detectors.empty() ? bare : WithDetectors(bare, options.detectors, options.plugins);
   }
   if (made.plan.runs.empty())
     throw CommandError(

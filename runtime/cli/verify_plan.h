@@ -17,6 +17,7 @@ inline constexpr std::string_view kEveryDetector = "all";
 struct VerifyOptions {
   std::vector<std::string> detectors;   ///< with a broad phase; empty: the plan's own
   std::optional<std::uint64_t> cycles;  ///< nullopt: the plan's own
+  std::vector<compiler::PluginDetector> plugins = {};  ///< detectors beside the catalogue's
 };
 
 struct VerifyPlan {

@@ -19,6 +19,7 @@
 #include "compiler/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/measure/host.h"
+#include "runtime/measure/plugin_call.h"
 #include "runtime/schedule/collect.h"
 #include "runtime/schedule/process.h"
 
@@ -220,6 +221,14 @@ ProcessLauncher::ProcessLauncher(WorkerPrograms programs, std::size_t slots, con
     : programs_(std::move(programs)), stop_(stop), cpus_(ChooseCpus(slots)), workers_(slots) {}
 
 ProcessLauncher::~ProcessLauncher() = default;
+
+Pulse ProcessLauncher::PulseOf(std::size_t slot) const {
+  CDB_CHECK(slot < workers_.size() && workers_[slot]);
+  const RecordingHeader& header = workers_[slot]->recording->header();
+  return {header.cycles_done.load(std::memory_order_relaxed),
+          PluginCallText(header.plugin_call.load(std::memory_order_relaxed),
+                         workers_[slot]->run->scene)};
+}
 
 void ProcessLauncher::StopAll() {
   for (const auto& worker : workers_)

@@ -56,6 +56,7 @@ class ProcessLauncher : public Launcher {
 
   void Start(std::size_t slot, const compiler::Run& run) override;
   std::optional<Ending> Wait(double seconds) override;
+  Pulse PulseOf(std::size_t slot) const override;
   void StopAll() override;
 
  private:
