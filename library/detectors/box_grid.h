@@ -30,9 +30,12 @@ class BoxGrid {
   /// Boxes that are not numbers are left out. True where every number is a float: then what is
   /// found is exact, else a few pairs that are close.
   bool Build(const Box* boxes, std::size_t count);
+  /// The same of boxes that the caller writes, as they are, into what Room gives: then Arrange.
+  const Columns& Room(std::size_t count);
+  void Arrange(std::size_t count);
   /// The pairs of part `part` of `parts`: all parts one after another give the same list whatever
-  /// their number. For anchored see Kernels::query.
-  void QueryPart(unsigned part, unsigned parts, bool anchored, PairSink& sink) const;
+  /// their number.
+  void QueryPart(unsigned part, unsigned parts, PairSink& sink) const;
   /// Pairs (id, other) of a box with all of the grid.
   void QueryOne(const Box& box, Id id, PairSink& sink) const;
 

@@ -140,8 +140,8 @@ Probe ProbeOf(const Columns& columns, std::size_t i) {
 /// and its upper corner. Each pair is found by the one that comes first in the order: within its
 /// row of cells, and in the rows after it.
 void Query(const GridRows& rows, const GridShape& shape, std::size_t begin, std::size_t end,
-           bool anchored, PairSink& sink) {
-  Scanner scanner(rows.columns, rows.ids, anchored, sink);
+           PairSink& sink) {
+  Scanner scanner(rows.columns, rows.ids, false, sink);
   const std::size_t stride = shape.n[0], ny = shape.n[1];
   const auto cells = [&](const float* const columns[3], std::size_t at, int axis, float less,
                          std::uint32_t* out) {
@@ -214,39 +214,28 @@ void Sweep(const Columns& columns, const Id* ids, std::size_t count, std::size_t
   }
 }
 
-std::size_t FindStrays(const Box* boxes, const Box* fat, std::size_t count, Id* strays) {
+std::size_t FindStrays(const Box* boxes, const FatBox* fat, std::size_t count, Id* strays) {
   std::size_t found = 0, i = 0;
-  for (; i + 4 <= count; i += 4) {
+  for (; i + 4 <= count; i += 4)
     for (unsigned mask = Escapes(boxes + i, fat + i); mask != 0; mask &= mask - 1)
       strays[found++] = static_cast<Id>(i) + static_cast<Id>(__builtin_ctz(mask));
-  }
-  for (; i < count; ++i) {
-    const Box &in = boxes[i], &out = fat[i];
-    if (!(out.lower.x <= in.lower.x && out.lower.y <= in.lower.y && out.lower.z <= in.lower.z &&
-          in.upper.x <= out.upper.x && in.upper.y <= out.upper.y && in.upper.z <= out.upper.z))
-      strays[found++] = static_cast<Id>(i);
-  }
+  for (; i < count; ++i)
+    if (!LiesIn(boxes[i], fat[i])) strays[found++] = static_cast<Id>(i);
   return found;
 }
 
-void Filter(const Box* boxes, const Candidates& candidates, std::size_t begin, std::size_t end,
-            PairSink& sink) {
-  for (std::size_t i = begin; i < end; ++i) {
-    const Id a = candidates.anchors[i];
-    const WideProbe probe(boxes[a]);
-    const std::uint32_t last = candidates.starts[i + 1];
-    for (std::uint32_t at = candidates.starts[i]; at < last;) {
-      const std::uint32_t stop =
-          last - at < kLanes ? last : at + static_cast<std::uint32_t>(kLanes);
-      if (sink.end - sink.at < static_cast<std::ptrdiff_t>(kLanes)) sink.grow(sink);
-      Pair* out = sink.at;
-      for (; at < stop; ++at) {  // written always, kept if they meet: no branch to guess
-        const Id b = candidates.partners[at];
-        *out = {a < b ? a : b, a < b ? b : a};
-        out += probe.Meets(boxes[b]);
-      }
-      sink.at = out;
+void Filter(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink) {
+  constexpr std::size_t kBlock = 64;
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t end = begin + kBlock < count ? begin + kBlock : count;
+    while (static_cast<std::size_t>(sink.end - sink.at) < kBlock) sink.grow(sink);
+    Pair* out = sink.at;
+    for (std::size_t i = begin; i < end; ++i) {  // written always, kept if they meet: no branch
+      const Pair pair = pairs[i];
+      *out = pair;
+      out += Meet(boxes[pair.a], boxes[pair.b]);
     }
+    sink.at = out;
   }
 }
 
