@@ -8,9 +8,9 @@ namespace cdb::library {
 namespace {
 
 // In nanoseconds, measured once on one machine; only their ratios matter.
-constexpr double kGridCost = 40;                   ///< of a body in a cycle of `grid`
-constexpr double kListCost = 50, kListedCost = 1;  ///< of making a list: a body, a candidate
-constexpr double kCheckCost = 2.5, kTestCost = 1.2, kStrayCost = 150;
+constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
+constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
+constexpr double kCheckCost = 3, kTestCost = 2.2, kStrayCost = 100;
 
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
 constexpr unsigned kMaxAge = 256;
@@ -161,7 +161,7 @@ void Skin::LearnCost() {
     last_tried_ = 0;
   } else if (age_ < horizon_) {  // strays ended it
     horizon_ = std::max(age_ / 1.25, 1.);
-    step_ = 1.5;
+    step_ = 1.2;
     last_tried_ = 0;
   } else {
     if (making_cost_ >
@@ -198,7 +198,8 @@ void Skin::LearnMotion(const Scene& scene) {
   goes_on_ = at(going, 0.75) < at(resting, 0.75) / 2;
   double* deviations = goes_on_ ? going : resting;
   margin_ = kMarginFactor * at(deviations, 0.75);
-  most_margin_ = kMarginFactor * at(deviations, 0.95);
+  // Who goes on and yet deviated was turned round once; it will not be all the time.
+  most_margin_ = goes_on_ ? margin_ : kMarginFactor * at(deviations, 0.95);
   most_speed_ = 16 * speed / static_cast<double>(size);
 }
 
