@@ -57,9 +57,10 @@ class Dbvt final : public Detector {
     std::shuffle(order.begin(), order.end(), std::mt19937(1));
     for (const Id id : order) {
       const Filter& filter = scene.filters[id];
-      proxies_[id] = broad_phase_.createProxy(Corner(boxes_[id].lower), Corner(boxes_[id].upper), 0,
-                                              nullptr, static_cast<int>(filter.group),
-                                              static_cast<int>(filter.mask), nullptr);
+      proxies_[id] = broad_phase_.createProxy(
+          Corner(boxes_[id].lower), Corner(boxes_[id].upper), 0,
+          reinterpret_cast<void*>(static_cast<std::uintptr_t>(id)), static_cast<int>(filter.group),
+          static_cast<int>(filter.mask), nullptr);
     }
   }
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
