@@ -27,6 +27,9 @@ constexpr DetectorInfo kDetectors[] = {
      "sweep and prune"},
     {"dbvt", "two dynamic bounding-volume trees (btDbvtBroadphase)", "Bullet", "broad",
      "AABB trees"},
+    {"bullet",
+     "each pair of shapes has its algorithm: GJK with EPA and closed forms; swept with `ccd`",
+     "Bullet", "narrow", "GJK, continuous"},
     {"auto", "skin, grid or sweep, whichever suits the scene as it moves", "cdb", "broad",
      "Verlet list, uniform grid, sweep and prune"},
     {"skin", "a list of the pairs of fattened boxes that lasts for several cycles", "cdb", "broad",
@@ -35,6 +38,34 @@ constexpr DetectorInfo kDetectors[] = {
      "uniform grid"},
     {"sweep", "sweep and prune along one axis, eight boxes tested at once", "cdb", "broad",
      "sweep and prune"},
+    {"octree", "a loose octree, made anew in each cycle", "cdb", "broad", "octrees"},
+    {"kd_tree", "a k-d tree of boxes, made anew in each cycle", "cdb", "broad", "k-d trees"},
+    {"fcl_dyntree", "a dynamic tree of boxes (DynamicAABBTreeCollisionManager)", "FCL", "broad",
+     "AABB trees", 0, "slower as cycles go by: its tree is refitted, hardly rebalanced", "fcl"},
+    {"fcl_dyntree_array", "a dynamic tree of boxes in an array", "FCL", "broad", "AABB trees", 0,
+     "slower as cycles go by: its tree is refitted, hardly rebalanced", "fcl"},
+    {"fcl_ssap", "sorted anew every cycle, swept along the best axis (SSaPCollisionManager)", "FCL",
+     "broad", "sweep and prune", 0, "", "fcl"},
+    {"fcl_spatialhash", "a hashed grid (SpatialHashingCollisionManager)", "FCL", "broad",
+     "spatial hashing", 0,
+     "lists all that share a cell, most of them phantoms; may miss pairs that only touch, and "
+     "boxes without extent",
+     "fcl"},
+    {"fcl_intervaltree", "an interval tree for each axis, filled anew every cycle", "FCL", "broad",
+     "interval trees", 0,
+     "may miss pairs, and list phantoms, where many sides are at equal coordinates", "fcl"},
+    {"ode_hash", "hashed cells of several sizes (dHashSpace)", "ODE", "broad",
+     "hierarchical spatial hashing", 0, "", "ode"},
+    {"ode_sap", "sorted along x, pruned along y and z (dSweepAndPruneSpace)", "ODE", "broad",
+     "sweep and prune", 0, "", "ode"},
+    {"ode_quadtree", "a quadtree over x and y (dQuadTreeSpace)", "ODE", "broad", "quadtrees", 0,
+     "the first cycle takes a second with 20,000 bodies", "ode"},
+    {"cgal", "streamed segment trees, built anew every cycle (box_self_intersection_d)", "CGAL",
+     "broad", "segment trees", 0, "", "cgal"},
+    {"embree", "a tree of boxes, built anew every cycle (rtcCollide)", "Embree", "broad",
+     "AABB trees", 0, "counts in float: what it finds is tested again in double", "embree"},
+    {"rtree", "an R-tree, packed anew every cycle", "Boost.Geometry", "broad", "R-trees", 0, "",
+     "boost"},
     {"null", "finds nothing: what the harness itself costs", "cdb", "broad", "none"},
 };
 
@@ -54,6 +85,31 @@ constexpr DetectorPart kParts[] = {
     {"fcl", "libfcl-dev", IsBuilt("fcl")},       {"ode", "libode-dev", IsBuilt("ode")},
     {"cgal", "libcgal-dev", IsBuilt("cgal")},    {"embree", "libembree-dev", IsBuilt("embree")},
     {"boost", "libboost-dev", IsBuilt("boost")}, {"ccd", "libccd-dev", IsBuilt("ccd")},
+};
+
+constexpr FamilyInfo kFamilies[] = {
+    {"sweep and prune", "Baraff 1992; Cohen et al. 1995"},
+    {"uniform grid", "the cells of equal size that section 2 begins with"},
+    {"hierarchical grid", "one uniform grid for each range of sizes"},
+    {"spatial hashing", "Teschner et al. 2003"},
+    {"hierarchical spatial hashing", "Mirtich 1998a"},
+    {"octrees", "a cube cut in eight, again and again"},
+    {"k-d trees", "Bentley 1975; Friedman et al. 1977"},
+    {"AABB trees", "van den Bergen 1997"},
+    {"sphere trees", "Quinlan 1994",
+     "Debian has no library with them. fcl_rss is next to them: its volumes are spheres swept over "
+     "a "
+     "rectangle"},
+    {"OBB trees", "Gottschalk et al. 1996"},
+    {"k-DOP trees", "Klosowski et al. 1998"},
+    {"GJK", "Gilbert et al. 1988; Gilbert and Foo 1990"},
+    {"Lin-Canny", "Lin and Canny 1991",
+     "Debian has no library with it. It tracks the closest features of two convex polyhedra, which "
+     "spheres, cylinders and cones are not, and can go round in circles where they overlap, as "
+     "bodies in contact do; GJK that starts from its last answer takes its place"},
+    {"V-Clip", "Mirtich 1998b",
+     "Debian has no library with it. It mends Lin-Canny's circles; polyhedra it still needs"},
+    {"continuous", "Redon et al. 2002"},
 };
 
 constexpr LayoutInfo kLayouts[] = {
@@ -77,6 +133,7 @@ constexpr ClosedFormInfo kClosedForms[] = {
 std::span<const ObjectType> ObjectTypes() { return kObjectTypes; }
 std::span<const DetectorInfo> Detectors() { return kDetectors; }
 std::span<const DetectorPart> DetectorParts() { return kParts; }
+std::span<const FamilyInfo> Families() { return kFamilies; }
 std::span<const LayoutInfo> Layouts() { return kLayouts; }
 std::span<const ClosedFormInfo> ClosedForms() { return kClosedForms; }
 

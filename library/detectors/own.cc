@@ -2,6 +2,8 @@
 
 #include "library/detectors/auto.h"
 #include "library/detectors/grid.h"
+#include "library/detectors/kd_tree.h"
+#include "library/detectors/octree.h"
 #include "library/detectors/skin.h"
 #include "library/detectors/sweep.h"
 
@@ -23,6 +25,8 @@ constexpr DetectorEntry kEntries[] = {
     {"skin", "a list of candidates that lasts for several cycles", kBroad, 0, Make<MakeSkin>},
     {"grid", "a uniform grid, rows of eight boxes at once", kBroad, 0, Make<MakeGrid>},
     {"sweep", "sweep and prune along one axis, eight boxes at once", kBroad, 0, Make<MakeSweep>},
+    {"octree", "a loose octree", kBroad, 0, MakeOctree},
+    {"kd_tree", "a k-d tree", kBroad, 0, MakeKdTree},
     {"null", "finds nothing", kBroad, 0, [](const Options&) -> Detector* { return new Null; }},
 };
 

@@ -18,6 +18,7 @@
 #include "library/catalogue.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
+#include "runtime/cli/detectors_text.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/reference.h"
 #include "runtime/cli/table.h"
@@ -168,14 +169,6 @@ std::string Names(const char* title, const Rows& rows, Doc doc) {
 
 std::string Objects() { return Words("objects", library::ObjectTypes(), CallsOf("type", true)); }
 
-std::string Detectors() {
-  return Names("detectors", library::Detectors(), [](const library::DetectorInfo& detector) {
-    const std::string limit =
-        detector.max_bodies == 0 ? "" : fmt::format("; at most {} bodies", detector.max_bodies);
-    return fmt::format("{} phase, {}: {}{}", detector.phases, detector.source, detector.doc, limit);
-  });
-}
-
 std::string Layouts() { return Words("layouts", library::Layouts(), CallsOf("location", true)); }
 
 std::string Schedules() { return Words("schedules", CallsOf("acceleration", false)); }
@@ -227,7 +220,7 @@ constexpr Topic kTopics[] = {
      [] { return std::string(kResultsReference) + AllSeriesText(); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},
     {"objects", "what can be placed", Objects},
-    {"detectors", "what can be timed", Detectors},
+    {"detectors", "what can be timed, and how", DetectorReference},
     {"layouts", "how objects can be placed", Layouts},
     {"schedules", "how a vector changes while a run goes on", Schedules},
     {"scenarios", "what comes with cdb, for `cdb run` and for `use`", Scenarios},
@@ -280,7 +273,8 @@ int ListCommand(const std::string& what) {
        {"objects", "detectors", "layouts", "schedules", "scenarios"}) {
     if (!what.empty() && what != name) continue;
     for (const Topic& topic : kTopics)
-      if (topic.name == name) Print((found ? "\n" : "") + topic.text());
+      if (topic.name == name)
+        Print((found ? "\n" : "") + (name == "detectors" ? DetectorTables() : topic.text()));
     found = true;
   }
   if (found) return kExitGood;

@@ -5,13 +5,17 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "compiler/lints.h"
 #include "compiler/plan_yaml.h"
+#include "compiler/schema.h"
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
+#include "runtime/schedule/look_into.h"
+#include "runtime/schedule/worker.h"
 
 namespace cdb::runtime {
 namespace {
@@ -69,10 +73,14 @@ std::string FindScenario(const std::string& file) {
 }
 
 compiler::Compilation CompileAndReport(const std::string& file,
-                                       const std::optional<std::string>& benchmark,
-                                       LintText lints) {
+                                       const std::optional<std::string>& benchmark, LintText lints,
+                                       const std::vector<std::string>& plugins) {
+  const auto describe = [](const std::string& path, std::string& why) {
+    return LookInto(FindAnyWorker(), path, why);
+  };
   compiler::Compilation result =
-      compiler::Compile(FindScenario(file), compiler::ReadFromDisk, {ScenarioLibrary(), benchmark});
+      compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
+                        {ScenarioLibrary(), benchmark, {plugins, describe}});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;
@@ -86,18 +94,40 @@ compiler::Compilation CompileAndReport(const std::string& file,
 }
 
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark, LintText lints) {
+                                      const std::optional<std::string>& benchmark, LintText lints,
+                                      const std::vector<std::string>& plugins) {
   if (IsPlanFile(file)) {
+    if (!plugins.empty())
+      throw CommandError(
+          fmt::format("--plugin {} goes with a scenario file; {} is a plan, which names its own",
+                      plugins[0], file));
     compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
     return {std::move(plan)};
   }
-  compiler::Compilation result = CompileAndReport(file, benchmark, lints);
+  compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
   // As the user named it: where the library lies is this machine's affair.
   for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
   return std::move(result.plans);
+}
+
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words) {
+  const compiler::Parameter* row = compiler::FindParameter(parameter, false);
+  std::set<std::string_view> seen;
+  for (const std::string& word : words) {
+    const auto all = row->AllWords();
+    if (!row->HasWord(word)) {
+      const std::string_view near = dsl::DidYouMean(word, all);
+      throw CommandError(fmt::format("--{} {}: {}", parameter, word,
+                                     near.empty()
+                                         ? fmt::format("there are {}", fmt::join(all, ", "))
+                                         : fmt::format("did you mean '{}'?", near)));
+    }
+    if (!seen.insert(word).second)
+      throw CommandError(fmt::format("--{} names '{}' twice", parameter, word));
+  }
 }
 
 std::string ReadText(const std::string& file) {

@@ -162,6 +162,30 @@ a scene, energy says nothing.
 
 )reference";
 
+const std::string_view kDetectorsReference = R"reference(DETECTORS
+
+A detector lists the pairs of bodies whose boxes overlap (broad phase) and may find the contacts of
+those pairs (narrow phase). What it lacks, Bullet supplies.
+
+  detector sweep(dbvt, auto)  who lists the pairs
+  narrow_phase fcl_gjk        who finds their contacts; `own` is the detector itself where it has a
+                              narrow phase, else Bullet; `bullet` is always Bullet
+  pair_order sorted           pairs are worked on in the order of their bodies: then all detectors
+                              that list the same pairs move everything alike, to the bit. It costs
+                              time in the narrow phase, so Bullet's own order is the default
+  threads 2                   for the detectors that can use them
+  record pairs                holds each cycle's list against all pairs there are, in double:
+                              missed_pairs, phantom_pairs, duplicate_pairs
+  cdb verify FILE             does that for every detector at every point
+
+Bullet's four run as Bullet has them. All others stand behind one interface, library/detectors/
+detector.h: boxes in, pairs out. cdb turns the list into changes of Bullet's pair cache, which is
+part of the time of the broad phase. A pair that is missed is a collision that does not happen; one
+too many (a phantom) costs time in the narrow phase. `null` finds nothing: its time is what calling
+a detector costs.
+
+)reference";
+
 const std::string_view kLintsReference = R"reference(NUMBERS THAT BULLET CANNOT FOLLOW
 
 Legal scenes can be beyond what Bullet computes well. `cdb check` works out these numbers for every

@@ -10,6 +10,7 @@ extern const std::string_view kAccuracyReference;
 extern const std::string_view kResultsReference;
 extern const std::string_view kOmitReference;
 extern const std::string_view kLintsReference;
+extern const std::string_view kDetectorsReference;
 extern const std::string_view kVerdictsReference;
 
 }  // namespace cdb::runtime

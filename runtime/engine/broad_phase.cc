@@ -6,16 +6,13 @@
 
 #include "library/catalogue.h"
 #include "library/scene_error.h"
+#include "runtime/engine/detectors.h"
 
 namespace cdb::runtime {
 
 std::unique_ptr<btBroadphaseInterface> MakeBroadPhase(const BroadPhaseOptions& options) {
   const library::DetectorInfo* info = library::FindDetector(options.detector);
-  if (info != nullptr && !info->Holds(options.bodies))
-    throw library::SceneError(
-        fmt::format("detector `{}` takes at most {} bodies, objects and walls together; this scene "
-                    "has {}; choose another detector or fewer objects",
-                    options.detector, info->max_bodies, options.bodies));
+  if (info != nullptr) CheckHolds(options.detector, info->max_bodies, options.bodies);
   // All of them write past their arrays when a body comes too many.
   const auto capacity = static_cast<unsigned>(std::max<std::size_t>(options.bodies, 1));
   if (options.detector == "dbvt") return std::make_unique<btDbvtBroadphase>();

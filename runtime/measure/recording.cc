@@ -14,6 +14,8 @@
 #include <system_error>
 #include <utility>
 
+#include "compiler/capacity.h"
+
 namespace cdb::runtime {
 namespace {
 
@@ -30,7 +32,8 @@ Recording::Recording(int fd, const compiler::Scene& scene, bool create) : fd_(fd
   for (const Series& series : AllSeries()) {
     if (!series.IsRecordedBy(scene)) continue;
     const std::size_t bytes =
-        series.ItemBytes() * series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount());
+        series.ItemBytes() * series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount(),
+                                               compiler::BodyCount(scene));
     places_.push_back({&series, bytes_, bytes});
     bytes_ += Aligned(bytes);
   }
@@ -66,9 +69,9 @@ void Recording::Clear() {
   header_ = new (header_) RecordingHeader{};
   header_->magic = RecordingHeader::kMagic;
   header_->bytes = bytes_;
-  header_->peak_rss_bytes = header_->place_ns = header_->build_ns = header_->fill_fraction =
-      header_->initial_energy = header_->energy_scale = header_->least_side = header_->speed_scale =
-          kNone;
+  header_->peak_rss_bytes = header_->place_ns = header_->build_ns = header_->harness_ns =
+      header_->fill_fraction = header_->initial_energy = header_->energy_scale =
+          header_->least_side = header_->speed_scale = kNone;
   for (const Place& place : places_) {
     if (place.series->type == SeriesType::kInt32) {
       std::ranges::fill(Ints(place.series->name), -1);

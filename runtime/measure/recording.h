@@ -21,7 +21,7 @@ enum class WorkerOutcome : std::int32_t { kRunning = 0, kDone = 1, kFailed = 2 }
 
 /// The head of the memory. The worker writes, the runner reads after the worker has ended.
 struct RecordingHeader {
-  static constexpr std::uint64_t kMagic = 0x33'47'4e'49'44'52'43'00;  // "\0CRDING3"
+  static constexpr std::uint64_t kMagic = 0x34'47'4e'49'44'52'43'00;  // "\0CRDING4"
   std::uint64_t magic;
   std::uint64_t bytes;  ///< of the whole memory
   std::atomic<std::uint64_t> cycles_done;
@@ -34,7 +34,8 @@ struct RecordingHeader {
   double peak_rss_bytes;  ///< of the worker process; NaN where it did not get that far
   double place_ns;        ///< finding a place for every object
   double build_ns;        ///< settling what is left out, and making the world
-  double fill_fraction;   ///< objects' volume over the cube's
+  double harness_ns;  ///< of a cycle: its clock stamps and a call of a detector that does nothing
+  double fill_fraction;  ///< objects' volume over the cube's
   // Of a run that records stability; what verdicts measure against.
   double initial_energy;  ///< J, as the series `energy`, before the first recorded cycle
   double energy_scale;    ///< J, the kinetic energy then and what the objects can gain by falling

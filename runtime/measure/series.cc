@@ -45,6 +45,24 @@ constexpr Series kSeries[] = {
      "largest gap of a joint: distance of its two pivots"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
+    {"boxes", "boxes", kFloat64, kBox, "m",
+     "as the broad phase was given them in the cycle; a plane's is infinite, a wall that is left "
+     "out has none"},
+    {"box_filters", "boxes", kFloat64, kFilter, "",
+     "whom a body may meet: two may where each one's group is in the other's mask and not both "
+     "are fixed"},
+    {"exact_pairs", "pairs", kInt32, kScalar, "",
+     "pairs that may collide and whose boxes overlap, by brute force in double"},
+    {"missed_pairs", "pairs", kInt32, kScalar, "",
+     "of those, pairs that the detector did not list"},
+    {"phantom_pairs", "pairs", kInt32, kScalar, "",
+     "pairs that the detector listed and whose boxes do not overlap"},
+    {"duplicate_pairs", "pairs", kInt32, kScalar, "", "pairs that the detector listed again"},
+    {"missed_contacts", "pairs", kInt32, kScalar, "",
+     "overlaps known in closed form that have no contact"},
+    {"depth_error", "pairs", kFloat64, kScalar, "",
+     "mean error of the depth of the others, in sizes of the smaller object"},
+    {"normal_error", "pairs", kFloat64, kScalar, "rad", "mean error of their normals"},
 };
 
 constexpr std::string_view kPhaseNames[] = {"broad", "narrow",    "detect",
@@ -52,7 +70,8 @@ constexpr std::string_view kPhaseNames[] = {"broad", "narrow",    "detect",
 
 }  // namespace
 
-std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) const {
+std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects,
+                               std::uint64_t bodies) const {
   switch (shape) {
     case kScalar:
       return cycles;
@@ -60,6 +79,10 @@ std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) cons
       return cycles * kPhaseCount;
     case kPose:
       return cycles * objects * kPoseSize;
+    case kBox:
+      return cycles * bodies * kBoxSize;
+    case kFilter:
+      return bodies * kFilterSize;
     case kSample:
       break;
   }

@@ -1,0 +1,177 @@
+#include "library/detectors/bullet/broad_phases.h"
+
+#include <btBulletCollisionCommon.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <random>
+
+namespace cdb::library {
+namespace {
+
+/// Bullet has no infinity: this is the side of its planes' boxes.
+constexpr btScalar kFar = BT_LARGE_FLOAT;
+
+/// To the next number of Bullet's precision on the side of `to`.
+btScalar Rounded(double x, btScalar to) {
+  const auto rounded = static_cast<btScalar>(std::clamp(x, -double{kFar}, double{kFar}));
+  const bool is_inside =
+      to > 0 ? static_cast<double>(rounded) < x : static_cast<double>(rounded) > x;
+  return is_inside && std::fabs(rounded) < kFar ? std::nextafter(rounded, to) : rounded;
+}
+btVector3 Lower(const Vec3& v) {
+  return {Rounded(v.x, -kFar), Rounded(v.y, -kFar), Rounded(v.z, -kFar)};
+}
+btVector3 Upper(const Vec3& v) {
+  return {Rounded(v.x, kFar), Rounded(v.y, kFar), Rounded(v.z, kFar)};
+}
+
+/// btSimpleBroadphase takes a proxy without an object for one that is free.
+void* ObjectOf(Id body) { return reinterpret_cast<void*>(std::uintptr_t{body} + 1); }
+Id IdOf(const btBroadphaseProxy* proxy) {
+  return static_cast<Id>(reinterpret_cast<std::uintptr_t>(proxy->m_clientObject) - 1);
+}
+
+/// Bullet's pairs, and beside them the same as a flat list in the same order: reading the bodies
+/// through the proxies each cycle would cost more than some broad phases do.
+class ListedPairs final : public btHashedOverlappingPairCache {
+ public:
+  btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override {
+    btBroadphasePair* pair = btHashedOverlappingPairCache::addOverlappingPair(a, b);
+    if (static_cast<std::size_t>(getNumOverlappingPairs()) > list_.size())
+      list_.push_back({std::min(IdOf(a), IdOf(b)), std::max(IdOf(a), IdOf(b))});
+    return pair;
+  }
+  void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
+                              btDispatcher* dispatcher) override {
+    const btBroadphasePair* pair = findPair(a, b);
+    if (pair == nullptr) return nullptr;
+    // Bullet too puts the last pair where one leaves.
+    list_[static_cast<std::size_t>(pair - getOverlappingPairArrayPtr())] = list_.back();
+    list_.pop_back();
+    return btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
+  }
+  const std::vector<Pair>& list() const { return list_; }
+
+ private:
+  std::vector<Pair> list_;
+};
+
+/// Where sweep and prune counts its steps from: the finite boxes, with room to move in.
+struct Bounds {
+  btVector3 lower{0, 0, 0}, upper{0, 0, 0};
+};
+
+Bounds BoundsOf(const Scene& scene) {
+  constexpr double kRoom = 0.5;  // of the extent, to each side
+  const auto along = [&](double Vec3::*axis) {
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const Box& box : scene.boxes) {
+      if (!std::isfinite(box.lower.*axis) || !std::isfinite(box.upper.*axis)) continue;
+      least = std::min(least, box.lower.*axis);
+      most = std::max(most, box.upper.*axis);
+    }
+    const double room = most > least ? kRoom * (most - least) : 1;
+    return most >= least ? std::pair(least - room, most + room) : std::pair(-room, room);
+  };
+  const auto x = along(&Vec3::x), y = along(&Vec3::y), z = along(&Vec3::z);
+  return {Lower({x.first, y.first, z.first}), Upper({x.second, y.second, z.second})};
+}
+
+/// What all four have in common: a box is given to Bullet where it has changed.
+class BulletBroadPhase : public Detector {
+ public:
+  ~BulletBroadPhase() override {
+    // Bullet looks through all pairs for each proxy that goes: none may be left then.
+    while (pairs_.getNumOverlappingPairs() > 0) {
+      const btBroadphasePair& last =
+          pairs_.getOverlappingPairArray()[pairs_.getNumOverlappingPairs() - 1];
+      pairs_.removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher_);
+    }
+    for (btBroadphaseProxy* proxy : proxies_) broad_phase_->destroyProxy(proxy, &dispatcher_);
+  }
+
+  void Prepare(const Scene& scene) override {
+    broad_phase_ = Make(scene, pairs_);
+    boxes_.assign(scene.boxes.begin(), scene.boxes.end());
+    proxies_.resize(scene.size);
+    std::vector<Id> order(scene.size);
+    std::iota(order.begin(), order.end(), Id{0});
+    // Boxes that come in order along a line would make a tree that is a list.
+    std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
+    for (const Id body : order) {
+      const Box& box = boxes_[body];
+      const Filter& filter = scene.filters[body];
+      proxies_[body] = broad_phase_->createProxy(
+          Lower(box.lower), Upper(box.upper), BOX_SHAPE_PROXYTYPE, ObjectOf(body),
+          static_cast<int>(filter.group), static_cast<int>(filter.mask), &dispatcher_);
+    }
+  }
+
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    for (Id body = 0; body < scene.size; ++body) {
+      const Box& box = scene.boxes[body];
+      if (std::memcmp(&box, &boxes_[body], sizeof box) == 0) continue;
+      boxes_[body] = box;
+      broad_phase_->setAabb(proxies_[body], Lower(box.lower), Upper(box.upper), &dispatcher_);
+    }
+    broad_phase_->calculateOverlappingPairs(&dispatcher_);
+    pairs = pairs_.list();
+  }
+
+ private:
+  virtual std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
+                                                      btOverlappingPairCache& pairs) = 0;
+
+  btDefaultCollisionConfiguration configuration_{[] {
+    btDefaultCollisionConstructionInfo info;
+    info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = 1;
+    return info;
+  }()};
+  btCollisionDispatcher dispatcher_{&configuration_};  ///< never called; Bullet wants one
+  ListedPairs pairs_;
+  std::unique_ptr<btBroadphaseInterface> broad_phase_;
+  std::vector<btBroadphaseProxy*> proxies_;
+  std::vector<Box> boxes_;  ///< as Bullet has them
+};
+
+/// All of them write past their arrays when a body comes too many.
+int Room(const Scene& scene) { return std::max(static_cast<int>(scene.size), 1); }
+
+class Simple final : public BulletBroadPhase {
+  std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
+                                              btOverlappingPairCache& pairs) override {
+    return std::make_unique<btSimpleBroadphase>(Room(scene), &pairs);
+  }
+};
+
+template <typename Sweep, typename Handle>
+class Sap final : public BulletBroadPhase {
+  std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
+                                              btOverlappingPairCache& pairs) override {
+    const Bounds bounds = BoundsOf(scene);
+    constexpr bool kWithoutRaycastTree = true;  // it has nothing to do with pairs
+    return std::make_unique<Sweep>(bounds.lower, bounds.upper, static_cast<Handle>(Room(scene)),
+                                   &pairs, kWithoutRaycastTree);
+  }
+};
+
+class Dbvt final : public BulletBroadPhase {
+  std::unique_ptr<btBroadphaseInterface> Make(const Scene&,
+                                              btOverlappingPairCache& pairs) override {
+    return std::make_unique<btDbvtBroadphase>(&pairs);
+  }
+};
+
+}  // namespace
+
+Detector* MakeBulletSimple(const Options&) { return new Simple; }
+Detector* MakeBulletSap(const Options&) { return new Sap<btAxisSweep3, unsigned short>; }
+Detector* MakeBulletSap32(const Options&) { return new Sap<bt32BitAxisSweep3, unsigned>; }
+Detector* MakeBulletDbvt(const Options&) { return new Dbvt; }
+
+}  // namespace cdb::library

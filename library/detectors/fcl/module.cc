@@ -1,0 +1,19 @@
+// The detectors of the shared library cdb-detectors-fcl.so.
+#include "library/detectors/detector.h"
+#include "library/detectors/fcl/managers.h"
+
+namespace cdb::library {
+namespace {
+
+constexpr DetectorEntry kEntries[] = {
+    {"fcl_dyntree", "a dynamic tree of boxes", kBroad, 0, MakeFclTree},
+    {"fcl_dyntree_array", "a dynamic tree of boxes in an array", kBroad, 0, MakeFclTreeArray},
+    {"fcl_ssap", "sorted anew every cycle along the best axis", kBroad, 0, MakeFclSsap},
+    {"fcl_spatialhash", "a hashed grid", kBroad, 0, MakeFclSpatialHash},
+    {"fcl_intervaltree", "an interval tree for each axis", kBroad, 0, MakeFclIntervalTree},
+};
+
+}  // namespace
+}  // namespace cdb::library
+
+CDB_DETECTORS(cdb::library::kEntries)

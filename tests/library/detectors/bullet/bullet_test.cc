@@ -1,0 +1,37 @@
+#include "library/detectors/bullet/bullet.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "library/detectors/exact_pairs.h"
+#include "tests/library/detectors/box_scenes.h"
+
+namespace cdb::library {
+namespace {
+
+TEST(BulletDetectors, MissNoPairOfMovingBoxes) {
+  for (const DetectorEntry& entry : BulletDetectors()) {
+    if ((entry.phases & kBroad) == 0) continue;
+    for (const std::string_view name : tests::kBoxScenes) {
+      for (const bool walls : {false, true}) {
+        SCOPED_TRACE(std::string(entry.name) + " on " + std::string(name));
+        tests::BoxScene moving(name, 400, walls);
+        const std::unique_ptr<Detector> detector(entry.make({}));
+        detector->Prepare(moving.View());
+        for (int cycle = 0; cycle < 20; ++cycle, moving.Move()) {
+          std::vector<Pair> found;
+          detector->FindPairs(moving.View(), found);
+          const PairFaults faults = ComparePairs(moving.View(), found);
+          ASSERT_EQ(faults.missed, 0u) << "cycle " << cycle;
+          ASSERT_EQ(faults.duplicate, 0u) << "cycle " << cycle;
+          for (const Pair& pair : found) ASSERT_LT(pair.a, pair.b);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cdb::library
