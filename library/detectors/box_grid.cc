@@ -176,7 +176,12 @@ void BoxGrid::Arrange(std::size_t count) {
   const std::uint32_t cells = shape_.cells();
   // starts_[c + 1] becomes where the next box of c goes, and so, once all are there, its end.
   std::uint32_t sum = 0;
-  for (std::uint32_t& start : starts_) sum += std::exchange(start, sum);
+  std::size_t squares = 0;
+  for (std::uint32_t& start : starts_) {
+    squares += std::size_t{start} * start;
+    sum += std::exchange(start, sum);
+  }
+  crowd_ = count > 0 ? static_cast<double>(squares) / static_cast<double>(count) : 0;
   const Columns &from = loose_.get(), &to = sorted_.get();
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t at = starts_[cells_[i] + 1]++;

@@ -39,6 +39,9 @@ class BoxGrid {
   /// Pairs (id, other) of a box with all of the grid.
   void QueryOne(const Box& box, Id id, PairSink& sink) const;
 
+  /// How many boxes share a box's cell, on the average; a few where the grid suits them.
+  double Crowd() const { return crowd_; }
+
  private:
   void ChooseShape(std::size_t count);
   GridRows Rows() const;
@@ -48,6 +51,7 @@ class BoxGrid {
   BoxColumns loose_, sorted_;  ///< by id, by cell
   std::vector<std::uint32_t> cells_, starts_;
   std::vector<Id> ids_;
+  double crowd_ = 0;
   std::size_t gridded_ = 0, count_ = 0;  ///< of what is sorted
   std::size_t foreseen_ = 0;             ///< boxes too long when the shape was chosen
   std::size_t shaped_for_ = 0;           ///< boxes then

@@ -67,8 +67,9 @@ struct Kernels {
   void (*query_one)(const GridRows& rows, const GridShape& shape, const float* lower,
                     const float* upper, Id id, PairSink& sink);
   /// Pairs of the boxes at begin to end with those behind them, all sorted by columns.lower[0].
-  void (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
-                std::size_t end, PairSink& sink);
+  /// Gives the number of tests, eight boxes each.
+  std::size_t (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
+                       std::size_t end, PairSink& sink);
   /// Lists the boxes that do not lie in their fat ones; `strays` has room for all.
   std::size_t (*find_strays)(const Box* boxes, const FatBox* fat, std::size_t count, Id* strays);
   /// Those of the pairs whose boxes overlap. In double.

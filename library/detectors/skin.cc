@@ -10,6 +10,7 @@ namespace {
 // In nanoseconds, measured once on one machine; only their ratios matter.
 constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
 constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
+constexpr double kCrowdCost = 0.5;                 ///< of each other body in a cell
 constexpr double kCheckCost = 3, kTestCost = 2.2, kStrayCost = 100;
 
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
@@ -144,15 +145,16 @@ void Skin::MakeList(const Scene& scene) {
   age_ = 0;
   is_built_ = true;
   stray_cost_ = 0;
-  cost_ = making_cost_ = kListCost * static_cast<double>(movers) +
+  cost_ = making_cost_ = (kListCost + kCrowdCost * grid_.Crowd()) * static_cast<double>(movers) +
                          kListedCost * static_cast<double>(candidates_.size());
 }
 
-double Skin::RelativeCost() const {
+double Skin::Cost() const {
   const double now = cost_ / (age_ + 1);
-  const double least = last_cost_ > 0 ? std::min(now, last_cost_) : now;
-  return least / (kGridCost * static_cast<double>(bodies_.movers()));
+  return (last_cost_ > 0 ? std::min(now, last_cost_) : now) / static_cast<double>(bodies_.movers());
 }
+
+double Skin::GridCost() const { return kGridCost + kCrowdCost * grid_.Crowd(); }
 
 // A longer list costs less to make a cycle and more to test.
 void Skin::LearnCost() {

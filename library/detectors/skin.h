@@ -33,9 +33,12 @@ class Skin final : public Detector {
   void Prepare(const Scene& scene) override;
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
 
-  /// What a cycle of the last list took, its making included, or of this list up to now if that is
-  /// less, in the cost of one cycle of `grid`.
-  double RelativeCost() const;
+  /// What a body took in a cycle of the last list, its making included, or of this list up to now
+  /// if that is less; and would take in a cycle of `grid`. In nanoseconds of some machine.
+  double Cost() const;
+  double GridCost() const;
+  /// See BoxGrid.
+  double Crowd() const { return grid_.Crowd(); }
   /// Forgets the list: the boxes have moved unseen.
   void Forget() {
     is_built_ = false;
