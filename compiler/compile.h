@@ -15,6 +15,7 @@ namespace cdb::compiler {
 struct CompileOptions {
   std::string library;  ///< folder of the scenarios that `use` reaches from anywhere; may be empty
   std::optional<std::string> benchmark;  ///< only this one; nullopt: every benchmark of the file
+  PluginSource plugins = {};
 };
 
 /// What came of it. Diagnostics point into `scenario`, which has to be kept as long as they are.

@@ -23,6 +23,7 @@ Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::
     for (Run run : plan.runs) {
       run.at.insert(run.at.begin(), i);
       run.scene.world.values.insert_or_assign(std::string(parameter), Word{words[i]});
+      run.scene.KeepUsedPlugins();
       run.id = RunId(run.scene, run.rep);
       crossed.runs.push_back(std::move(run));
     }

@@ -186,7 +186,9 @@ bool Evaluator::ReadModel(Call& call, const std::vector<Term>& arguments) {
 }
 
 std::nullopt_t Evaluator::NoSuchFunction(const Expr& expr, const Scope& scope) {
-  const auto takes_word = [&](const Parameter& parameter) { return parameter.HasWord(expr.text); };
+  const auto takes_word = [&](const Parameter& parameter) {
+    return parameter.HasWord(expr.text, scenario_.plugins());
+  };
   const Referent referent = Resolve(expr.text, scope);
   if (referent.let || referent.parameter ||
       (scope.parameter != nullptr ? takes_word(*scope.parameter)

@@ -18,7 +18,6 @@
 #include "compiler/needs.h"
 #include "compiler/reference.h"
 #include "dsl/check.h"
-#include "library/catalogue.h"
 
 namespace cdb::compiler {
 namespace {
@@ -73,7 +72,8 @@ struct ParameterValues {
 class Configuration {
  public:
   Configuration(const Scenario& scenario, Layers layers, dsl::Diagnostics& diagnostics)
-      : layers_(std::move(layers)),
+      : scenario_(scenario),
+        layers_(std::move(layers)),
         evaluator_(scenario, layers_, diagnostics),
         axes_(FindAxes(layers_, evaluator_)) {
     // Also those that nothing uses: a file is checked whole.
@@ -114,6 +114,8 @@ class Configuration {
     }
     if (!good) return std::nullopt;
     AddSeeds(scene);
+    scene.plugins.assign(scenario_.plugins().begin(), scenario_.plugins().end());
+    scene.KeepUsedPlugins();
     return scene;
   }
 
@@ -242,6 +244,7 @@ class Configuration {
     }
   }
 
+  const Scenario& scenario_;
   Layers layers_;
   Evaluator evaluator_;
   std::vector<SweepAxis> axes_;
@@ -416,7 +419,7 @@ class Expander {
       }
       const auto term = here.evaluator().EvaluateParameter({"", repeats});
       const auto converted =
-          term ? Convert(*term, *repeats, span, {}, diagnostics_) : std::optional<Value>();
+          term ? Convert(*term, *repeats, span, {}, {}, diagnostics_) : std::optional<Value>();
       if (!converted) return false;
       const std::uint64_t n = std::get<std::uint64_t>(*converted);
       if (value && *value != n) {
@@ -509,19 +512,22 @@ class Expander {
     }
     const bool places_good = CheckPlaces(configuration, scene);
     if (!CheckLinks(configuration, scene) || !places_good) return false;
-    const std::string_view detector_name = scene.world.WordOr("detector");
-    const library::DetectorInfo* detector = library::FindDetector(detector_name);
-    CDB_CHECK(detector != nullptr);
-    if (detector->Holds(bodies)) return true;
-    if (!capacity_reported_)
-      diagnostics_.Report(kCapacity,
-                          configuration.SpanOf({"", FindParameter("detector", false)}, name),
-                          fmt::format("'{}' holds at most {} bodies, walls included; here are {}",
-                                      detector_name, detector->max_bodies, bodies),
-                          fmt::format("skip when quantity > {} and detector == {}, or use sap32",
-                                      detector->max_bodies - (bodies - objects), detector_name));
-    capacity_reported_ = true;
-    return false;
+    bool holds = true;
+    for (const char* parameter : {"detector", "narrow_phase"}) {
+      const std::string_view word = scene.world.WordOr(parameter);
+      const auto detector = FindDetector(word, scene.plugins);
+      if (!detector || detector->Holds(bodies)) continue;
+      holds = false;
+      if (!std::exchange(capacity_reported_, true))
+        diagnostics_.Report(
+            kCapacity, configuration.SpanOf({"", FindParameter(parameter, false)}, name),
+            fmt::format("'{}' holds at most {} bodies, walls included; here are {}", word,
+                        detector->max_bodies, bodies),
+            fmt::format("skip when quantity > {} and {} == {}, or use {}",
+                        detector->max_bodies - (bodies - objects), parameter, word,
+                        parameter == std::string_view("detector") ? "sap32" : "bullet"));
+    }
+    return holds;
   }
 
   /// `at` and `pair` place so many objects and no others.

@@ -26,9 +26,10 @@ class CommandError : public std::runtime_error {
 struct PlanArguments {
   std::string file;
   std::optional<std::string> benchmark;
-  std::string out;   ///< empty: a table on standard output; `-`: YAML there
-  bool why = false;  ///< what each run leaves out, in place of the table
-  std::string only;  ///< the id of the one run that `why` is about, or empty
+  std::string out;                   ///< empty: a table on standard output; `-`: YAML there
+  bool why = false;                  ///< what each run leaves out, in place of the table
+  std::string only;                  ///< the id of the one run that `why` is about, or empty
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
 };
 
 struct RunArguments {
@@ -36,8 +37,9 @@ struct RunArguments {
   std::optional<std::string> benchmark;
   std::string out;  ///< empty: `<benchmark>.h5` in the current folder
   std::uint64_t jobs = 1;
-  std::string shard;  ///< `K/N`, or empty
-  std::string only;   ///< the id of one run, or empty
+  std::string shard;                 ///< `K/N`, or empty
+  std::string only;                  ///< the id of one run, or empty
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
   bool fresh = false;
   bool quiet = false;
 };
@@ -69,7 +71,7 @@ struct VerifyArguments {
   bool quiet = false;
 };
 
-int CheckCommand(const std::vector<std::string>& files);
+int CheckCommand(const std::vector<std::string>& files, const std::vector<std::string>& plugins);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
 int ShowCommand(const ShowArguments& arguments);

@@ -14,6 +14,8 @@
 #include "dsl/render.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
+#include "runtime/schedule/look_into.h"
+#include "runtime/schedule/worker.h"
 
 namespace cdb::runtime {
 namespace {
@@ -71,10 +73,14 @@ std::string FindScenario(const std::string& file) {
 }
 
 compiler::Compilation CompileAndReport(const std::string& file,
-                                       const std::optional<std::string>& benchmark,
-                                       LintText lints) {
+                                       const std::optional<std::string>& benchmark, LintText lints,
+                                       const std::vector<std::string>& plugins) {
+  const auto describe = [](const std::string& path, std::string& why) {
+    return LookInto(FindAnyWorker(), path, why);
+  };
   compiler::Compilation result =
-      compiler::Compile(FindScenario(file), compiler::ReadFromDisk, {ScenarioLibrary(), benchmark});
+      compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
+                        {ScenarioLibrary(), benchmark, {plugins, describe}});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;
@@ -88,13 +94,18 @@ compiler::Compilation CompileAndReport(const std::string& file,
 }
 
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark, LintText lints) {
+                                      const std::optional<std::string>& benchmark, LintText lints,
+                                      const std::vector<std::string>& plugins) {
   if (IsPlanFile(file)) {
+    if (!plugins.empty())
+      throw CommandError(
+          fmt::format("--plugin {} goes with a scenario file; {} is a plan, which names its own",
+                      plugins[0], file));
     compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
     return {std::move(plan)};
   }
-  compiler::Compilation result = CompileAndReport(file, benchmark, lints);
+  compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
   // As the user named it: where the library lies is this machine's affair.
   for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)

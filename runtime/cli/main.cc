@@ -33,10 +33,17 @@ int Main(int argc, char** argv) {
   app.fallthrough(false);
   int status = kExitGood;
 
-  std::vector<std::string> files;
+  std::vector<std::string> files, plugins;
+  const auto add_plugins = [&plugins](CLI::App* command) {
+    command
+        ->add_option("--plugin", plugins,
+                     "a shared library with detectors of your own; several: each with --plugin")
+        ->allow_extra_args(false);
+  };
   auto* check = app.add_subcommand("check", "check scenario files: every error with its place");
   check->add_option("FILE", files, "scenario files")->required();
-  check->callback([&] { status = CheckCommand(files); });
+  add_plugins(check);
+  check->callback([&] { status = CheckCommand(files, plugins); });
 
   PlanArguments plan_arguments;
   std::string plan_benchmark;
@@ -47,13 +54,15 @@ int Main(int argc, char** argv) {
   plan->add_flag("--why", plan_arguments.why,
                  "place the objects of each run, and say what it leaves out and why");
   plan->add_option("--only", plan_arguments.only, "with --why: this one run");
+  add_plugins(plan);
   plan->callback([&] {
+    plan_arguments.plugins = plugins;
     if (!plan_benchmark.empty()) plan_arguments.benchmark = plan_benchmark;
     status = PlanCommand(plan_arguments);
   });
 
   RunArguments run_arguments;
-  std::string run_benchmark, plugin;
+  std::string run_benchmark;
   auto* run = app.add_subcommand("run", "run a scenario file or a plan; goes on where it stopped");
   run->add_option("FILE", run_arguments.file, "scenario file, or a plan as YAML")->required();
   run->add_option("-b,--benchmark", run_benchmark, "only this benchmark");
@@ -67,12 +76,9 @@ int Main(int argc, char** argv) {
                   "run this one run by itself, into RUN.h5 (ids: cdb plan)");
   run->add_flag("--fresh", run_arguments.fresh, "forget results and shards and start over");
   run->add_flag("-q,--quiet", run_arguments.quiet, "print nothing but errors");
-  run->add_option("--plugin", plugin, "a detector of your own (not yet)");
+  add_plugins(run);
   run->callback([&] {
-    if (!plugin.empty())
-      throw CommandError(
-          "--plugin: plug-in detectors are not part of this version yet; `cdb list "
-          "detectors` shows those that are");
+    run_arguments.plugins = plugins;
     if (!run_benchmark.empty()) run_arguments.benchmark = run_benchmark;
     status = RunCommand(run_arguments);
   });

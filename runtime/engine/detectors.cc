@@ -109,6 +109,20 @@ Detectors MakeDetectors(const compiler::Scene& scene) {
   return detectors;
 }
 
+void Blame(const NamedDetector& detector, std::string_view in, std::uint64_t cycle) {
+  const auto blamed = [&](std::string_view why) {
+    return SceneError(fmt::format("detector `{}` failed in {}{}: {}", detector.name, in,
+                                  cycle > 0 ? fmt::format(" of cycle {}", cycle) : "", why));
+  };
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    throw blamed(error.what());
+  } catch (...) {
+    throw blamed("it throws what is no std::exception");
+  }
+}
+
 void CheckHolds(std::string_view detector, std::uint64_t max_bodies, std::size_t bodies) {
   if (max_bodies == 0 || bodies <= max_bodies) return;
   throw SceneError(

@@ -83,6 +83,9 @@ compiler::Scene QuietScene(const Settling& settling) {
   };
   set("precision", compiler::Word{"double"});
   set("detector", compiler::Word{"dbvt"});
+  set("narrow_phase", compiler::Word{"own"});
+  set("pair_order", compiler::Word{"listed"});
+  set("threads", std::uint64_t{1});
   set("contact", compiler::Word{"bullet"});
   set("omit", compiler::WordList{"none"});
   set("record", compiler::WordList{});
@@ -92,6 +95,7 @@ compiler::Scene QuietScene(const Settling& settling) {
   set("solver.erp", 0.2);
   set("solver.warm_start", 0.85);
   set("timestep", std::min(1.0 / 60, settling.UnitOfTime() / 30));
+  scene.KeepUsedPlugins();
   return scene;
 }
 

@@ -1,7 +1,6 @@
 #include "runtime/schedule/collect.h"
 
 #include <fmt/format.h>
-#include <signal.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "compiler/value.h"
+#include "runtime/schedule/process.h"
 
 namespace cdb::runtime {
 namespace {
@@ -32,22 +32,9 @@ std::string LinesOf(std::string text) {
   return is_text ? text : std::string();
 }
 
-std::string SignalText(int signal) {
-  const char* name = sigabbrev_np(signal);
-  const char* words = sigdescr_np(signal);
-  std::string text = fmt::format("signal {}", signal);
-  if (name != nullptr && words != nullptr) text += fmt::format(" (SIG{}, {})", name, words);
-  if (signal == SIGKILL) text += ", often for want of memory";
-  return text;
-}
-
 std::string CrashText(const ProcessEnd& end, std::string_view trouble) {
   std::string text(trouble);
-  if (WIFSIGNALED(end.wait_status)) {
-    text = "the worker was ended by " + SignalText(WTERMSIG(end.wait_status));
-  } else if (WEXITSTATUS(end.wait_status) != 0) {
-    text = fmt::format("the worker ended with exit status {}", WEXITSTATUS(end.wait_status));
-  }
+  if (end.wait_status != 0) text = "the worker " + EndText(end.wait_status);
   return end.last_lines.empty() ? text : text + ": " + end.last_lines;
 }
 
