@@ -8,10 +8,12 @@
 
 namespace cdb::compiler {
 
-Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words) {
+Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words,
+           std::span<const PluginDetector> plugins) {
   const Parameter* row = FindParameter(parameter, false);
-  CDB_CHECK(row != nullptr &&
-            std::ranges::all_of(words, [&](const auto& word) { return row->HasWord(word); }));
+  CDB_CHECK(row != nullptr && std::ranges::all_of(words, [&](const auto& word) {
+              return row->HasWord(word, plugins);
+            }));
   if (std::ranges::find(plan.axes, parameter, &Axis::parameter) != plan.axes.end()) return plan;
   Plan crossed = plan;
   Axis axis{std::string(parameter), std::string(parameter), std::string(row->unit), {}};
@@ -23,6 +25,7 @@ Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::
     for (Run run : plan.runs) {
       run.at.insert(run.at.begin(), i);
       run.scene.world.values.insert_or_assign(std::string(parameter), Word{words[i]});
+      for (const PluginDetector& plugin : plugins) run.scene.AddPlugin(plugin);
       run.scene.KeepUsedPlugins();
       run.id = RunId(run.scene, run.rep);
       crossed.runs.push_back(std::move(run));

@@ -103,6 +103,11 @@ bool Scene::Uses(std::string_view detector) const {
   });
 }
 
+void Scene::AddPlugin(const PluginDetector& plugin) {
+  const auto place = std::ranges::lower_bound(plugins, plugin.name, {}, &PluginDetector::name);
+  if (place == plugins.end() || place->name != plugin.name) plugins.insert(place, plugin);
+}
+
 void Scene::KeepUsedPlugins() {
   std::erase_if(plugins, [this](const PluginDetector& plugin) { return !Uses(plugin.name); });
 }

@@ -73,6 +73,8 @@ struct Scene {
   std::uint64_t ObjectCount() const;
   /// Some setting names this detector.
   bool Uses(std::string_view detector) const;
+  /// Nothing where it is there already.
+  void AddPlugin(const PluginDetector& plugin);
   /// Drops the plug-ins that no setting names: what decides nothing must not make another run.
   void KeepUsedPlugins();
   bool operator==(const Scene&) const = default;

@@ -130,7 +130,9 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(1, 4096));
   verify->add_flag("--fresh", verify_arguments.fresh, "forget results and start over");
   verify->add_flag("-q,--quiet", verify_arguments.quiet, "no progress, only the table");
+  add_plugins(verify);
   verify->callback([&] {
+    verify_arguments.plugins = plugins;
     if (!verify_benchmark.empty()) verify_arguments.benchmark = verify_benchmark;
     if (verify_cycles > 0) verify_arguments.cycles = verify_cycles;
     status = VerifyCommand(verify_arguments);
