@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/schema.h"
 #include "compiler/sha256.h"
 #include "dsl/check.h"
 
@@ -26,9 +25,6 @@ std::string CanonicalText(const Scene& scene) {
     text += fmt::format("group {}\n{}", group.name, CanonicalText(group.settings));
   for (const auto& [stream, seed] : scene.seeds)
     text += fmt::format("seed {} {:#x}\n", stream, seed);
-  for (const PluginDetector& plugin : scene.plugins)
-    text += fmt::format("plugin {} {} {} {} {}\n", plugin.name, plugin.sha256, plugin.max_bodies,
-                        plugin.phases, ToText(Value(Text{plugin.path})));
   return text;
 }
 
@@ -95,21 +91,6 @@ std::uint64_t Scene::ObjectCount() const {
   std::uint64_t count = 0;
   for (const Group& group : groups) count += group.settings.Count("quantity");
   return count;
-}
-
-bool Scene::Uses(std::string_view detector) const {
-  return std::ranges::any_of(Schema(), [&](const Parameter& parameter) {
-    return parameter.TakesDetectors() && world.WordOr(parameter.name) == detector;
-  });
-}
-
-void Scene::AddPlugin(const PluginDetector& plugin) {
-  const auto place = std::ranges::lower_bound(plugins, plugin.name, {}, &PluginDetector::name);
-  if (place == plugins.end() || place->name != plugin.name) plugins.insert(place, plugin);
-}
-
-void Scene::KeepUsedPlugins() {
-  std::erase_if(plugins, [this](const PluginDetector& plugin) { return !Uses(plugin.name); });
 }
 
 std::uint64_t StreamSeed(std::uint64_t seed, std::string_view name) {
