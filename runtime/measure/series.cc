@@ -45,6 +45,12 @@ constexpr Series kSeries[] = {
      "largest gap of a joint: distance of its two pivots"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
+    {"boxes", "boxes", kFloat64, kBox, "m",
+     "as the broad phase was given them in the cycle; a plane's is infinite, a wall that is left "
+     "out has none"},
+    {"box_filters", "boxes", kFloat64, kFilter, "",
+     "whom a body may meet: two may where each one's group is in the other's mask and not both "
+     "are fixed"},
     {"exact_pairs", "pairs", kInt32, kScalar, "",
      "pairs that may collide and whose boxes overlap, by brute force in double"},
     {"missed_pairs", "pairs", kInt32, kScalar, "",
@@ -64,7 +70,8 @@ constexpr std::string_view kPhaseNames[] = {"broad", "narrow",    "detect",
 
 }  // namespace
 
-std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) const {
+std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects,
+                               std::uint64_t bodies) const {
   switch (shape) {
     case kScalar:
       return cycles;
@@ -72,6 +79,10 @@ std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects) cons
       return cycles * kPhaseCount;
     case kPose:
       return cycles * objects * kPoseSize;
+    case kBox:
+      return cycles * bodies * kBoxSize;
+    case kFilter:
+      return bodies * kFilterSize;
     case kSample:
       break;
   }

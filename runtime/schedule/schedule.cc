@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "compiler/capacity.h"
 #include "compiler/reference.h"
 #include "dsl/check.h"
 #include "runtime/measure/series.h"
@@ -27,8 +28,9 @@ void CheckMemory(const compiler::Plan& plan) {
   double bytes = 0, sampled = 0;
   for (const Series& series : AllSeries())
     if (series.IsRecordedBy(plan))
-      bytes += static_cast<double>(series.ItemBytes() *
-                                   series.ValueCount(plan.MaxCycles(), plan.MaxObjects()));
+      bytes += static_cast<double>(
+          series.ItemBytes() *
+          series.ValueCount(plan.MaxCycles(), plan.MaxObjects(), compiler::MaxBodyCount(plan)));
   for (const compiler::Run& run : plan.runs)
     if (const auto shape = SampleShapeOf(run.scene))
       sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));

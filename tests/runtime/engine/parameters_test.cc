@@ -115,6 +115,7 @@ const std::map<std::string, std::string> kNotTheEngines = {
     {"precision", "chooses the worker"},
     {"objects.overlap", "is of layouts that are refused without it"},
     {"repeats", "is the schedule's"},
+    {"trace", "is run without the engine: replay_test.cc"},
     {"expect", "is the verdict's"},
     {"timeout", "is the schedule's"},
     {"record", "is what is stored; a test of its own says that it changes nothing"},
