@@ -65,6 +65,7 @@ struct VerifyArguments {
   std::optional<std::string> benchmark;
   std::vector<std::string> detectors;   ///< empty: the file's own; `all`: every one that can
   std::optional<std::uint64_t> cycles;  ///< nullopt: the file's own
+  std::vector<std::string> plugins;     ///< shared libraries with detectors
   std::string out;                      ///< folder of the results; empty: the current one
   std::vector<std::string> plugins;     ///< shared libraries with detectors
   std::uint64_t jobs = 1;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <set>
 
 #include "compiler/lints.h"
@@ -94,9 +93,10 @@ compiler::Compilation CompileAndReport(const std::string& file,
   return result;
 }
 
-LoadedPlans LoadPlansAndPlugins(const std::string& file,
-                                const std::optional<std::string>& benchmark, LintText lints,
-                                const std::vector<std::string>& plugins) {
+std::vector<compiler::Plan> LoadPlans(const std::string& file,
+                                      const std::optional<std::string>& benchmark, LintText lints,
+                                      const std::vector<std::string>& plugins,
+                                      std::vector<compiler::PluginDetector>* named) {
   if (IsPlanFile(file)) {
     if (!plugins.empty())
       throw CommandError(
@@ -104,28 +104,20 @@ LoadedPlans LoadPlansAndPlugins(const std::string& file,
                       plugins[0], file));
     compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
-    std::map<std::string, compiler::PluginDetector> used;
-    for (const compiler::Run& run : plan.runs)
-      for (const compiler::PluginDetector& plugin : run.scene.plugins)
-        used.emplace(plugin.name, plugin);
-    LoadedPlans loaded;
-    for (auto& [name, plugin] : used) loaded.plugins.push_back(std::move(plugin));
-    loaded.plans.push_back(std::move(plan));
-    return loaded;
+    if (named != nullptr)
+      for (const compiler::Run& run : plan.runs)
+        for (const compiler::PluginDetector& plugin : run.scene.plugins)
+          if (std::ranges::find(*named, plugin) == named->end()) named->push_back(plugin);
+    return {std::move(plan)};
   }
   compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
+  if (named != nullptr)
+    named->assign(result.scenario->plugins().begin(), result.scenario->plugins().end());
   // As the user named it: where the library lies is this machine's affair.
   for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
-  const auto found = result.scenario->plugins();
-  return {std::move(result.plans), {found.begin(), found.end()}};
-}
-
-std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark, LintText lints,
-                                      const std::vector<std::string>& plugins) {
-  return LoadPlansAndPlugins(file, benchmark, lints, plugins).plans;
+  return std::move(result.plans);
 }
 
 void CheckWords(std::string_view parameter, const std::vector<std::string>& words,

@@ -280,6 +280,8 @@ For axes quantity and detector:
   omitted                                 parts of the engine that the run left out: `cdb doc omit`
   needs                                   what became of each part and why, a line each
   run_id, message, host, started, load, peak_rss, place_time, build_time, fill_fraction
+  harness                                 ns of a cycle that measuring costs: clock stamps, and calling
+                                          a detector that does nothing; in the figures, not subtracted
   /accuracy                               errors, where the scenario asks for them: cdb doc accuracy
   /provenance                             build, machine, plan_text, scenario_text; models: how well
                                           convex hulls stand for the meshes of the scene
@@ -289,6 +291,13 @@ An axis that is called like a dataset above is stored as NAME_axis: `cases load 
 `record contacts` adds a ragged list: contact_body, contact_point, contact_normal, contact_distance
 over `contact`, cell after cell; `contacts` says how many rows each cycle has, contact_first where
 those of a run begin.
+`record pairs` holds the detector against brute force, in double, on the boxes that it was given in each
+cycle: exact_pairs there were, missed_pairs of them it did not list, phantom_pairs it listed do not
+overlap, duplicate_pairs it listed again. Contacts are held against closed forms, as by the metric
+geometry (cdb doc accuracy): missed_contacts, depth_error, normal_error. -1 and NaN where a cycle has no
+such value. Where a run records timing or memory too, all of it comes from a second pass without a clock,
+which has to end in the same state. `cdb verify FILE` does this for every detector, and `cdb show` names
+those that miss pairs before any figure.
 Phases: broad is updating the boxes and finding pairs, narrow is contacts, detect is both and what
 lies between, step is the whole cycle. Each is stamped by itself; nothing is subtracted.
 

@@ -155,6 +155,7 @@ FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_
   result.place_ns = 1000 + n;
   result.build_ns = 2000 + n;
   result.fill_fraction = 0.125;
+  result.harness_ns = 40 + n;
   if (status == Status::kDone) {
     result.state_hash = run.id;
   } else {
