@@ -12,6 +12,7 @@
 #include "dsl/render.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
+#include "runtime/store/trace_file.h"
 
 namespace cdb::runtime {
 namespace {
@@ -44,6 +45,17 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
                      fmt::join(names, ", "), file);
 }
 
+/// The compiler names the file itself.
+std::optional<compiler::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
+  try {
+    return ReadTraceFacts(path);
+  } catch (const StoreError& error) {
+    why = error.what();
+    if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::string ScenarioLibrary() {
@@ -71,8 +83,8 @@ std::string FindScenario(const std::string& file) {
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark,
                                        LintText lints) {
-  compiler::Compilation result =
-      compiler::Compile(FindScenario(file), compiler::ReadFromDisk, {ScenarioLibrary(), benchmark});
+  compiler::Compilation result = compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
+                                                   {ScenarioLibrary(), benchmark, ReadTraceAt});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -14,6 +12,7 @@
 #include "library/layouts/nudge.h"
 #include "library/layouts/placement.h"
 #include "library/objects/solid_maker.h"
+#include "runtime/engine/memory.h"
 #include "runtime/engine/probes.h"
 #include "runtime/engine/sampler.h"
 #include "runtime/engine/schedules.h"
@@ -140,15 +139,6 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
     ReportFailure(recording, error.what());
   }
   return engine;
-}
-
-double PeakRssBytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    double kilobytes = 0;
-    if (word == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
-  }
-  return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace cdb::runtime

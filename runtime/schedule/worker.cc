@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "compiler/plan_yaml.h"
+#include "compiler/trace.h"
 #include "dsl/check.h"
 #include "runtime/measure/host.h"
 #include "runtime/schedule/collect.h"
@@ -91,12 +92,13 @@ class SpawnPlan {
     sources_.emplace_back(fcntl(from, F_DUPFD_CLOEXEC, kAboveAllTargets));
     if (sources_.back().get() < 0) Fail("no descriptor to start a run", errno);
     Check(posix_spawn_file_actions_adddup2(&actions_, sources_.back().get(), to));
+    last_ = std::max(last_, to);
   }
 
   pid_t Start(const fs::path& program) {
     Check(posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0));
     Check(posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0));
-    Check(posix_spawn_file_actions_addclosefrom_np(&actions_, kContactsFd + 1));
+    Check(posix_spawn_file_actions_addclosefrom_np(&actions_, last_ + 1));
     sigset_t set;
     sigemptyset(&set);
     Check(posix_spawnattr_setsigmask(&attributes_, &set));
@@ -121,6 +123,7 @@ class SpawnPlan {
   posix_spawn_file_actions_t actions_;
   posix_spawnattr_t attributes_;
   std::vector<Descriptor> sources_;
+  int last_ = STDERR_FILENO;
 };
 
 /// What we start while it lives starts on `cpu`: a child inherits, so there is no moment at which
@@ -296,7 +299,11 @@ struct ProcessLauncher::Worker {
 };
 
 ProcessLauncher::ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop)
-    : programs_(std::move(programs)), stop_(stop), cpus_(ChooseCpus(slots)), workers_(slots) {}
+    : programs_(std::move(programs)),
+      stop_(stop),
+      traces_(slots),
+      cpus_(ChooseCpus(slots)),
+      workers_(slots) {}
 
 ProcessLauncher::~ProcessLauncher() = default;
 
@@ -329,6 +336,15 @@ void ProcessLauncher::Start(std::size_t slot, const compiler::Run& run) {
   spawn.Give(text.get(), kRunFd);
   spawn.Give(worker->recording->fd(), kRecordingFd);
   spawn.Give(worker->contacts.get(), kContactsFd);
+  if (const auto trace = compiler::TraceOf(run.scene)) {
+    try {
+      spawn.Give(traces_.Get(*trace), kTraceFd);
+    } catch (const std::system_error& error) {
+      throw ScheduleError(error.what());
+    } catch (const StoreError& error) {
+      throw ScheduleError(error.what());
+    }
+  }
 
   worker->load = LoadAverage();
   worker->started_s = SecondsSinceEpoch();
