@@ -13,6 +13,8 @@
 #include "runtime/engine/broad_phase.h"
 #include "runtime/engine/conversions.h"
 #include "runtime/engine/precision.h"
+#include "runtime/engine/seam_broad_phase.h"
+#include "runtime/engine/seam_dispatcher.h"
 
 namespace cdb::runtime {
 namespace {
@@ -120,6 +122,11 @@ std::unique_ptr<btConstraintSolver> MakeSolver(const Omissions& omissions) {
 }  // namespace
 
 Engine::Engine(const compiler::Scene& scene, library::InitialState state, Omissions omissions)
+    : Engine(scene, std::move(state), omissions,
+             omissions.Omits(Component::kDetection) ? Detectors{} : MakeDetectors(scene)) {}
+
+Engine::Engine(const compiler::Scene& scene, library::InitialState state, Omissions omissions,
+               const Detectors& detectors)
     : scene_(scene),
       state_(std::move(state)),
       omissions_(std::move(omissions)),
@@ -131,18 +138,6 @@ Engine::Engine(const compiler::Scene& scene, library::InitialState state, Omissi
       acceleration_(state_.acceleration),
       configuration_(PoolSizes(omissions_)),
       solver_(MakeSolver(omissions_)) {
-  const auto reach = static_cast<btScalar>(Reach(scene_, state_));
-  if (!std::isfinite(reach))
-    throw SceneError(fmt::format("world.side is out of reach of {} precision", EnginePrecision()));
-  const btVector3 corner(reach, reach, reach);
-  const std::size_t bodies =
-      state_.objects.size() + static_cast<std::size_t>(std::popcount(standing_));
-  broad_phase_ =
-      MakeBroadPhase({.detector = omissions_.Omits(Component::kDetection) ? "simple" : detector(),
-                      .bodies = bodies,
-                      .lower = -corner,
-                      .upper = corner,
-                      .raycast_tree = !omissions_.Omits(Component::kRaycastTree)});
   const btVector3 acceleration = ToBullet(state_.acceleration);
   if (!IsFinite(acceleration))
     throw SceneError(
@@ -152,8 +147,46 @@ Engine::Engine(const compiler::Scene& scene, library::InitialState state, Omissi
   for (int wall = 0; wall < kWallCount; ++wall)
     if ((standing_ & 1 << wall) != 0 && IsKept(wall)) MakeWall(wall);
   SettleRotation();
-  MakeWorld();
+  MakeDetection(detectors);
   links_ = std::make_unique<Links>(scene_, state_, objects_, *world_);
+}
+
+void Engine::MakeDetection(const Detectors& detectors) {
+  const auto reach = static_cast<btScalar>(Reach(scene_, state_));
+  if (!std::isfinite(reach))
+    throw SceneError(fmt::format("world.side is out of reach of {} precision", EnginePrecision()));
+  const std::size_t bodies =
+      state_.objects.size() + static_cast<std::size_t>(std::popcount(standing_));
+  if (!detectors.broad) {
+    CDB_CHECK(!detectors.narrow);
+    const btVector3 corner(reach, reach, reach);
+    dispatcher_ = std::make_unique<btCollisionDispatcher>(&configuration_);
+    broad_phase_ =
+        MakeBroadPhase({.detector = omissions_.Omits(Component::kDetection) ? "simple" : detector(),
+                        .bodies = bodies,
+                        .lower = -corner,
+                        .upper = corner,
+                        .raycast_tree = !omissions_.Omits(Component::kRaycastTree)});
+    return MakeWorld();
+  }
+  for (const NamedDetector* detector : {&detectors.broad, &detectors.narrow})
+    CheckHolds(detector->name, detector->max_bodies, bodies);
+  scene_view_ = std::make_unique<SceneView>(objects_, walls_, state_);
+  auto broad_phase = std::make_unique<SeamBroadPhase>(detectors.broad, *scene_view_);
+  SeamBroadPhase& broad = *broad_phase;
+  broad_phase_ = std::move(broad_phase);
+  SeamDispatcher* narrow = nullptr;
+  if (detectors.narrow) {
+    auto dispatcher =
+        std::make_unique<SeamDispatcher>(&configuration_, detectors.narrow, *scene_view_);
+    narrow = dispatcher.get();
+    dispatcher_ = std::move(dispatcher);
+  } else {
+    dispatcher_ = std::make_unique<btCollisionDispatcher>(&configuration_);
+  }
+  MakeWorld();
+  broad.Prepare();
+  if (narrow != nullptr && detectors.narrow.detector != detectors.broad.detector) narrow->Prepare();
 }
 
 Engine::~Engine() {
@@ -162,7 +195,8 @@ Engine::~Engine() {
   while (cache->getNumOverlappingPairs() > 0) {
     const btBroadphasePair last =
         cache->getOverlappingPairArray()[cache->getNumOverlappingPairs() - 1];
-    if (cache->removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher_) == nullptr &&
+    if (cache->removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, dispatcher_.get()) ==
+            nullptr &&
         cache->findPair(last.m_pProxy0, last.m_pProxy1) != nullptr)
       break;
   }
@@ -259,15 +293,17 @@ void Engine::SettleRotation() {
 
 void Engine::MakeWorld() {
   if (scene_.world.Lists("record", "timing")) {
-    auto world = std::make_unique<TimedWorld>(&dispatcher_, broad_phase_.get(), solver_.get(),
+    auto world = std::make_unique<TimedWorld>(dispatcher_.get(), broad_phase_.get(), solver_.get(),
                                               &configuration_, omissions_);
     timed_world_ = world.get();
     world_ = std::move(world);
   } else {
-    world_ = std::make_unique<LeanWorld>(&dispatcher_, broad_phase_.get(), solver_.get(),
+    world_ = std::make_unique<LeanWorld>(dispatcher_.get(), broad_phase_.get(), solver_.get(),
                                          &configuration_, omissions_);
   }
   world_->setGravity(ToBullet(state_.acceleration));
+  world_->getDispatchInfo().m_deterministicOverlappingPairs =
+      scene_.world.WordOr("pair_order") == "sorted";
   SetUpSolver();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     btRigidBody& body = *objects_[i];

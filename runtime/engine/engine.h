@@ -8,8 +8,10 @@
 
 #include "compiler/plan.h"
 #include "library/layouts/initial_state.h"
+#include "runtime/engine/detectors.h"
 #include "runtime/engine/lean_world.h"
 #include "runtime/engine/links.h"
+#include "runtime/engine/scene_view.h"
 #include "runtime/engine/shapes.h"
 #include "runtime/engine/timed_world.h"
 #include "runtime/needs/needs.h"
@@ -29,6 +31,9 @@ class Engine {
   /// keeps. Throws library::SceneError for what the detector or the precision cannot hold, and
   /// where `omit` names what only the built world shows to be needed.
   Engine(const compiler::Scene& scene, library::InitialState state, Omissions omissions);
+  /// The same with these instead of the detectors that the scene names.
+  Engine(const compiler::Scene& scene, library::InitialState state, Omissions omissions,
+         const Detectors& detectors);
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
@@ -49,6 +54,8 @@ class Engine {
     return !omissions_.walls.empty() && (standing_ & ~omissions_.walls[object] & 1 << wall) != 0;
   }
   std::string_view detector() const { return scene_.world.WordOr("detector"); }
+  /// The bodies as detectors see them; null where both phases are Bullet's own.
+  const SceneView* scene_view() const { return scene_view_.get(); }
 
   /// Null where the scene does not record timing; its cycles run without a clock.
   const TimedWorld* timed_world() const { return timed_world_; }
@@ -66,6 +73,7 @@ class Engine {
   double side() const { return side_; }
 
  private:
+  void MakeDetection(const Detectors& detectors);
   bool IsKept(int wall) const;  ///< by any object
   void MakeObject(const library::ObjectState& object);
   void MakeWall(int wall);
@@ -86,8 +94,9 @@ class Engine {
   std::vector<std::unique_ptr<btCollisionShape>> wall_shapes_;
   std::vector<std::unique_ptr<btRigidBody>> objects_, walls_;
   btDefaultCollisionConfiguration configuration_;
-  btCollisionDispatcher dispatcher_{&configuration_};
   std::unique_ptr<btConstraintSolver> solver_;
+  std::unique_ptr<SceneView> scene_view_;  ///< where a detector is not Bullet's own
+  std::unique_ptr<btCollisionDispatcher> dispatcher_;
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
   std::unique_ptr<LeanWorld> world_;
   std::unique_ptr<Links> links_;

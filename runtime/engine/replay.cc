@@ -54,10 +54,10 @@ NamedDetector MakeFor(const compiler::Scene& scene, const TracedScene& traced) {
   const std::string_view name = scene.world.WordOr("detector");
   NamedDetector detector = MakeDetector(name, scene);
   CheckHolds(name, detector.max_bodies, traced.shape().bodies);
-  if ((detector.phases & kBroad) == 0 || (detector.phases & kNeedsPoses) != 0)
+  if ((detector.phases & cdb::kBroad) == 0 || (detector.phases & cdb::kNeedsPoses) != 0)
     throw library::SceneError(
         fmt::format("detector `{}` {}, and a trace has boxes alone; run it in a live world", name,
-                    (detector.phases & kBroad) == 0 ? "lists no pairs" : "needs poses"));
+                    (detector.phases & cdb::kBroad) == 0 ? "lists no pairs" : "needs poses"));
   return detector;
 }
 

@@ -12,6 +12,7 @@
 #include "library/layouts/nudge.h"
 #include "library/layouts/placement.h"
 #include "library/objects/solid_maker.h"
+#include "runtime/engine/harness.h"
 #include "runtime/engine/memory.h"
 #include "runtime/engine/probes.h"
 #include "runtime/engine/sampler.h"
@@ -120,6 +121,7 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
     CopyText(compiler::OmittedNames(engine->omissions().needs), header.omitted);
     CopyText(compiler::NeedsText(engine->omissions().needs), header.needs);
     if (run.scene.role == compiler::Role::kMeasured) {
+      header.harness_ns = HarnessNs(run.scene, *engine);
       RunCycles(run.scene, *engine, recording, contacts_fd);
     } else {
       CollectSamples(run.scene, *engine, recording);

@@ -83,6 +83,9 @@ compiler::Scene QuietScene(const Settling& settling) {
   };
   set("precision", compiler::Word{"double"});
   set("detector", compiler::Word{"dbvt"});
+  set("narrow_phase", compiler::Word{"own"});
+  set("pair_order", compiler::Word{"listed"});
+  set("threads", std::uint64_t{1});
   set("contact", compiler::Word{"bullet"});
   set("omit", compiler::WordList{"none"});
   set("record", compiler::WordList{});

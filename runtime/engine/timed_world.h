@@ -26,9 +26,10 @@ namespace cdb::runtime {
 /// Monotonic time in ns.
 std::int64_t Now();
 
-/// Stamps the clock nine times a step; stores nothing else. Not for several threads.
+/// Stamps the clock so many times a step; stores nothing else. Not for several threads.
 class TimedWorld final : public LeanWorld {
  public:
+  static constexpr std::size_t kStamps = 9;
   using LeanWorld::LeanWorld;
 
   /// One internal step of `timestep` s, stamped.
@@ -48,6 +49,7 @@ class TimedWorld final : public LeanWorld {
     std::int64_t step_begin, detect_begin, broad_end, detect_end;
     std::int64_t solve_begin, solve_end, integrate_begin, integrate_end, step_end;
   };
+  static_assert(sizeof(Stamps) == kStamps * sizeof(std::int64_t));
   Stamps stamps_ = {};
 };
 
