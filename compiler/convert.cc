@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compiler/diagnostic_kinds.h"
+#include "library/catalogue.h"
 
 namespace cdb::compiler {
 namespace {
@@ -16,8 +17,13 @@ constexpr double kLeastChance = 1e-3;
 class Converter {
  public:
   Converter(const Parameter& parameter, const dsl::Span& span,
-            const std::vector<dsl::Span>& choices, dsl::Diagnostics& diagnostics)
-      : parameter_(parameter), span_(span), choices_(choices), diagnostics_(diagnostics) {}
+            const std::vector<dsl::Span>& choices, std::span<const PluginDetector> plugins,
+            dsl::Diagnostics& diagnostics)
+      : parameter_(parameter),
+        span_(span),
+        choices_(choices),
+        plugins_(plugins),
+        diagnostics_(diagnostics) {}
 
   std::optional<Value> Constant(const Term& term) const {
     if (const Word* word = term.word()) return FromWord(*word);
@@ -71,7 +77,8 @@ class Converter {
           good = false;
           continue;
         }
-        const auto value = Converter(parameter_, at, {}, diagnostics_).Constant(drawn.arguments[i]);
+        const auto value =
+            Converter(parameter_, at, {}, {}, diagnostics_).Constant(drawn.arguments[i]);
         good = good && value;
         if (value) distribution.arguments.push_back(*value);
       }
@@ -82,7 +89,7 @@ class Converter {
     if (parameter_.type != ParameterType::kReal && parameter_.type != ParameterType::kVector)
       return Error(kWrongKind,
                    fmt::format("'{}' takes {}; {}( ) draws numbers", parameter_.name,
-                               parameter_.Takes(), DistributionName(drawn.kind)),
+                               parameter_.Takes(plugins_), DistributionName(drawn.kind)),
                    "any(…) draws from a list");
     if (vectors && parameter_.type != ParameterType::kVector)
       return Error(kWrongKind, fmt::format("'{}' is a number and cannot be drawn from vectors",
@@ -107,12 +114,13 @@ class Converter {
 
   std::nullopt_t WrongKind(const Term& term) const {
     const Text* text = term.text();
-    if (text != nullptr && (parameter_.HasWord(text->text) || parameter_.TakesCall(text->text)))
+    if (text != nullptr &&
+        (parameter_.HasWord(text->text, plugins_) || parameter_.TakesCall(text->text)))
       return Error(kWrongKind, fmt::format("'{}' takes a word, not a text", parameter_.name),
                    fmt::format("write {} without quotes", text->text));
     return Error(kWrongKind,
-                 fmt::format("'{}' takes {}; this is {}", parameter_.name, parameter_.Takes(),
-                             KindName(term)),
+                 fmt::format("'{}' takes {}; this is {}", parameter_.name,
+                             parameter_.Takes(plugins_), KindName(term)),
                  text != nullptr && parameter_.TakesCall("mesh")
                      ? fmt::format("write mesh({})", ToText(Value(*text)))
                      : "");
@@ -163,6 +171,9 @@ class Converter {
       if (text == "on" || text == "true") return Value(true);
       if (text == "off" || text == "false") return Value(false);
     }
+    if (parameter_.TakesDetectors())
+      if (const auto detector = FindDetector(text, plugins_))
+        return CanBeUsed(*detector) ? std::optional(Value(word)) : std::nullopt;
     if (parameter_.HasWord(text)) return Value(word);
     if (parameter_.TakesCall(text)) {
       const CallInfo& info = *FindCall(text);
@@ -170,16 +181,38 @@ class Converter {
       ReportMissingArguments(info, RequiredArguments(info), span_, diagnostics_);
       return std::nullopt;
     }
-    std::vector<std::string_view> words = parameter_.AllWords();
+    std::vector<std::string_view> words = parameter_.AllWords(plugins_);
     for (const std::string_view call : parameter_.AllCalls()) words.push_back(call);
     if (parameter_.type == ParameterType::kSwitch) words = {"on", "off"};
     if (words.empty())
-      return Error(kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
-                   fmt::format("it takes {}, and no let has this name", parameter_.Takes()));
+      return Error(
+          kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
+          fmt::format("it takes {}, and no let has this name", parameter_.Takes(plugins_)));
     const std::string_view near = dsl::DidYouMean(text, words);
     return Error(kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
-                 near.empty() ? fmt::format("it takes {}", parameter_.Takes())
+                 near.empty() ? fmt::format("it takes {}", parameter_.Takes(plugins_))
                               : fmt::format("did you mean '{}'?", near));
+  }
+
+  /// It has the phase that is asked for, and is there.
+  bool CanBeUsed(const library::DetectorInfo& detector) const {
+    if (!parameter_.HasWord(detector.name, plugins_)) {
+      if (parameter_.word_source == WordSource::kNarrowPhases) {
+        Error(kWrongKind, fmt::format("'{}' has no narrow phase: it finds pairs", detector.name),
+              fmt::format("write detector {}", detector.name));
+      } else {
+        Error(kWrongKind, fmt::format("'{}' finds no pairs: it is a narrow phase", detector.name),
+              fmt::format("write narrow_phase {}", detector.name));
+      }
+      return false;
+    }
+    const library::DetectorPart* part = library::FindDetectorPart(detector.part);
+    if (part == nullptr || part->is_built) return true;
+    Error(kUnavailable,
+          fmt::format("'{}' is not part of this build: it needs the package {}", detector.name,
+                      part->package),
+          "`./setup --rivals` installs it and builds the detectors that need it");
+    return false;
   }
 
   /// Draws outside the domain are drawn again; that has to end.
@@ -210,14 +243,17 @@ class Converter {
   const Parameter& parameter_;
   const dsl::Span& span_;
   const std::vector<dsl::Span>& choices_;
+  std::span<const PluginDetector> plugins_;
   dsl::Diagnostics& diagnostics_;
 };
 
 }  // namespace
 
 std::optional<Value> Convert(const Term& term, const Parameter& parameter, const dsl::Span& span,
-                             const std::vector<dsl::Span>& choices, dsl::Diagnostics& diagnostics) {
-  const Converter converter(parameter, span, choices, diagnostics);
+                             const std::vector<dsl::Span>& choices,
+                             std::span<const PluginDetector> plugins,
+                             dsl::Diagnostics& diagnostics) {
+  const Converter converter(parameter, span, choices, plugins, diagnostics);
   return term.drawn() ? converter.Drawn(*term.drawn()) : converter.Constant(term);
 }
 
@@ -237,7 +273,7 @@ std::optional<Value> ConvertList(const std::vector<std::pair<Term, dsl::Span>>& 
   std::vector<dsl::Span> spans;
   bool good = true;
   for (const auto& [term, span] : terms) {
-    const auto value = Converter(parameter, span, {}, diagnostics).Constant(term);
+    const auto value = Converter(parameter, span, {}, {}, diagnostics).Constant(term);
     if (!value) {
       good = false;
       continue;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -15,9 +16,12 @@
 namespace cdb::compiler {
 
 /// The value, or nullopt after a diagnostic at `span` that says what the parameter takes.
-/// `choices`: where the choices of an any( ) stand, where that is known.
+/// `choices`: where the choices of an any( ) stand, where that is known. `plugins`: detectors
+/// beside the catalogue's.
 std::optional<Value> Convert(const Term& term, const Parameter& parameter, const dsl::Span& span,
-                             const std::vector<dsl::Span>& choices, dsl::Diagnostics& diagnostics);
+                             const std::vector<dsl::Span>& choices,
+                             std::span<const PluginDetector> plugins,
+                             dsl::Diagnostics& diagnostics);
 
 /// `pair` without what it needs: `missing`, of its arguments.
 void ReportMissingArguments(const CallInfo& info, const std::vector<std::string_view>& missing,

@@ -23,7 +23,7 @@ inline constexpr dsl::DiagnosticKind kNoSuchFile{"no-such-file"};
 inline constexpr dsl::DiagnosticKind kTooManyRuns{"too-many-runs"};
 inline constexpr dsl::DiagnosticKind kNoRuns{"no-runs"};
 inline constexpr dsl::DiagnosticKind kCapacity{"capacity"};
-inline constexpr dsl::DiagnosticKind kNotYet{"not-yet"};
+inline constexpr dsl::DiagnosticKind kUnavailable{"unavailable"};
 inline constexpr dsl::DiagnosticKind kBadComparison{"bad-comparison"};
 inline constexpr dsl::DiagnosticKind kContradiction{"contradiction"};
 inline constexpr dsl::DiagnosticKind kNeeded{"needed"};
@@ -32,7 +32,7 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
     &kOutOfDomain,    &kNotFinite,  &kBadArguments, &kBadRange,      &kMisplacedSweep,
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
-    &kNoRuns,         &kCapacity,   &kNotYet,       &kBadComparison, &kContradiction,
+    &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded};
 
 }  // namespace cdb::compiler

@@ -152,7 +152,7 @@ std::optional<Eigen::Vector3d> Evaluator::EvaluateTriple(const Expr& expr, const
 Referent Evaluator::Resolve(const std::string& path, const Scope& scope) const {
   if (scope.file == nullptr) return {};  // a default of the schema: its words are words
   if (scope.parameter != nullptr &&
-      (scope.parameter->HasWord(path) || scope.parameter->TakesCall(path)))
+      (scope.parameter->HasWord(path, scenario_.plugins()) || scope.parameter->TakesCall(path)))
     return {};
   for (std::string block = Joined(scope.group, scope.block);; block = Outside(block)) {
     const auto let = layers_.lets.find({block, path});
@@ -271,11 +271,12 @@ const Expr& Evaluator::Origin(const Expr& expr, const Scope& scope) {
 
 std::optional<Value> Evaluator::ToValue(const Term& term, const Parameter& parameter,
                                         const Expr& expr, const Scope& scope) {
+  if (term.text() != nullptr && parameter.TakesCall(kTraceCall)) return TraceNamed(term);
   const Expr& origin = Origin(expr, scope);
   std::vector<dsl::Span> choices;
   if (origin.kind == ExprKind::kCall)
     for (const dsl::Argument& argument : origin.arguments) choices.push_back(argument.value->span);
-  return Convert(term, parameter, origin.span, choices, diagnostics_);
+  return Convert(term, parameter, origin.span, choices, scenario_.plugins(), diagnostics_);
 }
 
 std::optional<Term> Evaluator::EvaluateList(const dsl::Setting& setting, const Scope& scope) {
@@ -469,8 +470,9 @@ std::vector<std::string_view> Evaluator::WordsOf(const Expr& expr, const Scope& 
   if (axis_values.contains(expr.text)) return {};
   const Referent referent = Resolve(expr.text, scope);
   if (!referent.parameter) return {};
-  std::vector<std::string_view> words = referent.parameter->second->AllWords();
-  for (const std::string_view call : referent.parameter->second->AllCalls()) words.push_back(call);
+  const Parameter& parameter = *referent.parameter->second;
+  std::vector<std::string_view> words = parameter.AllWords(scenario_.plugins());
+  for (const std::string_view call : parameter.AllCalls()) words.push_back(call);
   return words;
 }
 

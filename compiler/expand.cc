@@ -17,8 +17,8 @@
 #include "compiler/lints.h"
 #include "compiler/needs.h"
 #include "compiler/reference.h"
+#include "compiler/traced_scene.h"
 #include "dsl/check.h"
-#include "library/catalogue.h"
 
 namespace cdb::compiler {
 namespace {
@@ -73,7 +73,8 @@ struct ParameterValues {
 class Configuration {
  public:
   Configuration(const Scenario& scenario, Layers layers, dsl::Diagnostics& diagnostics)
-      : layers_(std::move(layers)),
+      : scenario_(scenario),
+        layers_(std::move(layers)),
         evaluator_(scenario, layers_, diagnostics),
         axes_(FindAxes(layers_, evaluator_)) {
     // Also those that nothing uses: a file is checked whole.
@@ -114,6 +115,8 @@ class Configuration {
     }
     if (!good) return std::nullopt;
     AddSeeds(scene);
+    scene.plugins.assign(scenario_.plugins().begin(), scenario_.plugins().end());
+    scene.KeepUsedPlugins();
     return scene;
   }
 
@@ -242,6 +245,7 @@ class Configuration {
     }
   }
 
+  const Scenario& scenario_;
   Layers layers_;
   Evaluator evaluator_;
   std::vector<SweepAxis> axes_;
@@ -416,7 +420,7 @@ class Expander {
       }
       const auto term = here.evaluator().EvaluateParameter({"", repeats});
       const auto converted =
-          term ? Convert(*term, *repeats, span, {}, diagnostics_) : std::optional<Value>();
+          term ? Convert(*term, *repeats, span, {}, {}, diagnostics_) : std::optional<Value>();
       if (!converted) return false;
       const std::uint64_t n = std::get<std::uint64_t>(*converted);
       if (value && *value != n) {
@@ -460,16 +464,38 @@ class Expander {
     }
     configuration.Choose(local);
     if (IsSkipped(configuration, at)) return false;
-    const auto scene = configuration.MakeScene();
-    if (!scene || !CheckCounts(configuration, *scene) || !CheckNeeds(configuration, *scene) ||
-        !CheckAccuracy(configuration, *scene)) {
+    auto scene = configuration.MakeScene();
+    const bool is_traced = scene && TraceOf(*scene);
+    if (!scene || (is_traced && !Trace(configuration, *scene)) ||
+        !CheckCounts(configuration, *scene) ||
+        (!is_traced &&
+         (!CheckNeeds(configuration, *scene) || !CheckAccuracy(configuration, *scene)))) {
       broken_ = true;
       return true;
     }
-    if (lints_) FindLints(configuration, *scene);
+    if (lints_ && !is_traced) FindLints(configuration, *scene);
     for (std::uint64_t rep = 0; rep < plan_.repeats; ++rep)
       plan_.runs.push_back({RunId(*scene, rep), at, rep, *scene, {}, {}});
     return true;
+  }
+
+  /// Makes it a scene of its trace. False where what is set does not go with one.
+  bool Trace(Configuration& configuration, Scene& scene) {
+    std::string why;
+    const auto facts = scenario_.TraceAt(TraceOf(scene)->path, why);
+    CDB_CHECK(facts);
+    const auto faults = LayTrace(configuration.layers(), *facts, scene);
+    for (const TracedFault& fault : faults) {
+      if (!untraceable_.emplace(fault.key, fault.word).second) continue;
+      dsl::Span span = configuration.SpanOf(fault.key, benchmark_.benchmark->name.span);
+      if (!fault.word.empty()) {
+        span = configuration.SpanOfWord(fault.key, fault.word);
+      } else if (fault.kind == &kContradiction) {
+        span = configuration.layers().settings.at(fault.key).node->path.span;
+      }
+      diagnostics_.Report(*fault.kind, span, fault.message, fault.help);
+    }
+    return faults.empty();
   }
 
   bool IsSkipped(Configuration& configuration, const Point& at) {
@@ -509,19 +535,22 @@ class Expander {
     }
     const bool places_good = CheckPlaces(configuration, scene);
     if (!CheckLinks(configuration, scene) || !places_good) return false;
-    const std::string_view detector_name = scene.world.WordOr("detector");
-    const library::DetectorInfo* detector = library::FindDetector(detector_name);
-    CDB_CHECK(detector != nullptr);
-    if (detector->Holds(bodies)) return true;
-    if (!capacity_reported_)
-      diagnostics_.Report(kCapacity,
-                          configuration.SpanOf({"", FindParameter("detector", false)}, name),
-                          fmt::format("'{}' holds at most {} bodies, walls included; here are {}",
-                                      detector_name, detector->max_bodies, bodies),
-                          fmt::format("skip when quantity > {} and detector == {}, or use sap32",
-                                      detector->max_bodies - (bodies - objects), detector_name));
-    capacity_reported_ = true;
-    return false;
+    bool holds = true;
+    for (const char* parameter : {"detector", "narrow_phase"}) {
+      const std::string_view word = scene.world.WordOr(parameter);
+      const auto detector = FindDetector(word, scene.plugins);
+      if (!detector || detector->Holds(bodies)) continue;
+      holds = false;
+      if (!std::exchange(capacity_reported_, true))
+        diagnostics_.Report(
+            kCapacity, configuration.SpanOf({"", FindParameter(parameter, false)}, name),
+            fmt::format("'{}' holds at most {} bodies, walls included; here are {}", word,
+                        detector->max_bodies, bodies),
+            fmt::format("skip when quantity > {} and {} == {}, or use {}",
+                        detector->max_bodies - (bodies - objects), parameter, word,
+                        parameter == std::string_view("detector") ? "sap32" : "bullet"));
+    }
+    return holds;
   }
 
   /// `at` and `pair` place so many objects and no others.
@@ -680,6 +709,8 @@ class Expander {
   std::set<std::pair<std::string, std::string>> misplaced_;
   /// Words of `omit` that were refused: the reason may be another one in each run.
   std::set<std::tuple<const dsl::Source*, std::size_t, Component>> needed_;
+  /// Settings, and words of `record`, that do not go with a trace, as reported.
+  std::set<std::pair<ParameterKey, std::string>> untraceable_;
   std::map<Lint, LintFinding> findings_;
   bool inaccurate_ = false;           ///< a fault in what is said of accuracy is reported
   std::optional<double> interval_s_;  ///< of the samples, once some run has any

@@ -20,7 +20,7 @@ bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
 /// Names that a let may not have. Those of components, errors and closed forms may be had:
 /// `gravity`, `height` and `spin` are names a scene wants, and behind the parameter that takes them
 /// they are words (Evaluator::Resolve).
-bool IsWordOfTheLanguage(std::string_view name) {
+bool IsWordOfTheLanguage(std::string_view name, std::span<const PluginDetector> plugins) {
   if (FindDistribution(name) || name == "sweep" || name == "true" || name == "false" ||
       name == "on" || name == "off")
     return true;
@@ -28,7 +28,7 @@ bool IsWordOfTheLanguage(std::string_view name) {
     const bool is_shared = p.word_source == WordSource::kComponents ||
                            p.word_source == WordSource::kMetrics ||
                            p.word_source == WordSource::kClosedForms;
-    return p.HasWord(name) && !(is_shared && !ListsWord(p.words, name));
+    return p.HasWord(name, plugins) && !(is_shared && !ListsWord(p.words, name));
   });
 }
 
@@ -143,7 +143,7 @@ void LayeredBenchmark::Walk(const dsl::Block& block, const Place& place) {
 }
 
 void LayeredBenchmark::WalkLet(const dsl::Let& let, const Place& place) {
-  if (IsWordOfTheLanguage(let.name.text))
+  if (IsWordOfTheLanguage(let.name.text, scenario_.plugins()))
     diagnostics_.Report(kReservedName, let.name.span,
                         fmt::format("'{}' is a word of the language", let.name.text),
                         "give the let another name");

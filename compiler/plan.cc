@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/schema.h"
 #include "compiler/sha256.h"
 #include "dsl/check.h"
 
@@ -25,6 +26,9 @@ std::string CanonicalText(const Scene& scene) {
     text += fmt::format("group {}\n{}", group.name, CanonicalText(group.settings));
   for (const auto& [stream, seed] : scene.seeds)
     text += fmt::format("seed {} {:#x}\n", stream, seed);
+  for (const PluginDetector& plugin : scene.plugins)
+    text += fmt::format("plugin {} {} {} {} {}\n", plugin.name, plugin.sha256, plugin.max_bodies,
+                        plugin.phases, ToText(Value(Text{plugin.path})));
   return text;
 }
 
@@ -91,6 +95,16 @@ std::uint64_t Scene::ObjectCount() const {
   std::uint64_t count = 0;
   for (const Group& group : groups) count += group.settings.Count("quantity");
   return count;
+}
+
+bool Scene::Uses(std::string_view detector) const {
+  return std::ranges::any_of(Schema(), [&](const Parameter& parameter) {
+    return parameter.TakesDetectors() && world.WordOr(parameter.name) == detector;
+  });
+}
+
+void Scene::KeepUsedPlugins() {
+  std::erase_if(plugins, [this](const PluginDetector& plugin) { return !Uses(plugin.name); });
 }
 
 std::uint64_t StreamSeed(std::uint64_t seed, std::string_view name) {

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "compiler/plugins.h"
 #include "compiler/value.h"
 
 namespace cdb::compiler {
@@ -65,9 +66,15 @@ struct Scene {
   /// `acceleration`. A stream is listed for each distribution the scene draws from; 64 bits,
   /// derived from `seed` by `StreamSeed`.
   std::map<std::string, std::uint64_t, std::less<>> seeds;
+  /// The detectors of plug-ins that the settings name, in the order of their names.
+  std::vector<PluginDetector> plugins;
 
   /// Objects of all groups together, walls not counted.
   std::uint64_t ObjectCount() const;
+  /// Some setting names this detector.
+  bool Uses(std::string_view detector) const;
+  /// Drops the plug-ins that no setting names: what decides nothing must not make another run.
+  void KeepUsedPlugins();
   bool operator==(const Scene&) const = default;
 };
 

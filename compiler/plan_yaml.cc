@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "compiler/calls.h"
@@ -84,6 +86,18 @@ void WriteIndices(YAML::Emitter& out, const std::vector<std::size_t>& at) {
   out << YAML::EndSeq;
 }
 
+void WritePlugins(YAML::Emitter& out, const std::vector<PluginDetector>& plugins) {
+  out << YAML::Key << "plugins" << YAML::Value << YAML::BeginMap;
+  for (const PluginDetector& plugin : plugins) {
+    out << YAML::Key << plugin.name << YAML::Value << YAML::BeginMap;
+    out << YAML::Key << "library" << YAML::Value << YAML::DoubleQuoted << plugin.path;
+    out << YAML::Key << "sha256" << YAML::Value << YAML::DoubleQuoted << plugin.sha256;
+    out << YAML::Key << "phases" << YAML::Value << plugin.phases;
+    out << YAML::Key << "max_bodies" << YAML::Value << plugin.max_bodies << YAML::EndMap;
+  }
+  out << YAML::EndMap;
+}
+
 void WriteRun(YAML::Emitter& out, const Run& run) {
   out << YAML::BeginMap;
   out << YAML::Key << "id" << YAML::Value << YAML::DoubleQuoted << run.id;
@@ -103,7 +117,9 @@ void WriteRun(YAML::Emitter& out, const Run& run) {
   out << YAML::EndSeq << YAML::Key << "seeds" << YAML::Value << YAML::BeginMap;
   for (const auto& [stream, seed] : run.scene.seeds)
     out << YAML::Key << stream << YAML::Value << fmt::format("{:#018x}", seed);
-  out << YAML::EndMap << YAML::EndMap;
+  out << YAML::EndMap;
+  if (!run.scene.plugins.empty()) WritePlugins(out, run.scene.plugins);
+  out << YAML::EndMap;
 }
 
 void WriteAxis(YAML::Emitter& out, const Axis& axis) {
@@ -179,7 +195,8 @@ class Reader {
     return {Real(node[0]), Real(node[1]), Real(node[2])};
   }
 
-  Value ReadValue(const YAML::Node& node, const Parameter& parameter) const {
+  Value ReadValue(const YAML::Node& node, const Parameter& parameter,
+                  std::span<const PluginDetector> plugins = {}) const {
     if (node.IsMap()) {
       if (node.size() != 1) Fail(node.Mark(), "one distribution or word should be here");
       const CallInfo* info = FindCall(Text(node.begin()->first));
@@ -187,12 +204,13 @@ class Reader {
       return ReadDistribution(node, parameter);
     }
     if (node.IsScalar() && parameter.type != ParameterType::kWords &&
-        parameter.HasWord(node.Scalar()))
+        parameter.HasWord(node.Scalar(), plugins))
       return Word{node.Scalar()};
     return ReadConstant(node, parameter);
   }
 
-  Settings ReadSettings(const YAML::Node& map, bool grouped) const {
+  Settings ReadSettings(const YAML::Node& map, bool grouped,
+                        std::span<const PluginDetector> plugins = {}) const {
     if (!map.IsMap()) Fail(map.Mark(), "a map of settings should be here");
     Settings settings;
     for (const auto& entry : map) {
@@ -201,7 +219,7 @@ class Reader {
       const Parameter* parameter = FindParameter(key, grouped);
       if (parameter == nullptr)
         Fail(entry.first.Mark(), fmt::format("this version has no parameter `{}`", key));
-      settings.values.insert_or_assign(key, ReadValue(entry.second, *parameter));
+      settings.values.insert_or_assign(key, ReadValue(entry.second, *parameter, plugins));
     }
     for (const Parameter& parameter : Schema())
       if (parameter.grouped == grouped && !settings.Has(parameter.name))
@@ -215,18 +233,41 @@ class Reader {
     run.at = Indices(Member(node, "at"));
     run.rep = Count(Member(node, "rep"));
     if (node["role"]) run.scene.role = ReadRole(node["role"]);
-    run.scene.world = ReadSettings(Member(node, "world"), false);
+    if (node["plugins"]) run.scene.plugins = ReadPlugins(node["plugins"]);
+    run.scene.world = ReadSettings(Member(node, "world"), false, run.scene.plugins);
     for (const YAML::Node& group : Member(node, "groups"))
       run.scene.groups.push_back({Text(Member(group, "name")), ReadSettings(group, true)});
     if (run.scene.groups.empty()) Fail(node.Mark(), "a run needs a group of objects");
     for (const auto& entry : Member(node, "seeds"))
       run.scene.seeds.emplace(Text(entry.first), Count(entry.second));
+    for (const PluginDetector& plugin : run.scene.plugins)
+      if (!run.scene.Uses(plugin.name))
+        Fail(node.Mark(), fmt::format("the run lists `{}` and does not use it", plugin.name));
     const std::string id = RunId(run.scene, run.rep);
     if (run.id != id)
       Fail(node.Mark(), fmt::format("the run `{}` was changed by hand (its contents make `{}`); "
                                     "write the change into the .cdb file and plan again",
                                     run.id, id));
     return run;
+  }
+
+  std::vector<PluginDetector> ReadPlugins(const YAML::Node& map) const {
+    if (!map.IsMap()) Fail(map.Mark(), "a map of plug-in detectors should be here");
+    std::vector<PluginDetector> plugins;
+    for (const auto& entry : map) {
+      PluginDetector plugin;
+      plugin.name = Text(entry.first);
+      plugin.path = Text(Member(entry.second, "library"));
+      plugin.sha256 = Text(Member(entry.second, "sha256"));
+      plugin.phases = Text(Member(entry.second, "phases"));
+      plugin.max_bodies = Count(Member(entry.second, "max_bodies"));
+      if (std::ranges::find(kPluginPhases, plugin.phases) == std::end(kPluginPhases))
+        Fail(entry.second.Mark(), fmt::format("a detector has no phases `{}`", plugin.phases));
+      if (FindDetector(plugin.name, plugins))
+        Fail(entry.first.Mark(), fmt::format("there are two detectors `{}`", plugin.name));
+      plugins.push_back(std::move(plugin));
+    }
+    return plugins;
   }
 
   Role ReadRole(const YAML::Node& node) const {

@@ -12,7 +12,6 @@
 #include "compiler/capacity.h"
 #include "compiler/metrics.h"
 #include "dsl/check.h"
-#include "library/catalogue.h"
 
 namespace cdb::compiler {
 namespace {
@@ -107,8 +106,8 @@ AccuracyFault FindAccuracyFault(const Scene& scene) {
             "take a reference.timestep that divides the time step of the run"};
   const std::uint64_t bodies = BodyCount(scene);
   const std::string_view detector_name = world.WordOr("accuracy.reference.detector");
-  const library::DetectorInfo* detector = library::FindDetector(detector_name);
-  CDB_CHECK(detector != nullptr);
+  const auto detector = FindDetector(detector_name, scene.plugins);
+  CDB_CHECK(detector);
   if (!detector->Holds(bodies))
     return {"accuracy.reference.detector",
             fmt::format("'{}' holds at most {} bodies, walls included; here are {}", detector_name,
@@ -164,6 +163,7 @@ Scene ReferenceOf(const Scene& scene) {
   for (Group& group : reference.groups)
     whole = StretchSchedules(group.settings, world.Real("timestep"), timestep) && whole;
   CDB_CHECK(whole);
+  reference.KeepUsedPlugins();
   return reference;
 }
 

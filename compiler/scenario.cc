@@ -7,6 +7,7 @@
 #include <set>
 
 #include "compiler/diagnostic_kinds.h"
+#include "compiler/schema.h"
 #include "compiler/sha256.h"
 #include "dsl/parser.h"
 
@@ -36,8 +37,10 @@ void ForEachItem(const ScenarioFile& file, Visit visit) {
 }  // namespace
 
 Scenario::Scenario(const std::string& path, const std::string& library, const ReadFile& read,
+                   const PluginSource& plugins, const ReadTrace& read_trace,
                    dsl::Diagnostics& diagnostics)
-    : library_(library), read_(read) {
+    : library_(library), read_(read), describe_(plugins.describe), read_trace_(read_trace) {
+  for (const std::string& file : plugins.files) LoadPlugin(file, nullptr, diagnostics);
   main_ = Load(path, nullptr, diagnostics);
 }
 
@@ -74,38 +77,88 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
   loading_.push_back(&file);
   ForEachItem<dsl::Use>(file, [&](const dsl::Use& wanted) {
     if (wanted.path_span.source == nullptr) return;  // not a path; the parser has said so
-    if (wanted.detector) {
-      diagnostics.Report(kNotYet, wanted.span, "plug-in detectors are not part of this version yet",
-                         "`cdb list detectors` shows those that are");
-      return;
-    }
-    if (files_.size() >= kMaxUses) {
+    if (files_.size() + plugin_files_.size() >= kMaxUses) {
       diagnostics.Report(kTooManyRuns, wanted.span,
                          fmt::format("a scenario reads at most {} files", kMaxUses));
       return;
     }
-    namespace fs = std::filesystem;
-    const fs::path beside = fs::path(path).parent_path() / wanted.path;
-    std::vector<std::string> candidates = {beside.lexically_normal().string()};
-    if (!library_.empty())
-      candidates.push_back((fs::path(library_) / wanted.path).lexically_normal().string());
-    for (std::string& candidate : candidates)
-      if (!candidate.ends_with(".cdb")) candidate += ".cdb";
-    std::string chosen = candidates[0];
-    for (const std::string& candidate : candidates) {
-      std::string ignored;
-      if (read_(candidate, ignored)) {
-        chosen = candidate;
-        break;
-      }
+    if (wanted.detector) {
+      LoadPlugin(Find(wanted.path, path, ""), &wanted, diagnostics);
+    } else if (const ScenarioFile* used =
+                   Load(Find(wanted.path, path, ".cdb"), &wanted, diagnostics)) {
+      file.uses.push_back(used);
     }
-    if (const ScenarioFile* used = Load(chosen, &wanted, diagnostics)) file.uses.push_back(used);
   });
   loading_.pop_back();
   ForEachItem<dsl::Let>(file, [&](const dsl::Let& let) {
     let_order_.emplace(&let, static_cast<int>(let_order_.size()));
   });
   return &file;
+}
+
+std::string Scenario::Find(const std::string& wanted, const std::string& path,
+                           std::string_view extension) const {
+  namespace fs = std::filesystem;
+  const fs::path beside = fs::path(path).parent_path() / wanted;
+  std::vector<std::string> candidates = {beside.lexically_normal().string()};
+  if (!library_.empty())
+    candidates.push_back((fs::path(library_) / wanted).lexically_normal().string());
+  for (std::string& candidate : candidates)
+    if (!candidate.ends_with(extension)) candidate += extension;
+  std::string ignored;
+  for (const std::string& candidate : candidates)
+    if (read_(candidate, ignored)) return candidate;
+  return candidates[0];
+}
+
+void Scenario::LoadPlugin(const std::string& path, const dsl::Use* use,
+                          dsl::Diagnostics& diagnostics) {
+  if (!plugin_files_.emplace(path, use).second) return;
+  const dsl::Span span = use != nullptr ? use->path_span : dsl::Span{};
+  std::string why;
+  const auto hash = HashOf(path, why);
+  if (!hash) {
+    diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why),
+                       use != nullptr ? "its name counts from the folder of the file that says it"
+                                      : "--plugin takes a shared library");
+    return;
+  }
+  auto detectors = describe_ ? describe_(path, why) : std::nullopt;
+  if (!detectors) {
+    diagnostics.Report(kUnavailable, span,
+                       describe_ ? why : fmt::format("'{}' cannot be looked into here", path));
+    return;
+  }
+  for (PluginDetector& detector : *detectors) {
+    detector.path = path;
+    detector.sha256 = *hash;
+    AddDetector(std::move(detector), use, diagnostics);
+  }
+}
+
+void Scenario::AddDetector(PluginDetector detector, const dsl::Use* use,
+                           dsl::Diagnostics& diagnostics) {
+  const dsl::Span span = use != nullptr ? use->path_span : dsl::Span{};
+  const auto place = std::ranges::lower_bound(plugins_, detector.name, {}, &PluginDetector::name);
+  if (place != plugins_.end() && place->name == detector.name) {
+    const dsl::Use* first = plugin_files_.at(place->path);
+    std::vector<dsl::Note> notes;
+    if (first != nullptr) notes.push_back({first->path_span, "the other is used here"});
+    diagnostics.Report(kSetTwice, span,
+                       fmt::format("'{}' and '{}' both have a detector '{}'", place->path,
+                                   detector.path, detector.name),
+                       "leave one of them out, or give its detector another name",
+                       std::move(notes));
+  } else if (std::ranges::any_of(Schema(), [&](const Parameter& parameter) {
+               return parameter.TakesDetectors() && parameter.HasWord(detector.name);
+             })) {
+    diagnostics.Report(
+        kSetTwice, span,
+        fmt::format("'{}' has a detector '{}', and so has cdb", detector.path, detector.name),
+        "give it another name; `cdb list detectors` shows those that are taken");
+  } else {
+    plugins_.insert(place, std::move(detector));
+  }
 }
 
 void Scenario::CheckNames(dsl::Diagnostics& diagnostics) const {
@@ -184,6 +237,13 @@ std::optional<std::string> Scenario::HashOf(const std::string& path, std::string
     if (const auto bytes = read_(path, hash->second.why)) hash->second.sha256 = Sha256Hex(*bytes);
   why = hash->second.why;
   return hash->second.sha256;
+}
+
+std::optional<TraceFacts> Scenario::TraceAt(const std::string& path, std::string& why) const {
+  const auto [trace, is_new] = traces_.try_emplace(path);
+  if (is_new && read_trace_) trace->second.facts = read_trace_(path, trace->second.why);
+  why = read_trace_ ? trace->second.why : "nothing here reads traces";
+  return trace->second.facts;
 }
 
 std::string Scenario::FullText() const {

@@ -5,10 +5,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "compiler/plugins.h"
+#include "compiler/trace.h"
 #include "dsl/diagnostics.h"
 #include "dsl/syntax.h"
 
@@ -17,6 +20,17 @@ namespace cdb::compiler {
 /// The disk, behind a function so that tests need none: the text of a file, or nullopt and why not.
 using ReadFile =
     std::function<std::optional<std::string>(const std::string& path, std::string& why)>;
+
+/// Looks into a shared library, behind a function as well: its detectors with name, phases and
+/// limit, or nullopt and why there are none.
+using DescribePlugin = std::function<std::optional<std::vector<PluginDetector>>(
+    const std::string& path, std::string& why)>;
+
+/// Shared libraries that a command line names, and how to look into any.
+struct PluginSource {
+  std::vector<std::string> files = {};
+  DescribePlugin describe = {};
+};
 
 /// A parsed file and what its `use` lines reach.
 struct ScenarioFile {
@@ -40,10 +54,11 @@ struct LetRef {
 class Scenario {
  public:
   /// Reads `path` and what it uses: `use "other"` is looked for beside the file that says it, then
-  /// in `library`, with or without `.cdb`. Reports what cannot be read or parsed, and a `use` that
-  /// leads back to itself.
+  /// in `library`, with or without `.cdb`; `use detector "mine.so"` likewise. Reports what cannot
+  /// be read or parsed, a `use` that leads back to itself, a library that offers no detector, or
+  /// one whose name is taken. What is wrong with a library of the command line has no place.
   Scenario(const std::string& path, const std::string& library, const ReadFile& read,
-           dsl::Diagnostics& diagnostics);
+           const PluginSource& plugins, const ReadTrace& read_trace, dsl::Diagnostics& diagnostics);
 
   /// Reports lets and benchmarks of one name in one file.
   void CheckNames(dsl::Diagnostics& diagnostics) const;
@@ -63,15 +78,26 @@ class Scenario {
   /// The SHA-256 of a file, which is read once; nullopt, and why, where it cannot be read. Not for
   /// several threads.
   std::optional<std::string> HashOf(const std::string& path, std::string& why) const;
+  /// The detectors of all plug-ins, whichever file uses them, in the order of their names.
+  std::span<const PluginDetector> plugins() const { return plugins_; }
+  /// What a trace holds, read once; nullopt, and why, where it is of no use. Not for several
+  /// threads.
+  std::optional<TraceFacts> TraceAt(const std::string& path, std::string& why) const;
   /// The main file's text, then each used file's under a comment with its name.
   std::string FullText() const;
 
  private:
   const ScenarioFile* Load(const std::string& path, const dsl::Use* use,
                            dsl::Diagnostics& diagnostics);
+  /// `wanted` as `path` says it: beside it, else in the library of scenarios; with `extension`.
+  std::string Find(const std::string& wanted, const std::string& path,
+                   std::string_view extension) const;
+  void LoadPlugin(const std::string& path, const dsl::Use* use, dsl::Diagnostics& diagnostics);
+  void AddDetector(PluginDetector detector, const dsl::Use* use, dsl::Diagnostics& diagnostics);
 
   std::string library_;
   ReadFile read_;
+  DescribePlugin describe_;
   std::vector<std::unique_ptr<ScenarioFile>> files_;
   std::vector<const ScenarioFile*> loading_;
   std::map<const dsl::Let*, int> let_order_;
@@ -81,6 +107,14 @@ class Scenario {
     std::string why;
   };
   mutable std::map<std::string, FileHash> hashes_;
+  std::vector<PluginDetector> plugins_;
+  std::map<std::string, const dsl::Use*> plugin_files_;  ///< by path; null: the command line
+  ReadTrace read_trace_;
+  struct TraceRead {
+    std::optional<TraceFacts> facts;
+    std::string why;
+  };
+  mutable std::map<std::string, TraceRead> traces_;
 };
 
 }  // namespace cdb::compiler

@@ -93,6 +93,9 @@ constexpr Parameter kParameters[] = {
     {"threads", false, kCount, kCountFromOne, kConstant, "", "1", "", kOwn, "detector",
      "threads that the detector may work on; those without threads work on one",
      "cores parallel"},
+    {"trace", false, kText, kAny, kConstant, "", "none", "none", kOwn, "trace",
+     "the file of a recorded run (`cdb trace`), from the folder of the .cdb file: detectors are run on its boxes, without a world",
+     "replay recording motion baked", "file"},
     {"contact", false, kWord, kAny, kConstant, "", "bullet", "bullet faithful", kOwn, "solver",
      "Bullet's own contact settings, or those under which bounces keep their energy"},
     {"solver.iterations", false, kCount, kCountFromOne, kConstant, "", "10", "", kOwn, "solver",
@@ -210,15 +213,17 @@ std::string Parameter::FullName() const {
   return grouped ? "objects." + std::string(name) : std::string(name);
 }
 
-std::vector<std::string_view> Parameter::AllWords() const {
+std::vector<std::string_view> Parameter::AllWords(std::span<const PluginDetector> plugins) const {
   std::vector<std::string_view> all;
   for (std::string_view rest = words; !rest.empty();) all.push_back(NextWord(rest));
   const auto add = [&all](const auto& rows) {
     for (const auto& row : rows) all.push_back(row.name);
   };
-  const auto add_detectors = [&all](std::string_view phase) {
+  const auto add_detectors = [&](std::string_view phase) {
     for (const library::DetectorInfo& detector : library::Detectors())
       if (detector.HasPhase(phase)) all.push_back(detector.name);
+    for (const PluginDetector& detector : plugins)
+      if (FindDetector(detector.name, plugins)->HasPhase(phase)) all.push_back(detector.name);
   };
   switch (word_source) {
     case kOwn:
@@ -248,9 +253,13 @@ std::vector<std::string_view> Parameter::AllWords() const {
   return all;
 }
 
-bool Parameter::HasWord(std::string_view word) const {
-  const auto all = AllWords();
+bool Parameter::HasWord(std::string_view word, std::span<const PluginDetector> plugins) const {
+  const auto all = AllWords(plugins);
   return std::ranges::find(all, word) != all.end();
+}
+
+bool Parameter::TakesDetectors() const {
+  return word_source == kDetectors || word_source == kNarrowPhases;
 }
 
 std::vector<std::string_view> Parameter::AllCalls() const {
@@ -265,7 +274,7 @@ bool Parameter::StandsAlone(std::string_view word) const {
   return type == kWords && word_source != kOwn && ListsWord(words, word);
 }
 
-std::string Parameter::Takes() const {
+std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
   std::string text;
   switch (type) {
     case kCount:
@@ -301,7 +310,7 @@ std::string Parameter::Takes() const {
     listed += word;
     listed += brackets;
   };
-  for (const std::string_view word : AllWords()) {
+  for (const std::string_view word : AllWords(plugins)) {
     if (StandsAlone(word)) {
       alone += std::string(word) + ", ";
     } else {

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/plugins.h"
+
 namespace cdb::compiler {
 
 /// What a parameter takes beside its words.
@@ -63,9 +65,11 @@ struct Parameter {
 
   /// `objects.size`, `timestep`.
   std::string FullName() const;
-  /// Every word it takes, those of the catalogue included.
-  std::vector<std::string_view> AllWords() const;
-  bool HasWord(std::string_view word) const;
+  /// Every word it takes, those of the catalogue and of `plugins` included.
+  std::vector<std::string_view> AllWords(std::span<const PluginDetector> plugins = {}) const;
+  bool HasWord(std::string_view word, std::span<const PluginDetector> plugins = {}) const;
+  /// Its words are detectors: whole ones, or narrow phases.
+  bool TakesDetectors() const;
   std::vector<std::string_view> AllCalls() const;
   bool TakesCall(std::string_view word) const;
   /// Its words with arguments are things to choose from, as models are, and may stand in any( ). A
@@ -75,7 +79,7 @@ struct Parameter {
   bool StandsAlone(std::string_view word) const;
   /// `a length more than 0, or a distribution`: for messages and the reference. Words that need
   /// arguments are shown as `at( )`.
-  std::string Takes() const;
+  std::string Takes(std::span<const PluginDetector> plugins = {}) const;
 };
 
 /// `word` is one of the space-separated `words`, as the tables of schema and series list them.

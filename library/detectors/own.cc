@@ -1,7 +1,11 @@
 #include "library/detectors/own.h"
 
+#include "library/detectors/auto.h"
+#include "library/detectors/grid.h"
 #include "library/detectors/kd_tree.h"
 #include "library/detectors/octree.h"
+#include "library/detectors/skin.h"
+#include "library/detectors/sweep.h"
 
 namespace cdb::library {
 namespace {
@@ -9,15 +13,21 @@ namespace {
 /// Finds nothing: what calling a detector costs.
 class Null final : public Detector {};
 
-template <typename T>
-Detector* Make(const Options&) {
-  return new T;
+using Maker = std::unique_ptr<Detector>(const Options& options, const Kernels& kernels);
+
+template <Maker make>
+Detector* Make(const Options& options) {
+  return make(options, BestKernels()).release();
 }
 
 constexpr DetectorEntry kEntries[] = {
+    {"auto", "skin, grid or sweep, as the scene moves", kBroad, 0, Make<MakeAuto>},
+    {"skin", "a list of candidates that lasts for several cycles", kBroad, 0, Make<MakeSkin>},
+    {"grid", "a uniform grid, rows of eight boxes at once", kBroad, 0, Make<MakeGrid>},
+    {"sweep", "sweep and prune along one axis, eight boxes at once", kBroad, 0, Make<MakeSweep>},
     {"octree", "a loose octree", kBroad, 0, MakeOctree},
     {"kd_tree", "a k-d tree", kBroad, 0, MakeKdTree},
-    {"null", "finds nothing", kBroad, 0, Make<Null>},
+    {"null", "finds nothing", kBroad, 0, [](const Options&) -> Detector* { return new Null; }},
 };
 
 }  // namespace

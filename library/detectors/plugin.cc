@@ -3,10 +3,22 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <span>
 #include <string_view>
 
 namespace cdb::library {
+
+namespace {
+
+bool IsName(std::string_view text) {
+  const auto is_word = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  return !text.empty() && !(text[0] >= '0' && text[0] <= '9') && std::ranges::all_of(text, is_word);
+}
+
+}  // namespace
 
 const Plugin& LoadPlugin(const std::string& path) {
   // A name without a slash would be looked for in the system's folders.
@@ -30,11 +42,22 @@ const Plugin& LoadPlugin(const std::string& path) {
     throw PluginError(fmt::format(
         "'{}' was built with {}, this cdb with {}; build it with the same compiler", path,
         plugin->build == nullptr ? "nothing named" : plugin->build, DetectorBuild()));
-  for (const DetectorEntry& entry : std::span(plugin->entries, plugin->count))
+  if (plugin->entries == nullptr || plugin->count == 0)
+    throw PluginError(fmt::format("'{}' offers no detector: its array is empty", path));
+  const std::span entries(plugin->entries, plugin->count);
+  for (const DetectorEntry& entry : entries) {
     if (entry.name == nullptr || entry.doc == nullptr || entry.make == nullptr ||
         (entry.phases & (kBroad | kNarrow)) == 0)
       throw PluginError(
           fmt::format("'{}' offers a detector without name, line, phase or function", path));
+    if (!IsName(entry.name))
+      throw PluginError(fmt::format(
+          "'{}' calls a detector '{}', which no .cdb file can write; a name is letters, "
+          "digits and _, and begins with no digit",
+          path, entry.name));
+    if (FindEntry(*plugin, entry.name) != &entry)
+      throw PluginError(fmt::format("'{}' has two detectors called '{}'", path, entry.name));
+  }
   return *plugin;
 }
 

@@ -16,8 +16,8 @@ class PluginError : public std::runtime_error {
 
 /// Loads `path` and checks that it speaks this ABI. It stays loaded to the end of the process.
 /// Throws PluginError: no such file, no cdb_plugin in it, another ABI or standard library, an entry
-/// without name, function or phase. Runs the library's initializers, which may do anything.
-/// Threads: any.
+/// without name, function or phase, or with a name that is none or taken. Runs the library's
+/// initializers, which may do anything. Threads: any.
 const Plugin& LoadPlugin(const std::string& path);
 
 /// Null where there is none of that name.

@@ -26,9 +26,10 @@ class CommandError : public std::runtime_error {
 struct PlanArguments {
   std::string file;
   std::optional<std::string> benchmark;
-  std::string out;   ///< empty: a table on standard output; `-`: YAML there
-  bool why = false;  ///< what each run leaves out, in place of the table
-  std::string only;  ///< the id of the one run that `why` is about, or empty
+  std::string out;                   ///< empty: a table on standard output; `-`: YAML there
+  bool why = false;                  ///< what each run leaves out, in place of the table
+  std::string only;                  ///< the id of the one run that `why` is about, or empty
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
 };
 
 struct RunArguments {
@@ -36,8 +37,18 @@ struct RunArguments {
   std::optional<std::string> benchmark;
   std::string out;  ///< empty: `<benchmark>.h5` in the current folder
   std::uint64_t jobs = 1;
-  std::string shard;  ///< `K/N`, or empty
-  std::string only;   ///< the id of one run, or empty
+  std::string shard;                 ///< `K/N`, or empty
+  std::string only;                  ///< the id of one run, or empty
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
+  bool fresh = false;
+  bool quiet = false;
+};
+
+struct TraceArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::string
+      out;  ///< a file for one point, a folder for several; empty: named after the benchmark
   bool fresh = false;
   bool quiet = false;
 };
@@ -58,13 +69,32 @@ struct StabilityArguments {
   bool quiet = false;
 };
 
-int CheckCommand(const std::vector<std::string>& files);
+struct VerifyArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::vector<std::string> detectors;   ///< empty: the file's own; `all`: every one that can
+  std::optional<std::uint64_t> cycles;  ///< nullopt: the file's own
+  std::vector<std::string> plugins;     ///< shared libraries with detectors
+  std::string out;                      ///< folder of the results; empty: the current one
+  std::vector<std::string> plugins;     ///< shared libraries with detectors
+  std::uint64_t jobs = 1;
+  bool fresh = false;
+  bool quiet = false;
+};
+
+int CheckCommand(const std::vector<std::string>& files, const std::vector<std::string>& plugins);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
+/// Runs each point once for its boxes and poses, and writes a trace of each; goes on where it
+/// stopped.
+int TraceCommand(const TraceArguments& arguments);
 int ShowCommand(const ShowArguments& arguments);
 /// Runs the suite, going on where it stopped, and prints the map. What ends badly there is what it
 /// is for: exit status 0.
 int StabilityCommand(const StabilityArguments& arguments);
+/// Holds what detectors find in each cycle against exact pairs and contacts, and prints a table.
+/// Exit status 3 where a pair was missed or a run did not end well.
+int VerifyCommand(const VerifyArguments& arguments);
 int MergeCommand(const std::string& out, const std::vector<std::string>& shards);
 /// `check`: change nothing, exit status 1 where something would change.
 int FormatCommand(const std::vector<std::string>& files, bool check);

@@ -5,13 +5,18 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "compiler/lints.h"
 #include "compiler/plan_yaml.h"
+#include "compiler/schema.h"
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
+#include "runtime/schedule/look_into.h"
+#include "runtime/schedule/worker.h"
+#include "runtime/store/trace_file.h"
 
 namespace cdb::runtime {
 namespace {
@@ -44,6 +49,17 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
                      fmt::join(names, ", "), file);
 }
 
+/// The compiler names the file itself.
+std::optional<compiler::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
+  try {
+    return ReadTraceFacts(path);
+  } catch (const StoreError& error) {
+    why = error.what();
+    if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::string ScenarioLibrary() {
@@ -69,10 +85,14 @@ std::string FindScenario(const std::string& file) {
 }
 
 compiler::Compilation CompileAndReport(const std::string& file,
-                                       const std::optional<std::string>& benchmark,
-                                       LintText lints) {
+                                       const std::optional<std::string>& benchmark, LintText lints,
+                                       const std::vector<std::string>& plugins) {
+  const auto describe = [](const std::string& path, std::string& why) {
+    return LookInto(FindAnyWorker(), path, why);
+  };
   compiler::Compilation result =
-      compiler::Compile(FindScenario(file), compiler::ReadFromDisk, {ScenarioLibrary(), benchmark});
+      compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
+                        {ScenarioLibrary(), benchmark, {plugins, describe}, ReadTraceAt});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;
@@ -86,18 +106,48 @@ compiler::Compilation CompileAndReport(const std::string& file,
 }
 
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark, LintText lints) {
+                                      const std::optional<std::string>& benchmark, LintText lints,
+                                      const std::vector<std::string>& plugins,
+                                      std::vector<compiler::PluginDetector>* named) {
   if (IsPlanFile(file)) {
+    if (!plugins.empty())
+      throw CommandError(
+          fmt::format("--plugin {} goes with a scenario file; {} is a plan, which names its own",
+                      plugins[0], file));
     compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
+    if (named != nullptr)
+      for (const compiler::Run& run : plan.runs)
+        for (const compiler::PluginDetector& plugin : run.scene.plugins)
+          if (std::ranges::find(*named, plugin) == named->end()) named->push_back(plugin);
     return {std::move(plan)};
   }
-  compiler::Compilation result = CompileAndReport(file, benchmark, lints);
+  compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
+  if (named != nullptr)
+    named->assign(result.scenario->plugins().begin(), result.scenario->plugins().end());
   // As the user named it: where the library lies is this machine's affair.
   for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
   return std::move(result.plans);
+}
+
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
+                std::span<const compiler::PluginDetector> plugins) {
+  const compiler::Parameter* row = compiler::FindParameter(parameter, false);
+  std::set<std::string_view> seen;
+  for (const std::string& word : words) {
+    const auto all = row->AllWords(plugins);
+    if (!row->HasWord(word, plugins)) {
+      const std::string_view near = dsl::DidYouMean(word, all);
+      throw CommandError(fmt::format("--{} {}: {}", parameter, word,
+                                     near.empty()
+                                         ? fmt::format("there are {}", fmt::join(all, ", "))
+                                         : fmt::format("did you mean '{}'?", near)));
+    }
+    if (!seen.insert(word).second)
+      throw CommandError(fmt::format("--{} names '{}' twice", parameter, word));
+  }
 }
 
 std::string ReadText(const std::string& file) {

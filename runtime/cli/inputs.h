@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compiler/compile.h"
@@ -22,14 +24,26 @@ std::string FindScenario(const std::string& file);
 enum class LintText { kNone, kOneLine, kWhole };
 
 /// Compiles the file that FindScenario finds, and prints every diagnostic on standard error.
+/// `plugins`: shared libraries with detectors, beside those that the file names. Throws
+/// CommandError, ScheduleError (no worker program to look into a library).
 compiler::Compilation CompileAndReport(const std::string& file,
-                                       const std::optional<std::string>& benchmark, LintText lints);
+                                       const std::optional<std::string>& benchmark, LintText lints,
+                                       const std::vector<std::string>& plugins = {});
 
 /// The plans of a `.cdb` file, here or in the library, or of a plan as YAML. Empty after
-/// diagnostics were printed (exit status 1). Throws CommandError, compiler::PlanError.
+/// diagnostics were printed (exit status 1). A plan names its own plug-ins. `named`: gets the
+/// detectors of all plug-ins that the file and `plugins` bring, used or not. Throws CommandError,
+/// ScheduleError, compiler::PlanError.
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
                                       const std::optional<std::string>& benchmark,
-                                      LintText lints = LintText::kOneLine);
+                                      LintText lints = LintText::kOneLine,
+                                      const std::vector<std::string>& plugins = {},
+                                      std::vector<compiler::PluginDetector>* named = nullptr);
+
+/// Throws CommandError for a word that neither the parameter nor, where it takes detectors,
+/// `plugins` has, or that is there twice.
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
+                std::span<const compiler::PluginDetector> plugins = {});
 
 /// The whole text of a file. Throws CommandError.
 std::string ReadText(const std::string& file);

@@ -33,10 +33,17 @@ int Main(int argc, char** argv) {
   app.fallthrough(false);
   int status = kExitGood;
 
-  std::vector<std::string> files;
+  std::vector<std::string> files, plugins;
+  const auto add_plugins = [&plugins](CLI::App* command) {
+    command
+        ->add_option("--plugin", plugins,
+                     "a shared library with detectors of your own; several: each with --plugin")
+        ->allow_extra_args(false);
+  };
   auto* check = app.add_subcommand("check", "check scenario files: every error with its place");
   check->add_option("FILE", files, "scenario files")->required();
-  check->callback([&] { status = CheckCommand(files); });
+  add_plugins(check);
+  check->callback([&] { status = CheckCommand(files, plugins); });
 
   PlanArguments plan_arguments;
   std::string plan_benchmark;
@@ -47,13 +54,15 @@ int Main(int argc, char** argv) {
   plan->add_flag("--why", plan_arguments.why,
                  "place the objects of each run, and say what it leaves out and why");
   plan->add_option("--only", plan_arguments.only, "with --why: this one run");
+  add_plugins(plan);
   plan->callback([&] {
+    plan_arguments.plugins = plugins;
     if (!plan_benchmark.empty()) plan_arguments.benchmark = plan_benchmark;
     status = PlanCommand(plan_arguments);
   });
 
   RunArguments run_arguments;
-  std::string run_benchmark, plugin;
+  std::string run_benchmark;
   auto* run = app.add_subcommand("run", "run a scenario file or a plan; goes on where it stopped");
   run->add_option("FILE", run_arguments.file, "scenario file, or a plan as YAML")->required();
   run->add_option("-b,--benchmark", run_benchmark, "only this benchmark");
@@ -67,14 +76,26 @@ int Main(int argc, char** argv) {
                   "run this one run by itself, into RUN.h5 (ids: cdb plan)");
   run->add_flag("--fresh", run_arguments.fresh, "forget results and shards and start over");
   run->add_flag("-q,--quiet", run_arguments.quiet, "print nothing but errors");
-  run->add_option("--plugin", plugin, "a detector of your own (not yet)");
+  add_plugins(run);
   run->callback([&] {
-    if (!plugin.empty())
-      throw CommandError(
-          "--plugin: plug-in detectors are not part of this version yet; `cdb list "
-          "detectors` shows those that are");
+    run_arguments.plugins = plugins;
     if (!run_benchmark.empty()) run_arguments.benchmark = run_benchmark;
     status = RunCommand(run_arguments);
+  });
+
+  TraceArguments trace_arguments;
+  std::string trace_benchmark;
+  auto* trace = app.add_subcommand("trace", "record the boxes of runs for detectors to be run on");
+  trace->add_option("FILE", trace_arguments.file, "scenario file, or a plan as YAML")->required();
+  trace->add_option("-b,--benchmark", trace_benchmark, "only this benchmark");
+  trace->add_option("-o,--out", trace_arguments.out,
+                    "trace file, or a folder for them (default: BENCHMARK.trace.h5; of several "
+                    "points, the folder BENCHMARK.traces)");
+  trace->add_flag("--fresh", trace_arguments.fresh, "write over what is there");
+  trace->add_flag("-q,--quiet", trace_arguments.quiet, "print nothing but errors");
+  trace->callback([&] {
+    if (!trace_benchmark.empty()) trace_arguments.benchmark = trace_benchmark;
+    status = TraceCommand(trace_arguments);
   });
 
   ShowArguments show_arguments;
@@ -104,6 +125,33 @@ int Main(int argc, char** argv) {
   stability->add_flag("--fresh", stability_arguments.fresh, "forget results and start over");
   stability->add_flag("-q,--quiet", stability_arguments.quiet, "no progress, only the map");
   stability->callback([&] { status = StabilityCommand(stability_arguments); });
+
+  VerifyArguments verify_arguments;
+  std::string verify_benchmark;
+  std::uint64_t verify_cycles = 0;
+  auto* verify = app.add_subcommand(
+      "verify", "hold every detector's pairs and contacts against exact ones, in each cycle");
+  verify->add_option("FILE", verify_arguments.file, "scenario file, or a plan as YAML")->required();
+  verify->add_option("-b,--benchmark", verify_benchmark, "only this benchmark");
+  verify
+      ->add_option("--detector", verify_arguments.detectors,
+                   "these in place of the file's own; all: every one that holds the scene")
+      ->delimiter(',');
+  verify->add_option("--cycles", verify_cycles, "so many in place of the file's own")
+      ->check(CLI::Range(1, 2147483647));
+  verify->add_option("-o,--out", verify_arguments.out,
+                     "folder of BENCHMARK.verify.h5 (default: the current one)");
+  verify->add_option("-j,--jobs", verify_arguments.jobs, "runs at a time (default: 1)")
+      ->check(CLI::Range(1, 4096));
+  verify->add_flag("--fresh", verify_arguments.fresh, "forget results and start over");
+  verify->add_flag("-q,--quiet", verify_arguments.quiet, "no progress, only the table");
+  add_plugins(verify);
+  verify->callback([&] {
+    verify_arguments.plugins = plugins;
+    if (!verify_benchmark.empty()) verify_arguments.benchmark = verify_benchmark;
+    if (verify_cycles > 0) verify_arguments.cycles = verify_cycles;
+    status = VerifyCommand(verify_arguments);
+  });
 
   std::string merged;
   std::vector<std::string> shards;

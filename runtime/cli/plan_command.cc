@@ -126,10 +126,10 @@ std::string PlanTable(const compiler::Plan& plan) {
 
 }  // namespace
 
-int CheckCommand(const std::vector<std::string>& files) {
+int CheckCommand(const std::vector<std::string>& files, const std::vector<std::string>& plugins) {
   int status = kExitGood;
   for (const std::string& file : files) {
-    const auto result = CompileAndReport(file, std::nullopt, LintText::kWhole);
+    const auto result = CompileAndReport(file, std::nullopt, LintText::kWhole, plugins);
     if (result.diagnostics.has_errors()) {
       status = kExitScenario;
       continue;
@@ -146,7 +146,8 @@ int PlanCommand(const PlanArguments& arguments) {
     throw CommandError("--why prints what runs leave out and -o writes a plan: one at a time");
   if (!arguments.why && !arguments.only.empty())
     throw CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
-  const auto plans = LoadPlans(arguments.file, arguments.benchmark);
+  const auto plans =
+      LoadPlans(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
   if (plans.empty()) return kExitScenario;
   if (arguments.why) return WhyCommand(plans, arguments.only);
   if (arguments.out.empty()) {

@@ -99,7 +99,7 @@ int RunPlan(const compiler::Plan& plan, const fs::path& out, const RunArguments&
 int RunCommand(const RunArguments& arguments) {
   const ShardChoice shard = ParseShard(arguments.shard);
   auto plans = LoadPlans(arguments.file, arguments.benchmark,
-                         arguments.quiet ? LintText::kNone : LintText::kOneLine);
+                         arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
   if (plans.empty()) return kExitScenario;
   if (!arguments.only.empty()) plans = {OnlyRun(plans, arguments.only)};
   std::vector<fs::path> outs;

@@ -16,6 +16,9 @@
 #include "compiler/metrics.h"
 #include "compiler/needs.h"
 #include "compiler/schema.h"
+#include "runtime/cli/cells.h"
+#include "runtime/cli/findings.h"
+#include "runtime/cli/show_detectors.h"
 #include "runtime/cli/table.h"
 
 namespace cdb::runtime {
@@ -26,13 +29,6 @@ using compiler::Axis;
 
 constexpr std::size_t kMaxBadListed = 8;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-std::string Place(const ResultFile& file, const Cell& cell) {
-  std::string text;
-  for (std::size_t i = 0; i < cell.at.size(); ++i)
-    text += fmt::format("{} {}, ", file.axes()[i].name, CoordinateText(file.axes()[i], cell.at[i]));
-  return text + fmt::format("rep {}", cell.rep);
-}
 
 /// `needs` says that the component was there: not left out, and not absent from the scene anyway.
 bool SaysKept(std::string_view needs, std::string_view component) {
@@ -54,21 +50,11 @@ struct Pool {
   }
 };
 
-/// The unit in which a number of nanoseconds is read most easily.
-struct TimeUnit {
-  const char* name;
-  double ns;
-  static TimeUnit For(double ns) {
-    if (ns >= 1e9) return {"s", 1e9};
-    if (ns >= 1e6) return {"ms", 1e6};
-    if (ns >= 1e3) return {"us", 1e3};
-    return {"ns", 1};
-  }
-};
-
 class Summary {
  public:
-  explicit Summary(const ResultFile& file) : file_(file) { Sort(); }
+  explicit Summary(const ResultFile& file) : file_(file) {
+    for (const Cell& cell : AllCells(file)) Sort(cell);
+  }
 
   ShowText Text(const ShowOptions& options) {
     std::string text = Head();
@@ -79,9 +65,11 @@ class Summary {
       rows *= file_.axes()[i].values.size();
     }
     std::vector<std::vector<std::size_t>> tables;
+    std::vector<std::size_t> by_detector;
     if (!options.by.empty()) {
       tables.emplace_back();
       for (const std::string& name : options.by) tables.back().push_back(FindAxis(file_, name));
+      by_detector = tables.back();
     } else if (rows <= kMaxRows) {
       tables.push_back(all);
     } else {
@@ -89,7 +77,7 @@ class Summary {
     }
     if (!good_.empty())
       for (const auto& by : tables) text += Tables(by);
-    text += Ratios(all);
+    text += ShowDetectors(file_, good_, by_detector) + Ratios(all) + OtherFaults(findings_);
     return {text, bad_.size() + references_.size()};
   }
 
@@ -98,16 +86,6 @@ class Summary {
     Cell cell;
     std::string why;
   };
-
-  void Sort() {
-    std::vector<std::size_t> at(file_.axes().size(), 0);
-    for (;;) {
-      for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep) Sort({at, rep});
-      std::size_t i = at.size();
-      while (i > 0 && ++at[i - 1] == file_.axes()[i - 1].values.size()) at[--i] = 0;
-      if (i == 0) return;
-    }
-  }
 
   void Sort(const Cell& cell) {
     const Status status = file_.ReadStatus(cell);
@@ -140,7 +118,7 @@ class Summary {
       const auto& [verdict, runs] = *row;
       if (verdict <= Verdict::kStable) continue;
       doubts += fmt::format("    {} {}: {} from cycle {} on{}\n", runs.size(), VerdictName(verdict),
-                            Place(file_, runs[0].cell), runs[0].first_bad_cycle,
+                            PlaceText(file_, runs[0].cell), runs[0].first_bad_cycle,
                             runs.size() > 1 ? ", and others" : "");
     }
     const auto stable = verdicts_.find(Verdict::kStable);
@@ -177,6 +155,7 @@ class Summary {
                         grid.empty() ? "" : " (" + grid + ")", file_.cycles());
     if (skipped_ > 0) text += fmt::format(", {} left out by skip", skipped_);
     text += '\n';
+    text += WrongDetectors(file_, findings_);
     const std::string build = file_.ReadProvenance("build_type");
     if (build != "Release")
       text +=
@@ -186,13 +165,13 @@ class Summary {
           "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
     for (const std::string& trouble : references_)
       text += fmt::format("  What runs are held against is not there: {}\n", trouble);
-    text += LeftOut() + Models() + Verdicts() + Errors();
+    text += HarnessText(file_, good_) + LeftOut() + Models() + Verdicts() + Errors();
     if (missing_ > 0) text += fmt::format("  {} not run yet.\n", missing_);
     if (!bad_.empty()) {
       text += fmt::format("  {} did not end well and {} in no figure below:\n", bad_.size(),
                           bad_.size() == 1 ? "is" : "are");
       for (std::size_t i = 0; i < std::min(bad_.size(), kMaxBadListed); ++i)
-        text += fmt::format("    {}: {}\n", Place(file_, bad_[i].cell), bad_[i].why);
+        text += fmt::format("    {}: {}\n", PlaceText(file_, bad_[i].cell), bad_[i].why);
       if (bad_.size() > kMaxBadListed)
         text += fmt::format("    and {} more\n", bad_.size() - kMaxBadListed);
       text +=
@@ -335,10 +314,10 @@ class Summary {
 
   /// Each detector against the first, at every point of the other axes.
   std::string Ratios(const std::vector<std::size_t>& all) const {
-    const auto detector = std::ranges::find(file_.axes(), "detector", &Axis::name);
-    if (detector == file_.axes().end() || detector->values.size() < 2 || !file_.Has("duration"))
-      return {};
-    const auto d = static_cast<std::size_t>(detector - file_.axes().begin());
+    const auto found = DetectorAxis(file_);
+    if (!found || file_.axes()[*found].values.size() < 2 || !file_.Has("duration")) return {};
+    const std::size_t d = *found;
+    const Axis* detector = &file_.axes()[d];
     std::vector<std::size_t> others = all;
     std::erase(others, d);
 
@@ -407,6 +386,7 @@ class Summary {
 
   const ResultFile& file_;
   const std::vector<std::string> references_ = file_.ReadReferenceTroubles();  ///< that fail
+  const std::vector<DetectorFindings> findings_ = FindingsOf(file_);
   std::vector<Cell> good_;
   std::vector<Bad> bad_;
   struct Judged {

@@ -23,9 +23,11 @@ struct ShowText {
   std::size_t bad_cells = 0;  ///< failed, crashed, timed out, or with void timings; references too
 };
 
-/// What runs did without, as far as it changes the figures; median, 5th and 95th percentile of
-/// every phase, pairs and contacts; the ratio between detectors. Cells that did not end well are in
-/// none of it, and said so. Throws StoreError, also for an axis that the file has not got.
+/// Detectors that missed pairs, first; what runs did without, as far as it changes the figures;
+/// median, 5th and 95th percentile of
+/// every phase, pairs and contacts; what detectors cost, the ratio between them. Cells that did not
+/// end well are in none of it, and said so. Throws StoreError, also for an axis that the file has
+/// not got.
 ShowText Show(const ResultFile& file, const ShowOptions& options = {});
 
 /// The place of an axis. Throws StoreError that names those of the file.

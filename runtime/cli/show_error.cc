@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "compiler/metrics.h"
+#include "runtime/cli/findings.h"
 #include "runtime/cli/table.h"
 
 namespace cdb::runtime {
@@ -185,8 +186,8 @@ class ErrorTable {
   std::string Head() const {
     const auto& info = *std::ranges::find(compiler::Errors(), name_, &compiler::ErrorInfo::name);
     std::string text =
-        fmt::format("{}\n  {}{}: {}\n", file_.title(), name_,
-                    info.unit.empty() ? "" : fmt::format(", {}", info.unit), info.doc);
+        fmt::format("{}\n{}  {}{}: {}\n", file_.title(), WrongDetectors(file_, FindingsOf(file_)),
+                    name_, info.unit.empty() ? "" : fmt::format(", {}", info.unit), info.doc);
     if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
       text +=
           fmt::format("  Timed with a {} build of cdb: these are not timings to quote.\n", build);

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
-#include <set>
 
 #include "compiler/cross.h"
-#include "compiler/schema.h"
 #include "dsl/diagnostics.h"
 #include "runtime/cli/carry_out.h"
 #include "runtime/cli/commands.h"
@@ -49,23 +47,6 @@ std::vector<std::string> Choose(const std::vector<std::string>& asked) {
                                                 : fmt::format("did you mean '{}'?", near)));
   }
   return asked;
-}
-
-void CheckWords(std::string_view parameter, const std::vector<std::string>& words) {
-  const compiler::Parameter* row = compiler::FindParameter(parameter, false);
-  std::set<std::string_view> seen;
-  for (const std::string& word : words) {
-    const auto all = row->AllWords();
-    if (!row->HasWord(word)) {
-      const std::string_view near = dsl::DidYouMean(word, all);
-      throw CommandError(fmt::format("--{} {}: {}", parameter, word,
-                                     near.empty()
-                                         ? fmt::format("there are {}", fmt::join(all, ", "))
-                                         : fmt::format("did you mean '{}'?", near)));
-    }
-    if (!seen.insert(word).second)
-      throw CommandError(fmt::format("--{} names '{}' twice", parameter, word));
-  }
 }
 
 }  // namespace

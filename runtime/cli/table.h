@@ -27,6 +27,18 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// The unit in which a number of nanoseconds is read most easily.
+struct TimeUnit {
+  const char* name;
+  double ns;
+  static TimeUnit For(double ns) {
+    if (ns >= 1e9) return {"s", 1e9};
+    if (ns >= 1e6) return {"ms", 1e6};
+    if (ns >= 1e3) return {"us", 1e3};
+    return {"ns", 1};
+  }
+};
+
 /// Three significant digits without an exponent: `0.0123`, `1.23`, `12345`.
 std::string ShortNumber(double value);
 

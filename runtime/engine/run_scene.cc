@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
-#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -15,6 +14,9 @@
 #include "library/layouts/placement.h"
 #include "library/objects/solid_maker.h"
 #include "runtime/engine/harness.h"
+#include "runtime/engine/memory.h"
+#include "runtime/engine/pair_referee.h"
+#include "runtime/engine/plugin_detectors.h"
 #include "runtime/engine/probes.h"
 #include "runtime/engine/sampler.h"
 #include "runtime/engine/schedules.h"
@@ -51,45 +53,64 @@ class Stepper {
   std::uint64_t steps_ = 0;
 };
 
+bool RecordsPairs(const compiler::Scene& scene) { return scene.world.Lists("record", "pairs"); }
+
+/// Times and memory are of a run that nobody referees.
+bool WantsSecondPass(const compiler::Scene& scene) {
+  return compiler::SamplingOf(scene) ||
+         (RecordsPairs(scene) &&
+          (scene.world.Lists("record", "timing") || scene.world.Lists("record", "memory")));
+}
+
 void RunCycles(const compiler::Scene& scene, Engine& engine, Recording& recording,
                int contacts_fd) {
   Probes probes(scene, engine, recording, contacts_fd);
+  std::optional<PairReferee> referee;
+  if (RecordsPairs(scene) && !WantsSecondPass(scene)) referee.emplace(engine, recording);
   const std::uint64_t warmup = scene.world.Count("warmup");
   const std::uint64_t cycles = scene.world.Count("cycles");
   Stepper stepper(scene, engine);
   for (std::uint64_t i = 0; i < warmup; ++i) stepper.Step();
   probes.Begin();
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
+    if (referee) referee->BeforeStep();
     stepper.Step();
     probes.Record(cycle);
+    if (referee) referee->AfterStep(cycle);
     recording.header().cycles_done.store(cycle + 1, std::memory_order_release);
   }
 }
 
-/// All of it once, in a world that nobody has stepped yet.
-void CollectSamples(const compiler::Scene& scene, Engine& engine, Recording& recording) {
-  Sampler sampler(scene, engine, recording);
+/// All of it once, in a world that nobody has stepped yet, for samples and for the referee.
+void RunWithoutClock(const compiler::Scene& scene, Engine& engine, Recording& recording) {
+  std::optional<Sampler> sampler;
+  if (compiler::SamplingOf(scene)) sampler.emplace(scene, engine, recording);
+  std::optional<PairReferee> referee;
+  if (RecordsPairs(scene)) referee.emplace(engine, recording);
   Stepper stepper(scene, engine);
-  const std::uint64_t cycles = scene.world.Count("warmup") + scene.world.Count("cycles");
-  sampler.Begin();
-  for (std::uint64_t i = 0; i < cycles; ++i) {
-    sampler.BeforeStep();
+  const std::uint64_t warmup = scene.world.Count("warmup");
+  const std::uint64_t steps = warmup + scene.world.Count("cycles");
+  if (sampler) sampler->Begin();
+  for (std::uint64_t i = 0; i < steps; ++i) {
+    if (sampler) sampler->BeforeStep();
+    if (referee && i >= warmup) referee->BeforeStep();
     stepper.Step();
-    sampler.AfterStep();
+    if (sampler) sampler->AfterStep();
+    if (referee && i >= warmup) referee->AfterStep(i - warmup);
   }
 }
 
-/// The same run once more without a clock, from the start, for the samples alone. It has to go the
-/// same way.
+/// The same run once more without a clock, from the start, for what is held against the truth
+/// alone. It has to go the same way.
 void RunAgain(const compiler::Scene& scene, const Engine& first, Recording& recording) {
   compiler::Scene quiet = scene;
   quiet.world.values.insert_or_assign("record", compiler::WordList{});
   Engine engine(quiet, first.initial_state(), first.omissions());
-  CollectSamples(scene, engine, recording);
+  RunWithoutClock(scene, engine, recording);
   const std::string hash = StateHash(engine);
   if (hash != recording.header().state_hash)
     throw std::runtime_error(
-        fmt::format("the pass that collects errors ended in the state {} and the timed one in {}: "
+        fmt::format("the pass that looks for errors ended in the state {} and the timed one in {}: "
                     "this run does not repeat itself, and neither pass can be trusted",
                     hash, recording.header().state_hash));
 }
@@ -105,6 +126,7 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
                                  const std::string& keep_walls) {
   RecordingHeader& header = recording.header();
   std::unique_ptr<Engine> engine;
+  const NotesPluginCalls notes(header.plugin_call);
   try {
     const std::int64_t place_begin = Now();
     library::InitialState state = library::DrawObjects(run.scene);
@@ -125,12 +147,12 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
       header.harness_ns = HarnessNs(run.scene, *engine);
       RunCycles(run.scene, *engine, recording, contacts_fd);
     } else {
-      CollectSamples(run.scene, *engine, recording);
+      RunWithoutClock(run.scene, *engine, recording);
       header.cycles_done.store(run.scene.world.Count("cycles"), std::memory_order_release);
     }
     CopyText(StateHash(*engine), header.state_hash);
     header.peak_rss_bytes = PeakRssBytes();
-    if (run.scene.role == compiler::Role::kMeasured && compiler::SamplingOf(run.scene))
+    if (run.scene.role == compiler::Role::kMeasured && WantsSecondPass(run.scene))
       RunAgain(run.scene, *engine, recording);
     header.outcome.store(WorkerOutcome::kDone, std::memory_order_release);
   } catch (const Tripped& tripped) {
@@ -142,15 +164,6 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
     ReportFailure(recording, error.what());
   }
   return engine;
-}
-
-double PeakRssBytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    double kilobytes = 0;
-    if (word == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
-  }
-  return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace cdb::runtime

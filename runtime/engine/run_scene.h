@@ -11,8 +11,9 @@
 namespace cdb::runtime {
 
 /// Draws, places, settles what is left out, builds, runs the warm-up and every cycle, and fills
-/// `recording`. A scene that asks for errors is then run once more from the start, without a clock,
-/// for its samples; a reference is run for them alone. `peak_rss_bytes` is of before that, and of
+/// `recording`. A scene that asks for errors, or for times and for what is wrong with its pairs, is
+/// then run once more from the start, without a clock, for those; a reference is run for its
+/// samples alone. `peak_rss_bytes` is of before that, and of
 /// the whole process. `cycles_done` goes up after each recorded cycle is stored.
 /// Ends with the outcome kDone and the state's hash, or kFailed and a message; throws nothing that
 /// a scene can cause but Tripped: then the run has to start again, in a process of its own, with
@@ -24,8 +25,5 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
 
 /// Sets kFailed and the message, cut to what the recording holds.
 void ReportFailure(Recording& recording, const std::string& message);
-
-/// The most memory that this process has had at once, bytes; NaN where the system does not say.
-double PeakRssBytes();
 
 }  // namespace cdb::runtime

@@ -95,6 +95,7 @@ compiler::Scene QuietScene(const Settling& settling) {
   set("solver.erp", 0.2);
   set("solver.warm_start", 0.85);
   set("timestep", std::min(1.0 / 60, settling.UnitOfTime() / 30));
+  scene.KeepUsedPlugins();
   return scene;
 }
 

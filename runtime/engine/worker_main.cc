@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,7 +19,12 @@
 #include <system_error>
 
 #include "compiler/plan_yaml.h"
+#include "compiler/trace.h"
+#include "library/detectors/description.h"
+#include "library/detectors/plugin.h"
+#include "runtime/engine/memory.h"
 #include "runtime/engine/precision.h"
+#include "runtime/engine/replay.h"
 #include "runtime/engine/run_scene.h"
 #include "runtime/engine/settle.h"
 #include "runtime/engine/whole_files.h"
@@ -46,6 +52,22 @@ bool HasDescriptors() {
   throw std::system_error(errno, std::generic_category(), "cannot start again");
 }
 
+/// What a library offers, for `cdb` (kDescribeOption). The library may print what it likes, or
+/// without end.
+int DescribeLibrary(const std::string& path) {
+  const int out = dup(STDOUT_FILENO);
+  constexpr rlimit kLimit = {1 << 20, 1 << 20};
+  if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0 || setrlimit(RLIMIT_FSIZE, &kLimit) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot look into a library");
+  try {
+    WriteAll(out, library::DescriptionOf(library::LoadPlugin(path)));
+    return 0;
+  } catch (const library::PluginError& error) {
+    WriteAll(out, error.what());
+    return library::kNoPlugin;
+  }
+}
+
 void RunWorker(const char* program, const std::string& keep_walls) {
   const compiler::Run run = compiler::RunFromYaml(ReadAll(kRunFd), "run");
   Recording recording = Recording::Open(kRecordingFd, run.scene);
@@ -57,7 +79,11 @@ void RunWorker(const char* program, const std::string& keep_walls) {
                                          run.scene.world.WordOr("precision"), EnginePrecision()));
   } else {
     try {
-      RunScene(run, recording, kContactsFd, keep_walls).release();  // the system takes it down
+      if (compiler::TraceOf(run.scene)) {
+        ReplayTrace(run, recording, kTraceFd);
+      } else {
+        RunScene(run, recording, kContactsFd, keep_walls).release();  // the system takes it down
+      }
     } catch (const Tripped& tripped) {
       StartAgain(program, recording, tripped);
     }
@@ -77,9 +103,10 @@ int main(int argc, char** argv) {
                btGetVersion() % 100, EnginePrecision());
     return 0;
   }
+  const bool describes = argc == 3 && std::string_view(argv[1]) == cdb::library::kDescribeOption;
   const bool settles = argc == 2 && std::string_view(argv[1]) == kSettleOption;
   const bool keeps_walls = argc == 3 && std::string_view(argv[1]) == kKeepWalls;
-  if (!settles && ((argc != 1 && !keeps_walls) || !HasDescriptors())) {
+  if (!describes && !settles && ((argc != 1 && !keeps_walls) || !HasDescriptors())) {
     fmt::print(stderr,
                "{}: this program runs one run of a plan for `cdb run` and is not started by hand; "
                "use `cdb run FILE.cdb`\n",
@@ -89,7 +116,9 @@ int main(int argc, char** argv) {
   try {
     // A runner that is killed must not leave workers behind.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (settles) {
+    if (describes) {
+      _exit(DescribeLibrary(argv[2]));
+    } else if (settles) {
       SettleForAnother(cdb::compiler::RunFromYaml(ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
     } else {
       RunWorker(argv[0], keeps_walls ? argv[2] : "");

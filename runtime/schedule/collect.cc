@@ -1,7 +1,6 @@
 #include "runtime/schedule/collect.h"
 
 #include <fmt/format.h>
-#include <signal.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -15,6 +14,8 @@
 #include <utility>
 
 #include "compiler/value.h"
+#include "runtime/measure/plugin_call.h"
+#include "runtime/schedule/process.h"
 
 namespace cdb::runtime {
 namespace {
@@ -32,22 +33,10 @@ std::string LinesOf(std::string text) {
   return is_text ? text : std::string();
 }
 
-std::string SignalText(int signal) {
-  const char* name = sigabbrev_np(signal);
-  const char* words = sigdescr_np(signal);
-  std::string text = fmt::format("signal {}", signal);
-  if (name != nullptr && words != nullptr) text += fmt::format(" (SIG{}, {})", name, words);
-  if (signal == SIGKILL) text += ", often for want of memory";
-  return text;
-}
-
-std::string CrashText(const ProcessEnd& end, std::string_view trouble) {
+std::string CrashText(const ProcessEnd& end, std::string_view trouble, const std::string& where) {
   std::string text(trouble);
-  if (WIFSIGNALED(end.wait_status)) {
-    text = "the worker was ended by " + SignalText(WTERMSIG(end.wait_status));
-  } else if (WEXITSTATUS(end.wait_status) != 0) {
-    text = fmt::format("the worker ended with exit status {}", WEXITSTATUS(end.wait_status));
-  }
+  if (end.wait_status != 0) text = "the worker " + EndText(end.wait_status);
+  if (!where.empty()) text += " in " + where;
   return end.last_lines.empty() ? text : text + ": " + end.last_lines;
 }
 
@@ -55,6 +44,7 @@ std::string CrashText(const ProcessEnd& end, std::string_view trouble) {
 template <typename T>
 void ClearFrom(std::span<T> values, const Series& series, std::uint64_t cycle, std::uint64_t cycles,
                T none) {
+  if (!series.HasCycles()) return;
   if (series.shape == SeriesShape::kPhase) {
     for (std::size_t row = 0; row + cycles <= values.size(); row += cycles)
       std::ranges::fill(values.subspan(row + cycle, cycles - cycle), none);
@@ -118,6 +108,8 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
   if (run.scene.world.Lists("record", "contacts"))
     result.contacts = ReadContacts(contacts_fd, recording.Ints("contacts"), result.n_cycles);
 
+  const std::string where =
+      PluginCallText(header.plugin_call.load(std::memory_order_relaxed), run.scene);
   const bool has_exited = WIFEXITED(end.wait_status) && WEXITSTATUS(end.wait_status) == 0;
   if (has_exited && outcome == WorkerOutcome::kDone && result.n_cycles == cycles) {
     result.status = Status::kDone;
@@ -128,9 +120,9 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
     if (result.message.empty()) result.message = "the worker failed without a reason";
   } else if (end.is_timed_out && !has_exited) {
     result.status = Status::kTimedOut;
-    result.message =
-        fmt::format("ended at its timeout of {} s after {} of {} cycles",
-                    compiler::FormatReal(run.scene.world.Real("timeout")), result.n_cycles, cycles);
+    result.message = fmt::format("ended at its timeout of {} s after {} of {} cycles{}{}",
+                                 compiler::FormatReal(run.scene.world.Real("timeout")),
+                                 result.n_cycles, cycles, where.empty() ? "" : ", in ", where);
   } else {
     result.status = Status::kCrashed;
     std::string trouble = "the worker ended without a report";
@@ -138,7 +130,7 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
       trouble = reported < cycles
                     ? fmt::format("the worker ended after {} of {} cycles", reported, cycles)
                     : "the worker ended without all of its contacts";
-    result.message = CrashText(end, trouble);
+    result.message = CrashText(end, trouble, where);
   }
   if (result.status != Status::kFailed) {
     const Verdict ending = result.status == Status::kTimedOut  ? Verdict::kTimedOut
@@ -160,6 +152,7 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
   result.place_ns = header.place_ns;
   result.build_ns = header.build_ns;
   result.fill_fraction = header.fill_fraction;
+  result.harness_ns = header.harness_ns;
   for (const Series& series : AllSeries())
     if (const auto bytes = recording.Bytes(series); !bytes.empty())
       result.series.emplace_back(&series, bytes);

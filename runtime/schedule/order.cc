@@ -27,6 +27,7 @@ struct Rivals {
 std::string PointKey(const compiler::Run& run) {
   compiler::Scene scene = run.scene;
   scene.world.values.erase("detector");
+  scene.plugins.clear();
   return compiler::RunId(scene, 0);
 }
 

@@ -5,9 +5,6 @@
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/mman.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,11 +17,12 @@
 #include <utility>
 
 #include "compiler/plan_yaml.h"
+#include "compiler/trace.h"
 #include "dsl/check.h"
 #include "runtime/measure/host.h"
+#include "runtime/measure/plugin_call.h"
 #include "runtime/schedule/collect.h"
-
-extern char** environ;
+#include "runtime/schedule/process.h"
 
 namespace cdb::runtime {
 namespace {
@@ -32,96 +30,15 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC
 
-[[noreturn]] void Fail(std::string_view what, int error) {
-  throw ScheduleError(fmt::format("{}: {}", what, std::generic_category().message(error)));
-}
-
-/// A descriptor of our own. What a worker gets are copies.
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~Descriptor() { Close(); }
-  void Close() {
-    if (fd_ >= 0) close(std::exchange(fd_, -1));
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
-Descriptor MemoryFile(const char* name) {
-  Descriptor fd(memfd_create(name, MFD_CLOEXEC));
-  if (fd.get() < 0) Fail("no memory to start a run", errno);
-  return fd;
-}
-
 Descriptor RunFile(const compiler::Run& run) {
   const std::string text = compiler::RunToYaml(run);
   Descriptor fd = MemoryFile("cdb-run");
   // A worker reads from the start: pwrite leaves the shared offset there.
   const ssize_t written = pwrite(fd.get(), text.data(), text.size(), 0);
   if (written != static_cast<ssize_t>(text.size()))
-    Fail("no memory to start a run", written < 0 ? errno : ENOSPC);
+    FailToStart("no memory to start a run", written < 0 ? errno : ENOSPC);
   return fd;
 }
-
-/// What a worker is started with: descriptors, signals, a group of its own.
-class SpawnPlan {
- public:
-  SpawnPlan() {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawnattr_init(&attributes_);
-  }
-  ~SpawnPlan() {
-    posix_spawnattr_destroy(&attributes_);
-    posix_spawn_file_actions_destroy(&actions_);
-  }
-  SpawnPlan(const SpawnPlan&) = delete;
-  SpawnPlan& operator=(const SpawnPlan&) = delete;
-
-  void Give(int from, int to) {
-    // A source that is itself one of the targets would be overwritten before its turn.
-    constexpr int kAboveAllTargets = 16;
-    sources_.emplace_back(fcntl(from, F_DUPFD_CLOEXEC, kAboveAllTargets));
-    if (sources_.back().get() < 0) Fail("no descriptor to start a run", errno);
-    Check(posix_spawn_file_actions_adddup2(&actions_, sources_.back().get(), to));
-  }
-
-  pid_t Start(const fs::path& program) {
-    Check(posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0));
-    Check(posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0));
-    Check(posix_spawn_file_actions_addclosefrom_np(&actions_, kContactsFd + 1));
-    sigset_t set;
-    sigemptyset(&set);
-    Check(posix_spawnattr_setsigmask(&attributes_, &set));
-    sigfillset(&set);  // what we ignore or handle is none of the worker's business
-    Check(posix_spawnattr_setsigdefault(&attributes_, &set));
-    Check(posix_spawnattr_setpgroup(&attributes_, 0));
-    Check(posix_spawnattr_setflags(
-        &attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP));
-    std::string name = program.string();
-    char* arguments[] = {name.data(), nullptr};
-    pid_t pid = -1;
-    const int error = posix_spawn(&pid, name.c_str(), &actions_, &attributes_, arguments, environ);
-    if (error != 0) Fail(fmt::format("cannot start {}", name), error);
-    return pid;
-  }
-
- private:
-  static void Check(int error) {
-    if (error != 0) Fail("cannot start a run", error);
-  }
-
-  posix_spawn_file_actions_t actions_;
-  posix_spawnattr_t attributes_;
-  std::vector<Descriptor> sources_;
-};
 
 /// What we start while it lives starts on `cpu`: a child inherits, so there is no moment at which
 /// it runs elsewhere.
@@ -153,6 +70,15 @@ std::vector<int> ChooseCpus(std::size_t slots) {
   for (int cpu = 0; cpu < CPU_SETSIZE && cpus.size() < slots; ++cpu)
     if (CPU_ISSET(cpu, &allowed)) cpus.push_back(cpu);
   return cpus.size() == slots ? cpus : std::vector<int>();
+}
+
+constexpr const char* kSingleWorker = "cdb-worker-f32";
+
+fs::path OwnFolder() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) FailToStart("cannot tell where this program is (/proc/self/exe)", error.value());
+  return self.parent_path();
 }
 
 fs::path FindWorker(const fs::path& folder, const char* name) {
@@ -211,12 +137,9 @@ std::size_t PrintableLength(std::string_view text) {
 
 // ---- finding ------------------------------------------------------------------------------------
 
-WorkerPrograms FindWorkers(const compiler::Plan& plan) {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (error) Fail("cannot tell where this program is (/proc/self/exe)", error.value());
-  return FindWorkers(plan, self.parent_path());
-}
+WorkerPrograms FindWorkers(const compiler::Plan& plan) { return FindWorkers(plan, OwnFolder()); }
+
+fs::path FindAnyWorker() { return FindWorker(OwnFolder(), kSingleWorker); }
 
 WorkerPrograms FindWorkers(const compiler::Plan& plan, const fs::path& folder) {
   WorkerPrograms programs;
@@ -227,7 +150,7 @@ WorkerPrograms FindWorkers(const compiler::Plan& plan, const fs::path& folder) {
     return std::ranges::any_of(plan.runs, is_of_it) ||
            std::ranges::any_of(plan.references, is_of_it);
   };
-  if (needs("single")) programs.single = FindWorker(folder, "cdb-worker-f32");
+  if (needs("single")) programs.single = FindWorker(folder, kSingleWorker);
   if (needs("double")) programs.double_ = FindWorker(folder, "cdb-worker-f64");
   return programs;
 }
@@ -296,9 +219,21 @@ struct ProcessLauncher::Worker {
 };
 
 ProcessLauncher::ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop)
-    : programs_(std::move(programs)), stop_(stop), cpus_(ChooseCpus(slots)), workers_(slots) {}
+    : programs_(std::move(programs)),
+      stop_(stop),
+      traces_(slots),
+      cpus_(ChooseCpus(slots)),
+      workers_(slots) {}
 
 ProcessLauncher::~ProcessLauncher() = default;
+
+Pulse ProcessLauncher::PulseOf(std::size_t slot) const {
+  CDB_CHECK(slot < workers_.size() && workers_[slot]);
+  const RecordingHeader& header = workers_[slot]->recording->header();
+  return {header.cycles_done.load(std::memory_order_relaxed),
+          PluginCallText(header.plugin_call.load(std::memory_order_relaxed),
+                         workers_[slot]->run->scene)};
+}
 
 void ProcessLauncher::StopAll() {
   for (const auto& worker : workers_)
@@ -319,7 +254,7 @@ void ProcessLauncher::Start(std::size_t slot, const compiler::Run& run) {
   worker->contacts = MemoryFile("cdb-contacts");
   const Descriptor text = RunFile(run);
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) Fail("no descriptor to start a run", errno);
+  if (pipe2(ends, O_CLOEXEC) != 0) FailToStart("no descriptor to start a run", errno);
   worker->errors = Descriptor(ends[0]);
   const Descriptor their_errors(ends[1]);
   fcntl(ends[0], F_SETFL, O_NONBLOCK);  // ours; theirs may block until we have read
@@ -329,6 +264,15 @@ void ProcessLauncher::Start(std::size_t slot, const compiler::Run& run) {
   spawn.Give(text.get(), kRunFd);
   spawn.Give(worker->recording->fd(), kRecordingFd);
   spawn.Give(worker->contacts.get(), kContactsFd);
+  if (const auto trace = compiler::TraceOf(run.scene)) {
+    try {
+      spawn.Give(traces_.Get(*trace), kTraceFd);
+    } catch (const std::system_error& error) {
+      throw ScheduleError(error.what());
+    } catch (const StoreError& error) {
+      throw ScheduleError(error.what());
+    }
+  }
 
   worker->load = LoadAverage();
   worker->started_s = SecondsSinceEpoch();
@@ -340,9 +284,7 @@ void ProcessLauncher::Start(std::size_t slot, const compiler::Run& run) {
     if (!cpus_.empty()) pinned.emplace(cpus_[slot]);
     worker->pid = spawn.Start(is_single ? programs_.single : programs_.double_);
   }
-  // By number: the header of glibc 2.36 lacks its extern "C".
-  worker->pidfd = Descriptor(static_cast<int>(syscall(SYS_pidfd_open, worker->pid, 0)));
-  if (worker->pidfd.get() < 0) Fail("cannot watch a worker", errno);
+  worker->pidfd = WatchProcess(worker->pid);
   workers_[slot] = std::move(worker);
 }
 
@@ -366,7 +308,7 @@ std::optional<Ending> ProcessLauncher::Wait(double seconds) {
     const timespec timeout = {
         whole.count(), std::chrono::duration_cast<std::chrono::nanoseconds>(left - whole).count()};
     if (ppoll(watched.data(), watched.size(), &timeout, nullptr) < 0 && errno != EINTR)
-      Fail("cannot wait for a worker", errno);
+      FailToStart("cannot wait for a worker", errno);
 
     std::size_t i = 0;
     Worker* ended = nullptr;
@@ -412,7 +354,7 @@ Ending ProcessLauncher::Reap(Worker& worker) {
   DrainErrors(worker);
   ProcessEnd end;
   while (waitpid(worker.pid, &end.wait_status, 0) < 0) {
-    if (errno != EINTR) Fail("cannot wait for a worker", errno);
+    if (errno != EINTR) FailToStart("cannot wait for a worker", errno);
   }
   worker.pid = -1;
   end.is_timed_out = worker.is_timed_out;

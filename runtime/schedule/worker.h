@@ -13,6 +13,7 @@
 #include "compiler/plan.h"
 #include "runtime/schedule/launcher.h"
 #include "runtime/schedule/stop.h"
+#include "runtime/schedule/trace_shelf.h"
 
 namespace cdb::runtime {
 
@@ -27,6 +28,9 @@ struct WorkerPrograms {
 WorkerPrograms FindWorkers(const compiler::Plan& plan);
 /// The same for a program in `folder`.
 WorkerPrograms FindWorkers(const compiler::Plan& plan, const std::filesystem::path& folder);
+
+/// One of them, whichever precision, for what needs no run. Throws ScheduleError.
+std::filesystem::path FindAnyWorker();
 
 /// The end of what a worker wrote to standard error, for the message of a crash: at most
 /// kMaxBytes, however much was written.
@@ -53,6 +57,7 @@ class ProcessLauncher : public Launcher {
 
   void Start(std::size_t slot, const compiler::Run& run) override;
   std::optional<Ending> Wait(double seconds) override;
+  Pulse PulseOf(std::size_t slot) const override;
   void StopAll() override;
 
  private:
@@ -62,6 +67,7 @@ class ProcessLauncher : public Launcher {
 
   WorkerPrograms programs_;
   const StopFlag* stop_;
+  TraceShelf traces_;
   std::vector<int> cpus_;  // of each slot; empty where workers go where they like
   std::vector<std::unique_ptr<Worker>> workers_;
 };

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -54,6 +55,7 @@ struct RunResult {
   std::string models;   ///< the hulls of the compounds in the scene: a line each; may be empty
   double load = 0;      ///< the machine's one-minute load average when the run began
   double peak_rss_bytes = 0, place_ns = 0, build_ns = 0, fill_fraction = 0;
+  double harness_ns = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured
   std::vector<std::pair<const Series*, std::span<const std::byte>>> series;
   RunErrors errors;  ///< empty where the scene asks for none
   std::vector<ContactRecord>

@@ -1,0 +1,87 @@
+// `skin`: a list of candidates that lasts for several cycles.
+//
+// Method: each box is made fatter, by where it is likely to go and a margin for what it does
+// besides; the pairs of fat boxes, found by a grid, are the candidates. As long as boxes stay in
+// their fat ones, only candidates are tested, in double. The few that left (strays) are looked up
+// in the grid of fat boxes each cycle; when that has cost as much as a new list, a new list is
+// made. A cycle in which no box changed since the list was made gets the same pairs again.
+//
+// How long a list shall last is learnt: each length is tried and the better one kept, by the number
+// of tests, never by the clock, so that the same motion gives the same list in the same order. How
+// boxes move is learnt as well: on, as they did since the last list, or to and fro.
+//
+// Cost: reading the boxes and testing the candidates; now and then a grid. Memory: about 220 bytes
+// a body and 4 a candidate. Errors: bad_alloc. Threads: Options::threads share the making of a list
+// and large lists' tests; the pairs are the same.
+// Source: Verlet, Phys. Rev. 159, 1967.
+#pragma once
+
+#include <memory>
+
+#include "library/detectors/bodies.h"
+#include "library/detectors/box_grid.h"
+#include "library/detectors/detector.h"
+#include "library/detectors/kernels.h"
+#include "library/detectors/pair_parts.h"
+
+namespace cdb::library {
+
+class Skin final : public Detector {
+ public:
+  explicit Skin(const Options& options, const Kernels& kernels = BestKernels());
+
+  void Prepare(const Scene& scene) override;
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
+
+  /// What a body took in a cycle of the last list, its making included, or of this list up to now
+  /// if that is less; and would take in a cycle of `grid`. In nanoseconds of some machine.
+  double Cost() const;
+  double GridCost() const;
+  /// See BoxGrid.
+  double Crowd() const { return grid_.Crowd(); }
+  /// Forgets the list: the boxes have moved unseen.
+  void Forget() {
+    is_built_ = false;
+    last_cost_ = 0;
+  }
+
+ private:
+  void MakeList(const Scene& scene);
+  void LearnMotion(const Scene& scene);
+  void LearnCost();
+  void Fatten(const Scene& scene);
+  void AppendStrays(const Scene& scene, std::size_t count, PairBuffer& pairs);
+  bool IsUnchanged(const Scene& scene) const;
+
+  const Kernels& kernels_;
+  Bodies bodies_;
+  BoxGrid grid_, stray_grid_;
+  PairParts parts_;
+
+  bool is_built_ = false;
+  bool pairs_are_of_built_ = false;  ///< parts_ holds the pairs of built_
+  std::vector<Box> built_;           ///< all boxes when the list was made
+  std::vector<FatBox> fat_;          ///< of movers
+  std::vector<Vec3> velocity_;       ///< of movers, a cycle, before the list was made
+  unsigned age_ = 0;                 ///< cycles of this list
+
+  // How boxes move, learnt when a list ends.
+  bool goes_on_ = false;  ///< they keep their velocity
+  double margin_ = 0;     ///< for what most do besides
+  double most_margin_ = 0, most_speed_ = 0;
+
+  PairBuffer candidates_;
+  std::vector<Id> strays_;
+  std::vector<std::uint8_t> is_stray_;
+  std::vector<Box> stray_boxes_;
+  PairBuffer raw_;
+
+  double horizon_ = 4, step_ = 1.5;  ///< cycles that a list shall last; the factor tried next
+  double making_cost_ = 0, cost_ = 0, stray_cost_ = 0;  ///< of this list; all of it
+  double last_cost_ = 0;                                ///< of a cycle of the last list
+  double last_tried_ = 0;                               ///< the same, with another horizon
+};
+
+std::unique_ptr<Detector> MakeSkin(const Options& options, const Kernels& kernels = BestKernels());
+
+}  // namespace cdb::library

@@ -1,0 +1,56 @@
+#include "runtime/cli/cells.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/plan_yaml.h"
+#include "runtime/cli/table.h"
+
+namespace cdb::runtime {
+
+using Cell = ResultFile::Cell;
+
+std::vector<Cell> AllCells(const ResultFile& file) {
+  std::vector<Cell> cells;
+  std::vector<std::size_t> at(file.axes().size(), 0);
+  for (;;) {
+    for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) cells.push_back({at, rep});
+    std::size_t i = at.size();
+    while (i > 0 && ++at[i - 1] == file.axes()[i - 1].values.size()) at[--i] = 0;
+    if (i == 0) return cells;
+  }
+}
+
+std::string PlaceText(const ResultFile& file, const Cell& cell) {
+  std::string text;
+  for (std::size_t i = 0; i < cell.at.size(); ++i)
+    text += fmt::format("{} {}, ", file.axes()[i].name, CoordinateText(file.axes()[i], cell.at[i]));
+  return text + fmt::format("rep {}", cell.rep);
+}
+
+std::optional<std::size_t> DetectorAxis(const ResultFile& file) {
+  const auto axis = std::ranges::find(file.axes(), "detector", &compiler::Axis::parameter);
+  if (axis == file.axes().end() || !axis->IsText()) return std::nullopt;
+  return static_cast<std::size_t>(axis - file.axes().begin());
+}
+
+CellDetectors::CellDetectors(const ResultFile& file) : file_(file), axis_(DetectorAxis(file)) {
+  if (axis_) return;
+  try {
+    const compiler::Plan plan =
+        compiler::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");
+    for (const compiler::Run& run : plan.runs)
+      by_run_.emplace(run.id, run.scene.world.WordOr("detector"));
+  } catch (const compiler::PlanError&) {
+    // A file of an older cdb is shown as far as it goes.
+  }
+}
+
+std::string CellDetectors::Of(const Cell& cell) const {
+  if (axis_) return CoordinateText(file_.axes()[*axis_], cell.at[*axis_]);
+  const auto found = by_run_.find(file_.ReadText("run_id", cell));
+  return found == by_run_.end() ? "" : found->second;
+}
+
+}  // namespace cdb::runtime

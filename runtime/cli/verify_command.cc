@@ -1,0 +1,70 @@
+// `cdb verify`: every detector's pairs against brute force, in every cycle of a scenario.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "compiler/plan_yaml.h"
+#include "runtime/cli/carry_out.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/console.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/provenance.h"
+#include "runtime/cli/verify_plan.h"
+#include "runtime/cli/verify_table.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Beside the results, so that one run of them can be seen by itself.
+void WritePlan(const compiler::Plan& plan, const fs::path& path) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << compiler::ToYaml(plan);
+  if (!file.flush())
+    throw CommandError(
+        fmt::format("cannot write '{}'; choose another folder by -o", path.string()));
+}
+
+}  // namespace
+
+int VerifyCommand(const VerifyArguments& arguments) {
+  VerifyOptions options = {arguments.detectors, arguments.cycles, {}};
+  const auto plans = LoadPlans(arguments.file, arguments.benchmark, LintText::kNone,
+                               arguments.plugins, &options.plugins);
+  if (plans.empty()) return kExitScenario;
+  if (!options.WantsAll()) CheckWords("detector", options.detectors, options.plugins);
+  std::vector<VerifyPlan> verified;
+  for (const compiler::Plan& plan : plans) verified.push_back(MakeVerifyPlan(plan, options));
+  const fs::path folder = arguments.out;
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error)
+    throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
+                                   folder.string(), error.message()));
+  Provenance provenance = CollectProvenance();
+  provenance["jobs"] = fmt::format("{}", arguments.jobs);
+  std::signal(SIGPIPE, SIG_IGN);
+  StopFlag stop;
+  const StopOnSignals signals(stop);
+  int status = kExitGood;
+  for (VerifyPlan& one : verified) {
+    const std::string name = (folder / one.plan.benchmark).string();
+    const std::string plan_file = name + ".verify.yaml";
+    const fs::path out = name + ".verify.h5";
+    one.plan.source = plan_file;
+    const CarriedOut end = CarryOut(
+        one.plan, {out, arguments.jobs, {}, arguments.fresh, arguments.quiet}, provenance, stop);
+    if (end.summary.signal != 0) return 128 + end.summary.signal;
+    WritePlan(one.plan, plan_file);
+    const VerifyText text = VerifyTable(ResultFile(out), one.left_out);
+    Print(text.text + "\n");
+    if (!text.is_good) status = kExitRuns;
+  }
+  return status;
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,123 @@
+#include "runtime/cli/verify_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "compiler/capacity.h"
+#include "compiler/cross.h"
+#include "compiler/reference.h"
+#include "library/catalogue.h"
+#include "runtime/cli/commands.h"
+
+namespace cdb::runtime {
+namespace {
+
+using compiler::Plan;
+using compiler::Run;
+
+/// What is as good a run of a point as any, where only the detector differs.
+Plan WithoutAxis(const Plan& plan, std::size_t axis) {
+  Plan rest = plan;
+  rest.axes.erase(rest.axes.begin() + static_cast<std::ptrdiff_t>(axis));
+  rest.runs.clear();
+  rest.skipped.clear();
+  std::set<std::vector<std::size_t>> there;
+  const auto less = [&](std::vector<std::size_t> at) {
+    at.erase(at.begin() + static_cast<std::ptrdiff_t>(axis));
+    return at;
+  };
+  for (Run run : plan.runs) {
+    run.at = less(std::move(run.at));
+    if (there.insert(run.at).second) rest.runs.push_back(std::move(run));
+  }
+  for (const auto& skipped : plan.skipped)
+    if (auto at = less(skipped); there.insert(at).second) rest.skipped.push_back(std::move(at));
+  return rest;
+}
+
+Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors,
+                   std::span<const compiler::PluginDetector> plugins) {
+  const auto axis = std::ranges::find(plan.axes, "detector", &compiler::Axis::parameter);
+  return Cross(axis == plan.axes.end()
+                   ? plan
+                   : WithoutAxis(plan, static_cast<std::size_t>(axis - plan.axes.begin())),
+               "detector", detectors, plugins);
+}
+
+/// Why `all` is without a detector, whatever the scene; empty where it is not.
+std::string Absence(const library::DetectorInfo& info) {
+  if (info.family == "none") return "finds nothing, by design; name it to see that";
+  const library::DetectorPart* part = library::FindDetectorPart(info.part);
+  if (part != nullptr && !part->is_built)
+    return fmt::format("is not built; install {} and build again", part->package);
+  return {};
+}
+
+/// Points that a detector does not hold are skipped, and a detector that holds none is left out.
+VerifyPlan WithEveryDetector(const Plan& plan, std::span<const compiler::PluginDetector> plugins) {
+  std::vector<library::DetectorInfo> all(library::Detectors().begin(), library::Detectors().end());
+  for (const compiler::PluginDetector& plugin : plugins)
+    all.push_back(*compiler::FindDetector(plugin.name, plugins));
+  VerifyPlan every;
+  std::vector<std::string> names;
+  for (const library::DetectorInfo& info : all) {
+    if (!info.HasPhase("broad")) continue;
+    if (const std::string why = Absence(info); !why.empty()) {
+      every.left_out.push_back(fmt::format("{} {}", info.name, why));
+      continue;
+    }
+    const auto held = std::ranges::count_if(
+        plan.runs, [&](const Run& run) { return info.Holds(compiler::BodyCount(run.scene)); });
+    if (held < std::ssize(plan.runs))
+      every.left_out.push_back(
+          fmt::format("{}, where there are more than {} bodies", info.name, info.max_bodies));
+    if (held > 0) names.emplace_back(info.name);
+  }
+  every.plan = WithDetectors(plan, names, plugins);
+  std::erase_if(every.plan.runs, [&](const Run& run) {
+    const auto detector = compiler::FindDetector(names[run.at[0]], plugins);
+    const bool is_held = detector->Holds(compiler::BodyCount(run.scene));
+    if (!is_held) every.plan.skipped.push_back(run.at);
+    return !is_held;
+  });
+  std::ranges::sort(every.plan.skipped);
+  return every;
+}
+
+}  // namespace
+
+VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
+  Plan bare = plan;
+  bare.repeats = 1;
+  std::erase_if(bare.runs, [](const Run& run) { return run.rep > 0; });
+  for (Run& run : bare.runs) {
+    const auto set = [&](const char* name, compiler::Value value) {
+      run.scene.world.values.insert_or_assign(name, std::move(value));
+    };
+    set("record", compiler::WordList{"pairs"});
+    set("accuracy.metrics", compiler::WordList{"none"});
+    set("pair_order", compiler::Word{"sorted"});
+    set("repeats", std::uint64_t{1});
+    if (options.cycles) set("cycles", *options.cycles);
+    run.id = compiler::RunId(run.scene, run.rep);
+  }
+  AddReferences(bare);
+  VerifyPlan made;
+  if (options.WantsAll()) {
+    made = WithEveryDetector(bare, options.plugins);
+  } else if (options.detectors.empty()) {
+    made.plan = std::move(bare);
+  } else {
+    made.plan = WithDetectors(bare, options.detectors, options.plugins);
+  }
+  if (made.plan.runs.empty())
+    throw CommandError(
+        fmt::format("{}: there is nothing to verify: every point is left out", plan.benchmark));
+  return made;
+}
+
+}  // namespace cdb::runtime

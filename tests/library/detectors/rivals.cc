@@ -1,0 +1,38 @@
+#include "tests/library/detectors/rivals.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <stdexcept>
+
+#include "library/detectors/plugin.h"
+
+namespace cdb::tests {
+
+std::vector<library::DetectorInfo> Rivals(std::string_view phase) {
+  std::vector<library::DetectorInfo> rows;
+  for (const library::DetectorInfo& info : library::Detectors())
+    if (!info.part.empty() && info.HasPhase(phase)) rows.push_back(info);
+  return rows;
+}
+
+std::unique_ptr<Detector> MakeRival(const library::DetectorInfo& info) {
+  const library::DetectorPart* part = library::FindDetectorPart(info.part);
+  if (part == nullptr) throw std::logic_error(std::string(info.part) + " is no part");
+  if (!part->is_built) {
+    if (std::getenv("CDB_REQUIRE_RIVALS") != nullptr)
+      throw std::runtime_error(std::string(part->package) + " is not installed");
+    return nullptr;
+  }
+  const Plugin& plugin = library::LoadPlugin(std::string(CDB_BINARY_DIR "/detectors/") +
+                                             "cdb-detectors-" + std::string(info.part) + ".so");
+  const DetectorEntry* entry = library::FindEntry(plugin, info.name);
+  if (entry == nullptr) throw std::runtime_error(std::string(info.name) + " is not in its part");
+  const std::uint32_t phases =
+      (info.HasPhase("broad") ? kBroad : 0u) | (info.HasPhase("narrow") ? kNarrow : 0u);
+  EXPECT_EQ(entry->phases & (kBroad | kNarrow), phases);
+  EXPECT_EQ(entry->max_bodies, info.max_bodies);
+  return std::unique_ptr<Detector>(entry->make({}));
+}
+
+}  // namespace cdb::tests

@@ -1,0 +1,36 @@
+// The detectors of other libraries, for tests: those of the parts that are built.
+#pragma once
+
+#include <memory>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "library/catalogue.h"
+#include "library/detectors/detector.h"
+
+namespace cdb::library {
+
+/// For GoogleTest's messages.
+inline void PrintTo(const DetectorInfo& info, std::ostream* out) { *out << info.name; }
+
+}  // namespace cdb::library
+
+namespace cdb::tests {
+
+/// The rows of the catalogue that are in a part and have the phase.
+std::vector<library::DetectorInfo> Rivals(std::string_view phase);
+
+/// Null where its part is not built, which fails the test if CDB_REQUIRE_RIVALS is set, else skips.
+std::unique_ptr<Detector> MakeRival(const library::DetectorInfo& info);
+
+/// Of GoogleTest's parameters: the detector's name.
+struct RivalName {
+  template <typename Info>
+  std::string operator()(const Info& info) const {
+    return std::string(info.param.name);
+  }
+};
+
+}  // namespace cdb::tests
