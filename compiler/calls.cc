@@ -62,6 +62,9 @@ constexpr Parameter kPair[] = {
 constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, from the folder of the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file's bytes: another file is refused", {.default_text = "any", .words = "any"})};
+constexpr Parameter kTraceFile[] = {
+    Argument("file", kText, kAny, "", "as `cdb trace` writes it, from the folder of the .cdb file"),
+    Argument("sha256", kText, kAny, "", "of its boxes: another trace is refused", {.default_text = "any", .words = "any"})};
 constexpr Parameter kEvery[] = {
     Argument("cycles", kCount, kCountFromOne, "", "from one draw to the next"),
     Argument("value", kVector, kAny, kParametersUnit, "a vector, or a distribution that is drawn anew each time", {.distribution = true})};
@@ -81,6 +84,7 @@ constexpr CallInfo kCalls[] = {
     {"pair", "two objects about the centre whose surfaces are so far apart, in a direction drawn by chance", kPair},
     {"mesh", "a solid of your own as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of a mesh of your own", kModel},
+    {"file", "a recorded run; its name alone in quotes is the same", kTraceFile},
     {"every", "set again every so many cycles", kEvery},
     {"rotating", "a vector that turns steadily", kRotating},
 };

@@ -33,8 +33,12 @@ std::vector<std::string_view> RequiredArguments(const CallInfo& info);
 std::optional<Call> WithDefaults(const CallInfo& info);
 /// An argument's default; one without is our own bug.
 Value DefaultOf(const Parameter& argument);
-/// It names a file that is read: `mesh("rock.obj")`.
-inline bool IsModel(const CallInfo& info) { return info.arguments[0].type == ParameterType::kText; }
+/// It names a file that is read, and holds its hash: `mesh("rock.obj")`.
+inline bool NamesFile(const CallInfo& info) {
+  return info.arguments[0].type == ParameterType::kText;
+}
+/// The call that a text alone stands for behind `trace`.
+inline constexpr std::string_view kTraceCall = "file";
 /// The argument of a call of the plan; a name that its row does not have is our own bug.
 const Value& ArgumentOf(const Call& call, std::string_view argument);
 /// The value as a call; null where it is none.

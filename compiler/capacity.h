@@ -9,5 +9,7 @@ namespace cdb::compiler {
 
 /// Objects of all groups, and the walls that stand.
 std::uint64_t BodyCount(const Scene& scene);
+/// The most of any run.
+std::uint64_t MaxBodyCount(const Plan& plan);
 
 }  // namespace cdb::compiler

@@ -39,8 +39,8 @@ void CheckLets(const Scenario& scenario, dsl::Diagnostics& diagnostics) {
 
 Compilation Compile(const std::string& path, const ReadFile& read, const CompileOptions& options) {
   Compilation result;
-  const auto scenario = std::make_shared<const Scenario>(path, options.library, read,
-                                                         options.plugins, result.diagnostics);
+  const auto scenario = std::make_shared<const Scenario>(
+      path, options.library, read, options.plugins, options.read_trace, result.diagnostics);
   result.scenario = scenario;
   if (scenario->main() == nullptr) return result;
   const auto benchmarks = scenario->Benchmarks();

@@ -16,6 +16,7 @@ struct CompileOptions {
   std::string library;  ///< folder of the scenarios that `use` reaches from anywhere; may be empty
   std::optional<std::string> benchmark;  ///< only this one; nullopt: every benchmark of the file
   PluginSource plugins = {};
+  ReadTrace read_trace = {};  ///< without it no `trace` can be read
 };
 
 /// What came of it. Diagnostics point into `scenario`, which has to be kept as long as they are.

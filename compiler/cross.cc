@@ -7,6 +7,17 @@
 #include "dsl/check.h"
 
 namespace cdb::compiler {
+namespace {
+
+/// Those that it has not got.
+void AddPlugins(std::span<const PluginDetector> plugins, Scene& scene) {
+  for (const PluginDetector& plugin : plugins)
+    if (std::ranges::find(scene.plugins, plugin.name, &PluginDetector::name) == scene.plugins.end())
+      scene.plugins.push_back(plugin);
+  std::ranges::sort(scene.plugins, {}, &PluginDetector::name);
+}
+
+}  // namespace
 
 Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words,
            std::span<const PluginDetector> plugins) {
@@ -25,9 +36,7 @@ Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::
     for (Run run : plan.runs) {
       run.at.insert(run.at.begin(), i);
       run.scene.world.values.insert_or_assign(std::string(parameter), Word{words[i]});
-      for (const PluginDetector& plugin : plugins)
-        if (!FindDetector(plugin.name, run.scene.plugins)) run.scene.plugins.push_back(plugin);
-      std::ranges::sort(run.scene.plugins, {}, &PluginDetector::name);
+      AddPlugins(plugins, run.scene);
       run.scene.KeepUsedPlugins();
       run.id = RunId(run.scene, run.rep);
       crossed.runs.push_back(std::move(run));

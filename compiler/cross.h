@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,8 +10,8 @@
 namespace cdb::compiler {
 
 /// The plan with an axis `parameter` of the world in front of the others, one of `words` for each
-/// of its values, all of which the schema or `plugins` has for it. A plan that sweeps the parameter
-/// itself is given back as it is.
+/// of its values, all of which the schema or, where it takes detectors, `plugins` has. A plan that
+/// sweeps the parameter itself is given back as it is.
 Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words,
            std::span<const PluginDetector> plugins = {});
 

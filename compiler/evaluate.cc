@@ -271,6 +271,7 @@ const Expr& Evaluator::Origin(const Expr& expr, const Scope& scope) {
 
 std::optional<Value> Evaluator::ToValue(const Term& term, const Parameter& parameter,
                                         const Expr& expr, const Scope& scope) {
+  if (term.text() != nullptr && parameter.TakesCall(kTraceCall)) return TraceNamed(term);
   const Expr& origin = Origin(expr, scope);
   std::vector<dsl::Span> choices;
   if (origin.kind == ExprKind::kCall)

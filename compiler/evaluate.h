@@ -77,7 +77,9 @@ class Evaluator {
   /// A word with its arguments.
   std::optional<Term> EvaluateWord(const dsl::Expr& expr, const CallInfo& info, const Scope& scope);
   /// Finds the file and its hash; `arguments` are as they were written.
-  bool ReadModel(Call& call, const std::vector<Term>& arguments);
+  bool ReadNamed(Call& call, const std::vector<Term>& arguments);
+  /// What the text stands for behind `trace`.
+  std::optional<Call> TraceNamed(const Term& name);
   std::nullopt_t NoSuchFunction(const dsl::Expr& expr, const Scope& scope);
   std::optional<Term> EvaluateAny(const dsl::Expr& expr, const Scope& scope);
   std::optional<Eigen::Vector3d> EvaluateTriple(const dsl::Expr& expr, const Scope& scope,

@@ -151,16 +151,23 @@ std::optional<Term> Evaluator::EvaluateWord(const Expr& expr, const CallInfo& in
   if (given.good() && !missing.empty())
     ReportMissingArguments(info, missing, expr.span, diagnostics_);
   if (!good || !missing.empty()) return std::nullopt;
-  if (IsModel(info) && !ReadModel(call, terms)) return std::nullopt;
+  if (NamesFile(info) && !ReadNamed(call, terms)) return std::nullopt;
   return Term{std::move(call)};
 }
 
-bool Evaluator::ReadModel(Call& call, const std::vector<Term>& arguments) {
+std::optional<Call> Evaluator::TraceNamed(const Term& name) {
+  Call call{std::string(kTraceCall), {}};
+  if (!ReadNamed(call, {name, Term{Word{}}})) return std::nullopt;
+  return call;
+}
+
+bool Evaluator::ReadNamed(Call& call, const std::vector<Term>& arguments) {
   namespace fs = std::filesystem;
   const std::string& name = arguments[0].text()->text;
   const dsl::Span& written = arguments[0].written;
+  const bool is_trace = call.name == kTraceCall;
   const std::string extension = LowerCase(fs::path(name).extension().string());
-  if (std::ranges::find(kModelFormats, extension) == std::end(kModelFormats)) {
+  if (!is_trace && std::ranges::find(kModelFormats, extension) == std::end(kModelFormats)) {
     Error(kOutOfDomain, written, fmt::format("'{}' is no model that can be read", name),
           fmt::format("its name ends in {}", fmt::join(kModelFormats, ", ")));
     return false;
@@ -168,10 +175,16 @@ bool Evaluator::ReadModel(Call& call, const std::vector<Term>& arguments) {
   const fs::path folder = fs::path(written.source->name()).parent_path();
   const std::string path = (folder / name).lexically_normal().string();
   std::string why;
-  const auto hash = scenario_.HashOf(path, why);
+  std::optional<std::string> hash;
+  if (is_trace) {
+    if (const auto facts = scenario_.TraceAt(path, why)) hash = facts->sha256;
+  } else {
+    hash = scenario_.HashOf(path, why);
+  }
   if (!hash) {
     Error(kNoSuchFile, written, fmt::format("cannot read '{}': {}", path, why),
-          "its name counts from the folder of the .cdb file that says it");
+          fmt::format("{}its name counts from the folder of the .cdb file that says it",
+                      is_trace ? "`cdb trace` writes such files; " : ""));
     return false;
   }
   const Text* wanted = arguments[1].text();

@@ -17,6 +17,7 @@
 #include "compiler/lints.h"
 #include "compiler/needs.h"
 #include "compiler/reference.h"
+#include "compiler/traced_scene.h"
 #include "dsl/check.h"
 
 namespace cdb::compiler {
@@ -463,16 +464,38 @@ class Expander {
     }
     configuration.Choose(local);
     if (IsSkipped(configuration, at)) return false;
-    const auto scene = configuration.MakeScene();
-    if (!scene || !CheckCounts(configuration, *scene) || !CheckNeeds(configuration, *scene) ||
-        !CheckAccuracy(configuration, *scene)) {
+    auto scene = configuration.MakeScene();
+    const bool is_traced = scene && TraceOf(*scene);
+    if (!scene || (is_traced && !Trace(configuration, *scene)) ||
+        !CheckCounts(configuration, *scene) ||
+        (!is_traced &&
+         (!CheckNeeds(configuration, *scene) || !CheckAccuracy(configuration, *scene)))) {
       broken_ = true;
       return true;
     }
-    if (lints_) FindLints(configuration, *scene);
+    if (lints_ && !is_traced) FindLints(configuration, *scene);
     for (std::uint64_t rep = 0; rep < plan_.repeats; ++rep)
       plan_.runs.push_back({RunId(*scene, rep), at, rep, *scene, {}, {}});
     return true;
+  }
+
+  /// Makes it a scene of its trace. False where what is set does not go with one.
+  bool Trace(Configuration& configuration, Scene& scene) {
+    std::string why;
+    const auto facts = scenario_.TraceAt(TraceOf(scene)->path, why);
+    CDB_CHECK(facts);
+    const auto faults = LayTrace(configuration.layers(), *facts, scene);
+    for (const TracedFault& fault : faults) {
+      if (!untraceable_.emplace(fault.key, fault.word).second) continue;
+      dsl::Span span = configuration.SpanOf(fault.key, benchmark_.benchmark->name.span);
+      if (!fault.word.empty()) {
+        span = configuration.SpanOfWord(fault.key, fault.word);
+      } else if (fault.kind == &kContradiction) {
+        span = configuration.layers().settings.at(fault.key).node->path.span;
+      }
+      diagnostics_.Report(*fault.kind, span, fault.message, fault.help);
+    }
+    return faults.empty();
   }
 
   bool IsSkipped(Configuration& configuration, const Point& at) {
@@ -686,6 +709,8 @@ class Expander {
   std::set<std::pair<std::string, std::string>> misplaced_;
   /// Words of `omit` that were refused: the reason may be another one in each run.
   std::set<std::tuple<const dsl::Source*, std::size_t, Component>> needed_;
+  /// Settings, and words of `record`, that do not go with a trace, as reported.
+  std::set<std::pair<ParameterKey, std::string>> untraceable_;
   std::map<Lint, LintFinding> findings_;
   bool inaccurate_ = false;           ///< a fault in what is said of accuracy is reported
   std::optional<double> interval_s_;  ///< of the samples, once some run has any

@@ -91,7 +91,7 @@ class Analysis {
         return {Fate::kLeftOut, "no object has ccd, so nothing casts a ray"};
       case Component::kDetection:
         if (asked != Asked::kByName)
-          for (const char* what : {"timing", "counts", "contacts", "pairs"})
+          for (const char* what : {"timing", "counts", "contacts", "pairs", "boxes"})
             if (scene_.world.Lists("record", what))
               return {Fate::kKept, fmt::format("record {} asks for it", what)};
         if (asked != Asked::kByName)

@@ -37,8 +37,9 @@ void ForEachItem(const ScenarioFile& file, Visit visit) {
 }  // namespace
 
 Scenario::Scenario(const std::string& path, const std::string& library, const ReadFile& read,
-                   const PluginSource& plugins, dsl::Diagnostics& diagnostics)
-    : library_(library), read_(read), describe_(plugins.describe) {
+                   const PluginSource& plugins, const ReadTrace& read_trace,
+                   dsl::Diagnostics& diagnostics)
+    : library_(library), read_(read), describe_(plugins.describe), read_trace_(read_trace) {
   for (const std::string& file : plugins.files) LoadPlugin(file, nullptr, diagnostics);
   main_ = Load(path, nullptr, diagnostics);
 }
@@ -236,6 +237,13 @@ std::optional<std::string> Scenario::HashOf(const std::string& path, std::string
     if (const auto bytes = read_(path, hash->second.why)) hash->second.sha256 = Sha256Hex(*bytes);
   why = hash->second.why;
   return hash->second.sha256;
+}
+
+std::optional<TraceFacts> Scenario::TraceAt(const std::string& path, std::string& why) const {
+  const auto [trace, is_new] = traces_.try_emplace(path);
+  if (is_new && read_trace_) trace->second.facts = read_trace_(path, trace->second.why);
+  why = read_trace_ ? trace->second.why : "nothing here reads traces";
+  return trace->second.facts;
 }
 
 std::string Scenario::FullText() const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "compiler/plugins.h"
+#include "compiler/trace.h"
 #include "dsl/diagnostics.h"
 #include "dsl/syntax.h"
 
@@ -57,7 +58,7 @@ class Scenario {
   /// be read or parsed, a `use` that leads back to itself, a library that offers no detector, or
   /// one whose name is taken. What is wrong with a library of the command line has no place.
   Scenario(const std::string& path, const std::string& library, const ReadFile& read,
-           const PluginSource& plugins, dsl::Diagnostics& diagnostics);
+           const PluginSource& plugins, const ReadTrace& read_trace, dsl::Diagnostics& diagnostics);
 
   /// Reports lets and benchmarks of one name in one file.
   void CheckNames(dsl::Diagnostics& diagnostics) const;
@@ -79,6 +80,9 @@ class Scenario {
   std::optional<std::string> HashOf(const std::string& path, std::string& why) const;
   /// The detectors of all plug-ins, whichever file uses them, in the order of their names.
   std::span<const PluginDetector> plugins() const { return plugins_; }
+  /// What a trace holds, read once; nullopt, and why, where it is of no use. Not for several
+  /// threads.
+  std::optional<TraceFacts> TraceAt(const std::string& path, std::string& why) const;
   /// The main file's text, then each used file's under a comment with its name.
   std::string FullText() const;
 
@@ -105,6 +109,12 @@ class Scenario {
   mutable std::map<std::string, FileHash> hashes_;
   std::vector<PluginDetector> plugins_;
   std::map<std::string, const dsl::Use*> plugin_files_;  ///< by path; null: the command line
+  ReadTrace read_trace_;
+  struct TraceRead {
+    std::optional<TraceFacts> facts;
+    std::string why;
+  };
+  mutable std::map<std::string, TraceRead> traces_;
 };
 
 }  // namespace cdb::compiler

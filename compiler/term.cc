@@ -105,7 +105,7 @@ std::string ToText(const Term& term) {
     std::string operator()(Call call) const {
       // The user has written no hash, and an axis needs none to tell its values apart.
       const CallInfo& info = *FindCall(call.name);
-      if (IsModel(info)) call.arguments[1] = DefaultOf(info.arguments[1]);
+      if (NamesFile(info)) call.arguments[1] = DefaultOf(info.arguments[1]);
       return ToText(Value(std::move(call)));
     }
     std::string operator()(const DrawnTerm& drawn) const {

@@ -30,11 +30,17 @@ class BoxGrid {
   /// Boxes that are not numbers are left out. True where every number is a float: then what is
   /// found is exact, else a few pairs that are close.
   bool Build(const Box* boxes, std::size_t count);
+  /// The same of boxes that the caller writes, as they are, into what Room gives: then Arrange.
+  const Columns& Room(std::size_t count);
+  void Arrange(std::size_t count);
   /// The pairs of part `part` of `parts`: all parts one after another give the same list whatever
-  /// their number. For anchored see Kernels::query.
-  void QueryPart(unsigned part, unsigned parts, bool anchored, PairSink& sink) const;
+  /// their number.
+  void QueryPart(unsigned part, unsigned parts, PairSink& sink) const;
   /// Pairs (id, other) of a box with all of the grid.
   void QueryOne(const Box& box, Id id, PairSink& sink) const;
+
+  /// How many boxes share a box's cell, on the average; a few where the grid suits them.
+  double Crowd() const { return crowd_; }
 
  private:
   void ChooseShape(std::size_t count);
@@ -45,6 +51,7 @@ class BoxGrid {
   BoxColumns loose_, sorted_;  ///< by id, by cell
   std::vector<std::uint32_t> cells_, starts_;
   std::vector<Id> ids_;
+  double crowd_ = 0;
   std::size_t gridded_ = 0, count_ = 0;  ///< of what is sorted
   std::size_t foreseen_ = 0;             ///< boxes too long when the shape was chosen
   std::size_t shaped_for_ = 0;           ///< boxes then

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <set>
 
 #include "compiler/lints.h"
@@ -17,6 +16,7 @@
 #include "runtime/cli/console.h"
 #include "runtime/schedule/look_into.h"
 #include "runtime/schedule/worker.h"
+#include "runtime/store/trace_file.h"
 
 namespace cdb::runtime {
 namespace {
@@ -47,6 +47,17 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
   if (names.empty()) return {};
   return fmt::format("{}: Bullet may not follow these numbers: {}; `cdb check {}` says why\n", file,
                      fmt::join(names, ", "), file);
+}
+
+/// The compiler names the file itself.
+std::optional<compiler::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
+  try {
+    return ReadTraceFacts(path);
+  } catch (const StoreError& error) {
+    why = error.what();
+    if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -81,7 +92,7 @@ compiler::Compilation CompileAndReport(const std::string& file,
   };
   compiler::Compilation result =
       compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
-                        {ScenarioLibrary(), benchmark, {plugins, describe}});
+                        {ScenarioLibrary(), benchmark, {plugins, describe}, ReadTraceAt});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;
@@ -94,9 +105,10 @@ compiler::Compilation CompileAndReport(const std::string& file,
   return result;
 }
 
-LoadedPlans LoadPlansAndPlugins(const std::string& file,
-                                const std::optional<std::string>& benchmark, LintText lints,
-                                const std::vector<std::string>& plugins) {
+std::vector<compiler::Plan> LoadPlans(const std::string& file,
+                                      const std::optional<std::string>& benchmark, LintText lints,
+                                      const std::vector<std::string>& plugins,
+                                      std::vector<compiler::PluginDetector>* named) {
   if (IsPlanFile(file)) {
     if (!plugins.empty())
       throw CommandError(
@@ -104,28 +116,20 @@ LoadedPlans LoadPlansAndPlugins(const std::string& file,
                       plugins[0], file));
     compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
-    std::map<std::string, compiler::PluginDetector> used;
-    for (const compiler::Run& run : plan.runs)
-      for (const compiler::PluginDetector& plugin : run.scene.plugins)
-        used.emplace(plugin.name, plugin);
-    LoadedPlans loaded;
-    for (auto& [name, plugin] : used) loaded.plugins.push_back(std::move(plugin));
-    loaded.plans.push_back(std::move(plan));
-    return loaded;
+    if (named != nullptr)
+      for (const compiler::Run& run : plan.runs)
+        for (const compiler::PluginDetector& plugin : run.scene.plugins)
+          if (std::ranges::find(*named, plugin) == named->end()) named->push_back(plugin);
+    return {std::move(plan)};
   }
   compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
+  if (named != nullptr)
+    named->assign(result.scenario->plugins().begin(), result.scenario->plugins().end());
   // As the user named it: where the library lies is this machine's affair.
   for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
-  const auto found = result.scenario->plugins();
-  return {std::move(result.plans), {found.begin(), found.end()}};
-}
-
-std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark, LintText lints,
-                                      const std::vector<std::string>& plugins) {
-  return LoadPlansAndPlugins(file, benchmark, lints, plugins).plans;
+  return std::move(result.plans);
 }
 
 void CheckWords(std::string_view parameter, const std::vector<std::string>& words,

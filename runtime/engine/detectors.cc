@@ -99,14 +99,14 @@ Detectors MakeDetectors(const compiler::Scene& scene) {
     return {};
   Detectors detectors;
   detectors.broad = MakeDetector(name, scene);
-  if ((detectors.broad.phases & kBroad) == 0)
+  if ((detectors.broad.phases & cdb::kBroad) == 0)
     throw SceneError(fmt::format(
         "detector `{0}` finds contacts but no pairs; write it as `narrow_phase {0}`", name));
   if (own_contacts) {
-    if ((detectors.broad.phases & kNarrow) != 0) detectors.narrow = detectors.broad;
+    if ((detectors.broad.phases & cdb::kNarrow) != 0) detectors.narrow = detectors.broad;
   } else if (narrow != "bullet") {
     detectors.narrow = MakeDetector(narrow, scene);
-    if ((detectors.narrow.phases & kNarrow) == 0)
+    if ((detectors.narrow.phases & cdb::kNarrow) == 0)
       throw SceneError(
           fmt::format("narrow_phase `{}` finds pairs but no contacts; choose another, "
                       "or bullet",

@@ -1,9 +1,9 @@
 #include "runtime/engine/probes.h"
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <limits>
@@ -11,6 +11,7 @@
 
 #include "compiler/expectation.h"
 #include "runtime/engine/conversions.h"
+#include "runtime/engine/memory.h"
 
 namespace cdb::runtime {
 namespace {
@@ -46,6 +47,12 @@ Energy EnergyOf(const Engine& engine) {
   return energy;
 }
 
+/// Bullet says BT_LARGE_FLOAT for the sides of a plane's box.
+double WithInfinity(btScalar side) {
+  if (std::fabs(side) < BT_LARGE_FLOAT) return static_cast<double>(side);
+  return std::copysign(std::numeric_limits<double>::infinity(), static_cast<double>(side));
+}
+
 bool IsFinite(const btRigidBody& body) {
   const btMatrix3x3& basis = body.getWorldTransform().getBasis();
   return IsFinite(body.getWorldTransform().getOrigin()) && IsFinite(basis[0]) &&
@@ -75,6 +82,7 @@ Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recordin
       all_walls_(scene.world.WordOr("world.walls") == "all"),
       floor_(scene.world.WordOr("world.walls") == "floor"),
       contacts_fd_(contacts_fd),
+      standing_walls_(StandingWalls(scene)),
       duration_(recording.Reals("duration")),
       kinetic_energy_(recording.Reals("kinetic_energy")),
       energy_(recording.Reals("energy")),
@@ -88,6 +96,8 @@ Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recordin
       heap_(recording.Reals("heap")),
       poses_(recording.Reals("poses")),
       joint_gap_(recording.Reals("joint_gap")),
+      boxes_(recording.Reals("boxes")),
+      box_filters_(recording.Reals("box_filters")),
       pairs_(recording.Ints("pairs")),
       manifolds_(recording.Ints("manifolds")),
       contacts_(recording.Ints("contacts")),
@@ -104,6 +114,7 @@ Probes::Probes(const compiler::Scene& scene, Engine& engine, Recording& recordin
 }
 
 void Probes::Begin() {
+  if (!box_filters_.empty()) RecordFilters();
   if (!motion_watch_) return;
   motion_watch_->Begin();
   SetScales();
@@ -140,10 +151,7 @@ void Probes::Record(std::uint64_t cycle) {
       duration_[phase * cycles_ + cycle] = durations[phase];
   }
   // First, as the rest may use the heap.
-  if (!heap_.empty()) {
-    const struct mallinfo2 info = mallinfo2();
-    heap_[cycle] = static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
-  }
+  if (!heap_.empty()) heap_[cycle] = HeapBytes();
   if (!pairs_.empty()) pairs_[cycle] = engine_.world().getPairCache()->getNumOverlappingPairs();
   if (!manifolds_.empty() || !contacts_.empty() || !max_penetration_.empty())
     RecordManifolds(cycle);
@@ -151,6 +159,7 @@ void Probes::Record(std::uint64_t cycle) {
   if (motion_watch_) RecordMotion(cycle);
   if (!energy_.empty()) RecordEnergy(cycle);
   if (!poses_.empty()) RecordPoses(cycle);
+  if (!boxes_.empty()) RecordBoxes(cycle);
   RecordLinks(cycle);
 }
 
@@ -275,6 +284,39 @@ void Probes::RecordPoses(std::uint64_t cycle) {
     for (const btScalar part : {turn.x(), turn.y(), turn.z(), turn.w()})
       *at++ = static_cast<double>(part);
   }
+}
+
+/// Of the bodies with a box: the walls that stand follow the objects without a gap.
+std::size_t Probes::PlaceOfWall(const btRigidBody& wall) const {
+  const auto index =
+      static_cast<unsigned>(wall.getUserIndex()) - static_cast<unsigned>(engine_.objects().size());
+  return engine_.objects().size() +
+         static_cast<std::size_t>(std::popcount(standing_walls_ & ((1u << index) - 1)));
+}
+
+void Probes::RecordFilters() {
+  const auto record = [&](std::size_t place, const btRigidBody& body) {
+    const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
+    double* filter = &box_filters_[place * kFilterSize];
+    filter[0] = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
+    filter[1] = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
+    filter[2] = body.isStaticObject() ? 1 : 0;
+  };
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) record(i, *engine_.objects()[i]);
+  for (const auto& wall : engine_.walls()) record(PlaceOfWall(*wall), *wall);
+}
+
+/// A proxy keeps the box that it was given until it is given the next.
+void Probes::RecordBoxes(std::uint64_t cycle) {
+  const std::size_t bodies = box_filters_.size() / kFilterSize;
+  const auto record = [&](std::size_t place, const btRigidBody& body) {
+    const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
+    double* box = &boxes_[(cycle * bodies + place) * kBoxSize];
+    for (const btVector3* corner : {&proxy.m_aabbMin, &proxy.m_aabbMax})
+      for (int axis = 0; axis < 3; ++axis) *box++ = WithInfinity((*corner)[axis]);
+  };
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) record(i, *engine_.objects()[i]);
+  for (const auto& wall : engine_.walls()) record(PlaceOfWall(*wall), *wall);
 }
 
 }  // namespace cdb::runtime

@@ -30,6 +30,9 @@ class Probes {
   void RecordEnergy(std::uint64_t cycle);
   void SetScales();
   void RecordPoses(std::uint64_t cycle);
+  void RecordBoxes(std::uint64_t cycle);
+  void RecordFilters();
+  std::size_t PlaceOfWall(const btRigidBody& wall) const;
   void RecordLinks(std::uint64_t cycle);
   void RecordMotion(std::uint64_t cycle);
   bool IsBeyondWall(const btVector3& centre) const;
@@ -41,9 +44,10 @@ class Probes {
   const std::uint64_t cycles_;
   const bool is_driven_, streams_contacts_, all_walls_, floor_;
   const int contacts_fd_;
+  const unsigned standing_walls_;
   std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, penetration_ratio_;
   std::span<double> max_speed_, displacement_, motion_ratio_, fall_ratio_, turn_ratio_, heap_,
-      poses_, joint_gap_;
+      poses_, joint_gap_, boxes_, box_filters_;
   std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_;
   std::optional<MotionWatch> motion_watch_;  ///< of `record stability`; and,
   std::vector<char> touches_;                ///< by body, walls too: has a contact in this cycle

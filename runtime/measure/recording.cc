@@ -14,6 +14,8 @@
 #include <system_error>
 #include <utility>
 
+#include "compiler/capacity.h"
+
 namespace cdb::runtime {
 namespace {
 
@@ -30,7 +32,8 @@ Recording::Recording(int fd, const compiler::Scene& scene, bool create) : fd_(fd
   for (const Series& series : AllSeries()) {
     if (!series.IsRecordedBy(scene)) continue;
     const std::size_t bytes =
-        series.ItemBytes() * series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount());
+        series.ItemBytes() * series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount(),
+                                               compiler::BodyCount(scene));
     places_.push_back({&series, bytes_, bytes});
     bytes_ += Aligned(bytes);
   }

@@ -106,5 +106,7 @@ class Recording {
 inline constexpr int kRunFd = 3;
 inline constexpr int kRecordingFd = 4;
 inline constexpr int kContactsFd = 5;
+/// The trace to run the detector on (trace_memory.h); only where the run names one.
+inline constexpr int kTraceFd = 6;
 
 }  // namespace cdb::runtime

@@ -17,6 +17,8 @@ enum class SeriesShape {
   kScalar,  ///< [cycle]
   kPhase,   ///< [phase, cycle]
   kPose,    ///< [cycle, body, pose]: x y z qx qy qz qw
+  kBox,     ///< [cycle, box_body, bound]: lower x y z, upper x y z
+  kFilter,  ///< [box_body, filter]: group, mask, fixed; once a run
   kSample,  ///< [sample]; errors, of which a run's recording knows nothing
 };
 
@@ -25,12 +27,14 @@ struct Series {
   std::string_view records;  ///< space-separated words of `record`, any of which asks for it
   SeriesType type = SeriesType::kFloat64;
   SeriesShape shape = SeriesShape::kScalar;
-  std::string_view unit;  ///< as results files write it; empty where it has none
-  std::string_view doc;   ///< the dataset's long_name
+  std::string_view unit;   ///< as results files write it; empty where it has none
+  std::string_view doc;    ///< the dataset's long_name
+  bool on_traces = false;  ///< a detector that is run on a trace has it too
 
   std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
-  /// Values of one run of so many cycles and objects.
-  std::size_t ValueCount(std::uint64_t cycles, std::uint64_t objects) const;
+  bool HasCycles() const { return shape != SeriesShape::kFilter && shape != SeriesShape::kSample; }
+  /// Values of one run of so many cycles and objects; `bodies`: with the walls that stand.
+  std::size_t ValueCount(std::uint64_t cycles, std::uint64_t objects, std::uint64_t bodies) const;
   /// `scene` asks for it.
   bool IsRecordedBy(const compiler::Scene& scene) const;
   /// Any run of `plan` asks for it.
@@ -46,8 +50,10 @@ const Series* FindSeries(std::string_view name);
 enum Phase { kBroad, kNarrow, kDetect, kSolve, kIntegrate, kStep, kPhaseCount };
 std::span<const std::string_view> PhaseNames();
 
-/// Components of a pose.
+/// Components of a pose, of a box, of a filter.
 inline constexpr std::size_t kPoseSize = 7;
+inline constexpr std::size_t kBoxSize = 6;
+inline constexpr std::size_t kFilterSize = 3;
 
 /// One contact point of `record contacts`, as the worker streams it; doubles throughout so that a
 /// reader needs one type. body: index of the object, walls after the last object; point on the

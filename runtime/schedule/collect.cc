@@ -44,6 +44,7 @@ std::string CrashText(const ProcessEnd& end, std::string_view trouble, const std
 template <typename T>
 void ClearFrom(std::span<T> values, const Series& series, std::uint64_t cycle, std::uint64_t cycles,
                T none) {
+  if (!series.HasCycles()) return;
   if (series.shape == SeriesShape::kPhase) {
     for (std::size_t row = 0; row + cycles <= values.size(); row += cycles)
       std::ranges::fill(values.subspan(row + cycle, cycles - cycle), none);

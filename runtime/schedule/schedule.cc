@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "compiler/capacity.h"
 #include "compiler/reference.h"
 #include "dsl/check.h"
 #include "runtime/measure/series.h"
@@ -23,31 +24,6 @@ constexpr double kTick = 1;  // s
 constexpr int kPatience = 60;
 
 /// One call of Execute.
-/// A shard is as wide as the widest run of the plan, and is made in memory. Said before hours of
-/// work rather than after.
-void CheckMemory(const compiler::Plan& plan) {
-  double bytes = 0, sampled = 0;
-  for (const Series& series : AllSeries())
-    if (series.IsRecordedBy(plan))
-      bytes += static_cast<double>(series.ItemBytes() *
-                                   series.ValueCount(plan.MaxCycles(), plan.MaxObjects()));
-  for (const compiler::Run& run : plan.runs)
-    if (const auto shape = SampleShapeOf(run.scene))
-      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
-  // Those of the run, of its reference and of its twin.
-  bytes += 3 * sampled;
-  std::ifstream info("/proc/meminfo");
-  for (std::string name; info >> name; std::getline(info, name)) {
-    double kib = 0;
-    // Recording and shard stand side by side.
-    if (name == "MemAvailable:" && info >> kib && 2 * bytes > 0.8 * 1024 * kib)
-      throw ScheduleError(fmt::format(
-          "{}: one run records up to {:.3g} GB and this machine has {:.3g} GB of memory free; take "
-          "fewer cycles or objects, or record less",
-          plan.benchmark, bytes / 1e9, kib * 1024 / 1e9));
-  }
-}
-
 class Execution {
  public:
   Execution(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
@@ -229,6 +205,30 @@ class Execution {
 };
 
 }  // namespace
+
+void CheckMemory(const compiler::Plan& plan) {
+  double bytes = 0, sampled = 0;
+  for (const Series& series : AllSeries())
+    if (series.IsRecordedBy(plan))
+      bytes += static_cast<double>(
+          series.ItemBytes() *
+          series.ValueCount(plan.MaxCycles(), plan.MaxObjects(), compiler::MaxBodyCount(plan)));
+  for (const compiler::Run& run : plan.runs)
+    if (const auto shape = SampleShapeOf(run.scene))
+      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
+  // Those of the run, of its reference and of its twin.
+  bytes += 3 * sampled;
+  std::ifstream info("/proc/meminfo");
+  for (std::string name; info >> name; std::getline(info, name)) {
+    double kib = 0;
+    // Recording and shard stand side by side.
+    if (name == "MemAvailable:" && info >> kib && 2 * bytes > 0.8 * 1024 * kib)
+      throw ScheduleError(fmt::format(
+          "{}: one run records up to {:.3g} GB and this machine has {:.3g} GB of memory free; take "
+          "fewer cycles or objects, or record less",
+          plan.benchmark, bytes / 1e9, kib * 1024 / 1e9));
+  }
+}
 
 void Summary::Count(const Outcome& outcome) {
   switch (outcome.status) {

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "compiler/capacity.h"
 #include "compiler/metrics.h"
 #include "compiler/reference.h"
 #include "compiler/schema.h"
@@ -90,7 +91,7 @@ Dimension AxisDimension(const compiler::Axis& axis, const compiler::Run* run, st
 h5::Shape ChunkOf(const Array& array, std::size_t outer) {
   h5::Shape chunk = array.shape;
   std::fill_n(chunk.begin(), outer, 1);
-  for (const char* name : {"cycle", "sample", "body", "contact"}) {
+  for (const char* name : {"cycle", "sample", "body", "box_body", "contact"}) {
     const auto found = std::ranges::find(array.dimensions, name);
     if (found == array.dimensions.end()) continue;
     std::uint64_t& n = chunk[static_cast<std::size_t>(found - array.dimensions.begin())];
@@ -133,6 +134,7 @@ class Maker {
       layout_.dimensions.push_back(Labelled("pose", {"x", "y", "z", "qx", "qy", "qz", "qw"},
                                             "centre of mass, m, and quaternion"));
     }
+    if (facts_.boxes) AddBoxDimensions();
     if (facts_.contacts) AddContactDimensions(contact_rows);
     if (facts_.samples > 0) AddSampleDimension();
     if (holds_references) AddReferenceDimensions(plan);
@@ -173,6 +175,8 @@ class Maker {
     std::vector<std::string> inner = {"cycle"};
     if (series.shape == SeriesShape::kPhase) inner = {"phase", "cycle"};
     if (series.shape == SeriesShape::kPose) inner = {"cycle", "body", "pose"};
+    if (series.shape == SeriesShape::kBox) inner = {"cycle", "box_body", "bound"};
+    if (series.shape == SeriesShape::kFilter) inner = {"box_body", "filter"};
     if (series.shape == SeriesShape::kSample) inner = {"sample"};
     const bool is_int = series.type == SeriesType::kInt32;
     Array& array =
@@ -189,6 +193,16 @@ class Maker {
           "comment",
           "a cell's contacts stand in contact_* one cycle after the other, from row contact_first");
     }
+  }
+
+  void AddBoxDimensions() {
+    layout_.dimensions.push_back(Counted("box_body", facts_.box_bodies,
+                                         "object as of `body`, then the walls -x +x -y +y -z +z"));
+    layout_.dimensions.push_back(
+        Labelled("bound", {"lower_x", "lower_y", "lower_z", "upper_x", "upper_y", "upper_z"},
+                 "side of a box"));
+    layout_.dimensions.push_back(
+        Labelled("filter", {"group", "mask", "fixed"}, "what decides whom a body may meet"));
   }
 
   void AddSampleDimension() {
@@ -343,7 +357,9 @@ PlanFacts::PlanFacts(const compiler::Plan& plan)
     : sha256(plan.Sha256()),
       cycles(std::max<std::uint64_t>(1, plan.MaxCycles())),
       bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
+      box_bodies(std::max<std::uint64_t>(1, compiler::MaxBodyCount(plan))),
       poses(plan.Records("poses")),
+      boxes(plan.Records("boxes")),
       contacts(plan.Records("contacts")) {
   for (const Series& row : AllSeries())
     if (row.IsRecordedBy(plan)) series.push_back(&row);

@@ -49,8 +49,9 @@ struct PlanFacts {
   std::string sha256;
   std::uint64_t cycles;               ///< extent of `cycle`
   std::uint64_t bodies;               ///< extent of `body`
+  std::uint64_t box_bodies;           ///< extent of `box_body`
   std::vector<const Series*> series;  ///< that some run records
-  bool poses, contacts;               ///< some run records them
+  bool poses, boxes, contacts;        ///< some run records them
   std::vector<RunNumber> numbers;     ///< RunNumbers(), and those of /accuracy
   std::vector<RunText> texts;         ///< RunTexts(), and those of /accuracy
   std::vector<Series> error_series;   ///< of /accuracy, over `sample`

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "compiler/capacity.h"
 #include "compiler/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
@@ -35,15 +36,19 @@ void WriteSeries(h5::File& file, const Layout& layout, const compiler::Run& run,
                  const RunResult& result) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   const std::uint64_t objects = run.scene.ObjectCount();
+  const std::uint64_t bodies = compiler::BodyCount(run.scene);
   for (const auto& [series, bytes] : result.series) {
-    CDB_CHECK(bytes.size() == series->ItemBytes() * series->ValueCount(cycles, objects));
+    CDB_CHECK(bytes.size() == series->ItemBytes() * series->ValueCount(cycles, objects, bodies));
     h5::Shape inner = {cycles};
     if (series->shape == SeriesShape::kPhase) inner = {kPhaseCount, cycles};
     if (series->shape == SeriesShape::kPose) inner = {cycles, objects, kPoseSize};
+    if (series->shape == SeriesShape::kBox) inner = {cycles, bodies, kBoxSize};
+    if (series->shape == SeriesShape::kFilter) inner = {bodies, kFilterSize};
     h5::Shape data_shape(layout.grid.size(), 1);
     data_shape.insert(data_shape.end(), inner.begin(), inner.end());
     h5::Shape count = data_shape;
-    count[layout.grid.size() + (series->shape == SeriesShape::kPhase ? 1 : 0)] = result.n_cycles;
+    if (series->HasCycles())
+      count[layout.grid.size() + (series->shape == SeriesShape::kPhase ? 1 : 0)] = result.n_cycles;
     h5::Dataset dataset = file.OpenDataset(layout.Get(series->name).name);
     dataset.Write(h5::Shape(count.size(), 0), count, bytes.data(), data_shape);
   }

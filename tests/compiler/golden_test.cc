@@ -39,7 +39,8 @@ Compilation CompileHere(const fs::path& input) {
   const auto read = [&](const std::string& path, std::string& why) {
     return ReadFromDisk((input.parent_path() / path).string(), why);
   };
-  return Compile(input.filename().string(), read, {"", std::nullopt, {{}, DescribeText(read)}});
+  return Compile(input.filename().string(), read,
+                 {"", std::nullopt, {{}, DescribeText(read)}, MadeUpTraces});
 }
 
 void ExpectGolden(const fs::path& file, const std::string& text) {

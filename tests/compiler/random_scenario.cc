@@ -93,7 +93,9 @@ class Maker {
   }
 
   /// What links cannot hold is left alone: fixed objects, piles, and one without an anchor.
+  /// A trace leaves hardly anything else to set.
   bool MayBeSet(std::string_view parameter) const {
+    if (parameter == "trace") return false;
     if (parameter == "links.type") return !Sets("mass") && !Sets("location");
     return parameter != "links.anchor" || !Sets("quantity");
   }

@@ -92,7 +92,7 @@ class Fixture {
       array.shape.push_back(kObjects);
       array.shape.push_back(kPoseSize);
     }
-    const std::size_t count = series.ValueCount(kCycles, kObjects);
+    const std::size_t count = series.ValueCount(kCycles, kObjects, 0);
     const std::size_t per_cycle = series.shape == SeriesShape::kPose ? kObjects * kPoseSize : 1;
     const double fill = series.type == SeriesType::kInt32 ? -1 : kNaN;
     array.values.assign(cells_ * count, fill);

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 const SceneSize kEverything = {
     .cycles = 7,
     .objects = 2,
-    .record = {"timing", "counts", "energy", "stability", "contacts", "poses", "memory"}};
+    .record = {"timing", "counts", "energy", "stability", "contacts", "poses", "boxes", "memory"}};
 
 Plan TwoAxes(const SceneSize& size = kEverything) {
   return MakePlan({NumberAxis("quantity", {10, 20, 30}), NumberAxis("size", {0.5, 1.5}, "m"),
@@ -36,7 +36,8 @@ void ExpectSeries(const ResultFile& file, const ResultFile::Cell& cell, const co
                   std::uint64_t n_cycles) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   for (const Series& series : AllSeries()) {
-    if (!series.IsRecordedBy(run.scene) || series.shape == SeriesShape::kPose) continue;
+    if (!series.IsRecordedBy(run.scene)) continue;
+    if (series.shape != SeriesShape::kScalar && series.shape != SeriesShape::kPhase) continue;
     for (std::size_t phase = 0; phase < kPhaseCount; ++phase) {
       const bool by_phase = series.shape == SeriesShape::kPhase;
       const std::vector<double> values = by_phase
@@ -88,6 +89,7 @@ TEST(Shard, HoldsEverySeriesOfItsRun) {
   EXPECT_EQ(file.ReadReal("place_time", cell), fake.result.place_ns);
   EXPECT_EQ(file.ReadReal("build_time", cell), fake.result.build_ns);
   EXPECT_EQ(file.ReadReal("fill_fraction", cell), fake.result.fill_fraction);
+  EXPECT_EQ(file.ReadReal("harness", cell), fake.result.harness_ns);
   EXPECT_EQ(file.ReadProvenance("cpu"), "a µ-processor");
   EXPECT_THAT(file.ReadProvenance("run_text"), HasSubstr(run.id));
   EXPECT_EQ(file.ReadProvenance("no such fact"), "");
@@ -129,6 +131,10 @@ TEST(Shard, OfARunThatCrashedKeepsItsCyclesAndNoMore) {
     for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i] == -1, i >= n_cycles) << i;
     for (std::size_t i = 0; i < poses.size(); ++i)
       EXPECT_EQ(std::isnan(poses[i]), i >= n_cycles * 2 * kPoseSize) << i;
+    const std::vector<double> boxes = raw.OpenDataset("boxes").Read();
+    ASSERT_EQ(boxes.size(), 7u * 8 * kBoxSize);
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+      EXPECT_EQ(std::isnan(boxes[i]), i >= n_cycles * 8 * kBoxSize) << i;
   }
 }
 

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "compiler/capacity.h"
 #include "compiler/metrics.h"
 #include "compiler/reference.h"
 
@@ -43,6 +44,8 @@ void Resize(compiler::Run& run, const SceneSize& size) {
   run.scene.world.values["accuracy.closed_form"] = compiler::Word{"none"};
   run.scene.world.values["timestep"] = 1.0;
   run.scene.world.values["warmup"] = std::uint64_t{0};
+  run.scene.world.values["world.walls"] = compiler::Word{"all"};
+  run.scene.world.values["trace"] = compiler::Word{"none"};
   run.scene.world.values["accuracy.reference.timestep"] = 1.0;
   run.scene.world.values["accuracy.reference.precision"] = compiler::Word{"double"};
   run.scene.world.values["accuracy.reference.detector"] = compiler::Word{"dbvt"};
@@ -105,14 +108,14 @@ ContactRecord ContactAt(const compiler::Run& run, std::size_t row) {
 FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_cycles) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   const std::uint64_t objects = run.scene.ObjectCount();
+  const std::uint64_t bodies = compiler::BodyCount(run.scene);
   for (const Series& series : AllSeries()) {
     if (!series.IsRecordedBy(run.scene)) continue;
-    const std::size_t count = series.ValueCount(cycles, objects);
+    const std::size_t count = series.ValueCount(cycles, objects, bodies);
     std::vector<std::byte>& bytes = memory_.emplace_back(count * series.ItemBytes());
-    const std::size_t per_cycle = series.shape == SeriesShape::kPose ? objects * kPoseSize : 1;
+    const std::size_t per_cycle = series.shape == SeriesShape::kPhase ? 1 : count / cycles;
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t cycle = i / per_cycle % cycles;
-      const bool ran = cycle < n_cycles;
+      const bool ran = !series.HasCycles() || i / per_cycle % cycles < n_cycles;
       if (series.type == SeriesType::kInt32) {
         const std::int32_t value = ran ? static_cast<std::int32_t>(ValueAt(run, series, i)) : -1;
         std::memcpy(&bytes[i * sizeof(value)], &value, sizeof(value));
@@ -153,6 +156,7 @@ FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_
   result.place_ns = 1000 + n;
   result.build_ns = 2000 + n;
   result.fill_fraction = 0.125;
+  result.harness_ns = 40 + n;
   if (status == Status::kDone) {
     result.state_hash = run.id;
   } else {
