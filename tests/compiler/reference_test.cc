@@ -42,6 +42,9 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
   EXPECT_EQ(world.WordOr("contact"), "faithful");
   EXPECT_EQ(world.Count("solver.iterations"), 100u);
   EXPECT_EQ(plan.references[0].scene.groups, plan.runs[0].scene.groups);
+  EXPECT_EQ(PlanOf("narrow_phase sweep(own, bullet); threads sweep(1, 2); accuracy.metrics energy")
+                .references.size(),
+            2u);
   // Its own contact settings where nothing else is said.
   EXPECT_EQ(PlanOf("contact sweep(bullet, faithful); accuracy.metrics energy").references.size(),
             4u);
