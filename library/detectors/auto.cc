@@ -14,6 +14,8 @@ constexpr std::size_t kFew = 24;
 /// Cycles of skin until it is judged, and where it seems hopeless; of another until skin is tried
 /// again, at first and at most.
 constexpr unsigned kTrial = 24, kShortTrial = 6, kFirstPause = 64, kLastPause = 4096;
+/// Judgements without a sample of sweep after one that showed no gain, at most.
+constexpr unsigned kMostSkipped = 64;
 /// Bodies in a cell from which a sweep may be better.
 constexpr double kCrowded = 64;
 /// In the nanoseconds of skin's costs: of a body, of a test.
@@ -28,6 +30,10 @@ class Auto final : public Detector {
     sweep_.Prepare(scene);
     grid_->Prepare(scene);
     skin_.Prepare(scene);
+    trial_ = left_ = to_skip_ = 0;
+    next_pause_ = kFirstPause;
+    next_skip_ = 1;
+    is_sample_ = false;
   }
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
@@ -48,11 +54,14 @@ class Auto final : public Detector {
  private:
   void JudgeSkin() {
     trial_ = 0;
-    if (skin_.Crowd() > kCrowded) {
+    if (skin_.Crowd() > kCrowded && to_skip_ == 0) {
       other_ = &sweep_;
       is_sample_ = true;
       left_ = 1;
-    } else if (skin_.Cost() > skin_.GridCost()) {
+      return;
+    }
+    if (to_skip_ > 0) --to_skip_;
+    if (skin_.Cost() > skin_.GridCost()) {
       Pause(*grid_);
     } else {
       next_pause_ = kFirstPause;
@@ -61,9 +70,10 @@ class Auto final : public Detector {
   void JudgeSweep() {
     is_sample_ = false;
     if (kSweepCost + kSweepTestCost * sweep_.Tests() < std::min(skin_.Cost(), skin_.GridCost()))
-      Pause(sweep_);
-    else if (skin_.Cost() > skin_.GridCost())
-      Pause(*grid_);
+      return Pause(sweep_);
+    to_skip_ = next_skip_;
+    next_skip_ = std::min(2 * next_skip_, kMostSkipped);
+    if (skin_.Cost() > skin_.GridCost()) Pause(*grid_);
   }
   void Pause(Detector& other) {
     other_ = &other;
@@ -79,6 +89,7 @@ class Auto final : public Detector {
   Detector* other_ = nullptr;  ///< instead of skin
   bool is_sample_ = false;     ///< other_ is sweep, for one cycle
   unsigned next_pause_ = kFirstPause;
+  unsigned to_skip_ = 0, next_skip_ = 1;  ///< judgements without a sample of sweep
 };
 
 }  // namespace

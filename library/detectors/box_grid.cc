@@ -12,7 +12,7 @@ namespace cdb::library {
 namespace {
 
 constexpr unsigned kMaxAge = 16;
-constexpr std::size_t kMaxSample = 512;
+constexpr std::size_t kMaxSample = 256;
 // In nanoseconds, measured once on one machine; only their ratios matter.
 constexpr double kScanCost = 5, kTestCost = 0.5;
 

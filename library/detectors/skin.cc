@@ -34,7 +34,7 @@ Vec3 Shift(const Box& from, const Box& to) {
           (to.lower.z - from.lower.z + to.upper.z - from.upper.z) / 2};
 }
 double Length(const Vec3& way) {
-  return std::max({std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)});
+  return std::max(std::max(std::fabs(way.x), std::fabs(way.y)), std::fabs(way.z));
 }
 /// What is left of a shift after so many cycles of a velocity.
 Vec3 Rest(const Vec3& shift, const Vec3& velocity, double cycles) {
@@ -97,7 +97,8 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
 }
 
 bool Skin::IsUnchanged(const Scene& scene) const {
-  return std::memcmp(scene.boxes.data(), built_.data(), built_.size() * sizeof(Box)) == 0;
+  return built_.empty() ||
+         std::memcmp(scene.boxes.data(), built_.data(), built_.size() * sizeof(Box)) == 0;
 }
 
 // Candidates are all pairs whose fat boxes overlap, so what a stray has to add are pairs whose fat
