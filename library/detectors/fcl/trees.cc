@@ -8,6 +8,8 @@
 // hierarchies of k-DOPs, 1998.
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/detail/traversal/collision/mesh_collision_traversal_node.h>
+#include <fcl/narrowphase/detail/traversal/collision_node.h>
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
@@ -161,8 +163,7 @@ class Trees final : public PiecePairs {
     const Tree &first = forms_[a.form][a.piece], &second = forms_[b.form][b.piece];
     const fcl::Transform3d at_a = PoseOf(of_a), at_b = PoseOf(of_b);
     fcl::CollisionResultd result;
-    fcl::collide(first.model.get(), at_a, second.model.get(), at_b,
-                 fcl::CollisionRequestd(kMostCrossings, false), result);
+    Cross(*first.model, at_a, *second.model, at_b, result);
     double least = std::numeric_limits<double>::infinity();
     Vector3d normal = Vector3d::Zero();
     const auto consider = [&](const Vector3d& way) {
@@ -187,9 +188,11 @@ class Trees final : public PiecePairs {
     }
     if constexpr (tells_distance) {
       if (result.numContacts() == 0) {
-        normal = WayBetween(*first.model, at_a, *second.model, at_b);
+        // Meshes of round shapes lie inside them.
+        const double bound = kNear + 0.01 * (BallOf(a).radius + BallOf(b).radius);
+        normal = WayBetween(*first.model, at_a, *second.model, at_b, bound);
         if (normal.isZero()) return;
-        // Meshes of round shapes lie inside them, so the way is not quite the shortest.
+        // Nor is the way between those quite the shortest.
         least = std::min(Overlap(of_a, of_b, normal), 0.0);
       }
     }
@@ -197,13 +200,28 @@ class Trees final : public PiecePairs {
       Add(a, b, MeetingPoint(of_a, of_b, normal), normal, -least, contacts);
   }
 
-  /// From the second to the first where they are nearest, 0 where they are far apart.
+  /// The triangles that cross. FCL's own function copies both trees of all kinds but oriented boxes
+  /// and refits the copies, for each pair; swept spheres need not be copied either.
+  static void Cross(const Model& first, const fcl::Transform3d& at_first, const Model& second,
+                    const fcl::Transform3d& at_second, fcl::CollisionResultd& result) {
+    const fcl::CollisionRequestd request(kMostCrossings, false);
+    if constexpr (tells_distance) {
+      fcl::detail::MeshCollisionTraversalNodeRSS<double> node;
+      if (fcl::detail::initialize(node, first, at_first, second, at_second, request, result))
+        fcl::detail::collide(&node);
+    } else {
+      fcl::collide(&first, at_first, &second, at_second, request, result);
+    }
+  }
+
+  /// From the second to the first where they are nearest, 0 where they are farther apart than
+  /// `bound`: FCL looks for what is nearer than it knows already.
   static Vector3d WayBetween(const Model& first, const fcl::Transform3d& at_first,
-                             const Model& second, const fcl::Transform3d& at_second) {
+                             const Model& second, const fcl::Transform3d& at_second, double bound) {
     const fcl::DistanceRequestd request(true);
-    fcl::DistanceResultd result;
+    fcl::DistanceResultd result(bound);
     fcl::distance(&first, at_first, &second, at_second, request, result);
-    if (!(result.min_distance > 0)) return Vector3d::Zero();
+    if (!(result.min_distance > 0 && result.min_distance < bound)) return Vector3d::Zero();
     return (result.nearest_points[0] - result.nearest_points[1]).stableNormalized();
   }
 
