@@ -48,6 +48,11 @@ double AddCounts(double sum, const std::vector<double>& counts) {
   return sum;
 }
 
+std::string ExponentText(double p) {
+  // Without "-0.00".
+  return std::isnan(p) ? "-" : fmt::format("{:.2f}", std::round(100 * p) / 100 + 0.0);
+}
+
 class Comparison {
  public:
   Comparison(const ResultFile& file, const std::vector<Cell>& cells,
@@ -175,7 +180,7 @@ class Comparison {
         if (found != times.end())
           for (const auto& [at, values] : found->second)
             fitted.emplace_back(std::get<double>(file_.axes()[*count].values[at]), Median(values));
-        row.push_back(ShortNumber(GrowthExponent(fitted)));
+        row.push_back(ExponentText(GrowthExponent(fitted)));
       }
       if (points.size() <= kMaxRows) table.AddRow(std::move(row));
     }
