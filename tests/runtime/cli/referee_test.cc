@@ -189,9 +189,11 @@ TEST(ShowDetectors, SetsTheWorstCycleBesideTheMedianAndFitsGrowth) {
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\nGrowth: p of detect ~ quantity^p\n"
-                      "     sap  dbvt  simple\n"
-                      "  --------------------\n"
-                      "    1.00  2.00    0.00\n"),
+                      "  detector     p\n"
+                      "  --------------\n"
+                      "  sap       1.00\n"
+                      "  dbvt      2.00\n"
+                      "  simple    0.00\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\nPairs listed that do not overlap: dbvt 9 beside 90.\n"), std::string::npos)
