@@ -44,6 +44,15 @@ struct RunArguments {
   bool quiet = false;
 };
 
+struct TraceArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::string
+      out;  ///< a file for one point, a folder for several; empty: named after the benchmark
+  bool fresh = false;
+  bool quiet = false;
+};
+
 struct ShowArguments {
   std::string file;
   std::vector<std::string> by;  ///< axes that make the rows
@@ -75,6 +84,9 @@ struct VerifyArguments {
 int CheckCommand(const std::vector<std::string>& files, const std::vector<std::string>& plugins);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
+/// Runs each point once for its boxes and poses, and writes a trace of each; goes on where it
+/// stopped.
+int TraceCommand(const TraceArguments& arguments);
 int ShowCommand(const ShowArguments& arguments);
 /// Runs the suite, going on where it stopped, and prints the map. What ends badly there is what it
 /// is for: exit status 0.

@@ -16,6 +16,7 @@
 #include "runtime/cli/console.h"
 #include "runtime/schedule/look_into.h"
 #include "runtime/schedule/worker.h"
+#include "runtime/store/trace_file.h"
 
 namespace cdb::runtime {
 namespace {
@@ -46,6 +47,17 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
   if (names.empty()) return {};
   return fmt::format("{}: Bullet may not follow these numbers: {}; `cdb check {}` says why\n", file,
                      fmt::join(names, ", "), file);
+}
+
+/// The compiler names the file itself.
+std::optional<compiler::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
+  try {
+    return ReadTraceFacts(path);
+  } catch (const StoreError& error) {
+    why = error.what();
+    if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -80,7 +92,7 @@ compiler::Compilation CompileAndReport(const std::string& file,
   };
   compiler::Compilation result =
       compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
-                        {ScenarioLibrary(), benchmark, {plugins, describe}});
+                        {ScenarioLibrary(), benchmark, {plugins, describe}, ReadTraceAt});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;

@@ -47,6 +47,24 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
             4u);
 }
 
+TEST(Reference, HasThePluginsOfItsOwnDetectorAlone) {
+  const auto plan_of = [](const std::string& accuracy) {
+    const Compilation result = CompileText(
+        "use detector \"mine.so\"\nbenchmark b { detector sweep(mine, other)\n" + accuracy + " }",
+        {{"mine.so", "mine 0 broad\nother 0 broad\ntruth 0 broad"}});
+    EXPECT_EQ(dsl::Render(result.diagnostics), "");
+    return result.plans.at(0);
+  };
+  const Plan with_dbvt = plan_of("accuracy.metrics position");
+  ASSERT_EQ(with_dbvt.references.size(), 2u);
+  EXPECT_TRUE(with_dbvt.references[0].scene.plugins.empty());
+  const Plan with_truth = plan_of("accuracy { metrics position; reference { detector truth } }");
+  ASSERT_EQ(with_truth.references.size(), 2u);
+  ASSERT_EQ(with_truth.references[0].scene.plugins.size(), 1u);
+  EXPECT_EQ(with_truth.references[0].scene.plugins[0].name, "truth");
+  EXPECT_EQ(with_truth.runs[0].scene.plugins.size(), 2u);
+}
+
 TEST(Reference, IsAnotherForAnotherSceneOrTime) {
   EXPECT_EQ(PlanOf("seed sweep(1, 2); accuracy.metrics position").references.size(), 4u);
   EXPECT_EQ(PlanOf("cycles sweep(60, 120); accuracy.metrics position").references.size(), 4u);

@@ -45,6 +45,7 @@ void Resize(compiler::Run& run, const SceneSize& size) {
   run.scene.world.values["timestep"] = 1.0;
   run.scene.world.values["warmup"] = std::uint64_t{0};
   run.scene.world.values["world.walls"] = compiler::Word{"all"};
+  run.scene.world.values["trace"] = compiler::Word{"none"};
   run.scene.world.values["accuracy.reference.timestep"] = 1.0;
   run.scene.world.values["accuracy.reference.precision"] = compiler::Word{"double"};
   run.scene.world.values["accuracy.reference.detector"] = compiler::Word{"dbvt"};
