@@ -19,9 +19,7 @@ constexpr ObjectType kObjectTypes[] = {
 };
 
 // What holds of all of FCL's trees.
-#define FCL_TREES                                                                               \
-  "bodies are surfaces: no contact of one wholly inside another; round shapes are meshes with " \
-  "24 sides, whose overlaps under a hundredth are not seen"
+#define FCL_TREES "surfaces, those of round shapes with 24 sides: no contact wholly inside another"
 
 constexpr DetectorInfo kDetectors[] = {
     {"simple", "every pair of boxes is tested (btSimpleBroadphase)", "Bullet", "broad",
@@ -77,15 +75,13 @@ constexpr DetectorInfo kDetectors[] = {
      "out, not of the shortest",
      "fcl"},
     {"fcl_aabb", "the triangles that cross, by trees of boxes", "FCL", "narrow", "AABB trees", 0,
-     FCL_TREES "; no contact before bodies overlap; copies and refits both trees for each pair",
-     "fcl"},
+     FCL_TREES "; no contact before an overlap; copies both trees for each pair", "fcl"},
     {"fcl_obb", "the triangles that cross, by trees of oriented boxes", "FCL", "narrow",
-     "OBB trees", 0, FCL_TREES "; no contact before bodies overlap", "fcl"},
+     "OBB trees", 0, FCL_TREES "; no contact before an overlap", "fcl"},
     {"fcl_rss", "the triangles that cross or are nearest, by trees of rectangle-swept spheres",
-     "FCL", "narrow", "sphere trees", 0, FCL_TREES "; over 1 ms for two balls", "fcl"},
+     "FCL", "narrow", "swept-sphere trees", 0, FCL_TREES "; over 1 ms for two balls", "fcl"},
     {"fcl_kdop", "the triangles that cross, by trees of 18-DOPs", "FCL", "narrow", "k-DOP trees", 0,
-     FCL_TREES "; no contact before bodies overlap; copies and refits both trees for each pair",
-     "fcl"},
+     FCL_TREES "; no contact before an overlap; copies both trees for each pair", "fcl"},
     {"ccd_gjk", "GJK and an expanding polytope (ccdGJKPenetration)", "libccd", "narrow", "GJK", 0,
      "normals of round shapes are off by a hundredth; up to 2 of 100 shallow overlaps of balls are "
      "taken for none",

@@ -11,8 +11,9 @@ namespace {
 
 /// So many bodies are sorted before a grid is made.
 constexpr std::size_t kFew = 24;
-/// Cycles of skin until it is judged; of another until skin is tried again, at first and at most.
-constexpr unsigned kTrial = 24, kFirstPause = 64, kLastPause = 4096;
+/// Cycles of skin until it is judged, and where it seems hopeless; of another until skin is tried
+/// again, at first and at most.
+constexpr unsigned kTrial = 24, kShortTrial = 6, kFirstPause = 64, kLastPause = 4096;
 /// Bodies in a cell from which a sweep may be better.
 constexpr double kCrowded = 64;
 /// In the nanoseconds of skin's costs: of a body, of a test.
@@ -34,18 +35,19 @@ class Auto final : public Detector {
     if (left_ > 0) {
       other_->FindPairs(scene, pairs);
       if (is_sample_) JudgeSweep();
-      if (--left_ == 0) {
-        skin_.Forget();
-        trial_ = 0;
-      }
+      if (--left_ == 0) skin_.Forget();
       return;
     }
     skin_.FindPairs(scene, pairs);
-    if (++trial_ % kTrial == 0) JudgeSkin();
+    ++trial_;
+    const bool is_hopeless = trial_ >= kShortTrial &&
+                             (skin_.Crowd() > 16 * kCrowded || skin_.Cost() > 3 * skin_.GridCost());
+    if (is_hopeless || trial_ >= kTrial) JudgeSkin();
   }
 
  private:
   void JudgeSkin() {
+    trial_ = 0;
     if (skin_.Crowd() > kCrowded) {
       other_ = &sweep_;
       is_sample_ = true;

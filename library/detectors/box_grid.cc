@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "library/detectors/bodies.h"
+
 namespace cdb::library {
 namespace {
 
@@ -23,8 +25,9 @@ struct Sample {
 
 Sample Take(const Columns& boxes, std::size_t count) {
   Sample sample;
-  const std::size_t step = count / kMaxSample + 1;
-  for (std::size_t i = 0; i < count && sample.size < kMaxSample; i += step) {
+  const std::size_t size = std::min(count, kMaxSample);
+  for (std::size_t k = 0; k < size; ++k) {
+    const std::size_t i = size < count ? SamplePlace(k, count) : k;
     float longest = 0;
     bool is_finite = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -199,8 +202,8 @@ GridRows BoxGrid::Rows() const {
   return {sorted_.get(), ids_.data(), starts_.data(), gridded_, count_};
 }
 
-void BoxGrid::QueryPart(unsigned part, unsigned parts, PairSink& sink) const {
-  kernels_.query(Rows(), shape_, count_ * part / parts, count_ * (part + 1) / parts, sink);
+void BoxGrid::Query(std::size_t begin, std::size_t end, PairSink& sink) const {
+  kernels_.query(Rows(), shape_, begin, end, sink);
 }
 
 void BoxGrid::QueryOne(const Box& box, Id id, PairSink& sink) const {

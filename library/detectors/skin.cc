@@ -1,6 +1,7 @@
 #include "library/detectors/skin.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 
@@ -10,13 +11,17 @@ namespace {
 // In nanoseconds, measured once on one machine; only their ratios matter.
 constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
 constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
-constexpr double kCrowdCost = 0.5;                 ///< of each other body in a cell
+constexpr double kCrowdCost = 0.1;                 ///< of each other body in a cell, or too long
 constexpr double kCheckCost = 3, kTestCost = 2.2, kStrayCost = 100;
 
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
 constexpr unsigned kMaxAge = 256;
 
 constexpr std::size_t kSample = 512;
+/// Of a body, above which boxes get less fat; looked at after so many bodies.
+constexpr std::size_t kMostCandidates = 24, kSlice = 256;
+/// Boxes get less fat in quarters, down to this.
+constexpr double kLeastShare = 1. / 256;
 /// Deviations of all but a quarter, times this, hold nearly all of what jitters evenly.
 constexpr double kMarginFactor = 1.6;
 /// Who deviated more than most gets so much of a margin of its own, up to a limit for those that
@@ -52,6 +57,7 @@ void Skin::Prepare(const Scene& scene) {
   is_built_ = false;
   velocity_.assign(bodies_.movers(), {0, 0, 0});
   goes_on_ = false;
+  share_ = 1;
   margin_ = most_margin_ = 0;
   last_cost_ = last_tried_ = 0;
 }
@@ -133,20 +139,41 @@ void Skin::MakeList(const Scene& scene) {
   fat_.resize(movers);
   strays_.resize(movers);
   is_stray_.assign(movers, 0);
-  Fatten(scene);
+  // Bodies that jump about would get boxes as large as the scene: less, then.
+  share_ = std::min(4 * share_, 1.);
+  for (Fatten(scene); !FindCandidates(scene, share_ > 0); Fatten(scene)) {
+    share_ = share_ > kLeastShare ? share_ / 4 : 0;
+    grid_.Reshape();
+  }
+  share_ = std::max(share_, kLeastShare);
+  LearnVelocities(scene);
   std::ranges::copy(scene.boxes, built_.begin());
-  grid_.Arrange(movers);
-  parts_.Run(movers, [&](unsigned part, unsigned parts, PairBuffer& found) {
-    grid_.QueryPart(part, parts, found.sink());
-    bodies_.Sieve(scene, true, found);
-  });
   candidates_.Clear();
   parts_.AppendTo(candidates_);
   age_ = 0;
   is_built_ = true;
   stray_cost_ = 0;
-  cost_ = making_cost_ = (kListCost + kCrowdCost * grid_.Crowd()) * static_cast<double>(movers) +
-                         kListedCost * static_cast<double>(candidates_.size());
+  cost_ = making_cost_ =
+      (kListCost + kCrowdCost * (grid_.Crowd() + static_cast<double>(grid_.TooLong()))) *
+          static_cast<double>(movers) +
+      kListedCost * static_cast<double>(candidates_.size());
+}
+
+/// False if it is limited and there are far too many.
+bool Skin::FindCandidates(const Scene& scene, bool is_limited) {
+  grid_.Arrange(bodies_.movers());
+  std::atomic<bool> is_too_much = false;
+  parts_.Run(bodies_.movers(), [&](unsigned part, unsigned parts, PairBuffer& found) {
+    const std::size_t begin = grid_.Size() * part / parts, end = grid_.Size() * (part + 1) / parts;
+    for (std::size_t at = begin; at < end && !is_too_much; at += kSlice) {
+      const std::size_t stop = std::min(at + kSlice, end);
+      grid_.Query(at, stop, found.sink());
+      if (is_limited && found.size() > kMostCandidates * (stop - begin + kSlice))
+        is_too_much = true;
+    }
+    bodies_.Sieve(scene, true, found);
+  });
+  return !is_too_much;
 }
 
 double Skin::Cost() const {
@@ -154,7 +181,11 @@ double Skin::Cost() const {
   return (last_cost_ > 0 ? std::min(now, last_cost_) : now) / static_cast<double>(bodies_.movers());
 }
 
-double Skin::GridCost() const { return kGridCost + kCrowdCost * grid_.Crowd(); }
+double Skin::GridCost() const {
+  const double crowd = grid_.Crowd() + static_cast<double>(grid_.TooLong());
+  return kGridCost + kCrowdCost * crowd +
+         kListedCost * static_cast<double>(parts_.size()) / static_cast<double>(bodies_.movers());
+}
 
 // A longer list costs less to make a cycle and more to test.
 void Skin::LearnCost() {
@@ -180,10 +211,11 @@ void Skin::LearnCost() {
 
 // Both ways to foresee where boxes go are judged by where some of them went.
 void Skin::LearnMotion(const Scene& scene) {
-  const std::size_t movers = bodies_.movers(), step = movers / kSample + 1;
+  const std::size_t movers = bodies_.movers(), most = std::min(movers, kSample);
   double resting[kSample], going[kSample], speed = 0;
   std::size_t size = 0;
-  for (std::size_t i = 0; i < movers; i += step) {
+  for (std::size_t k = 0; k < most; ++k) {
+    const std::size_t i = most < movers ? SamplePlace(k, movers) : k;
     const Vec3 shift = Shift(built_[i], scene.boxes[i]);
     const double stayed = Length(shift), went = Length(Rest(shift, velocity_[i], age_));
     if (!std::isfinite(stayed + went)) continue;
@@ -209,15 +241,14 @@ void Skin::LearnMotion(const Scene& scene) {
 void Skin::Fatten(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
   const Columns& room = grid_.Room(movers);
-  const double time = goes_on_ ? horizon_ : 0, most_way = most_speed_ * time;
+  const double time = goes_on_ ? share_ * horizon_ : 0, most_way = most_speed_ * time;
   const double cycles = goes_on_ ? age_ : 0, each = 1. / age_;
   for (std::size_t i = 0; i < movers; ++i) {
     const Box& box = scene.boxes[i];
     const Vec3 shift = Shift(built_[i], box);
     const double own = kOwnMarginFactor * Length(Rest(shift, velocity_[i], cycles));
     // In this order what is not a number is left out.
-    const double margin = std::max(margin_, own < most_margin_ ? own : most_margin_);
-    velocity_[i] = {shift.x * each, shift.y * each, shift.z * each};
+    const double margin = share_ * std::max(margin_, own < most_margin_ ? own : most_margin_);
     const auto fatten = [&](std::size_t axis, double lower, double upper, double velocity) {
       double way = velocity * time;
       way = way < most_way ? way : most_way;
@@ -228,9 +259,17 @@ void Skin::Fatten(const Scene& scene) {
       fat_[i].upper[axis] = room.upper[axis][i] =
           static_cast<float>(upper + (way > 0 ? way : 0) + margin + std::fabs(upper) * 0x1p-23);
     };
-    fatten(0, box.lower.x, box.upper.x, velocity_[i].x);
-    fatten(1, box.lower.y, box.upper.y, velocity_[i].y);
-    fatten(2, box.lower.z, box.upper.z, velocity_[i].z);
+    fatten(0, box.lower.x, box.upper.x, shift.x * each);
+    fatten(1, box.lower.y, box.upper.y, shift.y * each);
+    fatten(2, box.lower.z, box.upper.z, shift.z * each);
+  }
+}
+
+void Skin::LearnVelocities(const Scene& scene) {
+  const double each = 1. / age_;
+  for (std::size_t i = 0; i < bodies_.movers(); ++i) {
+    const Vec3 shift = Shift(built_[i], scene.boxes[i]);
+    velocity_[i] = {shift.x * each, shift.y * each, shift.z * each};
   }
 }
 

@@ -48,8 +48,10 @@ class Skin final : public Detector {
  private:
   void MakeList(const Scene& scene);
   void LearnMotion(const Scene& scene);
+  void LearnVelocities(const Scene& scene);
   void LearnCost();
   void Fatten(const Scene& scene);
+  bool FindCandidates(const Scene& scene, bool is_limited);
   void AppendStrays(const Scene& scene, std::size_t count, PairBuffer& pairs);
   bool IsUnchanged(const Scene& scene) const;
 
@@ -69,6 +71,7 @@ class Skin final : public Detector {
   bool goes_on_ = false;  ///< they keep their velocity
   double margin_ = 0;     ///< for what most do besides
   double most_margin_ = 0, most_speed_ = 0;
+  double share_ = 1;  ///< of all that, in this list
 
   PairBuffer candidates_;
   std::vector<Id> strays_;

@@ -76,7 +76,6 @@ struct VerifyArguments {
   std::optional<std::uint64_t> cycles;  ///< nullopt: the file's own
   std::vector<std::string> plugins;     ///< shared libraries with detectors
   std::string out;                      ///< folder of the results; empty: the current one
-  std::vector<std::string> plugins;     ///< shared libraries with detectors
   std::uint64_t jobs = 1;
   bool fresh = false;
   bool quiet = false;

@@ -16,7 +16,6 @@
 #include "runtime/engine/harness.h"
 #include "runtime/engine/memory.h"
 #include "runtime/engine/pair_referee.h"
-#include "runtime/engine/plugin_detectors.h"
 #include "runtime/engine/probes.h"
 #include "runtime/engine/sampler.h"
 #include "runtime/engine/schedules.h"
@@ -126,7 +125,6 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
                                  const std::string& keep_walls) {
   RecordingHeader& header = recording.header();
   std::unique_ptr<Engine> engine;
-  const NotesPluginCalls notes(header.plugin_call);
   try {
     const std::int64_t place_begin = Now();
     library::InitialState state = library::DrawObjects(run.scene);

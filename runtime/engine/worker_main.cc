@@ -23,6 +23,7 @@
 #include "library/detectors/description.h"
 #include "library/detectors/plugin.h"
 #include "runtime/engine/memory.h"
+#include "runtime/engine/plugin_detectors.h"
 #include "runtime/engine/precision.h"
 #include "runtime/engine/replay.h"
 #include "runtime/engine/run_scene.h"
@@ -71,6 +72,7 @@ int DescribeLibrary(const std::string& path) {
 void RunWorker(const char* program, const std::string& keep_walls) {
   const compiler::Run run = compiler::RunFromYaml(ReadAll(kRunFd), "run");
   Recording recording = Recording::Open(kRecordingFd, run.scene);
+  const NotesPluginCalls notes(recording.header().plugin_call);
   const std::string mismatch = PrecisionMismatch();
   if (!mismatch.empty()) {
     ReportFailure(recording, mismatch);

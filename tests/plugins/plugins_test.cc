@@ -81,8 +81,8 @@ TEST(Plugins, CostTheirOwnCellsAlone) {
       {"aborts", "FindPairs of detector `aborts`"},
       {"segfaults", "FindPairs of detector `segfaults`"},
       {"hangs", "FindPairs of detector `hangs`"},
-      {"unknown_body", "36"},
-      {"same_body", "1"}};
+      {"unknown_body", "it lists the pair (0, 36)"},
+      {"same_body", "it lists body 1 with itself"}};
   std::string names = "dbvt";
   for (const auto& [name, cause] : causes) names += ", " + name;
   const Program program;
@@ -102,10 +102,11 @@ TEST(Plugins, CostTheirOwnCellsAlone) {
 }
 
 TEST(Plugins, ContactsThatAreNoneFailTheRun) {
-  const std::map<std::string, std::string> causes = {{"throws_in_find_contacts", "out of luck"},
-                                                     {"place_is_nan", "nan"},
-                                                     {"distance_is_nan", "nan"},
-                                                     {"long_normal", "normal"}};
+  const std::map<std::string, std::string> causes = {
+      {"throws_in_find_contacts", "out of luck"},
+      {"place_is_nan", "has a number that is none"},
+      {"distance_is_nan", "has a number that is none"},
+      {"long_normal", "normal"}};
   std::string names = "bullet";
   for (const auto& [name, cause] : causes) names += ", " + name;
   const Program program;
