@@ -41,7 +41,10 @@ struct Tally {
 /// Cycles without a value are -1.
 void AddPairs(const ResultFile& file, const ResultFile::Cell& cell, Tally& tally) {
   DetectorFindings& findings = tally.findings;
-  const auto series = [&](const char* name) { return file.ReadSeries(name, cell); };
+  // On a trace there are no contacts.
+  const auto series = [&](const char* name) {
+    return file.Has(name) ? file.ReadSeries(name, cell) : std::vector<double>();
+  };
   const auto exact = series("exact_pairs"), missed = series("missed_pairs"),
              phantom = series("phantom_pairs"), duplicate = series("duplicate_pairs"),
              contacts = series("missed_contacts");
@@ -62,7 +65,8 @@ void AddPairs(const ResultFile& file, const ResultFile::Cell& cell, Tally& tally
     };
     note(findings.missed, missed, findings.first_missed);
     note(findings.duplicate, duplicate, findings.first_duplicate);
-    note(findings.missed_contacts, contacts, findings.first_missed_contact);
+    if (cycle < contacts.size() && contacts[cycle] >= 0)
+      note(findings.missed_contacts, contacts, findings.first_missed_contact);
     is_wrong = is_wrong || missed[cycle] > 0;
   }
   for (const double error : series("depth_error")) tally.depth.Add(error);

@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "library/detectors/detector.h"
+#include "library/detectors/exact_pairs.h"
 #include "library/scene_error.h"
 #include "runtime/engine/detectors.h"
 #include "runtime/engine/memory.h"
@@ -61,16 +64,15 @@ NamedDetector MakeFor(const compiler::Scene& scene, const TracedScene& traced) {
   return detector;
 }
 
-/// Drops pairs that may not collide, as the engine does; refuses what is no pair of bodies.
-void KeepAllowed(const TracedScene& traced, std::string_view name, std::vector<Pair>& pairs) {
-  const Scene& scene = traced.scene();
+/// Refuses what is no pair of bodies.
+void CheckPairs(const TracedScene& traced, std::string_view name, std::span<const Pair> pairs) {
+  const std::size_t bodies = traced.scene().size;
   for (const Pair& pair : pairs)
-    if (!(pair.a < pair.b && pair.b < scene.size))
+    if (!(pair.a < pair.b && pair.b < bodies))
       throw library::SceneError(
           fmt::format("detector `{}` lists the pair {}, {}; a pair is two of the bodies 0 to {}, "
                       "the lower one first",
-                      name, pair.a, pair.b, scene.size - 1));
-  std::erase_if(pairs, [&](const Pair& pair) { return !scene.MayCollide(pair.a, pair.b); });
+                      name, pair.a, pair.b, bodies - 1));
 }
 
 std::string HashOf(std::vector<Pair> pairs) {
@@ -83,52 +85,114 @@ std::string HashOf(std::vector<Pair> pairs) {
   return fmt::format("{:016x}", hash);
 }
 
-void Replay(const compiler::Run& run, Recording& recording, int trace_fd) {
-  RecordingHeader& header = recording.header();
-  TracedScene traced(trace_fd);
-  const std::uint64_t warmup = run.scene.world.Count("warmup");
-  const std::uint64_t cycles = run.scene.world.Count("cycles");
-  if (warmup + cycles > traced.shape().cycles)
-    throw library::SceneError(fmt::format("the trace has {} cycles, and this run has {}",
-                                          traced.shape().cycles, warmup + cycles));
-  const auto duration = recording.Reals("duration"), heap = recording.Reals("heap");
-  const auto counts = recording.Ints("pairs");
-
-  traced.MoveTo(0);
-  const std::int64_t build_begin = Now();
-  const NamedDetector detector = MakeFor(run.scene, traced);
-  detector.detector->Prepare(traced.scene());
-  header.build_ns = static_cast<double>(Now() - build_begin);
-
-  std::vector<Pair> pairs;
-  for (std::uint64_t i = 0; i < warmup + cycles; ++i) {
-    traced.MoveTo(i);
-    pairs.clear();
-    const std::int64_t begin = Now();
-    detector.detector->FindPairs(traced.scene(), pairs);
-    const std::int64_t end = Now();
-    KeepAllowed(traced, detector.name, pairs);
-    if (i < warmup) continue;
-    const std::uint64_t cycle = i - warmup;
-    if (!heap.empty()) heap[cycle] = HeapBytes();
-    if (!duration.empty())
-      for (const Phase phase : {kBroad, kDetect, kStep})
-        duration[phase * cycles + cycle] = static_cast<double>(end - begin);
-    if (!counts.empty())
-      counts[cycle] = static_cast<std::int32_t>(
-          std::min<std::size_t>(pairs.size(), std::numeric_limits<std::int32_t>::max()));
-    header.cycles_done.store(cycle + 1, std::memory_order_release);
+/// A run's cycles on its trace.
+class Replay {
+ public:
+  Replay(const compiler::Run& run, Recording& recording, int trace_fd)
+      : run_(run),
+        recording_(recording),
+        traced_(trace_fd),
+        warmup_(run.scene.world.Count("warmup")),
+        cycles_(run.scene.world.Count("cycles")) {
+    if (warmup_ + cycles_ > traced_.shape().cycles)
+      throw library::SceneError(fmt::format("the trace has {} cycles, and this run has {}",
+                                            traced_.shape().cycles, warmup_ + cycles_));
   }
-  const std::string hash = HashOf(std::move(pairs));
-  std::memcpy(header.state_hash, hash.c_str(), hash.size() + 1);
-  header.peak_rss_bytes = PeakRssBytes();
-}
+
+  void Time() {
+    RecordingHeader& header = recording_.header();
+    const auto duration = recording_.Reals("duration"), heap = recording_.Reals("heap");
+    const auto counts = recording_.Ints("pairs");
+    const std::int64_t build_begin = Now();
+    const NamedDetector detector = Prepared();
+    header.build_ns = static_cast<double>(Now() - build_begin);
+    for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
+      traced_.MoveTo(i);
+      pairs_.clear();
+      const std::int64_t begin = Now();
+      detector.detector->FindPairs(traced_.scene(), pairs_);
+      const std::int64_t end = Now();
+      CheckPairs(traced_, detector.name, pairs_);
+      // As the engine does with them.
+      std::erase_if(
+          pairs_, [this](const Pair& pair) { return !traced_.scene().MayCollide(pair.a, pair.b); });
+      if (i < warmup_) continue;
+      const std::uint64_t cycle = i - warmup_;
+      if (!heap.empty()) heap[cycle] = HeapBytes();
+      if (!duration.empty())
+        for (const Phase phase : {Phase::kBroad, Phase::kDetect, Phase::kStep})
+          duration[phase * cycles_ + cycle] = static_cast<double>(end - begin);
+      if (!counts.empty()) counts[cycle] = Count(pairs_.size());
+      header.cycles_done.store(cycle + 1, std::memory_order_release);
+    }
+    const std::string hash = HashOf(pairs_);
+    std::memcpy(header.state_hash, hash.c_str(), hash.size() + 1);
+    header.peak_rss_bytes = PeakRssBytes();
+    header.harness_ns = HarnessNs();
+  }
+
+  /// The same cycles once more from the start with a detector made anew, held against brute force.
+  void Judge() {
+    if (recording_.Ints("missed_pairs").empty()) return;
+    const auto series = [&](const char* name, std::uint64_t cycle, std::size_t count) {
+      recording_.Ints(name)[cycle] = Count(count);
+    };
+    const NamedDetector detector = Prepared();
+    for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
+      traced_.MoveTo(i);
+      pairs_.clear();
+      detector.detector->FindPairs(traced_.scene(), pairs_);
+      CheckPairs(traced_, detector.name, pairs_);
+      if (i < warmup_) continue;
+      const library::PairFaults faults = library::ComparePairs(traced_.scene(), pairs_);
+      series("exact_pairs", i - warmup_, faults.exact);
+      series("missed_pairs", i - warmup_, faults.missed);
+      series("phantom_pairs", i - warmup_, faults.phantom);
+      series("duplicate_pairs", i - warmup_, faults.duplicate);
+    }
+  }
+
+ private:
+  static std::int32_t Count(std::size_t count) {
+    return static_cast<std::int32_t>(
+        std::min<std::size_t>(count, std::numeric_limits<std::int32_t>::max()));
+  }
+
+  /// Of a cycle: its two stamps, and the call of a detector that does nothing. The median of 101.
+  double HarnessNs() {
+    const NamedDetector idle = MakeDetector("null", run_.scene);
+    std::vector<Pair> none;
+    std::array<double, 101> times;
+    for (double& time : times) {
+      const std::int64_t begin = Now();
+      idle.detector->FindPairs(traced_.scene(), none);
+      time = static_cast<double>(Now() - begin);
+    }
+    std::ranges::nth_element(times, times.begin() + times.size() / 2);
+    return times[times.size() / 2];
+  }
+
+  NamedDetector Prepared() {
+    traced_.MoveTo(0);
+    NamedDetector detector = MakeFor(run_.scene, traced_);
+    detector.detector->Prepare(traced_.scene());
+    return detector;
+  }
+
+  const compiler::Run& run_;
+  Recording& recording_;
+  TracedScene traced_;
+  const std::uint64_t warmup_, cycles_;
+  std::vector<Pair> pairs_;
+};
 
 }  // namespace
 
 void ReplayTrace(const compiler::Run& run, Recording& recording, int trace_fd) {
   try {
-    Replay(run, recording, trace_fd);
+    Replay replay(run, recording, trace_fd);
+    replay.Time();
+    replay.Judge();
     recording.header().outcome.store(WorkerOutcome::kDone, std::memory_order_release);
   } catch (const std::bad_alloc&) {
     ReportFailure(recording, "out of memory; a smaller trace needs less");

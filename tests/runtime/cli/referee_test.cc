@@ -21,6 +21,8 @@ namespace cdb::runtime {
 namespace {
 
 constexpr std::uint64_t kCycles = 3;
+/// Of every made-up plan.
+const std::string kTitle = "A plan for tests \xE2\x80\x93 \xC2\xB5";
 
 /// A made-up run: values of its series, the same in every cycle or one for each.
 class Made {
@@ -103,25 +105,32 @@ TEST(Verify, TellsTheWrongFirst) {
   EXPECT_FALSE(verified.is_good);
   EXPECT_EQ(
       verified.text,
-      "fixture\n"
-      "  detector  points  cycles  exact pairs  missed  phantom  duplicate  contacts missed  depth "
-      "error  normal error  verdict\n"
-      "  "
-      "-------------------------------------------------------------------------------------------"
-      "------------------------------------\n"
-      "  null           2       6           60      23        0          0                0      "
-      "2.0e-05             -  wrong: misses pairs\n"
-      "  broken         2       3           30       0        0          0                0      "
-      "2.0e-05             -  failed: 1 of 2\n"
-      "  simple         2       6           60       0        0          0                0      "
-      "2.0e-05             -  exact\n"
-      "  dbvt           2       6           60       0        6          0                0      "
-      "2.0e-05             -  superset\n"
-      "  twice          2       6           60       0        0          8                0      "
-      "2.0e-05             -  lists pairs twice\n"
-      "\n"
-      "  null misses pairs from cycle 2 of detector null, quantity 10, rep 0 on\n"
-      "    cdb run fixture.cdb --only " +
+      kTitle +
+          "\n  detector  points  cycles  exact pairs  missed  phantom  duplicate  contacts missed  "
+          "depth "
+          "error  normal error  verdict\n"
+          "  "
+          "----------------------------------------------------------------------------------------"
+          "---"
+          "---------------------------------------\n"
+          "  null           2       6           60      23        0          0                0    "
+          "  "
+          "2.0e-05             -  wrong: misses pairs\n"
+          "  broken         2       3           30       0        0          0                0    "
+          "  "
+          "2.0e-05             -  failed: 1 of 2\n"
+          "  simple         2       6           60       0        0          0                0    "
+          "  "
+          "2.0e-05             -  exact\n"
+          "  dbvt           2       6           60       0        6          0                0    "
+          "  "
+          "2.0e-05             -  superset\n"
+          "  twice          2       6           60       0        0          8                0    "
+          "  "
+          "2.0e-05             -  lists pairs twice\n"
+          "\n"
+          "  null misses pairs from cycle 2 of detector null, quantity 10, rep 0 on\n"
+          "    cdb run fixture.cdb --only " +
           IdOf(plan, 8) +
           "\n"
           "  broken crashed at detector broken, quantity 20, rep 0: ended by signal 11 (SIGSEGV)\n"
@@ -175,14 +184,16 @@ TEST(ShowDetectors, SetsTheWorstCycleBesideTheMedianAndFitsGrowth) {
                       "  detector  median   worst  missed  phantom  peak rss, MB\n"
                       "  -------------------------------------------------------\n"
                       "  sap         40.0    4000       0        0          8.00\n"
-                      "  dbvt         400  160000       0        9          8.00\n"
+                      "  dbvt        1600  160000       0        9          8.00\n"
                       "  simple      1.00     100       0        0          8.00\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\nGrowth: p of detect ~ quantity^p\n"
-                      "     sap  dbvt  simple\n"
-                      "  --------------------\n"
-                      "    1.00  2.00       0\n"),
+                      "  detector     p\n"
+                      "  --------------\n"
+                      "  sap       1.00\n"
+                      "  dbvt      2.00\n"
+                      "  simple    0.00\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\nPairs listed that do not overlap: dbvt 9 beside 90.\n"), std::string::npos)
@@ -197,7 +208,8 @@ TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {
                                      made.Ints("missed_pairs", {run.at[0] == 0 ? 0 : 5, 10, 10});
                                  });
   const std::string line =
-      "fixture\n  9 runs (3 quantity x 3 detector), 3 cycles\n"
+      kTitle +
+      "\n  9 runs (3 quantity x 3 detector), 3 cycles\n"
       "  WRONG: null missed 70 of 90 pairs, in 3 of 3 runs; first in cycle 1 of quantity 10, "
       "detector null, rep 0.\n"
       "    Its times are of less work than there was. That run by itself: cdb run fixture.cdb -b "

@@ -38,7 +38,7 @@ TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
   program.Write(
       "rivals.cdb",
       "benchmark rivals { trace \"crowd.trace.h5\"; repeats 2\n"
-      "detector sweep(simple, octree, null, sap32, dbvt); record timing, counts, memory }");
+      "detector sweep(simple, octree, null, sap32, dbvt); record timing, counts, memory, pairs }");
   const Finished run = program.Run({"run", "rivals.cdb"});
   ASSERT_EQ(run.status, 0) << run.out << run.err;
   const ResultFile live(program.folder() / "live.h5"), replayed(program.folder() / "rivals.h5");

@@ -62,7 +62,6 @@ TEST(PairReferee, CountsThePhantomsOfATree) {
 
 TEST(PairReferee, SeesAPairThatIsNotThere) {
   compiler::Scene scene = Gas("simple", {"pairs"});
-  SetWorld(scene, "world.side", 200.0);
   Recording recording = Recording::Create(scene);
   Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
   PairReferee referee(engine, recording);
@@ -77,6 +76,54 @@ TEST(PairReferee, SeesAPairThatIsNotThere) {
   EXPECT_EQ(recording.Ints("missed_pairs")[1], 1);
   EXPECT_EQ(recording.Ints("exact_pairs")[1], recording.Ints("exact_pairs")[0]);
   EXPECT_EQ(recording.Ints("missed_pairs")[2], -1) << "that cycle did not run";
+}
+
+/// Lists every pair that there is, and again the other way round.
+class Twice final : public Detector {
+ public:
+  void FindPairs(const cdb::Scene& scene, std::vector<Pair>& pairs) override {
+    pairs = library::ExactPairs(scene);
+    const std::size_t count = pairs.size();
+    for (std::size_t i = 0; i < count; ++i) pairs.push_back({pairs[i].b, pairs[i].a});
+  }
+};
+
+TEST(PairReferee, TakesADetectorsListAsItIs) {
+  compiler::Scene scene = Gas("dbvt", {"pairs"});
+  library::InitialState state = library::MakeInitialState(scene);
+  for (const bool finds : {true, false}) {
+    Recording recording = Recording::Create(scene);
+    Detectors detectors;
+    detectors.broad = {
+        .name = "test",
+        .phases = cdb::kBroad,
+        .max_bodies = 0,
+        .detector = finds ? std::shared_ptr<Detector>(new Twice) : std::make_shared<Detector>()};
+    Engine engine(scene, state, KeepEverything(scene), detectors);
+    PairReferee referee(engine, recording);
+    for (std::uint64_t cycle = 0; cycle < 40; ++cycle) {
+      referee.BeforeStep();
+      engine.Step();
+      referee.AfterStep(cycle);
+    }
+    const auto exact = recording.Ints("exact_pairs");
+    EXPECT_GT(Sum(exact), 6 * 40 * 40 - 1) << "six planes are met by every ball";
+    EXPECT_EQ(Sum(recording.Ints("missed_pairs")), finds ? 0 : Sum(exact));
+    EXPECT_EQ(Sum(recording.Ints("duplicate_pairs")), finds ? Sum(exact) : 0);
+    EXPECT_EQ(Sum(recording.Ints("phantom_pairs")), 0);
+    EXPECT_EQ(Sum(recording.Ints("missed_contacts")) > 0, !finds);
+  }
+}
+
+TEST(PairReferee, FindsNothingMissedByOurs) {
+  for (const char* detector : {"auto", "skin", "grid", "sweep", "octree", "kd_tree"}) {
+    const Recorded recorded = RunHere(Gas(detector, {"pairs"}));
+    ASSERT_TRUE(recorded.done()) << recorded.message();
+    const Recording& got = recorded.recording;
+    EXPECT_GT(Sum(got.Ints("exact_pairs")), 40) << detector;
+    for (const char* fault : {"missed_pairs", "phantom_pairs", "duplicate_pairs"})
+      EXPECT_EQ(Sum(got.Ints(fault)), 0) << detector << " " << fault;
+  }
 }
 
 TEST(PairReferee, HoldsContactsAgainstClosedForms) {
