@@ -35,9 +35,8 @@ std::vector<TracedFault> LayTrace(const Layers& layers, const TraceFacts& facts,
           {&kContradiction,
            key,
            {},
-           fmt::format("'{}' means nothing with a trace, which says it itself",
-                       setting.node->path.text),
-           fmt::format("leave it out; with a trace there are {}", fmt::join(kMeaningful, ", "))});
+           fmt::format("'{}' means nothing on a trace", setting.node->path.text),
+           fmt::format("leave it out; what can be set there: {}", fmt::join(kMeaningful, ", "))});
 
   const std::uint64_t warmup = scene.world.Count("warmup");
   const char* which = is_set("cycles") ? "cycles" : "warmup";
@@ -61,7 +60,7 @@ std::vector<TracedFault> LayTrace(const Layers& layers, const TraceFacts& facts,
                         fmt::format("'{}' cannot be recorded on a trace, which has boxes and no "
                                     "bodies",
                                     word),
-                        fmt::format("with a trace there are {}", fmt::join(kRecorded, ", "))});
+                        fmt::format("what can be: {}", fmt::join(kRecorded, ", "))});
 
   // The plan says of its own accord how large the scene is; what it says of objects beside that has
   // no effect.
