@@ -7,11 +7,24 @@
 #include "dsl/check.h"
 
 namespace cdb::compiler {
+namespace {
 
-Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words) {
+/// Those that it has not got.
+void AddPlugins(std::span<const PluginDetector> plugins, Scene& scene) {
+  for (const PluginDetector& plugin : plugins)
+    if (std::ranges::find(scene.plugins, plugin.name, &PluginDetector::name) == scene.plugins.end())
+      scene.plugins.push_back(plugin);
+  std::ranges::sort(scene.plugins, {}, &PluginDetector::name);
+}
+
+}  // namespace
+
+Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words,
+           std::span<const PluginDetector> plugins) {
   const Parameter* row = FindParameter(parameter, false);
-  CDB_CHECK(row != nullptr &&
-            std::ranges::all_of(words, [&](const auto& word) { return row->HasWord(word); }));
+  CDB_CHECK(row != nullptr && std::ranges::all_of(words, [&](const auto& word) {
+              return row->HasWord(word, plugins);
+            }));
   if (std::ranges::find(plan.axes, parameter, &Axis::parameter) != plan.axes.end()) return plan;
   Plan crossed = plan;
   Axis axis{std::string(parameter), std::string(parameter), std::string(row->unit), {}};
@@ -23,6 +36,7 @@ Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::
     for (Run run : plan.runs) {
       run.at.insert(run.at.begin(), i);
       run.scene.world.values.insert_or_assign(std::string(parameter), Word{words[i]});
+      AddPlugins(plugins, run.scene);
       run.scene.KeepUsedPlugins();
       run.id = RunId(run.scene, run.rep);
       crossed.runs.push_back(std::move(run));

@@ -1,6 +1,7 @@
 // A plan over one more axis than its file has: what a command line sweeps.
 #pragma once
 
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -9,8 +10,9 @@
 namespace cdb::compiler {
 
 /// The plan with an axis `parameter` of the world in front of the others, one of `words` for each
-/// of its values, all of which the schema has for it. A plan that sweeps the parameter itself is
-/// given back as it is.
-Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words);
+/// of its values, all of which the schema or, where it takes detectors, `plugins` has. A plan that
+/// sweeps the parameter itself is given back as it is.
+Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words,
+           std::span<const PluginDetector> plugins = {});
 
 }  // namespace cdb::compiler

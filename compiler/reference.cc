@@ -149,6 +149,10 @@ Scene ReferenceOf(const Scene& scene) {
   set("warmup", std::uint64_t{0});
   for (const char* name : {"precision", "detector"})
     set(name, world.Get("accuracy.reference." + std::string(name)));
+  // The contacts too are those of the reference's detector.
+  set("narrow_phase", Word{"own"});
+  set("pair_order", Word{"listed"});
+  set("threads", std::uint64_t{1});
   set("solver.iterations", world.Get("accuracy.reference.iterations"));
   if (world.WordOr("accuracy.reference.contact") != "same")
     set("contact", world.Get("accuracy.reference.contact"));

@@ -38,7 +38,11 @@ constexpr DetectorInfo kDetectors[] = {
     {"skin", "a list of the pairs of fattened boxes that lasts for several cycles", "cdb", "broad",
      "Verlet list"},
     {"grid", "a uniform grid built every cycle, rows tested eight boxes at once", "cdb", "broad",
-     "uniform grid"},
+     "uniform grid", 0,
+     "slow where boxes crowd in a few cells: several dense clusters far apart, slanted lines, many "
+     "of very unequal size"},
+    {"hierarchical_grid", "a uniform grid for each size of box, built every cycle", "cdb", "broad",
+     "hierarchical grid"},
     {"sweep", "sweep and prune along one axis, eight boxes tested at once", "cdb", "broad",
      "sweep and prune"},
     {"octree", "a loose octree, made anew in each cycle", "cdb", "broad", "octrees"},

@@ -8,10 +8,12 @@
 
 namespace cdb::library {
 
-/// Exact pairs. Method: `sweep` for few bodies; else `skin`, and `grid` for a while where skin's
-/// lists last too short to pay, after which skin is tried again, more and more seldom. It goes by
-/// counted tests, not by the clock: the same motion gives the same list in the same order. Cost:
-/// that of the best of them, and skin's trials. Memory, threads: theirs.
+/// Exact pairs. Method: `sweep` for few bodies, else `skin`. Where skin's lists last too short to
+/// pay, `grid` for a while, and where bodies crowd in the grid's cells, as those along a slanted
+/// line do, `sweep`, if one cycle of it shows that they do not crowd along its axis; then skin is
+/// tried again, more and more seldom. It goes by counted tests, not by the clock: the same motion
+/// gives the same list in the same order. Cost: that of the best of them, and of the trials.
+/// Memory: up to all of theirs. Errors: bad_alloc. Threads: theirs.
 std::unique_ptr<Detector> MakeAuto(const Options& options, const Kernels& kernels = BestKernels());
 
 }  // namespace cdb::library

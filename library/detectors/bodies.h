@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "library/detectors/detector.h"
@@ -9,6 +10,13 @@
 #include "library/detectors/pair_buffer.h"
 
 namespace cdb::library {
+
+/// The k-th of a few bodies that stand for all: spread evenly, but without a step that a pattern of
+/// the ids could meet.
+inline std::size_t SamplePlace(std::size_t k, std::size_t count) {
+  const auto turn = static_cast<std::uint32_t>((k + 1) * 2654435769u);  // by the golden section
+  return static_cast<std::size_t>(std::uint64_t{turn} * count >> 32);
+}
 
 /// The bodies of a scene: `movers` are those before the fixed ones at its end, which are walls as
 /// long as they are few and then meet the movers one by one; a wall's box is often infinite and

@@ -6,11 +6,13 @@
 #include <limits>
 #include <utility>
 
+#include "library/detectors/bodies.h"
+
 namespace cdb::library {
 namespace {
 
 constexpr unsigned kMaxAge = 16;
-constexpr std::size_t kMaxSample = 512;
+constexpr std::size_t kMaxSample = 256;
 // In nanoseconds, measured once on one machine; only their ratios matter.
 constexpr double kScanCost = 5, kTestCost = 0.5;
 
@@ -23,8 +25,9 @@ struct Sample {
 
 Sample Take(const Columns& boxes, std::size_t count) {
   Sample sample;
-  const std::size_t step = count / kMaxSample + 1;
-  for (std::size_t i = 0; i < count && sample.size < kMaxSample; i += step) {
+  const std::size_t size = std::min(count, kMaxSample);
+  for (std::size_t k = 0; k < size; ++k) {
+    const std::size_t i = size < count ? SamplePlace(k, count) : k;
     float longest = 0;
     bool is_finite = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -140,13 +143,22 @@ void BoxGrid::ChooseShape(std::size_t count) {
 }
 
 bool BoxGrid::Build(const Box* boxes, std::size_t count) {
+  const bool is_exact = kernels_.narrow(boxes, count, Room(count));
+  Arrange(count);
+  return is_exact;
+}
+
+const Columns& BoxGrid::Room(std::size_t count) {
   loose_.Reserve(count);
+  return loose_.get();
+}
+
+void BoxGrid::Arrange(std::size_t count) {
   sorted_.Reserve(count);
   if (cells_.size() < count + 8) cells_.resize(count + count / 8 + 8);
   if (ids_.size() < count + 8) ids_.resize(count + count / 8 + 8);
-  const bool is_exact = kernels_.narrow(boxes, count, loose_.get());
   bool is_new = false;
-  if (shaped_for_ != count || ++age_ >= kMaxAge) {
+  if (++age_ >= kMaxAge || count > 2 * shaped_for_ || 2 * count < shaped_for_) {
     ChooseShape(count);
     is_new = true;
   }
@@ -167,7 +179,12 @@ bool BoxGrid::Build(const Box* boxes, std::size_t count) {
   const std::uint32_t cells = shape_.cells();
   // starts_[c + 1] becomes where the next box of c goes, and so, once all are there, its end.
   std::uint32_t sum = 0;
-  for (std::uint32_t& start : starts_) sum += std::exchange(start, sum);
+  std::size_t squares = 0;
+  for (std::uint32_t& start : starts_) {
+    squares += std::size_t{start} * start;
+    sum += std::exchange(start, sum);
+  }
+  crowd_ = count > 0 ? static_cast<double>(squares) / static_cast<double>(count) : 0;
   const Columns &from = loose_.get(), &to = sorted_.get();
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t at = starts_[cells_[i] + 1]++;
@@ -179,16 +196,14 @@ bool BoxGrid::Build(const Box* boxes, std::size_t count) {
   }
   gridded_ = starts_[cells];
   count_ = starts_[cells + 1];
-  return is_exact;
 }
 
 GridRows BoxGrid::Rows() const {
   return {sorted_.get(), ids_.data(), starts_.data(), gridded_, count_};
 }
 
-void BoxGrid::QueryPart(unsigned part, unsigned parts, bool anchored, PairSink& sink) const {
-  kernels_.query(Rows(), shape_, count_ * part / parts, count_ * (part + 1) / parts, anchored,
-                 sink);
+void BoxGrid::Query(std::size_t begin, std::size_t end, PairSink& sink) const {
+  kernels_.query(Rows(), shape_, begin, end, sink);
 }
 
 void BoxGrid::QueryOne(const Box& box, Id id, PairSink& sink) const {

@@ -9,7 +9,7 @@
 // Cost: linear in boxes, plus boxes times those too long / 8, plus the pairs. Memory: about 70
 // bytes a box.
 //
-// Errors: bad_alloc. Threads: one at a time; QueryPart may run on several at once.
+// Errors: bad_alloc. Threads: one at a time; Query may run on several at once.
 // Source: uniform grids as in Ericson, Real-Time Collision Detection, section 7.1.
 #pragma once
 
@@ -30,11 +30,26 @@ class BoxGrid {
   /// Boxes that are not numbers are left out. True where every number is a float: then what is
   /// found is exact, else a few pairs that are close.
   bool Build(const Box* boxes, std::size_t count);
-  /// The pairs of part `part` of `parts`: all parts one after another give the same list whatever
-  /// their number. For anchored see Kernels::query.
-  void QueryPart(unsigned part, unsigned parts, bool anchored, PairSink& sink) const;
+  /// The same of boxes that the caller writes, as they are, into what Room gives: then Arrange.
+  const Columns& Room(std::size_t count);
+  void Arrange(std::size_t count);
+  /// Has the next build choose the shape: the boxes are other than those before.
+  void Reshape() { shaped_for_ = 0; }
+  /// The pairs of the boxes at `begin` to `end` of Size() with those before or after them: all
+  /// ranges one after another give the same list whatever their number.
+  void Query(std::size_t begin, std::size_t end, PairSink& sink) const;
+  void QueryPart(unsigned part, unsigned parts, PairSink& sink) const {
+    Query(count_ * part / parts, count_ * (part + 1) / parts, sink);
+  }
   /// Pairs (id, other) of a box with all of the grid.
   void QueryOne(const Box& box, Id id, PairSink& sink) const;
+
+  /// How many boxes share a box's cell, on the average; a few where the grid suits them.
+  double Crowd() const { return crowd_; }
+  /// Boxes that are tested with all.
+  std::size_t TooLong() const { return count_ - gridded_; }
+  /// Boxes in the grid and too long.
+  std::size_t Size() const { return count_; }
 
  private:
   void ChooseShape(std::size_t count);
@@ -45,6 +60,7 @@ class BoxGrid {
   BoxColumns loose_, sorted_;  ///< by id, by cell
   std::vector<std::uint32_t> cells_, starts_;
   std::vector<Id> ids_;
+  double crowd_ = 0;
   std::size_t gridded_ = 0, count_ = 0;  ///< of what is sorted
   std::size_t foreseen_ = 0;             ///< boxes too long when the shape was chosen
   std::size_t shaped_for_ = 0;           ///< boxes then

@@ -18,7 +18,7 @@ class Grid final : public Detector {
     bodies_.LearnOnce(scene);
     const bool is_exact = grid_.Build(scene.boxes.data(), bodies_.movers());
     parts_.Run(bodies_.movers(), [&](unsigned part, unsigned parts, PairBuffer& found) {
-      grid_.QueryPart(part, parts, false, found.sink());
+      grid_.QueryPart(part, parts, found.sink());
       bodies_.Sieve(scene, is_exact, found);
     });
     bodies_.MeetWalls(scene, kernels_, parts_.last());

@@ -47,12 +47,9 @@ struct GridRows {
   std::size_t gridded, count;   ///< boxes in cells; with those too long
 };
 
-/// Candidates by anchor: the partners of the i-th stand between starts[i] and starts[i + 1].
-struct Candidates {
-  const Id* anchors;
-  const std::uint32_t* starts;
-  const Id* partners;
-  std::size_t count;  ///< of anchors
+/// A box that others shall stay in.
+struct FatBox {
+  float lower[3], upper[3];
 };
 
 struct Kernels {
@@ -63,20 +60,20 @@ struct Kernels {
   void (*bin)(const Columns& columns, std::size_t count, const GridShape& shape,
               std::uint32_t* cells);
   /// Pairs of the boxes at begin to end with those that come after them; of boxes too long with
-  /// those before. Whichever of a pair is met first comes first if `anchored`, else the lower id.
+  /// those before.
   void (*query)(const GridRows& rows, const GridShape& shape, std::size_t begin, std::size_t end,
-                bool anchored, PairSink& sink);
+                PairSink& sink);
   /// Pairs (id, other) of one box, rounded outwards, with all of the grid.
   void (*query_one)(const GridRows& rows, const GridShape& shape, const float* lower,
                     const float* upper, Id id, PairSink& sink);
   /// Pairs of the boxes at begin to end with those behind them, all sorted by columns.lower[0].
-  void (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
-                std::size_t end, PairSink& sink);
-  /// Lists the boxes that do not lie in their fat ones; `strays` has room for all and eight more.
-  std::size_t (*find_strays)(const Box* boxes, const Box* fat, std::size_t count, Id* strays);
-  /// The pairs of candidates between two anchors whose boxes overlap. In double.
-  void (*filter)(const Box* boxes, const Candidates& candidates, std::size_t begin, std::size_t end,
-                 PairSink& sink);
+  /// Gives the number of tests, eight boxes each.
+  std::size_t (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
+                       std::size_t end, PairSink& sink);
+  /// Lists the boxes that do not lie in their fat ones; `strays` has room for all.
+  std::size_t (*find_strays)(const Box* boxes, const FatBox* fat, std::size_t count, Id* strays);
+  /// Those of the pairs whose boxes overlap. In double.
+  void (*filter)(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink);
   /// Pairs of boxes 0 to count with `walls` bodies from `first_wall` that share one box. In double.
   void (*meet_wall)(const Box* boxes, std::size_t count, const Box& wall, Id first_wall,
                     std::size_t walls, PairSink& sink);

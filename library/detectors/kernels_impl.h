@@ -18,6 +18,17 @@ inline float Below(float x) {
   return x - ((x < 0 ? -x : x) * 0x1p-23f + kLeast);
 }
 inline float Above(float x) { return -Below(-x); }
+#if defined(__SSE2__)
+inline __m128 Below(__m128 x) {
+  const __m128 held = _mm_min_ps(_mm_set1_ps(kMost), x);  // of what is no number, that
+  const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0f), held);
+  return _mm_sub_ps(held, _mm_add_ps(_mm_mul_ps(size, _mm_set1_ps(0x1p-23f)), _mm_set1_ps(kLeast)));
+}
+inline __m128 Above(__m128 x) {
+  const __m128 sign = _mm_set1_ps(-0.0f);
+  return _mm_xor_ps(Below(_mm_xor_ps(x, sign)), sign);
+}
+#endif
 
 bool Narrow(const Box* boxes, std::size_t count, const Columns& columns) {
   bool is_exact = true;
@@ -52,22 +63,28 @@ bool Narrow(const Box* boxes, std::size_t count, const Columns& columns) {
     _MM_TRANSPOSE4_PS(first[0], first[1], first[2], first[3]);      // lower, upper x
     _MM_TRANSPOSE4_PS(second[0], second[1], second[2], second[3]);  // lower z, upper
 #if defined(__AVX2__)
-    if (_mm256_movemask_pd(changed) != 0) break;
+    const bool was_changed = _mm256_movemask_pd(changed) != 0;
 #else
-    if (_mm_movemask_pd(changed) != 0) break;
+    const bool was_changed = _mm_movemask_pd(changed) != 0;
 #endif
-    __m128 valid = _mm_and_ps(_mm_cmple_ps(first[0], first[3]), _mm_cmple_ps(first[1], second[2]));
-    valid = _mm_and_ps(valid, _mm_cmple_ps(first[2], second[3]));
+    __m128 &low_x = first[0], &low_y = first[1], &low_z = first[2], &high_x = first[3],
+           &high_y = second[2], &high_z = second[3];
+    if (was_changed) {  // one of four: all are rounded
+      is_exact = false;
+      low_x = Below(low_x), low_y = Below(low_y), low_z = Below(low_z);
+      high_x = Above(high_x), high_y = Above(high_y), high_z = Above(high_z);
+    }
+    __m128 valid = _mm_and_ps(_mm_cmple_ps(low_x, high_x), _mm_cmple_ps(low_y, high_y));
+    valid = _mm_and_ps(valid, _mm_cmple_ps(low_z, high_z));
     const __m128 all = _mm_castsi128_ps(_mm_set1_epi32(-1));
-    _mm_storeu_ps(columns.lower[0] + i, _mm_or_ps(first[0], _mm_andnot_ps(valid, all)));
-    _mm_storeu_ps(columns.lower[1] + i, first[1]);
-    _mm_storeu_ps(columns.lower[2] + i, first[2]);
-    _mm_storeu_ps(columns.upper[0] + i, first[3]);
-    _mm_storeu_ps(columns.upper[1] + i, second[2]);
-    _mm_storeu_ps(columns.upper[2] + i, second[3]);
+    _mm_storeu_ps(columns.lower[0] + i, _mm_or_ps(low_x, _mm_andnot_ps(valid, all)));
+    _mm_storeu_ps(columns.lower[1] + i, low_y);
+    _mm_storeu_ps(columns.lower[2] + i, low_z);
+    _mm_storeu_ps(columns.upper[0] + i, high_x);
+    _mm_storeu_ps(columns.upper[1] + i, high_y);
+    _mm_storeu_ps(columns.upper[2] + i, high_z);
   }
 #endif
-  // The rest, from the first block on that holds a number that is no float.
   for (; i < count; ++i) {
     const double* at = &boxes[i].lower.x;
     bool is_valid = true;
@@ -140,8 +157,8 @@ Probe ProbeOf(const Columns& columns, std::size_t i) {
 /// and its upper corner. Each pair is found by the one that comes first in the order: within its
 /// row of cells, and in the rows after it.
 void Query(const GridRows& rows, const GridShape& shape, std::size_t begin, std::size_t end,
-           bool anchored, PairSink& sink) {
-  Scanner scanner(rows.columns, rows.ids, anchored, sink);
+           PairSink& sink) {
+  Scanner scanner(rows.columns, rows.ids, false, sink);
   const std::size_t stride = shape.n[0], ny = shape.n[1];
   const auto cells = [&](const float* const columns[3], std::size_t at, int axis, float less,
                          std::uint32_t* out) {
@@ -198,55 +215,47 @@ void QueryOne(const GridRows& rows, const GridShape& shape, const float* lower, 
   scanner.Scan(probe, id, rows.gridded, rows.count);
 }
 
-void Sweep(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
-           std::size_t end, PairSink& sink) {
+std::size_t Sweep(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
+                  std::size_t end, PairSink& sink) {
   Scanner scanner(columns, ids, false, sink);
+  std::size_t tests = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const Probe probe = ProbeOf(columns, i);
     for (std::size_t at = i + 1; at < count; at += kLanes) {
       const unsigned reach = probe.Reaches(columns, at);
       if (reach == 0) break;
+      ++tests;
       unsigned mask = probe.Meets(columns, at);
       if (count - at < kLanes) mask &= (1u << (count - at)) - 1;
       if (mask != 0) scanner.Put(mask, ids[i], at);
       if (reach != 255) break;  // sorted: no other begins before this one ends
     }
   }
+  return tests;
 }
 
-std::size_t FindStrays(const Box* boxes, const Box* fat, std::size_t count, Id* strays) {
+std::size_t FindStrays(const Box* boxes, const FatBox* fat, std::size_t count, Id* strays) {
   std::size_t found = 0, i = 0;
-  for (; i + 4 <= count; i += 4) {
+  for (; i + 4 <= count; i += 4)
     for (unsigned mask = Escapes(boxes + i, fat + i); mask != 0; mask &= mask - 1)
       strays[found++] = static_cast<Id>(i) + static_cast<Id>(__builtin_ctz(mask));
-  }
-  for (; i < count; ++i) {
-    const Box &in = boxes[i], &out = fat[i];
-    if (!(out.lower.x <= in.lower.x && out.lower.y <= in.lower.y && out.lower.z <= in.lower.z &&
-          in.upper.x <= out.upper.x && in.upper.y <= out.upper.y && in.upper.z <= out.upper.z))
-      strays[found++] = static_cast<Id>(i);
-  }
+  for (; i < count; ++i)
+    if (!LiesIn(boxes[i], fat[i])) strays[found++] = static_cast<Id>(i);
   return found;
 }
 
-void Filter(const Box* boxes, const Candidates& candidates, std::size_t begin, std::size_t end,
-            PairSink& sink) {
-  for (std::size_t i = begin; i < end; ++i) {
-    const Id a = candidates.anchors[i];
-    const WideProbe probe(boxes[a]);
-    const std::uint32_t last = candidates.starts[i + 1];
-    for (std::uint32_t at = candidates.starts[i]; at < last;) {
-      const std::uint32_t stop =
-          last - at < kLanes ? last : at + static_cast<std::uint32_t>(kLanes);
-      if (sink.end - sink.at < static_cast<std::ptrdiff_t>(kLanes)) sink.grow(sink);
-      Pair* out = sink.at;
-      for (; at < stop; ++at) {  // written always, kept if they meet: no branch to guess
-        const Id b = candidates.partners[at];
-        *out = {a < b ? a : b, a < b ? b : a};
-        out += probe.Meets(boxes[b]);
-      }
-      sink.at = out;
+void Filter(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink) {
+  constexpr std::size_t kBlock = 64;
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t end = begin + kBlock < count ? begin + kBlock : count;
+    while (static_cast<std::size_t>(sink.end - sink.at) < kBlock) sink.grow(sink);
+    Pair* out = sink.at;
+    for (std::size_t i = begin; i < end; ++i) {  // written always, kept if they meet: no branch
+      const Pair pair = pairs[i];
+      *out = pair;
+      out += Meet(boxes[pair.a], boxes[pair.b]);
     }
+    sink.at = out;
   }
 }
 

@@ -35,10 +35,8 @@ class PairParts {
     for (const auto& buffer : buffers_) size += buffer->size();
     return size;
   }
-  template <typename Use>
-  void ForEach(const Use& use) {
-    for (auto& buffer : buffers_)
-      for (const Pair& pair : buffer->pairs()) use(pair);
+  void AppendTo(PairBuffer& pairs) {
+    for (auto& buffer : buffers_) pairs.Append(buffer->pairs());
   }
   void AppendTo(std::vector<Pair>& pairs) {
     pairs.reserve(pairs.size() + size());

@@ -25,6 +25,12 @@ inline std::uint32_t CellAt(float x, float origin, float inverse, float last) {
   return static_cast<std::uint32_t>(cell > 0 ? (cell < last ? cell : last) : 0);
 }
 
+inline bool LiesIn(const Box& box, const FatBox& fat) {
+  return (fat.lower[0] <= box.lower.x) & (fat.lower[1] <= box.lower.y) &
+         (fat.lower[2] <= box.lower.z) & (box.upper.x <= fat.upper[0]) &
+         (box.upper.y <= fat.upper[1]) & (box.upper.z <= fat.upper[2]);
+}
+
 #if defined(__AVX2__)
 
 /// One box, against eight of the columns.
@@ -111,17 +117,28 @@ class WideProbe {
   __m256d lower_, upper_;
 };
 
-/// A bit for each of four boxes that does not lie in its outer one.
-inline unsigned Escapes(const Box* boxes, const Box* outer) {
+inline bool Meet(const Box& a, const Box& b) {
+  const double *one = &a.lower.x, *other = &b.lower.x;
+  // The upper corners moved down to where the lower ones stand; the fourth is not looked at.
+  const __m256d a_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(one + 2), 0b111001);
+  const __m256d b_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(other + 2), 0b111001);
+  const __m256d below = _mm256_cmp_pd(_mm256_loadu_pd(other), a_upper, _CMP_LE_OQ);
+  const __m256d above = _mm256_cmp_pd(_mm256_loadu_pd(one), b_upper, _CMP_LE_OQ);
+  return (_mm256_movemask_pd(_mm256_and_pd(below, above)) & 7) == 7;
+}
+
+/// A bit for each of four boxes that does not lie in its fat one.
+inline unsigned Escapes(const Box* boxes, const FatBox* fat) {
   const __m256d first = _mm256_castsi256_pd(_mm256_setr_epi64x(-1, 0, 0, 0));
   const __m256d last = _mm256_castsi256_pd(_mm256_setr_epi64x(0, 0, 0, -1));
   __m256d in[4];
   for (int k = 0; k < 4; ++k) {
     const double* box = &boxes[k].lower.x;
-    const double* out = &outer[k].lower.x;
-    const __m256d lower = _mm256_cmp_pd(_mm256_loadu_pd(out), _mm256_loadu_pd(box), _CMP_LE_OQ);
+    const float* out = fat[k].lower;
+    const __m256d lower =
+        _mm256_cmp_pd(_mm256_cvtps_pd(_mm_loadu_ps(out)), _mm256_loadu_pd(box), _CMP_LE_OQ);
     const __m256d upper =
-        _mm256_cmp_pd(_mm256_loadu_pd(box + 2), _mm256_loadu_pd(out + 2), _CMP_LE_OQ);
+        _mm256_cmp_pd(_mm256_loadu_pd(box + 2), _mm256_cvtps_pd(_mm_loadu_ps(out + 2)), _CMP_LE_OQ);
     in[k] = _mm256_and_pd(_mm256_or_pd(lower, last), _mm256_or_pd(upper, first));
   }
   const __m256d all = _mm256_and_pd(_mm256_and_pd(in[0], in[1]), _mm256_and_pd(in[2], in[3]));
@@ -241,16 +258,12 @@ class WideProbe {
 #endif
 };
 
-/// A bit for each of four boxes that does not lie in its outer one.
-inline unsigned Escapes(const Box* boxes, const Box* outer) {
+inline bool Meet(const Box& a, const Box& b) { return WideProbe(a).Meets(b); }
+
+/// A bit for each of four boxes that does not lie in its fat one.
+inline unsigned Escapes(const Box* boxes, const FatBox* fat) {
   unsigned mask = 0;
-  for (unsigned k = 0; k < 4; ++k) {
-    const Box &in = boxes[k], &out = outer[k];
-    const bool lies = (out.lower.x <= in.lower.x) & (out.lower.y <= in.lower.y) &
-                      (out.lower.z <= in.lower.z) & (in.upper.x <= out.upper.x) &
-                      (in.upper.y <= out.upper.y) & (in.upper.z <= out.upper.z);
-    mask |= static_cast<unsigned>(!lies) << k;
-  }
+  for (unsigned k = 0; k < 4; ++k) mask |= static_cast<unsigned>(!LiesIn(boxes[k], fat[k])) << k;
   return mask;
 }
 

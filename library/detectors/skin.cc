@@ -1,6 +1,7 @@
 #include "library/detectors/skin.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 
@@ -8,21 +9,43 @@ namespace cdb::library {
 namespace {
 
 // In nanoseconds, measured once on one machine; only their ratios matter.
-constexpr double kGridCost = 45;                   ///< of a body in a cycle of `grid`
-constexpr double kListCost = 65, kListedCost = 4;  ///< of making a list: a body, a candidate
-constexpr double kCheckCost = 2.5, kTestCost = 1.2, kStrayCost = 150;
+constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
+constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
+constexpr double kCrowdCost = 0.1;                 ///< of each other body in a cell, or too long
+constexpr double kCheckCost = 3, kTestCost = 2.2, kStrayCost = 100;
 
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
 constexpr unsigned kMaxAge = 256;
-/// Margins, in mean deviations: all of what jitters evenly lies in three.
-constexpr double kMarginFactor = 3.5;
+
+constexpr std::size_t kSample = 512;
+/// Of a body, above which boxes get less fat; looked at after so many bodies.
+constexpr std::size_t kMostCandidates = 24, kSlice = 256;
+/// Boxes get less fat in quarters, down to this.
+constexpr double kLeastShare = 1. / 256;
+/// Deviations of all but a quarter, times this, hold nearly all of what jitters evenly.
+constexpr double kMarginFactor = 1.6;
+/// Who deviated more than most gets so much of a margin of its own, up to a limit for those that
+/// bounced or were set elsewhere.
+constexpr double kOwnMarginFactor = 2;
 
 Vec3 Shift(const Box& from, const Box& to) {
   return {(to.lower.x - from.lower.x + to.upper.x - from.upper.x) / 2,
           (to.lower.y - from.lower.y + to.upper.y - from.upper.y) / 2,
           (to.lower.z - from.lower.z + to.upper.z - from.upper.z) / 2};
 }
-double Length(double x, double y, double z) { return std::fabs(x) + std::fabs(y) + std::fabs(z); }
+double Length(const Vec3& way) {
+  return std::max(std::max(std::fabs(way.x), std::fabs(way.y)), std::fabs(way.z));
+}
+/// What is left of a shift after so many cycles of a velocity.
+Vec3 Rest(const Vec3& shift, const Vec3& velocity, double cycles) {
+  return {shift.x - velocity.x * cycles, shift.y - velocity.y * cycles,
+          shift.z - velocity.z * cycles};
+}
+bool Overlap(const FatBox& a, const FatBox& b) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis])) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -31,7 +54,12 @@ Skin::Skin(const Options& options, const Kernels& kernels)
 
 void Skin::Prepare(const Scene& scene) {
   bodies_.Learn(scene);
-  is_built_ = knows_motion_ = false;
+  is_built_ = false;
+  velocity_.assign(bodies_.movers(), {0, 0, 0});
+  goes_on_ = false;
+  share_ = 1;
+  margin_ = most_margin_ = 0;
+  last_cost_ = last_tried_ = 0;
 }
 
 void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
@@ -56,13 +84,11 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
     MakeList(scene);
     strays = 0;
   }
-  const Candidates candidates = {anchors_.data(), starts_.data(), partners_.data(),
-                                 anchors_.size()};
-  cost_ +=
-      kCheckCost * static_cast<double>(movers) + kTestCost * static_cast<double>(partners_.size());
-  parts_.Run(partners_.size() / 8, [&](unsigned part, unsigned parts, PairBuffer& found) {
-    kernels_.filter(scene.boxes.data(), candidates, candidates.count * part / parts,
-                    candidates.count * (part + 1) / parts, found.sink());
+  const std::span<const Pair> all = candidates_.pairs();
+  cost_ += kCheckCost * static_cast<double>(movers) + kTestCost * static_cast<double>(all.size());
+  parts_.Run(all.size() / 16, [&](unsigned part, unsigned parts, PairBuffer& found) {
+    const std::size_t begin = all.size() * part / parts, end = all.size() * (part + 1) / parts;
+    kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
   });
   if (strays > 0) AppendStrays(scene, strays, parts_.last());
   bodies_.MeetWalls(scene, kernels_, parts_.last());
@@ -71,7 +97,8 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
 }
 
 bool Skin::IsUnchanged(const Scene& scene) const {
-  return std::memcmp(scene.boxes.data(), built_.data(), built_.size() * sizeof(Box)) == 0;
+  return built_.empty() ||
+         std::memcmp(scene.boxes.data(), built_.data(), built_.size() * sizeof(Box)) == 0;
 }
 
 // Candidates are all pairs whose fat boxes overlap, so what a stray has to add are pairs whose fat
@@ -97,103 +124,153 @@ void Skin::AppendStrays(const Scene& scene, std::size_t count, PairBuffer& pairs
   for (std::size_t i = 0; i < count; ++i) is_stray_[strays_[i]] = 0;
   raw_.Clear();
   stray_grid_.Build(stray_boxes_.data(), count);
-  stray_grid_.QueryPart(0, 1, false, raw_.sink());
+  stray_grid_.QueryPart(0, 1, raw_.sink());
   for (const Pair& pair : raw_.pairs()) put(strays_[pair.a], strays_[pair.b]);
 }
 
 void Skin::MakeList(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
-  if (is_built_) LearnCost();
-  if (is_built_) LearnMotion(scene);
-  built_.resize(scene.size);
+  if (is_built_) {
+    LearnCost();
+    LearnMotion(scene);
+  } else {
+    built_.assign(scene.boxes.begin(), scene.boxes.end());
+    age_ = 1;
+  }
   fat_.resize(movers);
-  velocity_.resize(movers);
-  strays_.resize(movers + 8);
+  strays_.resize(movers);
   is_stray_.assign(movers, 0);
-  Fatten(scene);
-  std::copy(scene.boxes.begin(), scene.boxes.end(), built_.begin());
-  grid_.Build(fat_.data(), movers);
-  parts_.Run(movers, [&](unsigned part, unsigned parts, PairBuffer& found) {
-    grid_.QueryPart(part, parts, true, found.sink());
+  // Bodies that jump about would get boxes as large as the scene: less, then.
+  share_ = std::min(4 * share_, 1.);
+  for (Fatten(scene); !FindCandidates(scene, share_ > 0); Fatten(scene)) {
+    share_ = share_ > kLeastShare ? share_ / 4 : 0;
+    grid_.Reshape();
+  }
+  share_ = std::max(share_, kLeastShare);
+  LearnVelocities(scene);
+  std::ranges::copy(scene.boxes, built_.begin());
+  candidates_.Clear();
+  parts_.AppendTo(candidates_);
+  age_ = 0;
+  is_built_ = true;
+  stray_cost_ = 0;
+  cost_ = making_cost_ =
+      (kListCost + kCrowdCost * (grid_.Crowd() + static_cast<double>(grid_.TooLong()))) *
+          static_cast<double>(movers) +
+      kListedCost * static_cast<double>(candidates_.size());
+}
+
+/// False if it is limited and there are far too many.
+bool Skin::FindCandidates(const Scene& scene, bool is_limited) {
+  grid_.Arrange(bodies_.movers());
+  std::atomic<bool> is_too_much = false;
+  parts_.Run(bodies_.movers(), [&](unsigned part, unsigned parts, PairBuffer& found) {
+    const std::size_t begin = grid_.Size() * part / parts, end = grid_.Size() * (part + 1) / parts;
+    for (std::size_t at = begin; at < end && !is_too_much; at += kSlice) {
+      const std::size_t stop = std::min(at + kSlice, end);
+      grid_.Query(at, stop, found.sink());
+      if (is_limited && found.size() > kMostCandidates * (stop - begin + kSlice))
+        is_too_much = true;
+    }
     bodies_.Sieve(scene, true, found);
   });
-  anchors_.clear();
-  starts_.clear();
-  partners_.resize(parts_.size());
-  std::uint32_t at = 0;
-  parts_.ForEach([&](const Pair& pair) {
-    if (anchors_.empty() || anchors_.back() != pair.a) {
-      anchors_.push_back(pair.a);
-      starts_.push_back(at);
-    }
-    partners_[at++] = pair.b;
-  });
-  starts_.push_back(at);
-  age_ = 0;
-  stray_cost_ = 0;
-  is_built_ = true;
-  cost_ = kListCost * static_cast<double>(movers) + kListedCost * static_cast<double>(at);
+  return !is_too_much;
 }
 
+double Skin::Cost() const {
+  const double now = cost_ / (age_ + 1);
+  return (last_cost_ > 0 ? std::min(now, last_cost_) : now) / static_cast<double>(bodies_.movers());
+}
+
+double Skin::GridCost() const {
+  const double crowd = grid_.Crowd() + static_cast<double>(grid_.TooLong());
+  return kGridCost + kCrowdCost * crowd +
+         kListedCost * static_cast<double>(parts_.size()) / static_cast<double>(bodies_.movers());
+}
+
+// A longer list costs less to make a cycle and more to test.
 void Skin::LearnCost() {
-  const double cost = cost_ / age_;
-  relative_cost_ = cost / (kGridCost * static_cast<double>(bodies_.movers()));
-  if (goes_on_ && age_ + 1 >= horizon_) {
-    if (last_cost_ > 0 && cost > last_cost_) step_ = 1 / step_;
-    last_cost_ = cost;
-    horizon_ = std::clamp(horizon_ * step_, 1., static_cast<double>(kMaxAge));
+  last_cost_ = cost_ / age_;
+  if (!goes_on_) {
+    last_tried_ = 0;
+  } else if (age_ < horizon_) {  // strays ended it
+    horizon_ = std::max(age_ / 1.25, 1.);
+    step_ = 1.2;
+    last_tried_ = 0;
   } else {
-    last_cost_ = 0;
-  }
-}
-
-// Both ways to foresee where boxes go are judged by where they went.
-void Skin::LearnMotion(const Scene& scene) {
-  const std::size_t movers = bodies_.movers();
-  double resting = 0, going = 0, speed = 0;
-  std::size_t counted = 0;
-  for (std::size_t i = 0; i < movers; ++i) {
-    const Vec3 shift = Shift(built_[i], scene.boxes[i]);
-    Vec3& velocity = velocity_[i];
-    const double stayed = Length(shift.x, shift.y, shift.z);
-    const double went = Length(shift.x - velocity.x * age_, shift.y - velocity.y * age_,
-                               shift.z - velocity.z * age_);
-    velocity = {shift.x / age_, shift.y / age_, shift.z / age_};
-    if (!std::isfinite(stayed + went)) {
-      velocity = {0, 0, 0};
-      continue;
+    if (making_cost_ >
+        4 * (cost_ - making_cost_ - kCheckCost * age_ * static_cast<double>(bodies_.movers()))) {
+      step_ = 3;
+    } else {
+      if (step_ > 1.5) step_ = 1.5;
+      if (last_tried_ > 0 && last_cost_ > last_tried_) step_ = 1 / step_;
     }
-    resting += stayed;
-    going += went;
-    speed += stayed / age_;
-    ++counted;
+    last_tried_ = last_cost_;
+    horizon_ = std::clamp(horizon_ * step_, 1., static_cast<double>(kMaxAge));
   }
-  const double share = counted > 0 ? 1 / (3. * static_cast<double>(counted)) : 0;
-  goes_on_ = knows_motion_ && going < resting / 2;
-  margin_ = kMarginFactor * share * (goes_on_ ? going : resting);
-  mean_speed_ = share * speed;
-  knows_motion_ = true;
 }
 
-// Fat boxes are floats, so that the grid finds their pairs exactly.
+// Both ways to foresee where boxes go are judged by where some of them went.
+void Skin::LearnMotion(const Scene& scene) {
+  const std::size_t movers = bodies_.movers(), most = std::min(movers, kSample);
+  double resting[kSample], going[kSample], speed = 0;
+  std::size_t size = 0;
+  for (std::size_t k = 0; k < most; ++k) {
+    const std::size_t i = most < movers ? SamplePlace(k, movers) : k;
+    const Vec3 shift = Shift(built_[i], scene.boxes[i]);
+    const double stayed = Length(shift), went = Length(Rest(shift, velocity_[i], age_));
+    if (!std::isfinite(stayed + went)) continue;
+    resting[size] = stayed;
+    going[size++] = went;
+    speed += stayed / age_;
+  }
+  if (size == 0) return;
+  const auto at = [size](double* values, double share) {
+    const auto place = static_cast<std::size_t>(share * static_cast<double>(size));
+    std::nth_element(values, values + place, values + size);
+    return values[place];
+  };
+  goes_on_ = at(going, 0.75) < at(resting, 0.75) / 2;
+  double* deviations = goes_on_ ? going : resting;
+  margin_ = kMarginFactor * at(deviations, 0.75);
+  // Who goes on and yet deviated was turned round once; it will not be all the time.
+  most_margin_ = goes_on_ ? margin_ : kMarginFactor * at(deviations, 0.95);
+  most_speed_ = 16 * speed / static_cast<double>(size);
+}
+
+// The grid takes fat boxes as the floats that they are, so it finds their pairs exactly.
 void Skin::Fatten(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
-  if (!knows_motion_) velocity_.assign(movers, {0, 0, 0});
-  const double time = goes_on_ ? horizon_ : 0, most = 8 * mean_speed_ * time;
-  const auto fatten = [&](double lower, double upper, double velocity, double& fat_lower,
-                          double& fat_upper) {
-    const double way = std::clamp(velocity * time, -most, most);
-    // A float is off by less than this.
-    const double low = std::fabs(lower) * 0x1p-22, high = std::fabs(upper) * 0x1p-22;
-    fat_lower = static_cast<float>(lower - margin_ - low + std::min(way, 0.));
-    fat_upper = static_cast<float>(upper + margin_ + high + std::max(way, 0.));
-  };
+  const Columns& room = grid_.Room(movers);
+  const double time = goes_on_ ? share_ * horizon_ : 0, most_way = most_speed_ * time;
+  const double cycles = goes_on_ ? age_ : 0, each = 1. / age_;
   for (std::size_t i = 0; i < movers; ++i) {
     const Box& box = scene.boxes[i];
-    Box& fat = fat_[i];
-    fatten(box.lower.x, box.upper.x, velocity_[i].x, fat.lower.x, fat.upper.x);
-    fatten(box.lower.y, box.upper.y, velocity_[i].y, fat.lower.y, fat.upper.y);
-    fatten(box.lower.z, box.upper.z, velocity_[i].z, fat.lower.z, fat.upper.z);
+    const Vec3 shift = Shift(built_[i], box);
+    const double own = kOwnMarginFactor * Length(Rest(shift, velocity_[i], cycles));
+    // In this order what is not a number is left out.
+    const double margin = share_ * std::max(margin_, own < most_margin_ ? own : most_margin_);
+    const auto fatten = [&](std::size_t axis, double lower, double upper, double velocity) {
+      double way = velocity * time;
+      way = way < most_way ? way : most_way;
+      way = way > -most_way ? way : -most_way;
+      // A float is off by less than the last term.
+      fat_[i].lower[axis] = room.lower[axis][i] =
+          static_cast<float>(lower + (way < 0 ? way : 0) - margin - std::fabs(lower) * 0x1p-23);
+      fat_[i].upper[axis] = room.upper[axis][i] =
+          static_cast<float>(upper + (way > 0 ? way : 0) + margin + std::fabs(upper) * 0x1p-23);
+    };
+    fatten(0, box.lower.x, box.upper.x, shift.x * each);
+    fatten(1, box.lower.y, box.upper.y, shift.y * each);
+    fatten(2, box.lower.z, box.upper.z, shift.z * each);
+  }
+}
+
+void Skin::LearnVelocities(const Scene& scene) {
+  const double each = 1. / age_;
+  for (std::size_t i = 0; i < bodies_.movers(); ++i) {
+    const Vec3 shift = Shift(built_[i], scene.boxes[i]);
+    velocity_[i] = {shift.x * each, shift.y * each, shift.z * each};
   }
 }
 

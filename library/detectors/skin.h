@@ -33,20 +33,25 @@ class Skin final : public Detector {
   void Prepare(const Scene& scene) override;
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
 
-  /// What a cycle of the last list took, its making included, in the cost of one cycle of `grid`;
-  /// 0 before the second list.
-  double RelativeCost() const { return relative_cost_; }
+  /// What a body took in a cycle of the last list, its making included, or of this list up to now
+  /// if that is less; and would take in a cycle of `grid`. In nanoseconds of some machine.
+  double Cost() const;
+  double GridCost() const;
+  /// See BoxGrid.
+  double Crowd() const { return grid_.Crowd(); }
   /// Forgets the list: the boxes have moved unseen.
   void Forget() {
     is_built_ = false;
-    relative_cost_ = 0;
+    last_cost_ = 0;
   }
 
  private:
   void MakeList(const Scene& scene);
   void LearnMotion(const Scene& scene);
+  void LearnVelocities(const Scene& scene);
   void LearnCost();
   void Fatten(const Scene& scene);
+  bool FindCandidates(const Scene& scene, bool is_limited);
   void AppendStrays(const Scene& scene, std::size_t count, PairBuffer& pairs);
   bool IsUnchanged(const Scene& scene) const;
 
@@ -55,25 +60,29 @@ class Skin final : public Detector {
   BoxGrid grid_, stray_grid_;
   PairParts parts_;
 
-  bool is_built_ = false, knows_motion_ = false;
+  bool is_built_ = false;
   bool pairs_are_of_built_ = false;  ///< parts_ holds the pairs of built_
-  std::vector<Box> built_, fat_;     ///< all boxes when the list was made; of movers
+  std::vector<Box> built_;           ///< all boxes when the list was made
+  std::vector<FatBox> fat_;          ///< of movers
   std::vector<Vec3> velocity_;       ///< of movers, a cycle, before the list was made
-  double margin_ = 0, mean_speed_ = 0;
-  bool goes_on_ = false;  ///< boxes are expected to keep their velocity
-  unsigned age_ = 0;      ///< cycles of this list
+  unsigned age_ = 0;                 ///< cycles of this list
 
-  std::vector<Id> anchors_, partners_;
-  std::vector<std::uint32_t> starts_;
+  // How boxes move, learnt when a list ends.
+  bool goes_on_ = false;  ///< they keep their velocity
+  double margin_ = 0;     ///< for what most do besides
+  double most_margin_ = 0, most_speed_ = 0;
+  double share_ = 1;  ///< of all that, in this list
+
+  PairBuffer candidates_;
   std::vector<Id> strays_;
   std::vector<std::uint8_t> is_stray_;
   std::vector<Box> stray_boxes_;
   PairBuffer raw_;
 
   double horizon_ = 4, step_ = 1.5;  ///< cycles that a list shall last; the factor tried next
-  double cost_ = 0, last_cost_ = 0;  ///< of this list; of a cycle of the last
-  double stray_cost_ = 0;            ///< of this list's strays
-  double relative_cost_ = 0;
+  double making_cost_ = 0, cost_ = 0, stray_cost_ = 0;  ///< of this list; all of it
+  double last_cost_ = 0;                                ///< of a cycle of the last list
+  double last_tried_ = 0;                               ///< the same, with another horizon
 };
 
 std::unique_ptr<Detector> MakeSkin(const Options& options, const Kernels& kernels = BestKernels());

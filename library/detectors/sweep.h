@@ -2,9 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "library/detectors/bodies.h"
+#include "library/detectors/box_columns.h"
 #include "library/detectors/detector.h"
 #include "library/detectors/kernels.h"
+#include "library/detectors/pair_buffer.h"
 
 namespace cdb::library {
 
@@ -12,8 +16,39 @@ namespace cdb::library {
 /// (looked at again every 32 cycles), from last cycle's order by insertion; each is tested with
 /// those that begin before it ends, eight at once. For few bodies, for those spread along a line,
 /// and for infinite boxes. Cost: bodies, exchanges since the last cycle, and overlaps along the
-/// axis / 8. Memory: about 70 bytes a body. Threads: the caller's alone. Source: Cohen, Lin,
-/// Manocha & Ponamgi, I-COLLIDE, 1995.
+/// axis / 8. Memory: about 70 bytes a body. Errors: bad_alloc. Threads: the caller's alone. Source:
+/// Cohen, Lin, Manocha & Ponamgi, I-COLLIDE, 1995.
+class Sweep final : public Detector {
+ public:
+  explicit Sweep(const Kernels& kernels = BestKernels()) : kernels_(kernels) {}
+
+  void Prepare(const Scene& scene) override { bodies_.Learn(scene); }
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
+
+  /// Tests of a body in the last cycle, eight boxes each.
+  double Tests() const { return tests_; }
+
+ private:
+  struct Entry {
+    float lower;
+    Id id;
+  };
+
+  void Sort(std::size_t count);
+  bool Insert();
+  int BestAxis(std::size_t count) const;
+
+  const Kernels& kernels_;
+  Bodies bodies_;
+  BoxColumns loose_, sorted_;
+  std::vector<Entry> entries_;
+  std::vector<Id> ids_;
+  PairBuffer found_;
+  double tests_ = 0;
+  int axis_ = 0;
+  unsigned age_ = 0;  ///< cycles of this axis
+};
+
 std::unique_ptr<Detector> MakeSweep(const Options& options, const Kernels& kernels = BestKernels());
 
 }  // namespace cdb::library

@@ -44,6 +44,15 @@ struct RunArguments {
   bool quiet = false;
 };
 
+struct TraceArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::string
+      out;  ///< a file for one point, a folder for several; empty: named after the benchmark
+  bool fresh = false;
+  bool quiet = false;
+};
+
 struct ShowArguments {
   std::string file;
   std::vector<std::string> by;  ///< axes that make the rows
@@ -65,6 +74,7 @@ struct VerifyArguments {
   std::optional<std::string> benchmark;
   std::vector<std::string> detectors;   ///< empty: the file's own; `all`: every one that can
   std::optional<std::uint64_t> cycles;  ///< nullopt: the file's own
+  std::vector<std::string> plugins;     ///< shared libraries with detectors
   std::string out;                      ///< folder of the results; empty: the current one
   std::uint64_t jobs = 1;
   bool fresh = false;
@@ -74,6 +84,9 @@ struct VerifyArguments {
 int CheckCommand(const std::vector<std::string>& files, const std::vector<std::string>& plugins);
 int PlanCommand(const PlanArguments& arguments);
 int RunCommand(const RunArguments& arguments);
+/// Runs each point once for its boxes and poses, and writes a trace of each; goes on where it
+/// stopped.
+int TraceCommand(const TraceArguments& arguments);
 int ShowCommand(const ShowArguments& arguments);
 /// Runs the suite, going on where it stopped, and prints the map. What ends badly there is what it
 /// is for: exit status 0.

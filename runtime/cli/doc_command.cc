@@ -218,6 +218,8 @@ constexpr Topic kTopics[] = {
      [] { return std::string(kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",
      [] { return std::string(kResultsReference) + AllSeriesText(); }},
+    {"traces", "recorded boxes, and detectors that are run on them",
+     [] { return std::string(kTracesReference); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},
     {"objects", "what can be placed", Objects},
     {"detectors", "what can be timed, and how", DetectorReference},

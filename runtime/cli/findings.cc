@@ -41,7 +41,10 @@ struct Tally {
 /// Cycles without a value are -1.
 void AddPairs(const ResultFile& file, const ResultFile::Cell& cell, Tally& tally) {
   DetectorFindings& findings = tally.findings;
-  const auto series = [&](const char* name) { return file.ReadSeries(name, cell); };
+  // On a trace there are no contacts.
+  const auto series = [&](const char* name) {
+    return file.Has(name) ? file.ReadSeries(name, cell) : std::vector<double>();
+  };
   const auto exact = series("exact_pairs"), missed = series("missed_pairs"),
              phantom = series("phantom_pairs"), duplicate = series("duplicate_pairs"),
              contacts = series("missed_contacts");
@@ -56,13 +59,15 @@ void AddPairs(const ResultFile& file, const ResultFile::Cell& cell, Tally& tally
     };
     add(findings.exact, exact);
     add(findings.phantom, phantom);
-    add(findings.missed_contacts, contacts);
-    if (add(findings.missed, missed)) {
-      is_wrong = true;
-      if (!findings.first_missed) findings.first_missed = {cell, cycle};
-    }
-    if (add(findings.duplicate, duplicate) && !findings.first_duplicate)
-      findings.first_duplicate = {cell, cycle};
+    const auto note = [&](std::uint64_t& sum, const std::vector<double>& values,
+                          std::optional<DetectorFindings::Place>& first) {
+      if (add(sum, values) && !first) first = {cell, cycle};
+    };
+    note(findings.missed, missed, findings.first_missed);
+    note(findings.duplicate, duplicate, findings.first_duplicate);
+    if (cycle < contacts.size() && contacts[cycle] >= 0)
+      note(findings.missed_contacts, contacts, findings.first_missed_contact);
+    is_wrong = is_wrong || missed[cycle] > 0;
   }
   for (const double error : series("depth_error")) tally.depth.Add(error);
   for (const double error : series("normal_error")) tally.normal.Add(error);
@@ -134,17 +139,18 @@ std::string WrongDetectors(const ResultFile& file, const std::vector<DetectorFin
   return text;
 }
 
-std::string SurplusPairs(const std::vector<DetectorFindings>& findings) {
-  const auto line = [&](const char* head, std::uint64_t DetectorFindings::*count) {
+std::string OtherFaults(const std::vector<DetectorFindings>& findings) {
+  const auto line = [&](const char* head, std::uint64_t DetectorFindings::*count, bool of_exact) {
     std::string text;
     for (const DetectorFindings& of : findings)
       if (of.*count > 0)
-        text += fmt::format("{}{} {} beside {}", text.empty() ? "" : ", ", of.detector, of.*count,
-                            of.exact);
+        text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", of.detector, of.*count,
+                            of_exact ? fmt::format(" beside {}", of.exact) : "");
     return text.empty() ? text : fmt::format("\n{}: {}.\n", head, text);
   };
-  return line("Pairs listed that do not overlap", &DetectorFindings::phantom) +
-         line("Pairs listed again", &DetectorFindings::duplicate);
+  return line("Pairs listed that do not overlap", &DetectorFindings::phantom, true) +
+         line("Pairs listed again", &DetectorFindings::duplicate, true) +
+         line("Overlaps left without a contact", &DetectorFindings::missed_contacts, false);
 }
 
 }  // namespace cdb::runtime

@@ -24,7 +24,7 @@ struct DetectorFindings {
     ResultFile::Cell cell;
     std::uint64_t cycle;
   };
-  std::optional<Place> first_missed, first_duplicate;
+  std::optional<Place> first_missed, first_duplicate, first_missed_contact;
   std::size_t failed_runs = 0;  ///< that did not end well, whatever they recorded
   std::optional<ResultFile::Cell> first_failed;
   std::size_t unwatched_runs = 0;  ///< whose pairs were not recorded
@@ -38,7 +38,7 @@ std::vector<DetectorFindings> FindingsOf(const ResultFile& file);
 /// are known to and that nobody looked at. Empty where there are none.
 std::string WrongDetectors(const ResultFile& file, const std::vector<DetectorFindings>& findings);
 
-/// A line for below the figures: what detectors listed beside the pairs that there are.
-std::string SurplusPairs(const std::vector<DetectorFindings>& findings);
+/// Lines for below the figures: what else detectors did not do as they should.
+std::string OtherFaults(const std::vector<DetectorFindings>& findings);
 
 }  // namespace cdb::runtime

@@ -16,6 +16,7 @@
 #include "runtime/cli/console.h"
 #include "runtime/schedule/look_into.h"
 #include "runtime/schedule/worker.h"
+#include "runtime/store/trace_file.h"
 
 namespace cdb::runtime {
 namespace {
@@ -46,6 +47,17 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
   if (names.empty()) return {};
   return fmt::format("{}: Bullet may not follow these numbers: {}; `cdb check {}` says why\n", file,
                      fmt::join(names, ", "), file);
+}
+
+/// The compiler names the file itself.
+std::optional<compiler::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
+  try {
+    return ReadTraceFacts(path);
+  } catch (const StoreError& error) {
+    why = error.what();
+    if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -80,7 +92,7 @@ compiler::Compilation CompileAndReport(const std::string& file,
   };
   compiler::Compilation result =
       compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
-                        {ScenarioLibrary(), benchmark, {plugins, describe}});
+                        {ScenarioLibrary(), benchmark, {plugins, describe}, ReadTraceAt});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;
@@ -95,7 +107,8 @@ compiler::Compilation CompileAndReport(const std::string& file,
 
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
                                       const std::optional<std::string>& benchmark, LintText lints,
-                                      const std::vector<std::string>& plugins) {
+                                      const std::vector<std::string>& plugins,
+                                      std::vector<compiler::PluginDetector>* named) {
   if (IsPlanFile(file)) {
     if (!plugins.empty())
       throw CommandError(
@@ -103,9 +116,15 @@ std::vector<compiler::Plan> LoadPlans(const std::string& file,
                       plugins[0], file));
     compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
+    if (named != nullptr)
+      for (const compiler::Run& run : plan.runs)
+        for (const compiler::PluginDetector& plugin : run.scene.plugins)
+          if (std::ranges::find(*named, plugin) == named->end()) named->push_back(plugin);
     return {std::move(plan)};
   }
   compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
+  if (named != nullptr)
+    named->assign(result.scenario->plugins().begin(), result.scenario->plugins().end());
   // As the user named it: where the library lies is this machine's affair.
   for (compiler::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
@@ -113,12 +132,13 @@ std::vector<compiler::Plan> LoadPlans(const std::string& file,
   return std::move(result.plans);
 }
 
-void CheckWords(std::string_view parameter, const std::vector<std::string>& words) {
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
+                std::span<const compiler::PluginDetector> plugins) {
   const compiler::Parameter* row = compiler::FindParameter(parameter, false);
   std::set<std::string_view> seen;
   for (const std::string& word : words) {
-    const auto all = row->AllWords();
-    if (!row->HasWord(word)) {
+    const auto all = row->AllWords(plugins);
+    if (!row->HasWord(word, plugins)) {
       const std::string_view near = dsl::DidYouMean(word, all);
       throw CommandError(fmt::format("--{} {}: {}", parameter, word,
                                      near.empty()

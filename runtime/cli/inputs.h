@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,15 +31,19 @@ compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::vector<std::string>& plugins = {});
 
 /// The plans of a `.cdb` file, here or in the library, or of a plan as YAML. Empty after
-/// diagnostics were printed (exit status 1). A plan names its own plug-ins. Throws CommandError,
+/// diagnostics were printed (exit status 1). A plan names its own plug-ins. `named`: gets the
+/// detectors of all plug-ins that the file and `plugins` bring, used or not. Throws CommandError,
 /// ScheduleError, compiler::PlanError.
 std::vector<compiler::Plan> LoadPlans(const std::string& file,
                                       const std::optional<std::string>& benchmark,
                                       LintText lints = LintText::kOneLine,
-                                      const std::vector<std::string>& plugins = {});
+                                      const std::vector<std::string>& plugins = {},
+                                      std::vector<compiler::PluginDetector>* named = nullptr);
 
-/// Throws CommandError for a word that the parameter has not got, or that is there twice.
-void CheckWords(std::string_view parameter, const std::vector<std::string>& words);
+/// Throws CommandError for a word that neither the parameter nor, where it takes detectors,
+/// `plugins` has, or that is there twice.
+void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
+                std::span<const compiler::PluginDetector> plugins = {});
 
 /// The whole text of a file. Throws CommandError.
 std::string ReadText(const std::string& file);

@@ -83,6 +83,21 @@ int Main(int argc, char** argv) {
     status = RunCommand(run_arguments);
   });
 
+  TraceArguments trace_arguments;
+  std::string trace_benchmark;
+  auto* trace = app.add_subcommand("trace", "record the boxes of runs for detectors to be run on");
+  trace->add_option("FILE", trace_arguments.file, "scenario file, or a plan as YAML")->required();
+  trace->add_option("-b,--benchmark", trace_benchmark, "only this benchmark");
+  trace->add_option("-o,--out", trace_arguments.out,
+                    "trace file, or a folder for them (default: BENCHMARK.trace.h5; of several "
+                    "points, the folder BENCHMARK.traces)");
+  trace->add_flag("--fresh", trace_arguments.fresh, "write over what is there");
+  trace->add_flag("-q,--quiet", trace_arguments.quiet, "print nothing but errors");
+  trace->callback([&] {
+    if (!trace_benchmark.empty()) trace_arguments.benchmark = trace_benchmark;
+    status = TraceCommand(trace_arguments);
+  });
+
   ShowArguments show_arguments;
   auto* show = app.add_subcommand("show", "a summary of a results file on the terminal");
   show->add_option("FILE", show_arguments.file, "results file")->required();
@@ -130,7 +145,9 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(1, 4096));
   verify->add_flag("--fresh", verify_arguments.fresh, "forget results and start over");
   verify->add_flag("-q,--quiet", verify_arguments.quiet, "no progress, only the table");
+  add_plugins(verify);
   verify->callback([&] {
+    verify_arguments.plugins = plugins;
     if (!verify_benchmark.empty()) verify_arguments.benchmark = verify_benchmark;
     if (verify_cycles > 0) verify_arguments.cycles = verify_cycles;
     status = VerifyCommand(verify_arguments);

@@ -27,6 +27,8 @@ LEXICAL RULES
 FILES
   use "other"                 the lets and benchmarks of other.cdb: beside this file, else in the
                               library. Its benchmarks are for `from`; only a file's own are run.
+  use detector "mine.so"      the detectors of a shared library of your own, found likewise: their
+                              names are words as the catalogue's are (`cdb doc detectors`)
   let name = value            a name for any value
   benchmark name { ... }      one results file
   benchmark name from base { ... }   takes the statements of base and lays its own over them; what
@@ -80,6 +82,7 @@ WORDS WITH ARGUMENTS
   acceleration rotating((0, -9.8, 0), about: (0, 0, 1), period: 4)    a turn in 4 s
                               Schedules; linear_velocity and angular_velocity take them too, one for
                               each object. None stands in another or in any( ).
+  trace "run.trace.h5"        no scene but a recorded one, for its detectors alone: `cdb doc traces`
   Sweeps, lets and arithmetic stand in arguments as anywhere: ring(radius: sweep(1, 2)) is the axis
   location_radius, at(0, sweep(1, 2), 0) the axis location_y.
   A let may be called like such a word: behind a parameter that takes the word, it is the word.
@@ -114,9 +117,6 @@ OBJECTS
   Objects lie inside the cube also where it has no walls. Where they find no place the run fails and
   says how full the cube is. `overlap on` lets objects begin inside one another, where a layout with
   arguments puts them there: line(gap: -0.5).
-
-NOT YET
-  Plug-in detectors are refused.
 )reference";
 
 const std::string_view kOmitReference = R"reference(WHAT A RUN LEAVES OUT
@@ -183,6 +183,19 @@ detector.h: boxes in, pairs out. cdb turns the list into changes of Bullet's pai
 part of the time of the broad phase. A pair that is missed is a collision that does not happen; one
 too many (a phantom) costs time in the narrow phase. `null` finds nothing: its time is what calling
 a detector costs.
+
+PLUG-INS
+  use detector "mine.so"      a shared library with detectors of your own, from the folder of the file
+                              that says it, else from the library of scenarios
+  cdb run FILE --plugin mine.so    the same on the command line; for check, plan and verify too
+
+The installed header cdb/detector.h is all there is to know, and examples/my_detector is a whole one:
+find_package(cdb) has the target cdb::detector. The names in the library are words of `detector` and
+`narrow_phase`. A library is loaded by processes of their own alone: one that was built for another
+interface, crashes or hangs at loading (10 s) is refused by name. One that throws, crashes, hangs
+(`timeout` ends it) or returns what cannot be, a body that is not there or a normal that is not unit,
+costs its own runs. The plan names the file and its SHA-256: a library that was built anew is another
+run, and a plan refuses one that was changed.
 
 )reference";
 
@@ -268,17 +281,76 @@ For axes quantity and detector:
   omitted                                 parts of the engine that the run left out: `cdb doc omit`
   needs                                   what became of each part and why, a line each
   run_id, message, host, started, load, peak_rss, place_time, build_time, fill_fraction
+  harness                                 ns of a cycle that measuring costs: clock stamps, and calling
+                                          a detector that does nothing; in the figures, not subtracted
   /accuracy                               errors, where the scenario asks for them: cdb doc accuracy
   /provenance                             build, machine, plan_text, scenario_text; models: how well
                                           convex hulls stand for the meshes of the scene
 
 An axis that is called like a dataset above is stored as NAME_axis: `cases load { }` as load_axis.
 
+`record boxes` adds what the broad phase is given: boxes over box_body (objects, then the walls that
+stand), and box_filters, whom each may meet; `cdb trace` makes a file of it.
 `record contacts` adds a ragged list: contact_body, contact_point, contact_normal, contact_distance
 over `contact`, cell after cell; `contacts` says how many rows each cycle has, contact_first where
 those of a run begin.
+`record pairs` holds the detector against brute force, in double, on the boxes that it was given in each
+cycle: exact_pairs there were, missed_pairs of them it did not list, phantom_pairs it listed do not
+overlap, duplicate_pairs it listed again. Contacts are held against closed forms, as by the metric
+geometry (cdb doc accuracy): missed_contacts, depth_error, normal_error. -1 and NaN where a cycle has no
+such value. Where a run records timing or memory too, all of it comes from a second pass without a clock,
+which has to end in the same state. `cdb verify FILE` does this for every detector, and `cdb show` names
+those that miss pairs before any figure.
 Phases: broad is updating the boxes and finding pairs, narrow is contacts, detect is both and what
 lies between, step is the whole cycle. Each is stamped by itself; nothing is subtracted.
+
+)reference";
+
+const std::string_view kTracesReference = R"reference(TRACES
+
+A trace is what the broad phase of a run was given: the box of every body in every cycle. On a trace
+all detectors are timed on the same motion, without the physics, and from a file.
+
+  cdb trace FILE [-b NAME] [-o OUT]     runs each point of a benchmark once, as the file says, and
+                                        writes NAME.trace.h5, or where there are several points the
+                                        folder NAME.traces with a file each. What is there already is
+                                        kept; --fresh makes it anew.
+  trace "NAME.trace.h5"                 in a benchmark: its detectors are run on that trace. The file
+                                        counts from the folder of the .cdb file; sweep("a", "b") is an
+                                        axis of several. file("NAME.trace.h5", sha256: "...") says
+                                        which it has to be.
+
+  benchmark rivals {
+    trace     sweep("dense.traces/dense_n-1000.trace.h5", "dense.traces/dense_n-10000.trace.h5")
+    detector  sweep(dbvt, sap32)
+    record    timing, counts, memory, pairs
+  }
+
+Beside it there are detector, threads, repeats, warmup, cycles, timeout and record (timing, counts,
+memory, pairs); all else is of a world and refused by name. cycles is as many as the trace has. The plan
+holds the hash of the boxes, so that another trace is another run.
+  A cycle of such a run is one call of the detector: broad, detect and step are its time, the other
+phases have no value. What a detector does to take the boxes in is in it; laying them out for it is not.
+place_time has no value, and build_time is what it takes to make and prepare the detector. `pairs`
+counts those that may collide; state_hash is of the last cycle's pairs in order, so that detectors that
+list the same pairs have the same.
+
+The file is HDF5, and netCDF-4 too:
+
+  boxes(cycle, body, bound)       m: lower x y z, upper x y z; float32 of a run in single precision. Objects,
+                                  then walls; those that the run left out are not there. A plane's are
+                                  infinite.
+  filters(body, filter)           group, mask, fixed: two may meet where each one's group is in the
+                                  other's mask and not both are fixed
+  poses(cycle, object, pose)      centre of mass and orientation quaternion after the cycle
+  scenario_text, run_text         the scenario, and all that decides the run, as YAML
+  attributes                      schema, schema_version, benchmark, point, run_id, state_hash, sha256,
+                                  precision, timestep (s), bodies, objects, cycles
+
+  import h5py
+  boxes = h5py.File("dense.trace.h5")["boxes"][:]
+
+`cdb list scenarios` has scenes to bake under `detectors`.
 
 )reference";
 

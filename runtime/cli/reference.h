@@ -8,6 +8,7 @@ namespace cdb::runtime {
 extern const std::string_view kLanguageReference;
 extern const std::string_view kAccuracyReference;
 extern const std::string_view kResultsReference;
+extern const std::string_view kTracesReference;
 extern const std::string_view kOmitReference;
 extern const std::string_view kLintsReference;
 extern const std::string_view kDetectorsReference;

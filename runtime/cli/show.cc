@@ -77,7 +77,7 @@ class Summary {
     }
     if (!good_.empty())
       for (const auto& by : tables) text += Tables(by);
-    text += ShowDetectors(file_, good_, by_detector) + Ratios(all) + SurplusPairs(findings_);
+    text += ShowDetectors(file_, good_, by_detector) + Ratios(all) + OtherFaults(findings_);
     return {text, bad_.size() + references_.size()};
   }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -46,6 +47,11 @@ double AddCounts(double sum, const std::vector<double>& counts) {
   for (const double count : counts)
     if (count >= 0) sum = (std::isnan(sum) ? 0 : sum) + count;
   return sum;
+}
+
+std::string ExponentText(double p) {
+  // Without "-0.00".
+  return std::isnan(p) ? "-" : fmt::format("{:.2f}", std::round(100 * p) / 100 + 0.0);
 }
 
 class Comparison {
@@ -142,45 +148,45 @@ class Comparison {
     return found;
   }
 
-  /// A row for each point of the axes beside detector and quantity, a column for each detector.
+  /// Fitted at each point of the axes beside the quantity; rows as those of the costs, and the mean
+  /// of what is pooled there.
   std::string Growth() const {
     const auto count = CountAxis();
     if (!count || file_.axes()[*count].values.size() < kLeastPoints) return {};
-    std::vector<std::size_t> others;
+    std::vector<std::size_t> others, rows = rows_;
     for (std::size_t i = 0; i < file_.axes().size(); ++i)
-      if (i != detector_ && i != *count) others.push_back(i);
-    std::map<std::pair<Key, std::size_t>, std::map<std::size_t, std::vector<double>>> times;
-    std::map<Key, bool> points;
+      if (i != *count) others.push_back(i);
+    std::erase(rows, *count);
+    std::map<Key, std::map<std::size_t, std::vector<double>>> times;
+    std::map<Key, Key> row_of;
     for (const Cell& cell : cells_) {
       const Key point = Project(cell, others);
-      points[point] = true;
-      Append(times[{point, cell.at[detector_]}][cell.at[*count]],
-             file_.ReadDuration(kDetect, cell));
+      row_of[point] = Project(cell, rows);
+      Append(times[point][cell.at[*count]], file_.ReadDuration(kDetect, cell));
     }
-    const compiler::Axis& detectors = file_.axes()[detector_];
+    std::map<Key, std::vector<double>> exponents;
+    for (const auto& [point, by_count] : times) {
+      std::vector<std::pair<double, double>> fitted;
+      for (const auto& [at, values] : by_count)
+        fitted.emplace_back(std::get<double>(file_.axes()[*count].values[at]), Median(values));
+      auto& of_row = exponents[row_of[point]];
+      if (const double p = GrowthExponent(fitted); !std::isnan(p)) of_row.push_back(p);
+    }
     Table table;
-    for (const std::size_t axis : others)
+    for (const std::size_t axis : rows)
       table.AddColumn(file_.axes()[axis].name, !file_.axes()[axis].IsText());
-    if (others.empty()) table.AddColumn("", false);
-    for (std::size_t i = 0; i < detectors.values.size(); ++i)
-      table.AddColumn(CoordinateText(detectors, i), true);
-    for (const auto& [point, is_there] : points) {
-      std::vector<std::string> row;
-      for (std::size_t i = 0; i < others.size(); ++i)
-        row.push_back(CoordinateText(file_.axes()[others[i]], point[i]));
-      if (others.empty()) row.emplace_back();
-      for (std::size_t i = 0; i < detectors.values.size(); ++i) {
-        std::vector<std::pair<double, double>> fitted;
-        const auto found = times.find({point, i});
-        if (found != times.end())
-          for (const auto& [at, values] : found->second)
-            fitted.emplace_back(std::get<double>(file_.axes()[*count].values[at]), Median(values));
-        row.push_back(ShortNumber(GrowthExponent(fitted)));
-      }
-      if (points.size() <= kMaxRows) table.AddRow(std::move(row));
+    table.AddColumn("p", true);
+    for (const auto& [key, of_row] : exponents) {
+      std::vector<std::string> cells;
+      for (std::size_t i = 0; i < key.size(); ++i)
+        cells.push_back(CoordinateText(file_.axes()[rows[i]], key[i]));
+      cells.push_back(ExponentText(std::accumulate(of_row.begin(), of_row.end(), 0.0) /
+                                   static_cast<double>(of_row.size())));
+      table.AddRow(std::move(cells));
     }
-    if (table.empty()) return {};
-    return fmt::format("\nGrowth: p of detect ~ {}^p\n{}", file_.axes()[*count].name, table.Text());
+    return fmt::format("\nGrowth: p of detect ~ {}^p{}\n{}", file_.axes()[*count].name,
+                       times.size() > exponents.size() ? ", the mean over all else" : "",
+                       table.Text());
   }
 
   const ResultFile& file_;

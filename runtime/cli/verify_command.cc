@@ -32,13 +32,13 @@ void WritePlan(const compiler::Plan& plan, const fs::path& path) {
 }  // namespace
 
 int VerifyCommand(const VerifyArguments& arguments) {
-  const bool all = arguments.detectors == std::vector<std::string>{std::string(kEveryDetector)};
-  if (!all) CheckWords("detector", arguments.detectors);
-  const auto plans = LoadPlans(arguments.file, arguments.benchmark, LintText::kNone);
+  VerifyOptions options = {arguments.detectors, arguments.cycles, {}};
+  const auto plans = LoadPlans(arguments.file, arguments.benchmark, LintText::kNone,
+                               arguments.plugins, &options.plugins);
   if (plans.empty()) return kExitScenario;
+  if (!options.WantsAll()) CheckWords("detector", options.detectors, options.plugins);
   std::vector<VerifyPlan> verified;
-  for (const compiler::Plan& plan : plans)
-    verified.push_back(MakeVerifyPlan(plan, {arguments.detectors, arguments.cycles}));
+  for (const compiler::Plan& plan : plans) verified.push_back(MakeVerifyPlan(plan, options));
   const fs::path folder = arguments.out;
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "compiler/capacity.h"
@@ -38,12 +39,13 @@ Plan WithoutAxis(const Plan& plan, std::size_t axis) {
   return rest;
 }
 
-Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors) {
+Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors,
+                   std::span<const compiler::PluginDetector> plugins) {
   const auto axis = std::ranges::find(plan.axes, "detector", &compiler::Axis::parameter);
   return Cross(axis == plan.axes.end()
                    ? plan
                    : WithoutAxis(plan, static_cast<std::size_t>(axis - plan.axes.begin())),
-               "detector", detectors);
+               "detector", detectors, plugins);
 }
 
 /// Why `all` is without a detector, whatever the scene; empty where it is not.
@@ -56,31 +58,31 @@ std::string Absence(const library::DetectorInfo& info) {
 }
 
 /// Points that a detector does not hold are skipped, and a detector that holds none is left out.
-VerifyPlan WithEveryDetector(const Plan& plan) {
+VerifyPlan WithEveryDetector(const Plan& plan, std::span<const compiler::PluginDetector> plugins) {
+  std::vector<library::DetectorInfo> all(library::Detectors().begin(), library::Detectors().end());
+  for (const compiler::PluginDetector& plugin : plugins)
+    all.push_back(*compiler::FindDetector(plugin.name, plugins));
   VerifyPlan every;
   std::vector<std::string> names;
-  for (const library::DetectorInfo& info : library::Detectors()) {
+  for (const library::DetectorInfo& info : all) {
     if (!info.HasPhase("broad")) continue;
-    std::string why = Absence(info);
+    if (const std::string why = Absence(info); !why.empty()) {
+      every.left_out.push_back(fmt::format("{} {}", info.name, why));
+      continue;
+    }
     const auto held = std::ranges::count_if(
         plan.runs, [&](const Run& run) { return info.Holds(compiler::BodyCount(run.scene)); });
-    if (why.empty() && held < std::ssize(plan.runs)) {
+    if (held < std::ssize(plan.runs))
       every.left_out.push_back(
           fmt::format("{}, where there are more than {} bodies", info.name, info.max_bodies));
-      if (held == 0) continue;
-    }
-    if (why.empty()) {
-      names.emplace_back(info.name);
-    } else {
-      every.left_out.push_back(fmt::format("{} {}", info.name, why));
-    }
+    if (held > 0) names.emplace_back(info.name);
   }
-  every.plan = WithDetectors(plan, names);
-  for (const Run& run : every.plan.runs)
-    if (!library::FindDetector(names[run.at[0]])->Holds(compiler::BodyCount(run.scene)))
-      every.plan.skipped.push_back(run.at);
+  every.plan = WithDetectors(plan, names, plugins);
   std::erase_if(every.plan.runs, [&](const Run& run) {
-    return std::ranges::find(every.plan.skipped, run.at) != every.plan.skipped.end();
+    const auto detector = compiler::FindDetector(names[run.at[0]], plugins);
+    const bool is_held = detector->Holds(compiler::BodyCount(run.scene));
+    if (!is_held) every.plan.skipped.push_back(run.at);
+    return !is_held;
   });
   std::ranges::sort(every.plan.skipped);
   return every;
@@ -105,10 +107,12 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   }
   AddReferences(bare);
   VerifyPlan made;
-  if (options.detectors == std::vector<std::string>{std::string(kEveryDetector)}) {
-    made = WithEveryDetector(bare);
+  if (options.WantsAll()) {
+    made = WithEveryDetector(bare, options.plugins);
+  } else if (options.detectors.empty()) {
+    made.plan = std::move(bare);
   } else {
-    made.plan = options.detectors.empty() ? bare : WithDetectors(bare, options.detectors);
+    made.plan = WithDetectors(bare, options.detectors, options.plugins);
   }
   if (made.plan.runs.empty())
     throw CommandError(

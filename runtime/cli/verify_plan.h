@@ -4,19 +4,19 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "compiler/plan.h"
 
 namespace cdb::runtime {
 
-/// For VerifyOptions::detectors, alone: every one that is built and holds the scene.
-inline constexpr std::string_view kEveryDetector = "all";
-
 struct VerifyOptions {
-  std::vector<std::string> detectors;   ///< with a broad phase; empty: the plan's own
-  std::optional<std::uint64_t> cycles;  ///< nullopt: the plan's own
+  std::vector<std::string> detectors;             ///< with a broad phase; empty: the plan's own
+  std::optional<std::uint64_t> cycles;            ///< nullopt: the plan's own
+  std::vector<compiler::PluginDetector> plugins;  ///< that `detectors` may name
+
+  /// The word `all` alone: every detector that is built and holds the scene.
+  bool WantsAll() const { return detectors == std::vector<std::string>{"all"}; }
 };
 
 struct VerifyPlan {

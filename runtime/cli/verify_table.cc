@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <optional>
 
 #include "runtime/cli/findings.h"
 #include "runtime/cli/table.h"
@@ -12,12 +12,26 @@
 namespace cdb::runtime {
 namespace {
 
-/// The worse, the smaller.
-int Rank(const DetectorFindings& of) { return of.missed > 0 ? 0 : of.failed_runs > 0 ? 1 : 2; }
+/// What is wrong with a detector, the worst first.
+enum class Fault { kMissesPairs, kMissesContacts, kFails, kNone };
+
+Fault FaultOf(const DetectorFindings& of) {
+  if (of.missed > 0) return Fault::kMissesPairs;
+  if (of.missed_contacts > 0) return Fault::kMissesContacts;
+  return of.failed_runs > 0 ? Fault::kFails : Fault::kNone;
+}
 
 std::string Verdict(const DetectorFindings& of) {
-  if (of.missed > 0) return "wrong: misses pairs";
-  if (of.failed_runs > 0) return fmt::format("failed: {} of {}", of.failed_runs, of.AllRuns());
+  switch (FaultOf(of)) {
+    case Fault::kMissesPairs:
+      return "wrong: misses pairs";
+    case Fault::kMissesContacts:
+      return "wrong: misses contacts";
+    case Fault::kFails:
+      return fmt::format("failed: {} of {}", of.failed_runs, of.AllRuns());
+    case Fault::kNone:
+      break;
+  }
   if (of.cycles == 0) return "nothing to judge";
   if (of.duplicate > 0) return "lists pairs twice";
   return of.phantom > 0 ? "superset" : "exact";
@@ -31,11 +45,11 @@ class Verified {
  public:
   Verified(const ResultFile& file) : file_(file), all_(FindingsOf(file)) {
     std::erase_if(all_, [](const DetectorFindings& of) { return of.AllRuns() == 0; });
-    std::ranges::stable_sort(all_, {}, Rank);
+    std::ranges::stable_sort(all_, {}, FaultOf);
   }
 
   bool IsGood() const {
-    return std::ranges::all_of(all_, [](const auto& of) { return Rank(of) == 2; });
+    return std::ranges::all_of(all_, [](const auto& of) { return FaultOf(of) == Fault::kNone; });
   }
 
   std::string Text() const {
@@ -62,20 +76,25 @@ class Verified {
  private:
   /// Where it goes wrong, and how to see that.
   std::string Below(const DetectorFindings& of) const {
-    const auto at = [&](const char* what, const ResultFile::Cell& cell, const std::string& when) {
-      return fmt::format("  {} {}{}: {}\n    cdb run {} --only {}\n", of.detector, what, when,
-                         PlaceText(file_, cell), file_.source(), file_.ReadText("run_id", cell));
-    };
-    const auto from = [](const DetectorFindings::Place& place) {
-      return fmt::format(" from cycle {} on", place.cycle);
-    };
     std::string text;
-    if (of.first_missed) text += at("misses pairs", of.first_missed->cell, from(*of.first_missed));
-    if (of.first_duplicate)
-      text += at("lists pairs twice", of.first_duplicate->cell, from(*of.first_duplicate));
+    const auto add = [&](const std::string& what, const ResultFile::Cell& cell) {
+      text += fmt::format("  {} {}\n    cdb run {} --only {}\n", of.detector, what, file_.source(),
+                          file_.ReadText("run_id", cell));
+    };
+    const auto from = [&](const char* what, const std::optional<DetectorFindings::Place>& first) {
+      if (first)
+        add(fmt::format("{} from cycle {} of {} on", what, first->cycle,
+                        PlaceText(file_, first->cell)),
+            first->cell);
+    };
+    from("misses pairs", of.first_missed);
+    from("misses contacts", of.first_missed_contact);
+    from("lists pairs twice", of.first_duplicate);
     if (of.first_failed)
-      text += at(std::string(StatusName(file_.ReadStatus(*of.first_failed))).c_str(),
-                 *of.first_failed, " (" + file_.ReadText("message", *of.first_failed) + ")");
+      add(fmt::format("{} at {}: {}", StatusName(file_.ReadStatus(*of.first_failed)),
+                      PlaceText(file_, *of.first_failed),
+                      file_.ReadText("message", *of.first_failed)),
+          *of.first_failed);
     return text;
   }
 

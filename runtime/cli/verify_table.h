@@ -10,12 +10,12 @@ namespace cdb::runtime {
 
 struct VerifyText {
   std::string text;
-  bool is_good = false;  ///< no pair is missed, and every run ended well
+  bool is_good = false;  ///< nothing is missed, and every run ended well
 };
 
-/// A row for each detector, those that missed pairs first, then those that failed, else in the
-/// file's order; below it the first bad cycle of each and what replays it, and `left_out`. The file
-/// holds runs with `record pairs`. Throws StoreError.
+/// A row for each detector, those that missed pairs first, then contacts, then those that failed,
+/// else in the file's order; below it the first bad cycle of each and what replays it, and
+/// `left_out`. The file holds runs with `record pairs`. Throws StoreError.
 VerifyText VerifyTable(const ResultFile& file, const std::vector<std::string>& left_out);
 
 }  // namespace cdb::runtime

@@ -12,6 +12,7 @@
 #include "library/detectors/own.h"
 #include "library/detectors/plugin.h"
 #include "library/scene_error.h"
+#include "runtime/engine/plugin_detectors.h"
 
 namespace cdb::runtime {
 namespace {
@@ -64,7 +65,11 @@ const DetectorEntry* FindAnywhere(std::string_view name) {
 }  // namespace
 
 NamedDetector MakeDetector(std::string_view name, const compiler::Scene& scene) {
-  const DetectorEntry* entry = FindAnywhere(name);
+  const Options options{static_cast<unsigned>(scene.world.Count("threads"))};
+  const auto plugin = std::ranges::find(scene.plugins, name, &compiler::PluginDetector::name);
+  const bool is_plugin = plugin != scene.plugins.end();
+  const auto index = static_cast<std::size_t>(plugin - scene.plugins.begin());
+  const DetectorEntry* entry = is_plugin ? &LoadPluginDetector(scene, index) : FindAnywhere(name);
   if (entry == nullptr)
     throw SceneError(fmt::format("detector `{}` is not part of this version", name));
   NamedDetector made{.name = std::string(name),
@@ -75,7 +80,8 @@ NamedDetector MakeDetector(std::string_view name, const compiler::Scene& scene) 
     return SceneError(fmt::format("detector `{}` cannot be made: {}", name, why));
   };
   try {
-    made.detector.reset(entry->make(Options{static_cast<unsigned>(scene.world.Count("threads"))}));
+    made.detector = is_plugin ? MakePluginDetector(index, *entry, options)
+                              : std::unique_ptr<Detector>(entry->make(options));
   } catch (const std::exception& error) {
     throw failed(error.what());
   } catch (...) {
@@ -93,14 +99,14 @@ Detectors MakeDetectors(const compiler::Scene& scene) {
     return {};
   Detectors detectors;
   detectors.broad = MakeDetector(name, scene);
-  if ((detectors.broad.phases & kBroad) == 0)
+  if ((detectors.broad.phases & cdb::kBroad) == 0)
     throw SceneError(fmt::format(
         "detector `{0}` finds contacts but no pairs; write it as `narrow_phase {0}`", name));
   if (own_contacts) {
-    if ((detectors.broad.phases & kNarrow) != 0) detectors.narrow = detectors.broad;
+    if ((detectors.broad.phases & cdb::kNarrow) != 0) detectors.narrow = detectors.broad;
   } else if (narrow != "bullet") {
     detectors.narrow = MakeDetector(narrow, scene);
-    if ((detectors.narrow.phases & kNarrow) == 0)
+    if ((detectors.narrow.phases & cdb::kNarrow) == 0)
       throw SceneError(
           fmt::format("narrow_phase `{}` finds pairs but no contacts; choose another, "
                       "or bullet",

@@ -19,7 +19,7 @@ struct NamedDetector {
   std::shared_ptr<Detector> detector;
 
   explicit operator bool() const { return detector != nullptr; }
-  bool WantsPoses() const { return (phases & (kNarrow | kNeedsPoses)) != 0; }
+  bool WantsPoses() const { return (phases & (cdb::kNarrow | cdb::kNeedsPoses)) != 0; }
 };
 
 /// The detector `name` of any kind: cdb's own, Bullet's, one of an optional part, a plug-in. It

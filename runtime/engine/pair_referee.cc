@@ -28,6 +28,7 @@ Id IdOf(const btBroadphaseProxy* proxy) {
 
 PairReferee::PairReferee(Engine& engine, Recording& recording)
     : engine_(engine),
+      seam_(dynamic_cast<SeamBroadPhase*>(engine.world().getBroadphase())),
       detects_(!engine.omissions().Omits(compiler::Component::kDetection)),
       exact_pairs_(recording.Ints("exact_pairs")),
       missed_pairs_(recording.Ints("missed_pairs")),
@@ -37,7 +38,9 @@ PairReferee::PairReferee(Engine& engine, Recording& recording)
       depth_error_(recording.Reals("depth_error")),
       normal_error_(recording.Reals("normal_error")),
       boxes_(engine.objects().size() + kWallCount, {{kNone, kNone, kNone}, {kNone, kNone, kNone}}),
-      filters_(boxes_.size()) {}
+      filters_(boxes_.size()) {
+  if (seam_ != nullptr) seam_->KeepList();
+}
 
 void PairReferee::BeforeStep() {
   // The detector looks before the bodies are moved.
@@ -53,10 +56,12 @@ void PairReferee::AfterStep(std::uint64_t cycle) {
 /// Nothing changes a box between the broad phase and the end of the step.
 void PairReferee::ReadBoxes() {
   const auto read = [&](const btRigidBody& body) {
-    const btBroadphaseProxy* proxy = body.getBroadphaseHandle();
+    btBroadphaseProxy* proxy = const_cast<btBroadphaseProxy*>(body.getBroadphaseHandle());
     if (proxy == nullptr) return;
     const Id id = IdOf(proxy);
-    boxes_[id] = {Corner(proxy->m_aabbMin), Corner(proxy->m_aabbMax)};
+    btVector3 lower, upper;
+    engine_.world().getBroadphase()->getAabb(proxy, lower, upper);
+    boxes_[id] = {Corner(lower), Corner(upper)};
     filters_[id] = {static_cast<std::uint32_t>(proxy->m_collisionFilterGroup),
                     static_cast<std::uint32_t>(proxy->m_collisionFilterMask),
                     body.isStaticObject()};
@@ -66,10 +71,20 @@ void PairReferee::ReadBoxes() {
 }
 
 std::vector<Pair> PairReferee::ListedPairs() const {
+  std::vector<Pair> pairs;
+  if (seam_ != nullptr) {
+    const auto index = [&](Id id) {
+      return static_cast<Id>(engine_.scene_view()->body(id).getUserIndex());
+    };
+    for (const Pair& pair : seam_->list()) {
+      const auto [a, b] = std::minmax({index(pair.a), index(pair.b)});
+      pairs.push_back({a, b});
+    }
+    return pairs;
+  }
   btOverlappingPairCache& cache = *engine_.world().getPairCache();
   const std::span listed(cache.getOverlappingPairArrayPtr(),
                          static_cast<std::size_t>(cache.getNumOverlappingPairs()));
-  std::vector<Pair> pairs;
   pairs.reserve(listed.size());
   for (const btBroadphasePair& pair : listed) {
     const auto [a, b] = std::minmax({IdOf(pair.m_pProxy0), IdOf(pair.m_pProxy1)});

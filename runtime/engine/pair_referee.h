@@ -9,13 +9,15 @@
 #include "library/detectors/exact_pairs.h"
 #include "runtime/engine/engine.h"
 #include "runtime/engine/exact_geometry.h"
+#include "runtime/engine/seam_broad_phase.h"
 #include "runtime/measure/recording.h"
 
 namespace cdb::runtime {
 
 /// Pairs are held against brute force, in double, on the boxes that the broad phase was given in
-/// that cycle; contacts against closed forms, at the places where the detector looked. Engine and
-/// recording must outlive it; the run records pairs. Not for several threads.
+/// that cycle: what a detector lists, before cdb drops anything; Bullet's own, by what they leave
+/// in its cache. Contacts are held against closed forms, at the places where the detector looked.
+/// Engine and recording must outlive it; the run records pairs. Not for several threads.
 class PairReferee {
  public:
   PairReferee(Engine& engine, Recording& recording);
@@ -31,7 +33,8 @@ class PairReferee {
   void JudgeContacts(std::uint64_t cycle);
 
   Engine& engine_;
-  const bool detects_;  ///< else there is nothing to judge, and nothing is stored
+  SeamBroadPhase* const seam_;  ///< null where the broad phase is Bullet's own
+  const bool detects_;          ///< else there is nothing to judge, and nothing is stored
   std::span<std::int32_t> exact_pairs_, missed_pairs_, phantom_pairs_, duplicate_pairs_,
       missed_contacts_;
   std::span<double> depth_error_, normal_error_;

@@ -1,6 +1,5 @@
 #include "runtime/engine/probes.h"
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 
 #include "compiler/expectation.h"
 #include "runtime/engine/conversions.h"
+#include "runtime/engine/memory.h"
 
 namespace cdb::runtime {
 namespace {
@@ -151,10 +151,7 @@ void Probes::Record(std::uint64_t cycle) {
       duration_[phase * cycles_ + cycle] = durations[phase];
   }
   // First, as the rest may use the heap.
-  if (!heap_.empty()) {
-    const struct mallinfo2 info = mallinfo2();
-    heap_[cycle] = static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
-  }
+  if (!heap_.empty()) heap_[cycle] = HeapBytes();
   if (!pairs_.empty()) pairs_[cycle] = engine_.world().getPairCache()->getNumOverlappingPairs();
   if (!manifolds_.empty() || !contacts_.empty() || !max_penetration_.empty())
     RecordManifolds(cycle);

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -16,6 +14,7 @@
 #include "library/layouts/placement.h"
 #include "library/objects/solid_maker.h"
 #include "runtime/engine/harness.h"
+#include "runtime/engine/memory.h"
 #include "runtime/engine/pair_referee.h"
 #include "runtime/engine/probes.h"
 #include "runtime/engine/sampler.h"
@@ -163,15 +162,6 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
     ReportFailure(recording, error.what());
   }
   return engine;
-}
-
-double PeakRssBytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    double kilobytes = 0;
-    if (word == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
-  }
-  return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace cdb::runtime

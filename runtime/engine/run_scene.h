@@ -26,7 +26,4 @@ std::unique_ptr<Engine> RunScene(const compiler::Run& run, Recording& recording,
 /// Sets kFailed and the message, cut to what the recording holds.
 void ReportFailure(Recording& recording, const std::string& message);
 
-/// The most memory that this process has had at once, bytes; NaN where the system does not say.
-double PeakRssBytes();
-
 }  // namespace cdb::runtime

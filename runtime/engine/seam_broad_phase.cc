@@ -138,6 +138,7 @@ void SeamBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   };
   try {
     detector_.detector->FindPairs(scene, found_);
+    if (keeps_list_) list_ = found_;
     if (!changes_.Update(scene, found_, is_kept)) return;
   } catch (...) {
     Blame(detector_, "FindPairs", view_.cycle());

@@ -54,6 +54,10 @@ class SeamBroadPhase final : public btBroadphaseInterface {
   /// Once, when all bodies are there.
   void Prepare();
 
+  /// From the next cycle on, `list` is what the detector listed, before anything of it is dropped.
+  void KeepList() { keeps_list_ = true; }
+  const std::vector<Pair>& list() const { return list_; }
+
   btBroadphaseProxy* createProxy(const btVector3& lower, const btVector3& upper, int shape_type,
                                  void* object, int group, int mask,
                                  btDispatcher* dispatcher) override;
@@ -80,7 +84,8 @@ class SeamBroadPhase final : public btBroadphaseInterface {
   Id added_ = 0;
   OrderedPairCache cache_;
   PairChanges changes_;
-  std::vector<Pair> found_;
+  std::vector<Pair> found_, list_;
+  bool keeps_list_ = false;
 };
 
 }  // namespace cdb::runtime

@@ -19,9 +19,13 @@
 #include <system_error>
 
 #include "compiler/plan_yaml.h"
+#include "compiler/trace.h"
 #include "library/detectors/description.h"
 #include "library/detectors/plugin.h"
+#include "runtime/engine/memory.h"
+#include "runtime/engine/plugin_detectors.h"
 #include "runtime/engine/precision.h"
+#include "runtime/engine/replay.h"
 #include "runtime/engine/run_scene.h"
 #include "runtime/engine/settle.h"
 #include "runtime/engine/whole_files.h"
@@ -68,6 +72,7 @@ int DescribeLibrary(const std::string& path) {
 void RunWorker(const char* program, const std::string& keep_walls) {
   const compiler::Run run = compiler::RunFromYaml(ReadAll(kRunFd), "run");
   Recording recording = Recording::Open(kRecordingFd, run.scene);
+  const NotesPluginCalls notes(recording.header().plugin_call);
   const std::string mismatch = PrecisionMismatch();
   if (!mismatch.empty()) {
     ReportFailure(recording, mismatch);
@@ -76,7 +81,11 @@ void RunWorker(const char* program, const std::string& keep_walls) {
                                          run.scene.world.WordOr("precision"), EnginePrecision()));
   } else {
     try {
-      RunScene(run, recording, kContactsFd, keep_walls).release();  // the system takes it down
+      if (compiler::TraceOf(run.scene)) {
+        ReplayTrace(run, recording, kTraceFd);
+      } else {
+        RunScene(run, recording, kContactsFd, keep_walls).release();  // the system takes it down
+      }
     } catch (const Tripped& tripped) {
       StartAgain(program, recording, tripped);
     }

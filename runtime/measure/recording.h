@@ -21,16 +21,17 @@ enum class WorkerOutcome : std::int32_t { kRunning = 0, kDone = 1, kFailed = 2 }
 
 /// The head of the memory. The worker writes, the runner reads after the worker has ended.
 struct RecordingHeader {
-  static constexpr std::uint64_t kMagic = 0x34'47'4e'49'44'52'43'00;  // "\0CRDING4"
+  static constexpr std::uint64_t kMagic = 0x35'47'4e'49'44'52'43'00;  // "\0CRDING5"
   std::uint64_t magic;
   std::uint64_t bytes;  ///< of the whole memory
   std::atomic<std::uint64_t> cycles_done;
   std::atomic<WorkerOutcome> outcome;
-  char state_hash[20];    ///< 16 hex digits after the last cycle; empty before
-  char message[2048];     ///< why it failed, in the user's words
-  char omitted[256];      ///< names of the components left out (compiler/needs.h)
-  char needs[4096];       ///< what became of each component, and why
-  char models[4096];      ///< the hulls of the compounds in the scene (FormsText)
+  std::atomic<std::uint32_t> plugin_call;  ///< where the worker is (measure/plugin_call.h)
+  char state_hash[20];                     ///< 16 hex digits after the last cycle; empty before
+  char message[2048];                      ///< why it failed, in the user's words
+  char omitted[256];                       ///< names of the components left out (compiler/needs.h)
+  char needs[4096];                        ///< what became of each component, and why
+  char models[4096];                       ///< the hulls of the compounds in the scene (FormsText)
   double peak_rss_bytes;  ///< of the worker process; NaN where it did not get that far
   double place_ns;        ///< finding a place for every object
   double build_ns;        ///< settling what is left out, and making the world
@@ -105,5 +106,7 @@ class Recording {
 inline constexpr int kRunFd = 3;
 inline constexpr int kRecordingFd = 4;
 inline constexpr int kContactsFd = 5;
+/// The trace to run the detector on (trace_memory.h); only where the run names one.
+inline constexpr int kTraceFd = 6;
 
 }  // namespace cdb::runtime

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compiler/schema.h"
+#include "compiler/trace.h"
 
 namespace cdb::runtime {
 namespace {
@@ -11,9 +12,9 @@ using enum SeriesType;
 using enum SeriesShape;
 
 constexpr Series kSeries[] = {
-    {"duration", "timing", kFloat64, kPhase, "ns", "time of each phase of a cycle"},
+    {"duration", "timing", kFloat64, kPhase, "ns", "time of each phase of a cycle", true},
     {"pairs", "counts stability", kInt32, kScalar, "",
-     "potentially colliding pairs of the broad phase"},
+     "potentially colliding pairs of the broad phase", true},
     {"manifolds", "counts stability", kInt32, kScalar, "", "contact manifolds that hold a point"},
     {"contacts", "counts contacts stability", kInt32, kScalar, "", "contact points"},
     {"kinetic_energy", "energy stability", kFloat64, kScalar, "J", "translation and rotation"},
@@ -40,7 +41,7 @@ constexpr Series kSeries[] = {
      "least gain of speed over what gravity gives, dv / (g dt), since the last contact"},
     {"turn_ratio", "stability", kFloat64, kScalar, "",
      "least angle turned over angle to turn, of the objects that turn"},
-    {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle"},
+    {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle", true},
     {"joint_gap", "stability", kFloat64, kScalar, "m",
      "largest gap of a joint: distance of its two pivots"},
     {"poses", "poses", kFloat64, kPose, "",
@@ -52,12 +53,12 @@ constexpr Series kSeries[] = {
      "whom a body may meet: two may where each one's group is in the other's mask and not both "
      "are fixed"},
     {"exact_pairs", "pairs", kInt32, kScalar, "",
-     "pairs that may collide and whose boxes overlap, by brute force in double"},
-    {"missed_pairs", "pairs", kInt32, kScalar, "",
-     "of those, pairs that the detector did not list"},
+     "pairs that may collide and whose boxes overlap, by brute force in double", true},
+    {"missed_pairs", "pairs", kInt32, kScalar, "", "of those, pairs that the detector did not list",
+     true},
     {"phantom_pairs", "pairs", kInt32, kScalar, "",
-     "pairs that the detector listed and whose boxes do not overlap"},
-    {"duplicate_pairs", "pairs", kInt32, kScalar, "", "pairs that the detector listed again"},
+     "pairs that the detector listed and whose boxes do not overlap", true},
+    {"duplicate_pairs", "pairs", kInt32, kScalar, "", "pairs that the detector listed again", true},
     {"missed_contacts", "pairs", kInt32, kScalar, "",
      "overlaps known in closed form that have no contact"},
     {"depth_error", "pairs", kFloat64, kScalar, "",
@@ -90,6 +91,7 @@ std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects,
 }
 
 bool Series::IsRecordedBy(const compiler::Scene& scene) const {
+  if (!on_traces && compiler::TraceOf(scene)) return false;
   const auto* asked = std::get_if<compiler::WordList>(&scene.world.Get("record"));
   return asked != nullptr &&
          std::any_of(asked->begin(), asked->end(),

@@ -27,8 +27,9 @@ struct Series {
   std::string_view records;  ///< space-separated words of `record`, any of which asks for it
   SeriesType type = SeriesType::kFloat64;
   SeriesShape shape = SeriesShape::kScalar;
-  std::string_view unit;  ///< as results files write it; empty where it has none
-  std::string_view doc;   ///< the dataset's long_name
+  std::string_view unit;   ///< as results files write it; empty where it has none
+  std::string_view doc;    ///< the dataset's long_name
+  bool on_traces = false;  ///< a detector that is run on a trace has it too
 
   std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
   bool HasCycles() const { return shape != SeriesShape::kFilter && shape != SeriesShape::kSample; }

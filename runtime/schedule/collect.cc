@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "compiler/value.h"
+#include "runtime/measure/plugin_call.h"
 #include "runtime/schedule/process.h"
 
 namespace cdb::runtime {
@@ -32,9 +33,10 @@ std::string LinesOf(std::string text) {
   return is_text ? text : std::string();
 }
 
-std::string CrashText(const ProcessEnd& end, std::string_view trouble) {
+std::string CrashText(const ProcessEnd& end, std::string_view trouble, const std::string& where) {
   std::string text(trouble);
   if (end.wait_status != 0) text = "the worker " + EndText(end.wait_status);
+  if (!where.empty()) text += " in " + where;
   return end.last_lines.empty() ? text : text + ": " + end.last_lines;
 }
 
@@ -106,6 +108,8 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
   if (run.scene.world.Lists("record", "contacts"))
     result.contacts = ReadContacts(contacts_fd, recording.Ints("contacts"), result.n_cycles);
 
+  const std::string where =
+      PluginCallText(header.plugin_call.load(std::memory_order_relaxed), run.scene);
   const bool has_exited = WIFEXITED(end.wait_status) && WEXITSTATUS(end.wait_status) == 0;
   if (has_exited && outcome == WorkerOutcome::kDone && result.n_cycles == cycles) {
     result.status = Status::kDone;
@@ -116,9 +120,9 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
     if (result.message.empty()) result.message = "the worker failed without a reason";
   } else if (end.is_timed_out && !has_exited) {
     result.status = Status::kTimedOut;
-    result.message =
-        fmt::format("ended at its timeout of {} s after {} of {} cycles",
-                    compiler::FormatReal(run.scene.world.Real("timeout")), result.n_cycles, cycles);
+    result.message = fmt::format("ended at its timeout of {} s after {} of {} cycles{}{}",
+                                 compiler::FormatReal(run.scene.world.Real("timeout")),
+                                 result.n_cycles, cycles, where.empty() ? "" : ", in ", where);
   } else {
     result.status = Status::kCrashed;
     std::string trouble = "the worker ended without a report";
@@ -126,7 +130,7 @@ RunResult Collect(const compiler::Run& run, const ProcessEnd& end, Recording& re
       trouble = reported < cycles
                     ? fmt::format("the worker ended after {} of {} cycles", reported, cycles)
                     : "the worker ended without all of its contacts";
-    result.message = CrashText(end, trouble);
+    result.message = CrashText(end, trouble, where);
   }
   if (result.status != Status::kFailed) {
     const Verdict ending = result.status == Status::kTimedOut  ? Verdict::kTimedOut

@@ -2,9 +2,11 @@
 // behind it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "compiler/plan.h"
 #include "runtime/measure/recording.h"
@@ -28,6 +30,12 @@ struct Ending {
   std::unique_ptr<Recording> recording;
 };
 
+/// How far a running worker has got.
+struct Pulse {
+  std::uint64_t cycles = 0;  ///< recorded
+  std::string plugin_call;   ///< in which it is (measure/plugin_call.h); empty for none
+};
+
 /// Carries out runs, one a slot. Not for several threads.
 class Launcher {
  public:
@@ -40,6 +48,9 @@ class Launcher {
   /// The next run that ended. None where `seconds` passed first or the user asked to stop; a run
   /// that has ended by then is handed out before a stop is heeded.
   virtual std::optional<Ending> Wait(double seconds) = 0;
+
+  /// Of the run in a slot that is taken.
+  virtual Pulse PulseOf(std::size_t /*slot*/) const { return {}; }
 
   /// Ends all that is running and forgets it.
   virtual void StopAll() = 0;

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -65,10 +66,11 @@ void SpawnPlan::Give(int from, int to) {
   sources_.emplace_back(fcntl(from, F_DUPFD_CLOEXEC, kAboveAllTargets));
   if (sources_.back().get() < 0) FailToStart("no descriptor to start a run", errno);
   Check(posix_spawn_file_actions_adddup2(&actions_, sources_.back().get(), to));
+  last_ = std::max(last_, to);
 }
 
 pid_t SpawnPlan::Start(const std::filesystem::path& program, std::vector<std::string> arguments) {
-  Check(posix_spawn_file_actions_addclosefrom_np(&actions_, kContactsFd + 1));
+  Check(posix_spawn_file_actions_addclosefrom_np(&actions_, last_ + 1));
   sigset_t set;
   sigemptyset(&set);
   Check(posix_spawnattr_setsigmask(&attributes_, &set));

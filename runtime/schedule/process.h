@@ -53,6 +53,7 @@ class SpawnPlan {
   posix_spawn_file_actions_t actions_;
   posix_spawnattr_t attributes_;
   std::vector<Descriptor> sources_;
+  int last_ = 2;  ///< the highest that is given, or standard error
 };
 
 /// `was ended by signal 11 (SIGSEGV, Segmentation fault)`, `ended with exit status 3`.

@@ -20,34 +20,10 @@ namespace cdb::runtime {
 namespace {
 
 constexpr double kTick = 1;  // s
+/// A plug-in that keeps a cycle from ending for so many ticks gets a warning.
+constexpr int kPatience = 60;
 
 /// One call of Execute.
-/// A shard is as wide as the widest run of the plan, and is made in memory. Said before hours of
-/// work rather than after.
-void CheckMemory(const compiler::Plan& plan) {
-  double bytes = 0, sampled = 0;
-  for (const Series& series : AllSeries())
-    if (series.IsRecordedBy(plan))
-      bytes += static_cast<double>(
-          series.ItemBytes() *
-          series.ValueCount(plan.MaxCycles(), plan.MaxObjects(), compiler::MaxBodyCount(plan)));
-  for (const compiler::Run& run : plan.runs)
-    if (const auto shape = SampleShapeOf(run.scene))
-      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
-  // Those of the run, of its reference and of its twin.
-  bytes += 3 * sampled;
-  std::ifstream info("/proc/meminfo");
-  for (std::string name; info >> name; std::getline(info, name)) {
-    double kib = 0;
-    // Recording and shard stand side by side.
-    if (name == "MemAvailable:" && info >> kib && 2 * bytes > 0.8 * 1024 * kib)
-      throw ScheduleError(fmt::format(
-          "{}: one run records up to {:.3g} GB and this machine has {:.3g} GB of memory free; take "
-          "fewer cycles or objects, or record less",
-          plan.benchmark, bytes / 1e9, kib * 1024 / 1e9));
-  }
-}
-
 class Execution {
  public:
   Execution(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
@@ -99,6 +75,7 @@ class Execution {
       } else if (IsStopped()) {
         break;
       } else {
+        WatchPlugins();
         listener_.Tick();
       }
     }
@@ -106,6 +83,26 @@ class Execution {
     summary_.signal = options_.stop->signal();
     summary_.left = queue_.size() - next_;
     for (const compiler::Run* run : slots_) summary_.left += run != nullptr;
+  }
+
+  /// Once for a run: one that hangs would hold up the sweep without a word.
+  void WatchPlugins() {
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
+      const compiler::Run* run = slots_[slot];
+      if (run == nullptr || run->scene.plugins.empty() ||
+          run->scene.world.WordOr("timeout") != "none")
+        continue;
+      const Pulse pulse = launcher_.PulseOf(slot);
+      Stall& stall = stalls_[slot];
+      const bool is_stuck = !pulse.plugin_call.empty() && pulse.cycles == stall.cycles;
+      stall.cycles = pulse.cycles;
+      stall.ticks = is_stuck ? stall.ticks + 1 : 0;
+      if (!is_stuck || stall.ticks < kPatience || std::exchange(stall.is_reported, true)) continue;
+      listener_.Warn(fmt::format(
+          "{}: no cycle has ended for {:g} s, and the run is in {}; with `timeout {:g}` in its "
+          "scenario it would be ended and marked",
+          Describe(plan_, *run), kPatience * kTick, pulse.plugin_call, 2 * kPatience * kTick));
+    }
   }
 
   bool IsStopped() const { return options_.stop != nullptr && options_.stop->requested(); }
@@ -118,6 +115,7 @@ class Execution {
         if (const compiler::Run* run = NextRun()) {
           launcher_.Start(slot, *run);
           slots_[slot] = run;
+          stalls_[slot] = {};
           listener_.RunStarted(*run);
         }
       }
@@ -197,10 +195,40 @@ class Execution {
   std::vector<const compiler::Run*> queue_;
   std::size_t next_ = 0;                     // of queue_
   std::vector<const compiler::Run*> slots_;  // what runs in each, or null
+  struct Stall {
+    std::uint64_t cycles = 0;
+    int ticks = 0;  // in a plug-in without a new cycle
+    bool is_reported = false;
+  };
+  std::vector<Stall> stalls_ = std::vector<Stall>(slots_.size());  // of each slot
   Summary summary_;
 };
 
 }  // namespace
+
+void CheckMemory(const compiler::Plan& plan) {
+  double bytes = 0, sampled = 0;
+  for (const Series& series : AllSeries())
+    if (series.IsRecordedBy(plan))
+      bytes += static_cast<double>(
+          series.ItemBytes() *
+          series.ValueCount(plan.MaxCycles(), plan.MaxObjects(), compiler::MaxBodyCount(plan)));
+  for (const compiler::Run& run : plan.runs)
+    if (const auto shape = SampleShapeOf(run.scene))
+      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
+  // Those of the run, of its reference and of its twin.
+  bytes += 3 * sampled;
+  std::ifstream info("/proc/meminfo");
+  for (std::string name; info >> name; std::getline(info, name)) {
+    double kib = 0;
+    // Recording and shard stand side by side.
+    if (name == "MemAvailable:" && info >> kib && 2 * bytes > 0.8 * 1024 * kib)
+      throw ScheduleError(fmt::format(
+          "{}: one run records up to {:.3g} GB and this machine has {:.3g} GB of memory free; take "
+          "fewer cycles or objects, or record less",
+          plan.benchmark, bytes / 1e9, kib * 1024 / 1e9));
+  }
+}
 
 void Summary::Count(const Outcome& outcome) {
   switch (outcome.status) {

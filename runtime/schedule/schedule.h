@@ -74,4 +74,9 @@ Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options,
 Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
                 ProgressListener& listener);
 
+/// Throws ScheduleError where one run of the plan records more than this machine has memory for:
+/// a shard is as wide as the widest run of the plan, and is made in memory. Said before hours of
+/// work rather than after.
+void CheckMemory(const compiler::Plan& plan);
+
 }  // namespace cdb::runtime

@@ -17,8 +17,10 @@
 #include <utility>
 
 #include "compiler/plan_yaml.h"
+#include "compiler/trace.h"
 #include "dsl/check.h"
 #include "runtime/measure/host.h"
+#include "runtime/measure/plugin_call.h"
 #include "runtime/schedule/collect.h"
 #include "runtime/schedule/process.h"
 
@@ -217,9 +219,21 @@ struct ProcessLauncher::Worker {
 };
 
 ProcessLauncher::ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop)
-    : programs_(std::move(programs)), stop_(stop), cpus_(ChooseCpus(slots)), workers_(slots) {}
+    : programs_(std::move(programs)),
+      stop_(stop),
+      traces_(slots),
+      cpus_(ChooseCpus(slots)),
+      workers_(slots) {}
 
 ProcessLauncher::~ProcessLauncher() = default;
+
+Pulse ProcessLauncher::PulseOf(std::size_t slot) const {
+  CDB_CHECK(slot < workers_.size() && workers_[slot]);
+  const RecordingHeader& header = workers_[slot]->recording->header();
+  return {header.cycles_done.load(std::memory_order_relaxed),
+          PluginCallText(header.plugin_call.load(std::memory_order_relaxed),
+                         workers_[slot]->run->scene)};
+}
 
 void ProcessLauncher::StopAll() {
   for (const auto& worker : workers_)
@@ -250,6 +264,15 @@ void ProcessLauncher::Start(std::size_t slot, const compiler::Run& run) {
   spawn.Give(text.get(), kRunFd);
   spawn.Give(worker->recording->fd(), kRecordingFd);
   spawn.Give(worker->contacts.get(), kContactsFd);
+  if (const auto trace = compiler::TraceOf(run.scene)) {
+    try {
+      spawn.Give(traces_.Get(*trace), kTraceFd);
+    } catch (const std::system_error& error) {
+      throw ScheduleError(error.what());
+    } catch (const StoreError& error) {
+      throw ScheduleError(error.what());
+    }
+  }
 
   worker->load = LoadAverage();
   worker->started_s = SecondsSinceEpoch();

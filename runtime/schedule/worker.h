@@ -13,6 +13,7 @@
 #include "compiler/plan.h"
 #include "runtime/schedule/launcher.h"
 #include "runtime/schedule/stop.h"
+#include "runtime/schedule/trace_shelf.h"
 
 namespace cdb::runtime {
 
@@ -56,6 +57,7 @@ class ProcessLauncher : public Launcher {
 
   void Start(std::size_t slot, const compiler::Run& run) override;
   std::optional<Ending> Wait(double seconds) override;
+  Pulse PulseOf(std::size_t slot) const override;
   void StopAll() override;
 
  private:
@@ -65,6 +67,7 @@ class ProcessLauncher : public Launcher {
 
   WorkerPrograms programs_;
   const StopFlag* stop_;
+  TraceShelf traces_;
   std::vector<int> cpus_;  // of each slot; empty where workers go where they like
   std::vector<std::unique_ptr<Worker>> workers_;
 };

@@ -150,6 +150,8 @@ Id FileType(Type type) {
       return {H5Tcopy(H5T_STD_I8LE), H5Tclose, "describe numbers"};
     case Type::kInt32:
       return {H5Tcopy(H5T_STD_I32LE), H5Tclose, "describe numbers"};
+    case Type::kFloat32:
+      return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose, "describe numbers"};
     case Type::kFloat64:
       return {H5Tcopy(H5T_IEEE_F64LE), H5Tclose, "describe numbers"};
     case Type::kText:
@@ -166,6 +168,7 @@ Type TypeOf(const Id& type) {
       if (bytes == 4) return Type::kInt32;
       break;
     case H5T_FLOAT:
+      if (bytes == 4) return Type::kFloat32;
       if (bytes == 8) return Type::kFloat64;
       break;
     case H5T_STRING:
@@ -318,7 +321,18 @@ std::string UniqueName() {
 }  // namespace
 
 std::size_t ItemBytes(Type type) {
-  return type == Type::kInt8 ? 1 : type == Type::kInt32 ? 4 : type == Type::kFloat64 ? 8 : 16;
+  switch (type) {
+    case Type::kInt8:
+      return 1;
+    case Type::kInt32:
+    case Type::kFloat32:
+      return 4;
+    case Type::kFloat64:
+      return 8;
+    case Type::kText:
+      break;
+  }
+  return sizeof(hvl_t);
 }
 
 std::uint64_t Product(const Shape& shape) {

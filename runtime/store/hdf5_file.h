@@ -23,7 +23,7 @@ class Error : public std::runtime_error {
 };
 
 /// How values stand in the file. Text is UTF-8 of variable length.
-enum class Type { kInt8, kInt32, kFloat64, kText };
+enum class Type { kInt8, kInt32, kFloat32, kFloat64, kText };
 std::size_t ItemBytes(Type type);
 
 using Shape = std::vector<std::uint64_t>;

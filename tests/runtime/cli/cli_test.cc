@@ -413,7 +413,6 @@ TEST(CommandLine, RefusesByName) {
     EXPECT_NE(finished.err.find(later), std::string::npos);
   }
   program.Write("b.cdb", "benchmark b { }");
-  EXPECT_EQ(program.Run({"run", "b.cdb", "--plugin", "x.so"}).status, 2);
   EXPECT_EQ(program.Run({"run", "b.cdb", "--shard", "3/2"}).status, 2);
   EXPECT_EQ(program.Run({"run", "b.cdb", "-j", "0"}).status, 2);
   EXPECT_FALSE(program.Exists("b.h5"));

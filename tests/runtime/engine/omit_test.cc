@@ -256,7 +256,7 @@ TEST(Omit, TheRecordSaysWhatBecameOfEachComponent) {
 TEST(Omit, AutoDetectsWhereARecordAsks) {
   compiler::Scene scene = Balls(2);
   const auto state = At(scene, {{{0, 0, 0}}, {{500, 0, 0}}});
-  for (const char* what : {"timing", "counts", "contacts"}) {
+  for (const char* what : {"timing", "counts", "contacts", "pairs"}) {
     SetWorld(scene, "record", WordList{what});
     EXPECT_FALSE(runtime::SettleNeeds(scene, state).Omits(Component::kDetection)) << what;
   }

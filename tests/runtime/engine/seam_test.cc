@@ -42,11 +42,13 @@ compiler::Scene Sorted(compiler::Scene scene) {
   return scene;
 }
 
-/// Balls that fly about in a cube, an eighth of it full.
+/// Balls that fly about in a cube, an eighth of it full. None sleeps: who does depends on which
+/// pairs are listed that do not overlap, and each of Bullet's lists others.
 compiler::Scene Gas(std::uint64_t quantity) {
   compiler::Scene scene = EngineScene(quantity, std::cbrt(static_cast<double>(quantity)) * 2);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetWorld(scene, "timestep", 1.0 / 60);
+  SetWorld(scene, "sleeping", false);
   SetGroup(scene, "size", 1.2);
   SetGroup(scene, "linear_velocity", Normal(0.0, 3.0));
   SetGroup(scene, "angular_velocity", Normal(0.0, 1.0));
@@ -56,6 +58,7 @@ compiler::Scene Gas(std::uint64_t quantity) {
 /// The same, falling on the floor and coming to rest there.
 compiler::Scene Pile(std::uint64_t quantity) {
   compiler::Scene scene = Gas(quantity);
+  SetWorld(scene, "sleeping", true);
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
   SetGroup(scene, "restitution", 0.2);
   SetGroup(scene, "friction", 0.5);
@@ -106,11 +109,9 @@ std::string Through(const compiler::Scene& scene, const library::InitialState& s
 void ExpectBulletThroughTheSeam(const compiler::Scene& scene, int steps) {
   const library::InitialState state = library::MakeInitialState(scene);
   const std::string alone = BulletAlone(scene, state, steps);
-  EXPECT_EQ(BulletAlone(scene, state, steps, "sap32"), alone) << "Bullet itself";
-  for (const char* broad : {"dbvt", "sap32"})
-    for (const bool contacts : {false, true})
-      EXPECT_EQ(Through(scene, state, steps, broad, contacts), alone)
-          << broad << (contacts ? " with contacts" : "");
+  EXPECT_EQ(Through(scene, state, steps, "dbvt", false), alone) << "dbvt";
+  EXPECT_EQ(Through(scene, state, steps, "dbvt", true), alone) << "dbvt with contacts";
+  EXPECT_EQ(Through(scene, state, steps, "sap32", true), alone) << "sap32 with contacts";
 }
 
 TEST(Seam, GasOf216BallsMovesAsInBulletAlone) { ExpectBulletThroughTheSeam(Gas(216), 1000); }
@@ -144,20 +145,24 @@ TEST(Seam, EveryExactDetectorOfOursMovesTheBodiesAlike) {
   }
 }
 
-TEST(Seam, BulletsFourFindTheSamePairsWithContactsOfAnother) {
+TEST(Seam, BulletsFourFindTheSamePairsAloneAndWithContactsOfAnother) {
   const compiler::Scene scene = Gas(216);
   const library::InitialState state = library::MakeInitialState(scene);
   const std::string alone = BulletAlone(scene, state, 200);
-  for (const char* broad : {"simple", "sap", "sap32", "dbvt"})
+  for (const char* broad : {"simple", "sap", "sap32", "dbvt"}) {
+    EXPECT_EQ(BulletAlone(scene, state, 200, broad), alone) << broad << " alone";
     EXPECT_EQ(Through(scene, state, 200, broad, true), alone) << broad;
+  }
 }
 
-TEST(Seam, CasesOfCcdSweepTheSameBodies) {
-  compiler::Scene scene = Gas(64);
-  SetGroup(scene, "linear_velocity", Normal(0.0, 60.0));
-  SetGroup(scene, "ccd", true);
+TEST(Seam, SweepsFindTheWallThatStandsInTheWay) {
+  compiler::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "world.wall_shape", Word("box"));
-  ExpectBulletThroughTheSeam(scene, 200);
+  SetGroup(scene, "linear_velocity", Vector3d(20000, 100, 0));
+  const std::string through_the_wall = BulletAlone(scene, library::MakeInitialState(scene), 20);
+  SetGroup(scene, "ccd", true);
+  ExpectBulletThroughTheSeam(scene, 20);
+  EXPECT_NE(BulletAlone(scene, library::MakeInitialState(scene), 20), through_the_wall);
 }
 
 /// Objects that sleep after so many steps.

@@ -22,6 +22,7 @@ class FakeLauncher : public Launcher {
  public:
   std::function<Status(const compiler::Run&)> behave = [](const auto&) { return Status::kDone; };
   std::function<void()> before_wait = [] {};
+  std::function<Pulse(std::size_t)> pulse;
   std::vector<std::string> started;  // run ids, in order
   std::size_t most_at_once = 0;
   int stops = 0;
@@ -46,6 +47,7 @@ class FakeLauncher : public Launcher {
     ending.result.host = "here";
     return ending;
   }
+  Pulse PulseOf(std::size_t slot) const override { return pulse ? pulse(slot) : Pulse{}; }
   void StopAll() override {
     ++stops;
     running.clear();
@@ -134,6 +136,21 @@ TEST_F(ScheduleTest, CountsHowRunsEnded) {
   const Summary again = Run(plan);
   EXPECT_TRUE(launcher.started.empty());
   EXPECT_EQ(again, (Summary{.done = 3, .failed = 2, .crashed = 2, .timed_out = 2, .resumed = 9}));
+}
+
+TEST_F(ScheduleTest, WarnsOnceOfAPluginThatHangs) {
+  for (compiler::Run& run : plan.runs)
+    run.scene.plugins = {{"mine", "broad", 0, "mine.so", std::string(64, '0')}};
+  int waits = 0;
+  launcher.pulse = [&](std::size_t) {
+    return Pulse{waits < 30 ? static_cast<std::uint64_t>(waits) : 30, "FindPairs of `mine`"};
+  };
+  // The first run goes on for 30 ticks and hangs for 100.
+  launcher.behave = [&](const auto&) { return ++waits < 130 ? Status::kMissing : Status::kDone; };
+  EXPECT_EQ(Run(plan), (Summary{.done = 9}));
+  ASSERT_EQ(ears.warnings.size(), 1u);
+  EXPECT_NE(ears.warnings[0].find("the run is in FindPairs of `mine`"), std::string::npos)
+      << ears.warnings[0];
 }
 
 TEST_F(ScheduleTest, DescribesASummary) {

@@ -89,6 +89,7 @@ TEST(Shard, HoldsEverySeriesOfItsRun) {
   EXPECT_EQ(file.ReadReal("place_time", cell), fake.result.place_ns);
   EXPECT_EQ(file.ReadReal("build_time", cell), fake.result.build_ns);
   EXPECT_EQ(file.ReadReal("fill_fraction", cell), fake.result.fill_fraction);
+  EXPECT_EQ(file.ReadReal("harness", cell), fake.result.harness_ns);
   EXPECT_EQ(file.ReadProvenance("cpu"), "a µ-processor");
   EXPECT_THAT(file.ReadProvenance("run_text"), HasSubstr(run.id));
   EXPECT_EQ(file.ReadProvenance("no such fact"), "");

@@ -45,6 +45,7 @@ void Resize(compiler::Run& run, const SceneSize& size) {
   run.scene.world.values["timestep"] = 1.0;
   run.scene.world.values["warmup"] = std::uint64_t{0};
   run.scene.world.values["world.walls"] = compiler::Word{"all"};
+  run.scene.world.values["trace"] = compiler::Word{"none"};
   run.scene.world.values["accuracy.reference.timestep"] = 1.0;
   run.scene.world.values["accuracy.reference.precision"] = compiler::Word{"double"};
   run.scene.world.values["accuracy.reference.detector"] = compiler::Word{"dbvt"};
@@ -155,6 +156,7 @@ FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_
   result.place_ns = 1000 + n;
   result.build_ns = 2000 + n;
   result.fill_fraction = 0.125;
+  result.harness_ns = 40 + n;
   if (status == Status::kDone) {
     result.state_hash = run.id;
   } else {

@@ -1,0 +1,27 @@
+// What a worker is doing in a plug-in, so that a crash or a hang in there has a name.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "compiler/plan.h"
+
+namespace cdb::runtime {
+
+enum class PluginCall : std::uint32_t {
+  kNone,
+  kLoad,
+  kMake,
+  kPrepare,
+  kFindPairs,
+  kHandles,
+  kFindContacts
+};
+
+/// A call into the plug-in `index` of a scene, in a number; 0 for none.
+std::uint32_t PluginCallCode(PluginCall call, std::size_t index);
+
+/// FindPairs of detector `mine` (libmine.so); empty for none, and for what a crash left there.
+std::string PluginCallText(std::uint32_t code, const compiler::Scene& scene);
+
+}  // namespace cdb::runtime

@@ -1,0 +1,80 @@
+// A trace in memory: the boxes of a recorded run, cycle after cycle, in a file without a name that
+// the runner fills once and every worker reads. HDF5 stays on the runner's side.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cdb::runtime {
+
+struct TraceShape {
+  std::uint64_t bodies = 0;  ///< with walls
+  std::uint64_t cycles = 0;
+  bool is_double = false;  ///< how the sides of boxes stand; a float holds what Bullet's float was
+
+  std::size_t ItemBytes() const { return is_double ? 8 : 4; }
+  /// Numbers of one cycle.
+  std::size_t PerCycle() const { return bodies * 6; }
+  bool operator==(const TraceShape&) const = default;
+};
+
+/// Whom a body may meet, as cdb::Filter has it.
+struct TraceFilter {
+  std::uint32_t group = 1, mask = ~0u, is_fixed = 0;
+  bool operator==(const TraceFilter&) const = default;
+};
+
+/// The runner's side. Not copied; unmapped and closed at the end. Not for several threads.
+class TraceMemory {
+ public:
+  /// Zeros. Throws std::system_error.
+  static TraceMemory Create(const TraceShape& shape);
+  TraceMemory(TraceMemory&& other) noexcept;
+  TraceMemory& operator=(TraceMemory&&) = delete;
+  ~TraceMemory();
+
+  int fd() const { return fd_; }
+  const TraceShape& shape() const { return shape_; }
+  std::span<TraceFilter> filters() const;
+  /// Lower x y z and upper x y z of every body. Sides may be infinite. In single precision they are
+  /// rounded, which changes nothing that was one.
+  void SetBoxes(std::uint64_t cycle, std::span<const double> sides);
+  /// Of a cycle, as they stand.
+  std::span<const std::byte> BoxBytes(std::uint64_t cycle) const;
+  std::vector<double> Boxes(std::uint64_t cycle) const;
+  /// 64 hex digits over all of it.
+  std::string Sha256() const;
+
+ private:
+  TraceMemory(int fd, std::byte* memory, const TraceShape& shape)
+      : fd_(fd), memory_(memory), shape_(shape) {}
+
+  int fd_ = -1;
+  std::byte* memory_ = nullptr;
+  TraceShape shape_;
+};
+
+/// The worker's side: reads cycle by cycle, so that a trace does not count as its memory. Not for
+/// several threads.
+class TraceReader {
+ public:
+  /// Throws std::runtime_error where `fd` is no trace. Does not own it.
+  explicit TraceReader(int fd);
+
+  const TraceShape& shape() const { return shape_; }
+  const std::vector<TraceFilter>& filters() const { return filters_; }
+  /// The sides of every box of a cycle, valid to the next call. Throws std::runtime_error.
+  std::span<const double> Read(std::uint64_t cycle);
+
+ private:
+  int fd_;
+  TraceShape shape_;
+  std::vector<TraceFilter> filters_;
+  std::vector<float> floats_;
+  std::vector<double> sides_;
+};
+
+}  // namespace cdb::runtime

@@ -1,0 +1,21 @@
+#include "runtime/schedule/trace_shelf.h"
+
+#include <algorithm>
+
+#include "runtime/store/trace_file.h"
+
+namespace cdb::runtime {
+
+int TraceShelf::Get(const compiler::TraceName& name) {
+  const auto found =
+      std::ranges::find_if(traces_, [&](const auto& trace) { return trace.first == name; });
+  if (found != traces_.end()) {
+    traces_.splice(traces_.begin(), traces_, found);
+  } else {
+    while (!traces_.empty() && traces_.size() >= places_) traces_.pop_back();
+    traces_.emplace_front(name, LoadTrace(name.path, name.sha256));
+  }
+  return traces_.front().second.fd();
+}
+
+}  // namespace cdb::runtime

@@ -1,0 +1,237 @@
+#include "runtime/store/trace_file.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <system_error>
+#include <vector>
+
+#include "runtime/measure/series.h"
+#include "runtime/store/hdf5_file.h"
+#include "runtime/store/safe_file.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+using h5::Type;
+
+/// As of results files: one chunk fits HDF5's cache.
+constexpr std::uint64_t kLargestChunk = (1 << 20) - 1;
+
+h5::Shape ChunkOf(const h5::Shape& shape, std::size_t item_bytes) {
+  h5::Shape chunk = shape;
+  for (std::size_t i = 0; i + 1 < chunk.size(); ++i) {
+    const std::uint64_t others = h5::Product(chunk) / chunk[i] * item_bytes;
+    const std::uint64_t most = std::max<std::uint64_t>(1, kLargestChunk / others);
+    const std::uint64_t pieces = (chunk[i] + most - 1) / most;
+    chunk[i] = (chunk[i] + pieces - 1) / pieces;
+  }
+  return chunk;
+}
+
+void AddScale(h5::File& file, const std::string& name, std::uint64_t size) {
+  std::vector<double> numbers(size);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<double>(i);
+  h5::Dataset scale = file.CreateDataset({name, Type::kInt32, {size}, {}, 0});
+  scale.Write(numbers);
+  scale.MakeScale(name);
+}
+
+void AddScale(h5::File& file, const std::string& name, const std::vector<std::string>& labels) {
+  h5::Dataset scale = file.CreateDataset({name, Type::kText, {labels.size()}, {}, 0});
+  scale.WriteText(labels);
+  scale.MakeScale(name);
+  scale.SetText("labels", fmt::format("{}", fmt::join(labels, " ")));
+}
+
+void WriteHead(h5::File& file, const TraceMemory& trace, const TraceOrigin& origin,
+               std::uint64_t objects) {
+  const TraceShape& shape = trace.shape();
+  const auto number = [&](const char* name, std::uint64_t value) {
+    file.SetNumber(name, Type::kInt32, static_cast<double>(value));
+  };
+  file.SetText("title", origin.point.empty()
+                            ? origin.benchmark
+                            : fmt::format("{}: {}", origin.benchmark, origin.point));
+  file.SetText("schema", kTraceSchema);
+  number("schema_version", kTraceSchemaVersion);
+  file.SetText("date_created",
+               fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))));
+  file.SetText("benchmark", origin.benchmark);
+  file.SetText("point", origin.point);
+  file.SetText("run_id", origin.run_id);
+  file.SetText("state_hash", origin.state_hash);
+  file.SetText("sha256", trace.Sha256());
+  file.SetText("precision", shape.is_double ? "double" : "single");
+  file.SetNumber("timestep", Type::kFloat64, origin.timestep_s);
+  number("bodies", shape.bodies);
+  number("objects", objects);
+  number("cycles", shape.cycles);
+}
+
+void WriteArrays(h5::File& file, const TraceMemory& trace, std::uint64_t objects,
+                 std::span<const double> poses) {
+  const TraceShape& shape = trace.shape();
+  const Type real = shape.is_double ? Type::kFloat64 : Type::kFloat32;
+  AddScale(file, "cycle", shape.cycles);
+  AddScale(file, "body", shape.bodies);
+  AddScale(file, "object", objects);
+  AddScale(file, "bound", {"lower_x", "lower_y", "lower_z", "upper_x", "upper_y", "upper_z"});
+  AddScale(file, "filter", {"group", "mask", "fixed"});
+  AddScale(file, "pose", {"x", "y", "z", "qx", "qy", "qz", "qw"});
+
+  const h5::Shape all = {shape.cycles, shape.bodies, kBoxSize};
+  h5::Dataset boxes =
+      file.CreateDataset({"boxes", real, all, ChunkOf(all, shape.ItemBytes()), NAN});
+  boxes.SetText("units", "m");
+  boxes.SetText("long_name", "as the broad phase was given them; objects, then walls");
+  for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle)
+    boxes.Write({cycle, 0, 0}, {1, shape.bodies, kBoxSize}, trace.BoxBytes(cycle).data(),
+                {1, shape.bodies, kBoxSize});
+
+  h5::Dataset filters =
+      file.CreateDataset({"filters", Type::kFloat64, {shape.bodies, kFilterSize}, {}, NAN});
+  filters.SetText("long_name", "two may meet where each one's group is in the other's mask");
+  std::vector<double> numbers;
+  for (const TraceFilter& filter : trace.filters())
+    numbers.insert(numbers.end(),
+                   {static_cast<double>(filter.group), static_cast<double>(filter.mask),
+                    static_cast<double>(filter.is_fixed)});
+  filters.Write(numbers);
+
+  std::vector<h5::Group::Attachment> attachments = {{"boxes", {"cycle", "body", "bound"}},
+                                                    {"filters", {"body", "filter"}}};
+  if (objects > 0) {
+    const h5::Shape placed = {shape.cycles, objects, kPoseSize};
+    h5::Dataset dataset =
+        file.CreateDataset({"poses", real, placed, ChunkOf(placed, shape.ItemBytes()), NAN});
+    dataset.SetText("long_name",
+                    "centre of mass, m, and orientation quaternion after the cycle; objects");
+    const std::size_t per_cycle = objects * kPoseSize;
+    for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle)
+      dataset.Write({cycle, 0, 0}, {1, objects, kPoseSize},
+                    poses.subspan(cycle * per_cycle, per_cycle));
+    attachments.push_back({"poses", {"cycle", "object", "pose"}});
+  }
+  file.AttachScales(attachments);
+}
+
+/// Why it is of no use, after its name.
+StoreError Useless(const fs::path& file, std::string_view why) {
+  return StoreError(fmt::format("{}: {}; `cdb trace` makes it anew", file.string(), why));
+}
+
+h5::File OpenTrace(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
+    throw StoreError(
+        fmt::format("{}: {}", path.string(),
+                    fs::exists(path, error) ? "it is no file" : "there is no such file"));
+  try {
+    h5::File file = h5::File::Open(path);
+    const std::string schema = file.Text("schema");
+    if (schema != kTraceSchema)
+      throw StoreError(fmt::format("{}: it is HDF5, but no trace{}", path.string(),
+                                   schema.empty() ? "" : fmt::format(" ({})", schema)));
+    if (const double version = file.Number("schema_version"); version != kTraceSchemaVersion)
+      throw Useless(path, fmt::format("it is a trace of version {}, and this cdb reads version {}",
+                                      version, kTraceSchemaVersion));
+    return file;
+  } catch (const h5::Error& why) {
+    throw StoreError(fmt::format("{}: it is no trace, or damaged: {}", path.string(), why.what()));
+  }
+}
+
+compiler::TraceFacts FactsOf(const h5::File& file, const fs::path& path) {
+  const auto count = [&](const char* name) {
+    const double value = file.Number(name);
+    if (!(value >= 1) || value != std::floor(value))
+      throw Useless(path, fmt::format("its head says nothing of {}", name));
+    return static_cast<std::uint64_t>(value);
+  };
+  compiler::TraceFacts facts;
+  facts.sha256 = file.Text("sha256");
+  facts.bodies = count("bodies");
+  facts.cycles = count("cycles");
+  facts.timestep_s = file.Number("timestep");
+  facts.is_double = file.Text("precision") == "double";
+  if (facts.sha256.size() != 64 || !(facts.timestep_s > 0))
+    throw Useless(path, "its head is not whole");
+  return facts;
+}
+
+TraceMemory ReadMemory(const h5::File& file, const compiler::TraceFacts& facts,
+                       const fs::path& path) {
+  const h5::Dataset boxes = file.OpenDataset("boxes");
+  const std::vector<double> filters = file.OpenDataset("filters").Read();
+  if (boxes.shape() != h5::Shape{facts.cycles, facts.bodies, kBoxSize} ||
+      filters.size() != facts.bodies * kFilterSize)
+    throw Useless(path, "its arrays are not as its head says");
+  TraceMemory trace = TraceMemory::Create({facts.bodies, facts.cycles, facts.is_double});
+  for (std::size_t i = 0; i < facts.bodies; ++i)
+    trace.filters()[i] = {static_cast<std::uint32_t>(filters[i * kFilterSize]),
+                          static_cast<std::uint32_t>(filters[i * kFilterSize + 1]),
+                          static_cast<std::uint32_t>(filters[i * kFilterSize + 2])};
+  for (std::uint64_t cycle = 0; cycle < facts.cycles; ++cycle)
+    trace.SetBoxes(cycle, boxes.Read({cycle, 0, 0}, {1, facts.bodies, kBoxSize}));
+  return trace;
+}
+
+}  // namespace
+
+void WriteTrace(const TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
+                std::span<const double> poses, const fs::path& path) {
+  const fs::path temporary = TemporaryName(path);
+  std::error_code ignored;
+  try {
+    h5::File file = h5::File::Create(temporary);
+    WriteHead(file, trace, origin, objects);
+    WriteArrays(file, trace, objects, poses);
+    file.CreateDataset({"scenario_text", Type::kText, {}, {}, 0})
+        .WriteText({{origin.scenario_text}});
+    file.CreateDataset({"run_text", Type::kText, {}, {}, 0}).WriteText({{origin.run_text}});
+    file.Close();
+  } catch (const h5::Error& error) {
+    fs::remove(temporary, ignored);
+    throw StoreError(fmt::format("{}: cannot be written: {}; make room, or name another place (-o)",
+                                 path.string(), error.what()));
+  }
+  Publish(temporary, path);
+}
+
+compiler::TraceFacts ReadTraceFacts(const fs::path& path) { return FactsOf(OpenTrace(path), path); }
+
+std::optional<std::string> TracedRun(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return std::nullopt;
+  try {
+    return OpenTrace(path).Text("run_id");
+  } catch (const StoreError&) {
+    return std::nullopt;
+  }
+}
+
+TraceMemory LoadTrace(const fs::path& path, const std::string& sha256) {
+  const h5::File file = OpenTrace(path);
+  const compiler::TraceFacts facts = FactsOf(file, path);
+  if (facts.sha256 != sha256)
+    throw StoreError(
+        fmt::format("{}: it holds the trace {} and this plan is of {}; plan again, or "
+                    "put the other back",
+                    path.string(), facts.sha256.substr(0, 16), sha256.substr(0, 16)));
+  try {
+    TraceMemory trace = ReadMemory(file, facts, path);
+    if (trace.Sha256() != sha256) throw Useless(path, "it is damaged");
+    return trace;
+  } catch (const h5::Error& why) {
+    throw Useless(path, fmt::format("it is damaged: {}", why.what()));
+  } catch (const std::system_error& why) {
+    throw StoreError(fmt::format("{}: {}", path.string(), why.what()));
+  }
+}
+
+}  // namespace cdb::runtime

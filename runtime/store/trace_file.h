@@ -1,0 +1,46 @@
+// Traces on disk: the boxes of a recorded run for detectors to be run on, one HDF5 file a run.
+// Source: the idea of Broadmark's baked scenes. The file is described in `cdb doc traces`.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "compiler/trace.h"
+#include "runtime/measure/trace_memory.h"
+#include "runtime/store/store.h"
+
+namespace cdb::runtime {
+
+inline constexpr std::string_view kTraceSchema = "cdb-trace";
+inline constexpr int kTraceSchemaVersion = 1;
+
+/// Where a trace is from.
+struct TraceOrigin {
+  std::string benchmark;
+  std::string point;  ///< of the benchmark's grid, for people: `n 1000`; may be empty
+  std::string run_id, state_hash;
+  double timestep_s = 0;
+  std::string scenario_text;
+  std::string run_text;  ///< all that decides the run, as YAML
+};
+
+/// Writes `file`: under a temporary name, closed, fsynced, renamed. `poses` of `objects` bodies,
+/// the first of the trace, as the series `poses` has them. Throws StoreError, with no file made or
+/// changed.
+void WriteTrace(const TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
+                std::span<const double> poses, const std::filesystem::path& file);
+
+/// What the head of `file` says; the boxes are not read. Throws StoreError, which says why it is of
+/// no use.
+compiler::TraceFacts ReadTraceFacts(const std::filesystem::path& file);
+/// The run that `file` is a trace of; nullopt where it is none that can be read.
+std::optional<std::string> TracedRun(const std::filesystem::path& file);
+
+/// All of it. Throws StoreError, also where it does not hold what its hash says, or another trace
+/// than `sha256`.
+TraceMemory LoadTrace(const std::filesystem::path& file, const std::string& sha256);
+
+}  // namespace cdb::runtime

@@ -1,0 +1,122 @@
+// What the interface costs: Bullet's dbvt alone, and the same behind cdb's interface, in two worlds
+// of one program, cycle by cycle in turn, the order swapped each time. Gas: balls that fly about;
+// pile: balls that have fallen on the floor. Pairs in the order `listed` and `sorted`; in the
+// latter both worlds must be in the same state after every cycle. Usage: bench_seam_f32 [ROUNDS
+// [CYCLES]]
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/engine/engine.h"
+#include "runtime/engine/precision.h"
+#include "runtime/engine/state_hash.h"
+#include "tests/bench/median.h"
+#include "tests/library/test_scene.h"
+
+namespace cdb::bench {
+namespace {
+
+using Durations = std::array<double, runtime::kPhaseCount>;
+
+compiler::Scene MakeScene(bool is_pile, std::uint64_t quantity, const char* order) {
+  using namespace test;
+  compiler::Scene scene = DefaultScene(quantity, 2 * std::cbrt(static_cast<double>(quantity)));
+  SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
+  SetWorld(scene, "record", compiler::WordList{"timing"});
+  SetWorld(scene, "pair_order", Word(order));
+  SetWorld(scene, "timestep", 1.0 / 60);
+  SetWorld(scene, "sleeping", false);
+  SetWorld(scene, "acceleration", Eigen::Vector3d(0, is_pile ? -9.8 : 0, 0));
+  SetGroup(scene, "size", 1.2);
+  SetGroup(scene, "restitution", is_pile ? 0.2 : 1.0);
+  SetGroup(scene, "linear_velocity", Normal(0.0, 3.0));
+  return scene;
+}
+
+/// Ratios of one round: medians over the cycles of through / alone.
+struct Ratios {
+  double broad, detect, step;
+  double broad_us, detect_us, step_us;  ///< alone
+};
+
+Ratios RunRound(const compiler::Scene& scene, const library::InitialState& state, int warmup,
+                int cycles, int round) {
+  const auto omissions = runtime::KeepEverything(scene);
+  runtime::Detectors detectors{.broad = runtime::MakeDetector("dbvt", scene), .narrow = {}};
+  std::unique_ptr<runtime::Engine> alone, through;
+  const auto make_alone = [&] {
+    alone = std::make_unique<runtime::Engine>(scene, state, omissions, runtime::Detectors{});
+  };
+  // Whoever comes first gets the smoother memory.
+  if (round % 2 == 0) make_alone();
+  through = std::make_unique<runtime::Engine>(scene, state, omissions, detectors);
+  if (round % 2 == 1) make_alone();
+  const bool are_alike = scene.world.WordOr("pair_order") == "sorted";
+  std::vector<double> times[2][3];
+  for (int cycle = 0; cycle < warmup + cycles; ++cycle) {
+    for (const int which : {cycle % 2, 1 - cycle % 2}) {
+      runtime::Engine& engine = which == 0 ? *alone : *through;
+      engine.Step();
+      if (cycle < warmup) continue;
+      const Durations durations = engine.timed_world()->Durations();
+      times[which][0].push_back(durations[runtime::kBroad]);
+      times[which][1].push_back(durations[runtime::kDetect]);
+      times[which][2].push_back(durations[runtime::kStep]);
+    }
+    if (are_alike && runtime::StateHash(*alone) != runtime::StateHash(*through)) {
+      fmt::print(stderr, "cycle {}: the two worlds went different ways\n", cycle);
+      std::exit(1);
+    }
+  }
+  const auto ratio = [&](int phase) { return Median(times[1][phase]) / Median(times[0][phase]); };
+  return {ratio(0),
+          ratio(1),
+          ratio(2),
+          Median(times[0][0]) / 1e3,
+          Median(times[0][1]) / 1e3,
+          Median(times[0][2]) / 1e3};
+}
+
+void Run(bool is_pile, std::uint64_t quantity, const char* order, int rounds, int cycles) {
+  const compiler::Scene scene = MakeScene(is_pile, quantity, order);
+  const library::InitialState state = library::MakeInitialState(scene);
+  std::vector<Ratios> results;
+  for (int round = 0; round < rounds; ++round)
+    results.push_back(RunRound(scene, state, is_pile ? 200 : 20, cycles, round));
+  const auto shown = [&](double Ratios::*member) {
+    std::vector<double> values;
+    for (const Ratios& result : results) values.push_back(result.*member);
+    const auto [least, most] = std::ranges::minmax(values);
+    return fmt::format("{:.3f} ({:.3f} .. {:.3f})", Median(values), least, most);
+  };
+  fmt::print("{:<5} {:>5} {:<7} {:>8.1f} {:>8.1f} {:>8.1f}  {:<25} {:<25} {}\n",
+             is_pile ? "pile" : "gas", quantity, order, results.front().broad_us,
+             results.front().detect_us, results.front().step_us, shown(&Ratios::broad),
+             shown(&Ratios::detect), shown(&Ratios::step));
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace cdb::bench
+
+int main(int argc, char** argv) {
+  const int rounds = argc > 1 ? std::atoi(argv[1]) : 5;
+  const int cycles = argc > 2 ? std::atoi(argv[2]) : 100;
+  const std::uint64_t most = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 5000;
+  fmt::print(
+      "{} precision, {} rounds of {} cycles; through the interface / alone, medians and the "
+      "range of the rounds\n",
+      cdb::runtime::EnginePrecision(), rounds, cycles);
+  fmt::print("{:<5} {:>5} {:<7} {:>8} {:>8} {:>8}  {:<25} {:<25} {}\n", "scene", "N", "pairs",
+             "broad us", "detect", "step", "broad", "detect", "step");
+  for (const char* order : {"listed", "sorted"})
+    for (const bool is_pile : {false, true})
+      for (const std::uint64_t quantity : {216, 1000, 5000})
+        if (quantity <= most) cdb::bench::Run(is_pile, quantity, order, rounds, cycles);
+}

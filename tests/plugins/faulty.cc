@@ -1,0 +1,123 @@
+// Detectors each of which goes wrong in one way once its library is loaded.
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <stdexcept>
+
+#include "library/detectors/detector.h"
+
+namespace {
+
+using namespace cdb;
+
+[[noreturn]] void Throw() { throw std::runtime_error("out of luck"); }
+
+/// Every pair, and one contact for each; what goes wrong is laid over it.
+class Sound : public Detector {
+ public:
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    for (Id a = 0; a < scene.size; ++a)
+      for (Id b = a + 1; b < scene.size; ++b)
+        if (scene.MayCollide(a, b) && Overlap(scene.boxes[a], scene.boxes[b]))
+          pairs.push_back({a, b});
+  }
+  void FindContacts(const Scene& scene, std::span<const Pair> pairs,
+                    std::vector<Contact>& contacts) override {
+    for (const Pair& pair : pairs) {
+      const Vec3 &a = scene.poses[pair.a].position, &b = scene.poses[pair.b].position;
+      contacts.push_back({pair.a, pair.b, a, b, {0, 1, 0}, -1e-3});
+    }
+  }
+};
+
+struct ThrowsInMake : Sound {
+  ThrowsInMake() { Throw(); }
+};
+struct ThrowsInPrepare : Sound {
+  void Prepare(const Scene&) override { Throw(); }
+};
+struct ThrowsInFindPairs : Sound {
+  void FindPairs(const Scene&, std::vector<Pair>&) override { Throw(); }
+};
+struct ThrowsANumber : Sound {
+  void FindPairs(const Scene&, std::vector<Pair>&) override { throw 42; }
+};
+struct ThrowsInFindContacts : Sound {
+  void FindContacts(const Scene&, std::span<const Pair>, std::vector<Contact>&) override {
+    Throw();
+  }
+};
+struct Aborts : Sound {
+  void FindPairs(const Scene&, std::vector<Pair>&) override { std::abort(); }
+};
+struct Segfaults : Sound {
+  void FindPairs(const Scene&, std::vector<Pair>&) override { raise(SIGSEGV); }
+};
+struct Hangs : Sound {
+  void FindPairs(const Scene&, std::vector<Pair>&) override {
+    for (;;) pause();
+  }
+};
+struct UnknownBody : Sound {
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    pairs.push_back({0, static_cast<Id>(scene.size)});
+  }
+};
+struct SameBody : Sound {
+  void FindPairs(const Scene&, std::vector<Pair>& pairs) override { pairs.push_back({1, 1}); }
+};
+
+/// The contacts, changed.
+template <typename Change>
+class Spoiled : public Sound {
+ public:
+  void FindContacts(const Scene& scene, std::span<const Pair> pairs,
+                    std::vector<Contact>& contacts) override {
+    Sound::FindContacts(scene, pairs, contacts);
+    std::ranges::for_each(contacts, Change());
+  }
+};
+struct PlaceIsNaN {
+  void operator()(Contact& contact) const {
+    contact.on_a.x = std::numeric_limits<double>::quiet_NaN();
+  }
+};
+struct DistanceIsNaN {
+  void operator()(Contact& contact) const { contact.distance = std::nan(""); }
+};
+struct LongNormal {
+  void operator()(Contact& contact) const { contact.normal = {0, 2, 0}; }
+};
+
+template <typename T>
+Detector* Make(const Options&) {
+  return new T;
+}
+Detector* MakeNothing(const Options&) { return nullptr; }
+
+constexpr DetectorEntry kEntries[] = {
+    {"sound", "does what it should", kBroad, 0, Make<Sound>},
+    {"few", "holds ten bodies", kBroad, 10, Make<Sound>},
+    {"makes_nothing", "", kBroad, 0, MakeNothing},
+    {"throws_in_make", "", kBroad, 0, Make<ThrowsInMake>},
+    {"throws_in_prepare", "", kBroad, 0, Make<ThrowsInPrepare>},
+    {"throws_in_find_pairs", "", kBroad, 0, Make<ThrowsInFindPairs>},
+    {"throws_a_number", "", kBroad, 0, Make<ThrowsANumber>},
+    {"aborts", "", kBroad, 0, Make<Aborts>},
+    {"segfaults", "", kBroad, 0, Make<Segfaults>},
+    {"hangs", "", kBroad, 0, Make<Hangs>},
+    {"unknown_body", "", kBroad, 0, Make<UnknownBody>},
+    {"same_body", "", kBroad, 0, Make<SameBody>},
+    {"throws_in_find_contacts", "", kNarrow, 0, Make<ThrowsInFindContacts>},
+    {"place_is_nan", "", kNarrow, 0, Make<Spoiled<PlaceIsNaN>>},
+    {"distance_is_nan", "", kNarrow, 0, Make<Spoiled<DistanceIsNaN>>},
+    {"long_normal", "", kNarrow, 0, Make<Spoiled<LongNormal>>},
+};
+
+}  // namespace
+
+CDB_DETECTORS(kEntries)

@@ -1,0 +1,207 @@
+// Detectors of a user's shared library, as `cdb` takes them: those that are good, and what is said
+// of the others.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/schedule/look_into.h"
+#include "runtime/store/store.h"
+#include "tests/runtime/cli/program.h"
+
+namespace cdb::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string PluginFile(const char* name) { return fmt::format("{}/{}.so", CDB_PLUGIN_DIR, name); }
+
+/// A crowd of balls that touch, with a statement about detectors.
+std::string Crowd(const std::string& use, const std::string& statement) {
+  return use + "benchmark b {\n  cycles 20\n  world.side 250\n  pair_order sorted\n  " + statement +
+         "\n  objects { quantity 30; linear_velocity uniform(-100, 100) }\n}\n";
+}
+
+std::string Use(const char* name) { return fmt::format("use detector \"{}\"\n", PluginFile(name)); }
+
+struct CellEnd {
+  Status status;
+  std::string message, state_hash;
+};
+
+/// How the run at each value of the only axis ended.
+std::map<std::string, CellEnd> Ends(const fs::path& file) {
+  const ResultFile result(file);
+  std::map<std::string, CellEnd> ends;
+  const compiler::Axis axis = result.axes().at(0);
+  for (std::size_t i = 0; i < axis.values.size(); ++i) {
+    const ResultFile::Cell cell{{i}, 0};
+    ends[std::get<std::string>(axis.values[i])] = {result.ReadStatus(cell),
+                                                   result.ReadText("message", cell),
+                                                   result.ReadText("state_hash", cell)};
+  }
+  return ends;
+}
+
+bool Has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(Plugins, RunBesideTheCatalogue) {
+  const Program program;
+  fs::copy(PluginFile("faulty"), program.folder() / "mine.so");
+  program.Write("used.cdb",
+                Crowd("use detector \"mine.so\"\n", "detector sweep(sound, simple, dbvt)"));
+  program.Write("given.cdb", Crowd("", "detector sweep(sound, simple, dbvt)"));
+  EXPECT_EQ(program.Run({"run", "used.cdb", "-q", "-o", "used.h5"}).status, 0);
+  EXPECT_EQ(program.Run({"run", "given.cdb", "-q", "-o", "given.h5", "--plugin", "mine.so"}).status,
+            0);
+  EXPECT_EQ(program.Run({"run", "--plugin", "mine.so", "given.cdb", "-q", "-o", "again.h5"}).status,
+            0);
+  EXPECT_EQ(program.Run({"plan", "used.cdb", "-o", "plan.yaml"}).status, 0);
+  EXPECT_EQ(program.Run({"run", "plan.yaml", "-q", "-o", "plan.h5"}).status, 0);
+  const auto used = Ends(program.folder() / "used.h5");
+  EXPECT_EQ(used.at("sound").state_hash.size(), 16u);
+  // Who tests every pair lists the same, and in sorted order they move alike to the bit.
+  EXPECT_EQ(used.at("sound").state_hash, used.at("simple").state_hash);
+  for (const char* other : {"given.h5", "again.h5", "plan.h5"})
+    EXPECT_EQ(Ends(program.folder() / other).at("sound").state_hash, used.at("sound").state_hash);
+}
+
+TEST(Plugins, CostTheirOwnCellsAlone) {
+  const std::map<std::string, std::string> causes = {
+      {"makes_nothing", "returns nothing"},
+      {"throws_in_make", "out of luck"},
+      {"throws_in_prepare", "Prepare: out of luck"},
+      {"throws_in_find_pairs", "FindPairs of cycle 1: out of luck"},
+      {"throws_a_number", "FindPairs of cycle 1: it throws what is no std::exception"},
+      {"aborts", "FindPairs of detector `aborts`"},
+      {"segfaults", "FindPairs of detector `segfaults`"},
+      {"hangs", "FindPairs of detector `hangs`"},
+      {"unknown_body", "it lists the pair (0, 36)"},
+      {"same_body", "it lists body 1 with itself"}};
+  std::string names = "dbvt";
+  for (const auto& [name, cause] : causes) names += ", " + name;
+  const Program program;
+  program.Write("b.cdb", Crowd(Use("faulty"), fmt::format("timeout 2; detector sweep({})", names)));
+  const Finished run = program.Run({"run", "b.cdb"});
+  EXPECT_EQ(run.status, 3) << run.err;
+  const auto ends = Ends(program.folder() / "b.h5");
+  EXPECT_EQ(ends.at("dbvt").status, Status::kDone);
+  for (const auto& [name, cause] : causes) {
+    const CellEnd& end = ends.at(name);
+    EXPECT_EQ(end.status, name == "hangs"                           ? Status::kTimedOut
+                          : name == "aborts" || name == "segfaults" ? Status::kCrashed
+                                                                    : Status::kFailed);
+    EXPECT_TRUE(Has(end.message, fmt::format("detector `{}`", name))) << end.message;
+    EXPECT_TRUE(Has(end.message, cause)) << end.message;
+  }
+}
+
+TEST(Plugins, ContactsThatAreNoneFailTheRun) {
+  const std::map<std::string, std::string> causes = {
+      {"throws_in_find_contacts", "out of luck"},
+      {"place_is_nan", "has a number that is none"},
+      {"distance_is_nan", "has a number that is none"},
+      {"long_normal", "normal"}};
+  std::string names = "bullet";
+  for (const auto& [name, cause] : causes) names += ", " + name;
+  const Program program;
+  program.Write("b.cdb", Crowd(Use("faulty"), fmt::format("narrow_phase sweep({})", names)));
+  EXPECT_EQ(program.Run({"run", "b.cdb", "-q"}).status, 3);
+  const auto ends = Ends(program.folder() / "b.h5");
+  EXPECT_EQ(ends.at("bullet").status, Status::kDone);
+  for (const auto& [name, cause] : causes) {
+    EXPECT_EQ(ends.at(name).status, Status::kFailed) << name;
+    EXPECT_TRUE(Has(ends.at(name).message, fmt::format("`{}`", name))) << ends.at(name).message;
+    EXPECT_TRUE(Has(ends.at(name).message, cause)) << ends.at(name).message;
+  }
+}
+
+TEST(Plugins, AreRefusedWhereTheyAreNamed) {
+  const Program program;
+  program.Write("text.so", "not a library");
+  struct Case {
+    std::string library, message;
+  };
+  const Case cases[] = {
+      {"nowhere.so", "cannot read 'nowhere.so'"},
+      {"text.so", "cannot load 'text.so'"},
+      {PluginFile("other_abi"), "was built for detector interface 2, this cdb has 1"},
+      {PluginFile("other_build"), "was built with another library"},
+      {PluginFile("no_symbol"), "it has no function cdb_plugin"},
+      {PluginFile("crashes"), "cannot be loaded: the process that tried"},
+      {PluginFile("bad_name"), "'half-open', which no .cdb file can write"},
+      {PluginFile("taken_name"), "has a detector 'dbvt', and so has cdb"},
+  };
+  for (const Case& one : cases) {
+    program.Write("b.cdb", "# first\nuse detector \"" + one.library + "\"\n" + Crowd("", ""));
+    const Finished used = program.Run({"run", "b.cdb"});
+    EXPECT_EQ(used.status, 1);
+    EXPECT_TRUE(Has(used.err, "b.cdb:2:14: error: ")) << used.err;
+    EXPECT_TRUE(Has(used.err, one.message)) << used.err;
+    program.Write("plain.cdb", Crowd("", ""));
+    const Finished given = program.Run({"check", "plain.cdb", "--plugin", one.library});
+    EXPECT_EQ(given.status, 1);
+    EXPECT_TRUE(Has(given.err, one.message)) << given.err;
+  }
+  EXPECT_FALSE(program.Exists("b.h5"));
+}
+
+TEST(Plugins, HoldToTheirPhasesAndLimits) {
+  const Program program;
+  const auto refused = [&](const std::string& statement, const std::string& message) {
+    program.Write("b.cdb", Crowd(Use("faulty"), statement));
+    const Finished finished = program.Run({"check", "b.cdb"});
+    EXPECT_EQ(finished.status, 1);
+    EXPECT_TRUE(Has(finished.err, message)) << finished.err;
+  };
+  refused("detector long_normal", "write narrow_phase long_normal");
+  refused("narrow_phase sound", "write detector sound");
+  refused("detector sonud", "did you mean 'sound'?");
+  refused("detector sweep(few, dbvt)", "'few' holds at most 10 bodies");
+  refused("let sound = 3", "'sound' is a word of the language");
+  program.Write("b.cdb",
+                Crowd(Use("faulty"), "detector sweep(few, dbvt); skip when detector == few"));
+  EXPECT_EQ(program.Run({"check", "b.cdb"}).status, 0);
+}
+
+TEST(Plugins, ThatWereChangedSinceThePlanAreRefused) {
+  const Program program;
+  fs::copy(PluginFile("faulty"), program.folder() / "mine.so");
+  program.Write("b.cdb", Crowd("use detector \"mine.so\"\n", "detector sweep(sound)"));
+  EXPECT_EQ(program.Run({"plan", "b.cdb", "-o", "plan.yaml"}).status, 0);
+  // Still a library that loads.
+  program.Write("mine.so", program.Read("mine.so") + "changed");
+  EXPECT_EQ(program.Run({"run", "plan.yaml", "-q", "-o", "old.h5"}).status, 3);
+  EXPECT_TRUE(Has(Ends(program.folder() / "old.h5").at("sound").message,
+                  "'mine.so' is another file than the one that was planned with"));
+  EXPECT_EQ(program.Run({"run", "b.cdb", "-q", "-o", "new.h5"}).status, 0);
+  const Finished mixed = program.Run({"run", "plan.yaml", "--plugin", "mine.so"});
+  EXPECT_EQ(mixed.status, 2);
+  EXPECT_TRUE(Has(mixed.err, "names its own")) << mixed.err;
+}
+
+TEST(LookInto, GivesUpOnALibraryThatHangs) {
+  std::string why;
+  const auto found =
+      LookInto(std::string(CDB_BINARY_DIR) + "/cdb-worker-f32", PluginFile("hangs"), why, 0.5);
+  EXPECT_FALSE(found);
+  EXPECT_TRUE(Has(why, "is not loaded after 0.5 s")) << why;
+}
+
+TEST(LookInto, FindsNamesPhasesAndLimits) {
+  std::string why;
+  const auto found =
+      LookInto(std::string(CDB_BINARY_DIR) + "/cdb-worker-f32", PluginFile("faulty"), why);
+  ASSERT_TRUE(found) << why;
+  EXPECT_EQ(found->at(0), (compiler::PluginDetector{"sound", "broad", 0, "", ""}));
+  EXPECT_EQ(found->at(1), (compiler::PluginDetector{"few", "broad", 10, "", ""}));
+  EXPECT_EQ(found->back().phases, "narrow");
+}
+
+}  // namespace
+}  // namespace cdb::runtime

@@ -1,0 +1,43 @@
+// A library that is refused, for the reason that its build defines.
+#include <signal.h>
+#include <unistd.h>
+
+#include "library/detectors/detector.h"
+
+namespace {
+
+#if defined(CRASHES)
+const int at_loading = raise(SIGSEGV);
+#elif defined(HANGS)
+const int at_loading = [] {
+  for (;;) pause();
+  return 0;
+}();
+#endif
+
+#if defined(BAD_NAME)
+constexpr const char* kName = "half-open";
+#elif defined(TAKEN_NAME)
+constexpr const char* kName = "dbvt";
+#else
+constexpr const char* kName = "lonely";
+#endif
+
+[[maybe_unused]] cdb::Detector* Make(const cdb::Options&) { return new cdb::Detector; }
+[[maybe_unused]] constexpr cdb::DetectorEntry kEntries[] = {{kName, "", cdb::kBroad, 0, Make}};
+
+}  // namespace
+
+#if defined(OTHER_ABI)
+extern "C" const cdb::Plugin* cdb_plugin() {
+  static const cdb::Plugin plugin = {cdb::kDetectorAbi + 1, cdb::DetectorBuild(), 1, kEntries};
+  return &plugin;
+}
+#elif defined(OTHER_BUILD)
+extern "C" const cdb::Plugin* cdb_plugin() {
+  static const cdb::Plugin plugin = {cdb::kDetectorAbi, "another library", 1, kEntries};
+  return &plugin;
+}
+#elif !defined(NO_SYMBOL)
+CDB_DETECTORS(kEntries)
+#endif

@@ -1,0 +1,309 @@
+// What summaries say of detectors: faults first, and what each costs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "compiler/plan_yaml.h"
+#include "runtime/cli/show.h"
+#include "runtime/cli/show_detectors.h"
+#include "runtime/cli/verify_plan.h"
+#include "runtime/cli/verify_table.h"
+#include "tests/runtime/cli/program.h"
+#include "tests/runtime/store/store_fixture.h"
+
+namespace cdb::runtime {
+namespace {
+
+constexpr std::uint64_t kCycles = 3;
+/// Of every made-up plan.
+const std::string kTitle = "A plan for tests \xE2\x80\x93 \xC2\xB5";
+
+/// A made-up run: values of its series, the same in every cycle or one for each.
+class Made {
+ public:
+  explicit Made(const compiler::Run& run) : fake_(run) {
+    for (const char* name : {"missed_pairs", "phantom_pairs", "duplicate_pairs", "missed_contacts"})
+      Ints(name, {0, 0, 0});
+    Ints("exact_pairs", {10, 10, 10});
+    Reals("depth_error", {1e-5, NAN, 3e-5});
+    Reals("normal_error", {NAN, NAN, NAN});
+    fake_.result.message = fake_.result.omitted = fake_.result.needs = "";
+    fake_.result.peak_rss_bytes = 8e6;
+    fake_.result.harness_ns = NAN;
+  }
+  void Ints(const char* name, const std::vector<std::int32_t>& values) { Put(name, values); }
+  void Reals(const char* name, const std::vector<double>& values) { Put(name, values); }
+  /// ns of detect in each cycle; of every phase, as nobody looks at the others.
+  void Detect(const std::vector<double>& ns) {
+    std::vector<double> all;
+    for (int phase = 0; phase < kPhaseCount; ++phase) all.insert(all.end(), ns.begin(), ns.end());
+    Put("duration", all);
+  }
+  RunResult& result() { return fake_.result; }
+
+ private:
+  template <typename T>
+  void Put(const char* name, const std::vector<T>& values) {
+    for (auto& [series, bytes] : fake_.result.series) {
+      if (series->name != name) continue;
+      ASSERT_EQ(bytes.size(), values.size() * sizeof(T)) << name;
+      auto& memory = memory_[name];
+      memory.resize(bytes.size());
+      std::memcpy(memory.data(), values.data(), bytes.size());
+      bytes = memory;
+    }
+  }
+
+  FakeResult fake_;
+  std::map<std::string, std::vector<std::byte>> memory_;
+};
+
+compiler::Plan PlanOf(std::vector<compiler::Axis> axes, compiler::WordList record) {
+  return MakePlan(std::move(axes), 1, {.cycles = kCycles, .record = std::move(record)});
+}
+
+/// The file of a plan whose runs `settle` makes.
+template <typename Use>
+auto WithFile(const compiler::Plan& plan,
+              const std::function<void(const compiler::Run&, Made&)>& settle, Use use) {
+  const TemporaryFolder folder;
+  for (const compiler::Run& run : plan.runs) {
+    Made made(run);
+    settle(run, made);
+    WriteShard(plan, run, made.result(), TestProvenance(), folder.path());
+  }
+  Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  return use(ResultFile(folder / "out.h5"));
+}
+
+std::string IdOf(const compiler::Plan& plan, std::size_t run) { return plan.runs[run].id; }
+
+TEST(Verify, TellsTheWrongFirst) {
+  const compiler::Plan plan =
+      PlanOf({TextAxis("detector", {"simple", "dbvt", "twice", "broken", "null"}),
+              NumberAxis("quantity", {10, 20})},
+             {"pairs"});
+  const VerifyText verified = WithFile(
+      plan,
+      [](const compiler::Run& run, Made& made) {
+        if (run.at[0] == 1) made.Ints("phantom_pairs", {0, 2, 1});
+        if (run.at[0] == 2) made.Ints("duplicate_pairs", {0, 0, 4});
+        if (run.at[0] == 3 && run.at[1] == 1) {
+          made.result().status = Status::kCrashed;
+          made.result().n_cycles = 0;
+          made.result().message = "ended by signal 11 (SIGSEGV)";
+        }
+        if (run.at[0] == 4) made.Ints("missed_pairs", {0, run.at[1] == 0 ? 0 : 3, 10});
+      },
+      [](const ResultFile& file) { return VerifyTable(file, {"sap is not built"}); });
+  EXPECT_FALSE(verified.is_good);
+  EXPECT_EQ(
+      verified.text,
+      kTitle +
+          "\n  detector  points  cycles  exact pairs  missed  phantom  duplicate  contacts missed  "
+          "depth "
+          "error  normal error  verdict\n"
+          "  "
+          "----------------------------------------------------------------------------------------"
+          "---"
+          "---------------------------------------\n"
+          "  null           2       6           60      23        0          0                0    "
+          "  "
+          "2.0e-05             -  wrong: misses pairs\n"
+          "  broken         2       3           30       0        0          0                0    "
+          "  "
+          "2.0e-05             -  failed: 1 of 2\n"
+          "  simple         2       6           60       0        0          0                0    "
+          "  "
+          "2.0e-05             -  exact\n"
+          "  dbvt           2       6           60       0        6          0                0    "
+          "  "
+          "2.0e-05             -  superset\n"
+          "  twice          2       6           60       0        0          8                0    "
+          "  "
+          "2.0e-05             -  lists pairs twice\n"
+          "\n"
+          "  null misses pairs from cycle 2 of detector null, quantity 10, rep 0 on\n"
+          "    cdb run fixture.cdb --only " +
+          IdOf(plan, 8) +
+          "\n"
+          "  broken crashed at detector broken, quantity 20, rep 0: ended by signal 11 (SIGSEGV)\n"
+          "    cdb run fixture.cdb --only " +
+          IdOf(plan, 7) +
+          "\n"
+          "  twice lists pairs twice from cycle 2 of detector twice, quantity 10, rep 0 on\n"
+          "    cdb run fixture.cdb --only " +
+          IdOf(plan, 4) + "\n  Left out: sap is not built.\n");
+}
+
+TEST(Verify, IsGoodWhereNothingIsMissed) {
+  const compiler::Plan plan = PlanOf({TextAxis("detector", {"simple", "dbvt"})}, {"pairs"});
+  const auto judge = [&](const char* series, std::vector<std::int32_t> values) {
+    return WithFile(
+        plan, [&](const compiler::Run&, Made& made) { made.Ints(series, values); },
+        [](const ResultFile& file) { return VerifyTable(file, {}); });
+  };
+  EXPECT_TRUE(judge("phantom_pairs", {9, 9, 9}).is_good);
+  EXPECT_TRUE(judge("duplicate_pairs", {1, 0, 0}).is_good);
+  EXPECT_FALSE(judge("missed_pairs", {0, 0, 1}).is_good);
+  const VerifyText contacts = judge("missed_contacts", {0, 1, 0});
+  EXPECT_FALSE(contacts.is_good);
+  EXPECT_NE(contacts.text.find("wrong: misses contacts"), std::string::npos) << contacts.text;
+  EXPECT_NE(judge("exact_pairs", {-1, -1, -1}).text.find("nothing to judge"), std::string::npos);
+}
+
+/// Three detectors at three quantities; detect grows as quantity, quantity^2 and not at all.
+std::string Shown(const compiler::WordList& record, std::vector<std::string> detectors,
+                  const std::vector<std::string>& by = {},
+                  const std::function<void(const compiler::Run&, Made&)>& more = {}) {
+  const compiler::Plan plan = PlanOf(
+      {NumberAxis("quantity", {10, 20, 40}), TextAxis("detector", std::move(detectors))}, record);
+  return WithFile(
+      plan,
+      [&](const compiler::Run& run, Made& made) {
+        const double n = std::get<double>(plan.axes[0].values[run.at[0]]);
+        const double ns = std::pow(n, run.at[1] == 0 ? 1 : run.at[1] == 1 ? 2 : 0);
+        made.Detect({ns, ns, 100 * ns});
+        if (more) more(run, made);
+      },
+      [&](const ResultFile& file) { return Show(file, {by}).text; });
+}
+
+TEST(ShowDetectors, SetsTheWorstCycleBesideTheMedianAndFitsGrowth) {
+  const std::string text = Shown({"timing", "pairs"}, {"sap", "dbvt", "simple"}, {"detector"},
+                                 [](const compiler::Run& run, Made& made) {
+                                   if (run.at[1] == 1) made.Ints("phantom_pairs", {0, 1, 2});
+                                 });
+  EXPECT_NE(text.find("\nDetectors: a cycle's detect, ns\n"
+                      "  detector  median   worst  missed  phantom  peak rss, MB\n"
+                      "  -------------------------------------------------------\n"
+                      "  sap         40.0    4000       0        0          8.00\n"
+                      "  dbvt        1600  160000       0        9          8.00\n"
+                      "  simple      1.00     100       0        0          8.00\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("\nGrowth: p of detect ~ quantity^p\n"
+                      "  detector     p\n"
+                      "  --------------\n"
+                      "  sap       1.00\n"
+                      "  dbvt      2.00\n"
+                      "  simple    0.00\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("\nPairs listed that do not overlap: dbvt 9 beside 90.\n"), std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("WRONG"), std::string::npos) << text;
+}
+
+TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {
+  const std::string text = Shown({"timing", "pairs"}, {"sap", "dbvt", "null"}, {},
+                                 [](const compiler::Run& run, Made& made) {
+                                   if (run.at[1] == 2)
+                                     made.Ints("missed_pairs", {run.at[0] == 0 ? 0 : 5, 10, 10});
+                                 });
+  const std::string line =
+      kTitle +
+      "\n  9 runs (3 quantity x 3 detector), 3 cycles\n"
+      "  WRONG: null missed 70 of 90 pairs, in 3 of 3 runs; first in cycle 1 of quantity 10, "
+      "detector null, rep 0.\n"
+      "    Its times are of less work than there was. That run by itself: cdb run fixture.cdb -b "
+      "fixture --only ";
+  EXPECT_TRUE(text.starts_with(line)) << text;
+}
+
+TEST(ShowDetectors, NamesThoseThatNobodyLookedAt) {
+  const std::string blind = Shown({"timing", "counts"}, {"sap", "fcl_spatialhash", "dbvt"});
+  EXPECT_NE(blind.find("\n  Known to miss pairs, and nobody looked: fcl_spatialhash. record pairs "
+                       "does.\n"),
+            std::string::npos)
+      << blind;
+  const std::string seen = Shown({"timing", "pairs"}, {"sap", "fcl_spatialhash", "dbvt"});
+  EXPECT_EQ(seen.find("nobody looked"), std::string::npos) << seen;
+}
+
+TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
+  const auto set = [](const compiler::Run& run, Made& made) {
+    made.result().harness_ns = run.at[1] == 2 ? NAN : 2;
+  };
+  const std::string text = Shown({"timing"}, {"sap", "dbvt", "null"}, {}, set);
+  // Detect is 20 ns of sap in the middle; null would be 1 ns, and is all harness.
+  EXPECT_NE(text.find("\n  Harness: 2.00 ns a cycle, 10.0 % of the detect of sap, the fastest; "
+                      "nothing is subtracted.\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(Shown({"timing"}, {"sap", "dbvt", "null"}).find("Harness"), std::string::npos);
+}
+
+TEST(GrowthExponent, FitsTheLogarithms) {
+  EXPECT_NEAR(GrowthExponent({{10, 5}, {100, 500}, {1000, 50000}}), 2, 1e-12);
+  EXPECT_NEAR(GrowthExponent({{1, 7}, {2, 7}, {4, 7}}), 0, 1e-12);
+  EXPECT_TRUE(std::isnan(GrowthExponent({{10, 5}, {100, 500}})));
+  EXPECT_TRUE(std::isnan(GrowthExponent({{10, 5}, {10, 6}, {100, 500}})));
+  EXPECT_TRUE(std::isnan(GrowthExponent({{0, 5}, {10, 6}, {100, 500}})));
+  EXPECT_TRUE(std::isnan(GrowthExponent({{1, 5}, {10, NAN}, {100, 500}})));
+}
+
+TEST(VerifyCommand, FindsNothingWrongWithBulletsAndEverythingWithNothing) {
+  const Program program;
+  program.Write("s.cdb",
+                "benchmark s { cycles 20; repeats 2; world.side 300; detector sweep(simple, dbvt)\n"
+                "objects { quantity sweep(20, 40); linear_velocity uniform(-300, 300) } }");
+  const Finished good = program.Run({"verify", "s.cdb", "-q"});
+  EXPECT_EQ(good.status, 0) << good.err;
+  EXPECT_EQ(good.err, "");
+  EXPECT_NE(good.out.find("\n  simple         2      40 "), std::string::npos) << good.out;
+  EXPECT_NE(good.out.find("  exact\n"), std::string::npos) << good.out;
+  EXPECT_TRUE(program.Exists("s.verify.h5"));
+
+  const Finished bad = program.Run(
+      {"verify", "s.cdb", "-q", "--detector", "sap,null", "--cycles", "5", "-o", "results"});
+  EXPECT_EQ(bad.status, 3) << bad.err;
+  EXPECT_LT(bad.out.find("\n  null "), bad.out.find("\n  sap ")) << bad.out;
+  EXPECT_NE(bad.out.find("  wrong: misses pairs\n"), std::string::npos) << bad.out;
+  // What it prints replays it, and says so too.
+  const std::string replay = "    cdb run results/s.verify.yaml --only ";
+  const std::size_t at = bad.out.find(replay);
+  ASSERT_NE(at, std::string::npos) << bad.out;
+  const std::string id = bad.out.substr(at + replay.size(), 16);
+  const Finished again = program.Run({"run", "results/s.verify.yaml", "--only", id});
+  EXPECT_NE(again.out.find("  WRONG: null missed "), std::string::npos) << again.out << again.err;
+
+  const Finished other = program.Run({"verify", "s.cdb", "-q", "--detector", "dvbt"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("did you mean 'dbvt'?"), std::string::npos) << other.err;
+}
+
+TEST(VerifyPlan, TakesEveryDetectorThatHoldsTheScene) {
+  const Program program;
+  program.Write("s.cdb",
+                "benchmark s { cycles 1; omit none; detector sap32\n"
+                "objects { quantity sweep(10, 16384) } }");
+  ASSERT_EQ(program.Run({"plan", "s.cdb", "-o", "s.yaml"}).status, 0);
+  const compiler::Plan plan = compiler::FromYaml(program.Read("s.yaml"), "s.yaml");
+  const VerifyPlan every = MakeVerifyPlan(plan, {{"all"}, 7, {}});
+  const auto& detectors = every.plan.axes[0];
+  EXPECT_EQ(detectors.name, "detector");
+  EXPECT_EQ(std::ranges::count(detectors.values, compiler::Coordinate("null")), 0);
+  const auto sap = std::ranges::find(detectors.values, compiler::Coordinate("sap"));
+  ASSERT_NE(sap, detectors.values.end());
+  const auto index = static_cast<std::size_t>(sap - detectors.values.begin());
+  EXPECT_EQ(every.plan.skipped, (std::vector<std::vector<std::size_t>>{{index, 1}}));
+  EXPECT_EQ(every.plan.runs.size() + 1, 2 * detectors.values.size());
+  EXPECT_NE(std::ranges::find(every.left_out, "sap, where there are more than 16384 bodies"),
+            every.left_out.end());
+  for (const compiler::Run& run : every.plan.runs) {
+    EXPECT_EQ(run.scene.world.Count("cycles"), 7u);
+    EXPECT_TRUE(run.scene.world.Lists("record", "pairs"));
+    EXPECT_FALSE(run.scene.world.Lists("record", "timing"));
+    EXPECT_EQ(run.scene.world.WordOr("pair_order"), "sorted");
+  }
+}
+
+}  // namespace
+}  // namespace cdb::runtime

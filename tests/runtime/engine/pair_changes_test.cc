@@ -1,0 +1,107 @@
+#include "runtime/engine/pair_changes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <vector>
+
+namespace cdb::runtime {
+namespace {
+
+/// Bodies of which the last may not meet any.
+class Bodies {
+ public:
+  explicit Bodies(std::size_t count) : boxes_(count), filters_(count) { filters_.back().mask = 0; }
+  Scene View() const {
+    return {.size = boxes_.size(),
+            .boxes = boxes_,
+            .filters = filters_,
+            .poses = {},
+            .shapes = {},
+            .is_asleep = {}};
+  }
+
+ private:
+  std::vector<Box> boxes_;
+  std::vector<Filter> filters_;
+};
+
+/// PairChanges, and what they come to.
+class Kept {
+ public:
+  bool Update(const Scene& scene, std::vector<Pair> found) {
+    const bool has_changed =
+        changes_.Update(scene, found, [this](const Pair& pair) { return pairs_.count(pair) > 0; });
+    for (const Pair& pair : changes_.went()) EXPECT_EQ(pairs_.erase(pair), 1u);
+    for (const Pair& pair : changes_.came()) EXPECT_TRUE(pairs_.insert(pair).second);
+    return has_changed;
+  }
+  const std::set<Pair>& pairs() const { return pairs_; }
+  const PairChanges& changes() const { return changes_; }
+
+ private:
+  PairChanges changes_;
+  std::set<Pair> pairs_;
+};
+
+TEST(PairChanges, ComeToTheListWhateverItsOrder) {
+  constexpr std::size_t kBodies = 120;
+  const Bodies bodies(kBodies);
+  std::mt19937 random(3);
+  const auto body = [&] { return static_cast<Id>(random() % kBodies); };
+  for (const int churn : {0, 3, 400}) {
+    Kept kept;
+    std::vector<Pair> list;
+    for (int cycle = 0; cycle < 300; ++cycle) {
+      for (int i = 0; i < churn && !list.empty(); ++i) {
+        // As a hash does: the last takes the place of the one that goes.
+        const std::size_t at = random() % list.size();
+        list[at] = list.back();
+        list.pop_back();
+      }
+      for (int i = 0; i < churn; ++i) {
+        const Pair pair = {body(), body()};
+        if (pair.a != pair.b) list.push_back(pair);  // some twice, some the other way round
+      }
+      if (cycle % 17 == 5) std::ranges::shuffle(list, random);
+      if (cycle % 29 == 7) std::ranges::sort(list);
+      if (cycle % 97 == 50) list.clear();
+      std::set<Pair> expected;
+      for (const Pair& pair : list) {
+        const Pair shaped = {std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
+        if (shaped.b != kBodies - 1) expected.insert(shaped);
+      }
+      const bool same = expected == kept.pairs();
+      EXPECT_EQ(kept.Update(bodies.View(), list), !same);
+      ASSERT_EQ(kept.pairs(), expected) << "churn " << churn << ", cycle " << cycle;
+    }
+  }
+}
+
+TEST(PairChanges, TellWhatCameAndWhatWent) {
+  const Bodies bodies(10);
+  Kept kept;
+  EXPECT_TRUE(kept.Update(bodies.View(), {{0, 1}, {3, 2}}));
+  EXPECT_FALSE(kept.Update(bodies.View(), {{0, 1}, {3, 2}}));
+  EXPECT_FALSE(kept.Update(bodies.View(), {{2, 3}, {1, 0}, {0, 1}}));
+  EXPECT_TRUE(kept.Update(bodies.View(), {{4, 5}, {0, 1}, {8, 9}}));
+  ASSERT_EQ(kept.changes().came().size(), 1u);
+  EXPECT_EQ(kept.changes().came()[0], (Pair{4, 5}));
+  ASSERT_EQ(kept.changes().went().size(), 1u);
+  EXPECT_EQ(kept.changes().went()[0], (Pair{2, 3}));
+}
+
+TEST(PairChanges, RefusePairsThatMakeNoSenseAndKeepWhatTheyHad) {
+  const Bodies bodies(10);
+  Kept kept;
+  kept.Update(bodies.View(), {{0, 1}});
+  EXPECT_THROW(kept.Update(bodies.View(), {{0, 1}, {2, 10}}), std::invalid_argument);
+  EXPECT_THROW(kept.Update(bodies.View(), {{4, 4}}), std::invalid_argument);
+  EXPECT_FALSE(kept.Update(bodies.View(), {{0, 1}}));
+}
+
+}  // namespace
+}  // namespace cdb::runtime
