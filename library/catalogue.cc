@@ -83,7 +83,7 @@ constexpr DetectorInfo kDetectors[] = {
     {"fcl_obb", "the triangles that cross, by trees of oriented boxes", "FCL", "narrow",
      "OBB trees", 0, FCL_TREES "; no contact before an overlap", "fcl"},
     {"fcl_rss", "the triangles that cross or are nearest, by trees of rectangle-swept spheres",
-     "FCL", "narrow", "swept-sphere trees", 0, FCL_TREES "; a tenth of a millisecond for two balls",
+     "FCL", "narrow", "RSS trees", 0, FCL_TREES "; a tenth of a millisecond for two balls",
      "fcl"},
     {"fcl_kdop", "the triangles that cross, by trees of 18-DOPs", "FCL", "narrow", "k-DOP trees", 0,
      FCL_TREES "; no contact before an overlap; copies both trees for each pair", "fcl"},
