@@ -10,6 +10,7 @@
 
 #include "library/scene_error.h"
 #include "runtime/engine/broad_phase.h"
+#include "runtime/engine/memory.h"
 #include "runtime/engine/probes.h"
 #include "runtime/engine/state_hash.h"
 #include "tests/runtime/engine/engine_fixture.h"
