@@ -171,8 +171,10 @@ those pairs (narrow phase). What it lacks, Bullet supplies.
   narrow_phase fcl_gjk        who finds their contacts; `own` is the detector itself where it has a
                               narrow phase, else Bullet; `bullet` is always Bullet
   pair_order sorted           pairs are worked on in the order of their bodies: then all detectors
-                              that list the same pairs move everything alike, to the bit. It costs
-                              time in the narrow phase, so Bullet's own order is the default
+                              that list the same pairs move everything alike, to the bit. (Where
+                              bodies sleep, phantoms count too: they decide who sleeps with whom.)
+                              Bullet's own four sort anew in each cycle, which is part of their
+                              narrow phase; behind the interface it costs next to nothing
   threads 2                   for the detectors that can use them
   record pairs                holds each cycle's list against all pairs there are, in double:
                               missed_pairs, phantom_pairs, duplicate_pairs

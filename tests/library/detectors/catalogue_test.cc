@@ -37,10 +37,10 @@ TEST(Catalogue, OwnDetectorsAreThoseItSaysAreOfCdb) {
     EXPECT_EQ(info->HasPhase("narrow"), (entry.phases & kNarrow) != 0) << entry.name;
   }
   for (const DetectorInfo& info : Detectors())
-    EXPECT_EQ(info.source == "cdb",
-              std::ranges::any_of(OwnDetectors(), [&](const DetectorEntry& entry) {
-                return info.name == entry.name;
-              }))
+    EXPECT_EQ(info.source == "cdb", std::ranges::any_of(OwnDetectors(),
+                                                        [&](const DetectorEntry& entry) {
+                                                          return info.name == entry.name;
+                                                        }))
         << info.name;
 }
 
