@@ -306,13 +306,15 @@ void Probes::RecordFilters() {
   for (const auto& wall : engine_.walls()) record(PlaceOfWall(*wall), *wall);
 }
 
-/// A proxy keeps the box that it was given until it is given the next.
+/// A broad phase keeps the box that it was given until it is given the next.
 void Probes::RecordBoxes(std::uint64_t cycle) {
   const std::size_t bodies = box_filters_.size() / kFilterSize;
   const auto record = [&](std::size_t place, const btRigidBody& body) {
-    const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
+    btVector3 lower, upper;
+    engine_.world().getBroadphase()->getAabb(
+        const_cast<btBroadphaseProxy*>(body.getBroadphaseHandle()), lower, upper);
     double* box = &boxes_[(cycle * bodies + place) * kBoxSize];
-    for (const btVector3* corner : {&proxy.m_aabbMin, &proxy.m_aabbMax})
+    for (const btVector3* corner : {&lower, &upper})
       for (int axis = 0; axis < 3; ++axis) *box++ = WithInfinity((*corner)[axis]);
   };
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) record(i, *engine_.objects()[i]);

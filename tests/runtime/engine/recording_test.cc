@@ -197,6 +197,25 @@ TEST(Series, PairsAreTheBoxesThatOverlap) {
   EXPECT_EQ(RunHere(scene).recording.Ints("pairs").back(), 0);
 }
 
+TEST(Series, BoxesAreTheSameWhoeverFindsThePairs) {
+  compiler::Scene scene = DenseScene();
+  Record(scene, {"boxes"});
+  SetWorld(scene, "pair_order", Word("sorted"));
+  SetWorld(scene, "sleeping", false);
+  SetWorld(scene, "cycles", std::uint64_t{20});
+  SetWorld(scene, "omit", compiler::WordList{"none"});
+  Recorded first = RunHere(scene);
+  ASSERT_TRUE(first.done()) << first.message();
+  const auto expected = first.recording.Reals("boxes");
+  EXPECT_LT(expected[0], expected[3]);
+  for (const char* detector : {"simple", "sap32", "auto", "octree"}) {
+    SetWorld(scene, "detector", Word(detector));
+    Recorded other = RunHere(scene);
+    ASSERT_TRUE(other.done()) << other.message();
+    EXPECT_TRUE(std::ranges::equal(other.recording.Reals("boxes"), expected)) << detector;
+  }
+}
+
 TEST(Series, EnergyIsKeptInFreeFlight) {
   compiler::Scene scene = EngineScene(20, 2000);
   SetWorld(scene, "world.walls", Word("none"));
