@@ -102,6 +102,12 @@ Scene BoxScene::View() const {
           .is_asleep = is_asleep_};
 }
 
+std::vector<Pair> Listed(Detector& detector, const Scene& scene) {
+  std::vector<Pair> pairs;
+  detector.FindPairs(scene, pairs);
+  return pairs;
+}
+
 std::vector<Pair> BruteForce(const Scene& scene) {
   std::vector<Pair> pairs;
   for (Id a = 0; a < scene.size; ++a)

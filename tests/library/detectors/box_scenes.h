@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <random>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "library/detectors/detector.h"
@@ -40,6 +41,36 @@ class BoxScene {
 /// The names.
 inline constexpr std::string_view kBoxScenes[] = {"sparse", "dense",  "cluster",
                                                   "pile",   "asleep", "mixed"};
+
+/// Bodies whose boxes the test sets itself.
+struct Boxes {
+  Boxes() = default;
+  explicit Boxes(std::vector<Box> of) : boxes(std::move(of)), filters(boxes.size()) {}
+
+  void Add(const Box& box, const Filter& filter = {}) {
+    boxes.push_back(box);
+    filters.push_back(filter);
+  }
+  Scene View() const {
+    return {.size = boxes.size(),
+            .boxes = boxes,
+            .filters = filters,
+            .poses = {},
+            .shapes = {},
+            .is_asleep = {}};
+  }
+
+  std::vector<Box> boxes;
+  std::vector<Filter> filters;
+};
+
+/// A cube about (x, y, z).
+inline Box Cube(double x, double y, double z, double half) {
+  return {{x - half, y - half, z - half}, {x + half, y + half, z + half}};
+}
+
+/// What the detector lists, as it lists it.
+std::vector<Pair> Listed(Detector& detector, const Scene& scene);
 
 /// Every pair tested: what exact_pairs.h has to find.
 std::vector<Pair> BruteForce(const Scene& scene);

@@ -26,6 +26,8 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double Vec3::*kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
 
+using tests::Boxes, tests::Cube, tests::Listed;
+
 struct Named {
   std::string name;
   std::unique_ptr<Detector> detector;
@@ -46,16 +48,10 @@ std::vector<Named> All(unsigned threads = 1) {
   return all;
 }
 
-std::vector<Pair> Found(Detector& detector, const Scene& scene) {
-  std::vector<Pair> pairs;
-  detector.FindPairs(scene, pairs);
-  return pairs;
-}
-
 void ExpectExact(std::vector<Named>& all, const Scene& scene, const std::string& where) {
   const std::vector<Pair> exact = ExactPairs(scene);
   for (Named& named : all) {
-    std::vector<Pair> pairs = Found(*named.detector, scene);
+    std::vector<Pair> pairs = Listed(*named.detector, scene);
     std::ranges::sort(pairs);
     if (pairs == exact) continue;
     for (const Pair& pair : pairs) EXPECT_LT(pair.a, pair.b);
@@ -84,35 +80,13 @@ TEST(OwnDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
     std::vector<Named> first = All(1), second = All(1), two = All(2), three = All(3);
     for (int cycle = 0; cycle < 20; ++cycle, moving.Move()) {
       for (std::size_t i = 0; i < first.size(); ++i) {
-        const std::vector<Pair> pairs = Found(*first[i].detector, moving.View());
-        EXPECT_EQ(Found(*second[i].detector, moving.View()), pairs) << first[i].name;
-        EXPECT_EQ(Found(*two[i].detector, moving.View()), pairs) << first[i].name;
-        EXPECT_EQ(Found(*three[i].detector, moving.View()), pairs) << first[i].name;
+        const std::vector<Pair> pairs = Listed(*first[i].detector, moving.View());
+        EXPECT_EQ(Listed(*second[i].detector, moving.View()), pairs) << first[i].name;
+        EXPECT_EQ(Listed(*two[i].detector, moving.View()), pairs) << first[i].name;
+        EXPECT_EQ(Listed(*three[i].detector, moving.View()), pairs) << first[i].name;
       }
     }
   }
-}
-
-/// Bodies whose boxes a test sets.
-struct Boxes {
-  std::vector<Box> boxes;
-  std::vector<Filter> filters;
-  void Add(const Box& box, const Filter& filter = {}) {
-    boxes.push_back(box);
-    filters.push_back(filter);
-  }
-  Scene View() const {
-    return {.size = boxes.size(),
-            .boxes = boxes,
-            .filters = filters,
-            .poses = {},
-            .shapes = {},
-            .is_asleep = {}};
-  }
-};
-
-Box Cube(double x, double y, double z, double half) {
-  return {{x - half, y - half, z - half}, {x + half, y + half, z + half}};
 }
 
 TEST(OwnDetectors, AreExactOnFewAndOddBodies) {

@@ -13,24 +13,7 @@
 namespace cdb::library {
 namespace {
 
-/// Boxes that the test sets itself.
-struct Boxes {
-  explicit Boxes(std::vector<Box> of) : boxes(std::move(of)), filters(boxes.size()) {}
-  Scene View() const {
-    return {.size = boxes.size(),
-            .boxes = boxes,
-            .filters = filters,
-            .poses = {},
-            .shapes = {},
-            .is_asleep = {}};
-  }
-  std::vector<Box> boxes;
-  std::vector<Filter> filters;
-};
-
-Box CubeAt(double x, double y, double z, double half) {
-  return {{x - half, y - half, z - half}, {x + half, y + half, z + half}};
-}
+using tests::Boxes, tests::Cube;
 
 class RivalPairs : public testing::TestWithParam<DetectorInfo> {
  protected:
@@ -78,21 +61,21 @@ TEST_P(RivalPairs, AreExactInEveryScene) {
 TEST_P(RivalPairs, OfBoxesThatTouchOrHaveNoExtent) {
   std::vector<Box> boxes;
   for (int i = 0; i < 512; ++i)  // a lattice without gaps, and its corners as points
-    boxes.push_back(CubeAt(i % 8, i / 8 % 8, i / 64, i % 3 == 0 ? 0.5 : i % 3 == 1 ? 0.25 : 0));
+    boxes.push_back(Cube(i % 8, i / 8 % 8, i / 64, i % 3 == 0 ? 0.5 : i % 3 == 1 ? 0.25 : 0));
   Boxes scene(boxes);
   detector_->Prepare(scene.View());
   for (int cycle = 0; cycle < 3; ++cycle) ExpectGood(scene.View(), "lattice", false);
 }
 
 TEST_P(RivalPairs, OfBoxesAllInOnePlace) {
-  Boxes scene(std::vector<Box>(200, CubeAt(1, 2, 3, 1)));
+  Boxes scene(std::vector<Box>(200, Cube(1, 2, 3, 1)));
   detector_->Prepare(scene.View());
   for (int cycle = 0; cycle < 3; ++cycle) ExpectGood(scene.View(), "one place");
 }
 
 TEST_P(RivalPairs, OfASceneWithoutBodiesAndOneWithOne) {
   for (const std::size_t size : {0, 1}) {
-    Boxes scene(std::vector<Box>(size, CubeAt(0, 0, 0, 1)));
+    Boxes scene(std::vector<Box>(size, Cube(0, 0, 0, 1)));
     detector_ = tests::MakeRival(GetParam());
     detector_->Prepare(scene.View());
     ExpectGood(scene.View(), std::to_string(size));
@@ -101,7 +84,7 @@ TEST_P(RivalPairs, OfASceneWithoutBodiesAndOneWithOne) {
 
 TEST_P(RivalPairs, OfBoxesInOrderAlongALine) {
   std::vector<Box> boxes;
-  for (int i = 0; i < 2000; ++i) boxes.push_back(CubeAt(i * 0.9, 0, 0, 0.5));
+  for (int i = 0; i < 2000; ++i) boxes.push_back(Cube(i * 0.9, 0, 0, 0.5));
   Boxes scene(boxes);
   detector_->Prepare(scene.View());
   for (int cycle = 0; cycle < 3; ++cycle) ExpectGood(scene.View(), "line");
@@ -113,8 +96,7 @@ TEST_P(RivalPairs, OfBoxesOfEverySize) {
   std::uniform_real_distribution<double> exponent(-3, 4), at(-1000, 1000);
   std::vector<Box> boxes;
   for (int i = 0; i < 500; ++i)
-    boxes.push_back(
-        CubeAt(at(random), at(random), at(random), std::pow(10.0, exponent(random)) / 2));
+    boxes.push_back(Cube(at(random), at(random), at(random), std::pow(10.0, exponent(random)) / 2));
   Boxes scene(boxes);
   detector_->Prepare(scene.View());
   for (int cycle = 0; cycle < 3; ++cycle) ExpectGood(scene.View(), "sizes");
@@ -129,7 +111,7 @@ TEST_P(RivalPairs, OfBodiesThatLeaveTheWorld) {
   const auto spread = [&](double factor) {
     for (std::size_t i = 0; i < from.size(); ++i)
       scene.boxes[i] =
-          CubeAt(from[i].x * factor, from[i].y * factor, from[i].z * factor, factor < 1e30 ? 1 : 0);
+          Cube(from[i].x * factor, from[i].y * factor, from[i].z * factor, factor < 1e30 ? 1 : 0);
   };
   spread(1);
   detector_->Prepare(scene.View());

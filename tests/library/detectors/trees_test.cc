@@ -16,8 +16,7 @@ namespace {
 using Make = Detector* (*)(const Options&);
 
 std::vector<Pair> Found(Detector& detector, const Scene& scene) {
-  std::vector<Pair> pairs;
-  detector.FindPairs(scene, pairs);
+  std::vector<Pair> pairs = tests::Listed(detector, scene);
   std::ranges::sort(pairs);
   return pairs;
 }
@@ -42,22 +41,16 @@ TEST_P(Trees, FindJustThePairsOfBoxesOfAnyKind) {
   const double corners[] = {-1e30, -3, -1, -0.5, 0, 0, 0.5, 1, 1, 3, 1e6, 1e30, INFINITY, NAN};
   std::uniform_int_distribution<std::size_t> pick(0, std::size(corners) - 1);
   for (int round = 0; round < 300; ++round) {
-    std::vector<Box> boxes(40);
-    for (Box& box : boxes)
+    tests::Boxes bodies(std::vector<Box>(40));
+    for (Box& box : bodies.boxes)
       for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
         double a = corners[pick(random)], b = round % 2 == 0 ? a : corners[pick(random)];
         if (b < a) std::swap(a, b);
         box.lower.*axis = a == INFINITY ? -INFINITY : a;
         box.upper.*axis = b;
       }
-    std::vector<Filter> filters(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); i += 5) filters[i].is_fixed = true;
-    const Scene scene = {.size = boxes.size(),
-                         .boxes = boxes,
-                         .filters = filters,
-                         .poses = {},
-                         .shapes = {},
-                         .is_asleep = {}};
+    for (std::size_t i = 0; i < bodies.filters.size(); i += 5) bodies.filters[i].is_fixed = true;
+    const Scene scene = bodies.View();
     const std::unique_ptr<Detector> detector(GetParam()({}));
     detector->Prepare(scene);
     ASSERT_EQ(Found(*detector, scene), tests::BruteForce(scene)) << "round " << round;
