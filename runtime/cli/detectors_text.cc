@@ -30,14 +30,34 @@ std::vector<std::string> Limits(const DetectorInfo& detector) {
   return limits;
 }
 
+/// Lines of at most so many columns, where words allow.
+std::vector<std::string> Lines(std::string_view text, std::size_t columns) {
+  std::vector<std::string> lines = {""};
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    std::string& line = lines.back();
+    if (line.empty()) {
+      line = word;
+    } else if (line.size() + 1 + word.size() <= columns) {
+      line.append(" ").append(word);
+    } else {
+      lines.emplace_back(word);
+    }
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
+  }
+  return lines;
+}
+
 std::string PhaseTable(const char* title, std::string_view phase) {
+  constexpr std::size_t kColumns = 80;
   Table table;
-  for (const char* head : {title, "from", "family", ""}) table.AddColumn(head, false);
+  for (const char* head : {title, "from", ""}) table.AddColumn(head, false);
   for (const DetectorInfo& detector : library::Detectors()) {
     if (!detector.HasPhase(phase)) continue;
-    table.AddRow({std::string(detector.name), std::string(detector.source),
-                  std::string(detector.family), std::string(detector.doc)});
-    for (const std::string& limit : Limits(detector)) table.AddRow({"", "", "", "  " + limit});
+    table.AddRow(
+        {std::string(detector.name), std::string(detector.source), std::string(detector.doc)});
+    for (const std::string& limit : Limits(detector))
+      for (const std::string& line : Lines(limit, kColumns)) table.AddRow({"", "", "  " + line});
   }
   return table.Text();
 }
@@ -49,26 +69,6 @@ bool IsOfFamily(const DetectorInfo& detector, std::string_view family) {
     rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 2);
   }
   return false;
-}
-
-/// Lines of at most 100 columns, all but the first indented.
-std::string Wrapped(std::string_view text, std::size_t indent) {
-  std::string lines;
-  std::size_t column = 0;
-  while (!text.empty()) {
-    const std::size_t space = std::min(text.find(' '), text.size());
-    if (column > indent && column + 1 + space > 100) {
-      lines += "\n" + std::string(indent, ' ');
-      column = indent;
-    } else if (column > 0 && column != indent) {
-      lines += ' ';
-      ++column;
-    }
-    lines += text.substr(0, space);
-    column += space;
-    text.remove_prefix(std::min(space + 1, text.size()));
-  }
-  return lines + "\n";
 }
 
 std::string FamilyTable() {
@@ -83,7 +83,8 @@ std::string FamilyTable() {
         here += (here.empty() ? "" : " ") + std::string(detector.name);
     table.AddRow({std::string(family.name), std::string(family.source), here});
     if (!family.why_not.empty())
-      without += "  " + Wrapped(fmt::format("{}: {}.", family.name, family.why_not), 4);
+      for (const std::string& line : Lines(fmt::format("{}: {}.", family.name, family.why_not), 96))
+        without += (line.starts_with(family.name) ? "  " : "    ") + line + "\n";
   }
   return table.Text() + "\nNo detector of:\n" + without;
 }
