@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -13,6 +14,8 @@ namespace {
 
 constexpr unsigned kMaxAge = 16;
 constexpr std::size_t kMaxSample = 256;
+/// Each is tested with all boxes; so many more than foreseen cost as much as a new shape.
+constexpr std::size_t kMoreTooLong = 32;
 // In nanoseconds, measured once on one machine; only their ratios matter.
 constexpr double kScanCost = 5, kTestCost = 0.5;
 
@@ -43,6 +46,39 @@ Sample Take(const Columns& boxes, std::size_t count) {
   return sample;
 }
 
+float Longest(const Columns& boxes, std::size_t i) {
+  float longest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    longest = std::max(longest, boxes.upper[axis][i] - boxes.lower[axis][i]);
+  return longest;
+}
+
+/// All boxes by their longest side, eight bins an octave: one in a thousand that is too long for
+/// the grid is missed by a sample, and costs as much as all the others.
+class Lengths {
+ public:
+  Lengths(const Columns& boxes, std::size_t count) : counts_(kBins, 0) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const float longest = Longest(boxes, i);
+      if (std::isfinite(longest)) ++counts_[std::bit_cast<std::uint32_t>(longest) >> kShift];
+    }
+  }
+  /// `see(limit, beyond)`: how many boxes are longer, for each limit that makes a difference.
+  template <typename See>
+  void ForEachLimit(const See& see) const {
+    std::size_t beyond = 0;
+    for (std::uint32_t bin = kBins; bin-- > 0;) {
+      if (counts_[bin] == 0) continue;
+      see(std::bit_cast<float>(((bin + 1) << kShift) - 1), beyond);
+      beyond += counts_[bin];
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kShift = 20, kBins = 1u << (31 - kShift);
+  std::vector<std::size_t> counts_;
+};
+
 }  // namespace
 
 // The density is that of the middle of the boxes: a few that are far away must not make cells so
@@ -54,7 +90,6 @@ void BoxGrid::ChooseShape(std::size_t count) {
   const std::size_t n = sample.size;
   if (n == 0) {  // none that could stand in a grid
     shape_ = {.origin = {}, .inverse = {}, .last = {}, .reach = {-1, -1, -1}, .n = {1, 1, 1}};
-    foreseen_ = count;
     return;
   }
   // Where they are: most of them, and as much again on both sides, but no further than the last.
@@ -69,35 +104,35 @@ void BoxGrid::ChooseShape(std::size_t count) {
     dense_volume *= std::max(width * 8 / 7, 1e-30);
   }
   // What is too long: with each limit, the rest costs a cell's tests, those beyond a scan of all.
-  auto longest = sample.longest;
-  std::sort(longest.begin(), longest.begin() + static_cast<std::ptrdiff_t>(n));
   const auto total = static_cast<double>(count);
   const double density = total / dense_volume;
   double best = std::numeric_limits<double>::infinity();
-  std::size_t kept = n;
-  for (std::size_t beyond = 0; beyond < n; beyond = beyond == 0 ? 1 : 2 * beyond) {
-    const std::size_t rest = n - beyond;
-    const double limit = longest[rest - 1];
-    const double share = static_cast<double>(rest) / static_cast<double>(n);
+  float limit = 0;
+  const Columns& boxes = loose_.get();
+  Lengths(boxes, count).ForEachLimit([&](float length, std::size_t beyond) {
+    const double share = 1 - static_cast<double>(beyond) / total;
     double volume = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      volume *= std::min(2 * limit, spread[axis] + limit);
+      volume *= std::min<double>(2 * length, spread[axis] + length);
     const double cost = share * (volume * density * kTestCost) + (1 - share) * total / 8;
-    if (cost < best) {
-      best = cost;
-      kept = rest;
-    }
-  }
-  const float limit = longest[kept - 1];
+    if (cost >= best) return;
+    best = cost;
+    limit = length;
+  });
   float reach[3] = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(Longest(boxes, i) <= limit)) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      reach[axis] = std::max(reach[axis], boxes.upper[axis][i] - boxes.lower[axis][i]);
+  }
   double mean[3] = {};
+  const auto kept = static_cast<double>(
+      std::count_if(sample.longest.begin(), sample.longest.begin() + static_cast<std::ptrdiff_t>(n),
+                    [&](float longest) { return longest <= limit; }));
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < n; ++i) {
-      if (sample.longest[i] > limit) continue;
-      reach[axis] = std::max(reach[axis], sample.extent[axis][i]);
-      mean[axis] += sample.extent[axis][i] / static_cast<double>(kept);
-    }
-    // Those of its kind that were not in the sample.
+    for (std::size_t i = 0; i < n; ++i)
+      if (sample.longest[i] <= limit) mean[axis] += sample.extent[axis][i] / kept;
+    // They may grow until the next shape.
     reach[axis] = reach[axis] * 1.25f + std::numeric_limits<float>::min();
   }
   // Cells as wide as costs least, the rows that are scanned against what is tested in them.
@@ -139,7 +174,6 @@ void BoxGrid::ChooseShape(std::size_t count) {
     shape_.last[axis] = static_cast<float>(shape_.n[axis] - 1);
     shape_.reach[axis] = reach[axis];
   }
-  foreseen_ = count - count * kept / n;
 }
 
 bool BoxGrid::Build(const Box* boxes, std::size_t count) {
@@ -169,7 +203,7 @@ void BoxGrid::Arrange(std::size_t count) {
     starts_.assign(cells + 3, 0);
     for (std::size_t i = 0; i < count; ++i) ++starts_[cells_[i] + 1];
     const std::size_t long_ones = starts_[cells + 1];
-    if (is_new || long_ones <= foreseen_ + count / 32 + 8) {
+    if (is_new || long_ones <= foreseen_ + kMoreTooLong) {
       if (is_new) foreseen_ = long_ones;
       break;
     }
