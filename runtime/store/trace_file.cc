@@ -146,6 +146,18 @@ h5::File OpenTrace(const fs::path& path) {
   }
 }
 
+/// What `read` gives; HDF5's and the system's complaints name the file.
+template <typename Read>
+auto Undamaged(const fs::path& path, Read read) {
+  try {
+    return read();
+  } catch (const h5::Error& why) {
+    throw Useless(path, fmt::format("it is damaged: {}", why.what()));
+  } catch (const std::system_error& why) {
+    throw StoreError(fmt::format("{}: {}", path.string(), why.what()));
+  }
+}
+
 compiler::TraceFacts FactsOf(const h5::File& file, const fs::path& path) {
   const auto count = [&](const char* name) {
     const double value = file.Number(name);
@@ -167,10 +179,11 @@ compiler::TraceFacts FactsOf(const h5::File& file, const fs::path& path) {
 TraceMemory ReadMemory(const h5::File& file, const compiler::TraceFacts& facts,
                        const fs::path& path) {
   const h5::Dataset boxes = file.OpenDataset("boxes");
-  const std::vector<double> filters = file.OpenDataset("filters").Read();
+  const h5::Dataset kept_filters = file.OpenDataset("filters");
   if (boxes.shape() != h5::Shape{facts.cycles, facts.bodies, kBoxSize} ||
-      filters.size() != facts.bodies * kFilterSize)
+      kept_filters.shape() != h5::Shape{facts.bodies, kFilterSize})
     throw Useless(path, "its arrays are not as its head says");
+  const std::vector<double> filters = kept_filters.Read();
   TraceMemory trace = TraceMemory::Create({facts.bodies, facts.cycles, facts.is_double});
   for (std::size_t i = 0; i < facts.bodies; ++i)
     trace.filters()[i] = {static_cast<std::uint32_t>(filters[i * kFilterSize]),
@@ -203,13 +216,17 @@ void WriteTrace(const TraceMemory& trace, const TraceOrigin& origin, std::uint64
   Publish(temporary, path);
 }
 
-compiler::TraceFacts ReadTraceFacts(const fs::path& path) { return FactsOf(OpenTrace(path), path); }
+compiler::TraceFacts ReadTraceFacts(const fs::path& path) {
+  const h5::File file = OpenTrace(path);
+  return Undamaged(path, [&] { return FactsOf(file, path); });
+}
 
 std::optional<std::string> TracedRun(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return std::nullopt;
   try {
-    return OpenTrace(path).Text("run_id");
+    const h5::File file = OpenTrace(path);
+    return Undamaged(path, [&] { return file.Text("run_id"); });
   } catch (const StoreError&) {
     return std::nullopt;
   }
@@ -217,21 +234,15 @@ std::optional<std::string> TracedRun(const fs::path& path) {
 
 TraceMemory LoadTrace(const fs::path& path, const std::string& sha256) {
   const h5::File file = OpenTrace(path);
-  const compiler::TraceFacts facts = FactsOf(file, path);
+  const compiler::TraceFacts facts = Undamaged(path, [&] { return FactsOf(file, path); });
   if (facts.sha256 != sha256)
     throw StoreError(
         fmt::format("{}: it holds the trace {} and this plan is of {}; plan again, or "
                     "put the other back",
                     path.string(), facts.sha256.substr(0, 16), sha256.substr(0, 16)));
-  try {
-    TraceMemory trace = ReadMemory(file, facts, path);
-    if (trace.Sha256() != sha256) throw Useless(path, "it is damaged");
-    return trace;
-  } catch (const h5::Error& why) {
-    throw Useless(path, fmt::format("it is damaged: {}", why.what()));
-  } catch (const std::system_error& why) {
-    throw StoreError(fmt::format("{}: {}", path.string(), why.what()));
-  }
+  TraceMemory trace = Undamaged(path, [&] { return ReadMemory(file, facts, path); });
+  if (trace.Sha256() != sha256) throw Useless(path, "it is damaged");
+  return trace;
 }
 
 }  // namespace cdb::runtime
