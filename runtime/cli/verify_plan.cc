@@ -57,19 +57,33 @@ std::string Absence(const library::DetectorInfo& info) {
   return {};
 }
 
+/// Those that are named, or every one but those of which `left_out` then says why.
+std::vector<library::DetectorInfo> Chosen(const VerifyOptions& options,
+                                          std::vector<std::string>& left_out) {
+  std::vector<library::DetectorInfo> chosen;
+  if (!options.WantsAll()) {
+    for (const std::string& name : options.detectors)
+      chosen.push_back(*compiler::FindDetector(name, options.plugins));
+    return chosen;
+  }
+  const auto choose = [&](const library::DetectorInfo& info) {
+    if (!info.HasPhase("broad")) return;
+    if (const std::string why = Absence(info); !why.empty())
+      left_out.push_back(fmt::format("{} {}", info.name, why));
+    else
+      chosen.push_back(info);
+  };
+  for (const library::DetectorInfo& info : library::Detectors()) choose(info);
+  for (const compiler::PluginDetector& plugin : options.plugins)
+    choose(*compiler::FindDetector(plugin.name, options.plugins));
+  return chosen;
+}
+
 /// Points that a detector does not hold are skipped, and a detector that holds none is left out.
-VerifyPlan WithEveryDetector(const Plan& plan, std::span<const compiler::PluginDetector> plugins) {
-  std::vector<library::DetectorInfo> all(library::Detectors().begin(), library::Detectors().end());
-  for (const compiler::PluginDetector& plugin : plugins)
-    all.push_back(*compiler::FindDetector(plugin.name, plugins));
+VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   VerifyPlan every;
   std::vector<std::string> names;
-  for (const library::DetectorInfo& info : all) {
-    if (!info.HasPhase("broad")) continue;
-    if (const std::string why = Absence(info); !why.empty()) {
-      every.left_out.push_back(fmt::format("{} {}", info.name, why));
-      continue;
-    }
+  for (const library::DetectorInfo& info : Chosen(options, every.left_out)) {
     const auto held = std::ranges::count_if(
         plan.runs, [&](const Run& run) { return info.Holds(compiler::BodyCount(run.scene)); });
     if (held < std::ssize(plan.runs))
@@ -77,9 +91,10 @@ VerifyPlan WithEveryDetector(const Plan& plan, std::span<const compiler::PluginD
           fmt::format("{}, where there are more than {} bodies", info.name, info.max_bodies));
     if (held > 0) names.emplace_back(info.name);
   }
-  every.plan = WithDetectors(plan, names, plugins);
+  if (names.empty()) return every;
+  every.plan = WithDetectors(plan, names, options.plugins);
   std::erase_if(every.plan.runs, [&](const Run& run) {
-    const auto detector = compiler::FindDetector(names[run.at[0]], plugins);
+    const auto detector = compiler::FindDetector(names[run.at[0]], options.plugins);
     const bool is_held = detector->Holds(compiler::BodyCount(run.scene));
     if (!is_held) every.plan.skipped.push_back(run.at);
     return !is_held;
@@ -107,16 +122,15 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   }
   AddReferences(bare);
   VerifyPlan made;
-  if (options.WantsAll()) {
-    made = WithEveryDetector(bare, options.plugins);
-  } else if (options.detectors.empty()) {
+  if (options.detectors.empty())
     made.plan = std::move(bare);
-  } else {
-    made.plan = WithDetectors(bare, options.detectors, options.plugins);
-  }
+  else
+    made = WithChosen(bare, options);
   if (made.plan.runs.empty())
-    throw CommandError(
-        fmt::format("{}: there is nothing to verify: every point is left out", plan.benchmark));
+    throw CommandError(fmt::format("{}: there is nothing to verify: {}", plan.benchmark,
+                                   made.left_out.empty()
+                                       ? "every point is left out"
+                                       : fmt::format("{}", fmt::join(made.left_out, "; "))));
   return made;
 }
 

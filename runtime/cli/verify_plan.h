@@ -21,7 +21,7 @@ struct VerifyOptions {
 
 struct VerifyPlan {
   compiler::Plan plan;
-  std::vector<std::string> left_out;  ///< what `all` does without, and why: a line each
+  std::vector<std::string> left_out;  ///< detectors and points, and why: a line each
 };
 
 /// Every point of the plan once, with `record pairs` alone, pairs in sorted order and no errors.
