@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "compiler/plan_yaml.h"
+#include "runtime/cli/console.h"
 #include "runtime/cli/table.h"
 
 namespace cdb::runtime {
@@ -29,22 +30,33 @@ std::string PlaceText(const ResultFile& file, const Cell& cell) {
   return text + fmt::format("rep {}", cell.rep);
 }
 
+std::string OnlyCommand(const ResultFile& file, const Cell& cell) {
+  std::string command = fmt::format("cdb run {} -b {} --only {}", ShellWord(file.source()),
+                                    file.benchmark(), file.ReadText("run_id", cell));
+  const std::string plugins = file.ReadProvenance("plugins");
+  return plugins.empty() ? command : command + " " + plugins;
+}
+
 std::optional<std::size_t> DetectorAxis(const ResultFile& file) {
   const auto axis = std::ranges::find(file.axes(), "detector", &compiler::Axis::parameter);
   if (axis == file.axes().end() || !axis->IsText()) return std::nullopt;
   return static_cast<std::size_t>(axis - file.axes().begin());
 }
 
+std::optional<compiler::Plan> ReadPlan(const ResultFile& file) {
+  try {
+    return compiler::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");
+  } catch (const compiler::PlanError&) {
+    return std::nullopt;
+  }
+}
+
 CellDetectors::CellDetectors(const ResultFile& file) : file_(file), axis_(DetectorAxis(file)) {
   if (axis_) return;
-  try {
-    const compiler::Plan plan =
-        compiler::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");
-    for (const compiler::Run& run : plan.runs)
-      by_run_.emplace(run.id, run.scene.world.WordOr("detector"));
-  } catch (const compiler::PlanError&) {
-    // A file of an older cdb is shown as far as it goes.
-  }
+  const auto plan = ReadPlan(file);
+  if (!plan) return;
+  for (const compiler::Run& run : plan->runs)
+    by_run_.emplace(run.id, run.scene.world.WordOr("detector"));
 }
 
 std::string CellDetectors::Of(const Cell& cell) const {

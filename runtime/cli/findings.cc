@@ -122,12 +122,10 @@ std::string WrongDetectors(const ResultFile& file, const std::vector<DetectorFin
     if (of.missed == 0) continue;
     text += fmt::format(
         "  WRONG: {} missed {} of {} pairs, in {} of {} {}; first in cycle {} of {}.\n"
-        "    Its times are of less work than there was. That run by itself: cdb run {} -b {} "
-        "--only "
-        "{}\n",
+        "    Its times are of less work than there was. That run by itself: {}\n",
         of.detector, of.missed, of.exact, of.wrong_runs, of.runs, of.runs == 1 ? "run" : "runs",
-        of.first_missed->cycle, PlaceText(file, of.first_missed->cell), file.source(),
-        file.benchmark(), file.ReadText("run_id", of.first_missed->cell));
+        of.first_missed->cycle, PlaceText(file, of.first_missed->cell),
+        OnlyCommand(file, of.first_missed->cell));
   }
   std::string names;
   for (const DetectorFindings& of : findings)

@@ -174,9 +174,8 @@ class Summary {
         text += fmt::format("    {}: {}\n", PlaceText(file_, bad_[i].cell), bad_[i].why);
       if (bad_.size() > kMaxBadListed)
         text += fmt::format("    and {} more\n", bad_.size() - kMaxBadListed);
-      text +=
-          fmt::format("  To run the first of them by itself: cdb run {} -b {} --only {}\n",
-                      file_.source(), file_.benchmark(), file_.ReadText("run_id", bad_[0].cell));
+      text += fmt::format("  To run the first of them by itself: {}\n",
+                          OnlyCommand(file_, bad_[0].cell));
     }
     return text;
   }

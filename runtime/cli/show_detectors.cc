@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "library/catalogue.h"
-
 #include "runtime/cli/cells.h"
 #include "runtime/cli/show.h"
 #include "runtime/cli/table.h"
@@ -136,39 +135,63 @@ class Comparison {
     return fmt::format("\nDetectors: a cycle's detect, {}\n{}", unit.name, table.Text());
   }
 
-  /// The one axis that counts objects; nullopt where there is none, or several.
-  std::optional<std::size_t> CountAxis() const {
+  static bool CanFit(const compiler::Axis& axis) {
+    return !axis.IsText() && axis.values.size() >= kLeastPoints;
+  }
+
+  /// How many objects each point has. Empty where that is of no use, or the plan cannot be asked.
+  std::map<Key, double> Objects() const {
+    std::map<Key, double> objects;
+    if (std::ranges::none_of(file_.axes(), CanFit)) return objects;
+    const auto plan = ReadPlan(file_);
+    if (!plan) return objects;
+    for (const compiler::Run& run : plan->runs)
+      objects[run.at] = static_cast<double>(run.scene.ObjectCount());
+    return objects;
+  }
+
+  /// The one axis to fit over, along which the number of objects changes; nullopt where there is
+  /// none, or several.
+  std::optional<std::size_t> CountAxis(const std::map<Key, double>& objects) const {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < file_.axes().size(); ++i) {
-      const compiler::Axis& axis = file_.axes()[i];
-      if (!axis.parameter.ends_with(".quantity") || axis.IsText()) continue;
+      if (!CanFit(file_.axes()[i])) continue;
+      std::map<Key, double> of_others;
+      const bool changes = std::ranges::any_of(objects, [&](const auto& point) {
+        Key others = point.first;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+        return of_others.emplace(std::move(others), point.second).first->second != point.second;
+      });
+      if (!changes) continue;
       if (found) return std::nullopt;
       found = i;
     }
     return found;
   }
 
-  /// Fitted at each point of the axes beside the quantity; rows as those of the costs, and the mean
-  /// of what is pooled there.
+  /// Fitted at each point of the axes beside the one that changes the number of objects; rows as
+  /// those of the costs, and the mean of what is pooled there.
   std::string Growth() const {
-    const auto count = CountAxis();
-    if (!count || file_.axes()[*count].values.size() < kLeastPoints) return {};
+    const std::map<Key, double> objects = Objects();
+    const auto count = CountAxis(objects);
+    if (!count) return {};
     std::vector<std::size_t> others, rows = rows_;
     for (std::size_t i = 0; i < file_.axes().size(); ++i)
       if (i != *count) others.push_back(i);
     std::erase(rows, *count);
-    std::map<Key, std::map<std::size_t, std::vector<double>>> times;
+    std::map<Key, std::map<double, std::vector<double>>> times;
     std::map<Key, Key> row_of;
     for (const Cell& cell : cells_) {
       const Key point = Project(cell, others);
       row_of[point] = Project(cell, rows);
-      Append(times[point][cell.at[*count]], file_.ReadDuration(kDetect, cell));
+      const auto size = objects.find(cell.at);
+      if (size != objects.end())
+        Append(times[point][size->second], file_.ReadDuration(kDetect, cell));
     }
     std::map<Key, std::vector<double>> exponents;
     for (const auto& [point, by_count] : times) {
       std::vector<std::pair<double, double>> fitted;
-      for (const auto& [at, values] : by_count)
-        fitted.emplace_back(std::get<double>(file_.axes()[*count].values[at]), Median(values));
+      for (const auto& [size, values] : by_count) fitted.emplace_back(size, Median(values));
       auto& of_row = exponents[row_of[point]];
       if (const double p = GrowthExponent(fitted); !std::isnan(p)) of_row.push_back(p);
     }
@@ -184,7 +207,7 @@ class Comparison {
                                    static_cast<double>(of_row.size())));
       table.AddRow(std::move(cells));
     }
-    return fmt::format("\nGrowth: p of detect ~ {}^p{}\n{}", file_.axes()[*count].name,
+    return fmt::format("\nGrowth over {}: p of detect ~ objects^p{}\n{}", file_.axes()[*count].name,
                        times.size() > exponents.size() ? ", the mean over all else" : "",
                        table.Text());
   }

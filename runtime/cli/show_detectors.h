@@ -11,9 +11,9 @@ namespace cdb::runtime {
 
 /// Two tables. Of detect: median and worst cycle, pairs, faults and memory of each detector, in the
 /// order of their axis, at each point of the other axes, or of `by` where that is not empty; what
-/// makes no rows is pooled. And where an axis counts objects, with three values or more: p of
-/// detect ~ quantity^p, by least squares over the logarithms of medians. Only `cells` count. Empty
-/// where the file sweeps no detectors or holds no timings. Throws StoreError.
+/// makes no rows is pooled. And where one axis of three numbers or more changes how many objects
+/// there are: p of detect ~ objects^p, by least squares over the logarithms of medians. Only
+/// `cells` count. Empty where the file sweeps no detectors or holds no timings. Throws StoreError.
 std::string ShowDetectors(const ResultFile& file, const std::vector<ResultFile::Cell>& cells,
                           const std::vector<std::size_t>& by);
 

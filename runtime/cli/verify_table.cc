@@ -78,8 +78,7 @@ class Verified {
   std::string Below(const DetectorFindings& of) const {
     std::string text;
     const auto add = [&](const std::string& what, const ResultFile::Cell& cell) {
-      text += fmt::format("  {} {}\n    cdb run {} --only {}\n", of.detector, what, file_.source(),
-                          file_.ReadText("run_id", cell));
+      text += fmt::format("  {} {}\n    {}\n", of.detector, what, OnlyCommand(file_, cell));
     };
     const auto from = [&](const char* what, const std::optional<DetectorFindings::Place>& first) {
       if (first)

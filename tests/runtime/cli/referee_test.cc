@@ -1,4 +1,5 @@
 // What summaries say of detectors: faults first, and what each costs.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,6 +69,19 @@ compiler::Plan PlanOf(std::vector<compiler::Axis> axes, compiler::WordList recor
   return MakePlan(std::move(axes), 1, {.cycles = kCycles, .record = std::move(record)});
 }
 
+/// One that can be read again.
+compiler::Plan RealPlanOf(const compiler::WordList& record,
+                          const std::vector<std::string>& detectors) {
+  const Program program;
+  program.Write("fixture.cdb",
+                fmt::format("benchmark fixture \"{}\" {{ cycles {}; record {}; warmup 0\n"
+                            "objects {{ quantity sweep(10, 20, 40) }} detector sweep({}) }}",
+                            kTitle, kCycles, fmt::join(record, ", "), fmt::join(detectors, ", ")));
+  const Finished planned = program.Run({"plan", "fixture.cdb", "-o", "plan.yaml"});
+  EXPECT_EQ(planned.status, 0) << planned.err;
+  return compiler::FromYaml(program.Read("plan.yaml"), "plan.yaml");
+}
+
 /// The file of a plan whose runs `settle` makes.
 template <typename Use>
 auto WithFile(const compiler::Plan& plan,
@@ -130,15 +144,15 @@ TEST(Verify, TellsTheWrongFirst) {
           "2.0e-05             -  lists pairs twice\n"
           "\n"
           "  null misses pairs from cycle 2 of detector null, quantity 10, rep 0 on\n"
-          "    cdb run fixture.cdb --only " +
+          "    cdb run fixture.cdb -b fixture --only " +
           IdOf(plan, 8) +
           "\n"
           "  broken crashed at detector broken, quantity 20, rep 0: ended by signal 11 (SIGSEGV)\n"
-          "    cdb run fixture.cdb --only " +
+          "    cdb run fixture.cdb -b fixture --only " +
           IdOf(plan, 7) +
           "\n"
           "  twice lists pairs twice from cycle 2 of detector twice, quantity 10, rep 0 on\n"
-          "    cdb run fixture.cdb --only " +
+          "    cdb run fixture.cdb -b fixture --only " +
           IdOf(plan, 4) + "\n  Left out: sap is not built.\n");
 }
 
@@ -159,11 +173,10 @@ TEST(Verify, IsGoodWhereNothingIsMissed) {
 }
 
 /// Three detectors at three quantities; detect grows as quantity, quantity^2 and not at all.
-std::string Shown(const compiler::WordList& record, std::vector<std::string> detectors,
+std::string Shown(const compiler::WordList& record, const std::vector<std::string>& detectors,
                   const std::vector<std::string>& by = {},
                   const std::function<void(const compiler::Run&, Made&)>& more = {}) {
-  const compiler::Plan plan = PlanOf(
-      {NumberAxis("quantity", {10, 20, 40}), TextAxis("detector", std::move(detectors))}, record);
+  const compiler::Plan plan = RealPlanOf(record, detectors);
   return WithFile(
       plan,
       [&](const compiler::Run& run, Made& made) {
@@ -188,7 +201,7 @@ TEST(ShowDetectors, SetsTheWorstCycleBesideTheMedianAndFitsGrowth) {
                       "  simple      1.00     100       0        0          8.00\n"),
             std::string::npos)
       << text;
-  EXPECT_NE(text.find("\nGrowth: p of detect ~ quantity^p\n"
+  EXPECT_NE(text.find("\nGrowth over quantity: p of detect ~ objects^p\n"
                       "  detector     p\n"
                       "  --------------\n"
                       "  sap       1.00\n"
@@ -240,6 +253,23 @@ TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
   EXPECT_EQ(Shown({"timing"}, {"sap", "dbvt", "null"}).find("Harness"), std::string::npos);
 }
 
+TEST(ShowDetectors, FitsGrowthOverWhateverChangesTheNumberOfObjects) {
+  const Program program;
+  program.Write("s.cdb",
+                "benchmark s { let n = sweep(10, 20, 40)\n"
+                "cycles 3; detector sweep(simple, dbvt); world.side 2000\n"
+                "objects { quantity 2 * n } }");
+  const Finished grown = program.Run({"run", "s.cdb"});
+  EXPECT_NE(grown.out.find("\nGrowth over n: p of detect ~ objects^p\n"), std::string::npos)
+      << grown.out << grown.err;
+  program.Write("t.cdb",
+                "benchmark t { objects { restitution sweep(0, 0.5, 1) }\n"
+                "cycles 3; detector sweep(simple, dbvt) }");
+  const Finished level = program.Run({"run", "t.cdb"});
+  EXPECT_NE(level.out.find("\nDetectors: "), std::string::npos) << level.out << level.err;
+  EXPECT_EQ(level.out.find("Growth"), std::string::npos) << level.out;
+}
+
 TEST(GrowthExponent, FitsTheLogarithms) {
   EXPECT_NEAR(GrowthExponent({{10, 5}, {100, 500}, {1000, 50000}}), 2, 1e-12);
   EXPECT_NEAR(GrowthExponent({{1, 7}, {2, 7}, {4, 7}}), 0, 1e-12);
@@ -267,7 +297,7 @@ TEST(VerifyCommand, FindsNothingWrongWithBulletsAndEverythingWithNothing) {
   EXPECT_LT(bad.out.find("\n  null "), bad.out.find("\n  sap ")) << bad.out;
   EXPECT_NE(bad.out.find("  wrong: misses pairs\n"), std::string::npos) << bad.out;
   // What it prints replays it, and says so too.
-  const std::string replay = "    cdb run results/s.verify.yaml --only ";
+  const std::string replay = "    cdb run results/s.verify.yaml -b s --only ";
   const std::size_t at = bad.out.find(replay);
   ASSERT_NE(at, std::string::npos) << bad.out;
   const std::string id = bad.out.substr(at + replay.size(), 16);
@@ -277,6 +307,27 @@ TEST(VerifyCommand, FindsNothingWrongWithBulletsAndEverythingWithNothing) {
   const Finished other = program.Run({"verify", "s.cdb", "-q", "--detector", "dvbt"});
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.err.find("did you mean 'dbvt'?"), std::string::npos) << other.err;
+}
+
+TEST(VerifyPlan, LeavesOutWhatANamedDetectorDoesNotHold) {
+  const Program program;
+  program.Write("s.cdb",
+                "benchmark s { cycles 1; omit none; detector sap32\n"
+                "objects { quantity sweep(10, 16384) } }");
+  const Finished some = program.Run({"verify", "s.cdb", "-q", "--detector", "sap,dbvt"});
+  EXPECT_EQ(some.status, 0) << some.err;
+  EXPECT_NE(some.out.find("  Left out: sap, where there are more than 16384 bodies.\n"),
+            std::string::npos)
+      << some.out;
+  program.Write("t.cdb",
+                "benchmark t { cycles 1; omit none; detector sap32\n"
+                "objects { quantity 16384 } }");
+  const Finished none = program.Run({"verify", "t.cdb", "-q", "--detector", "sap"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.err.find("t: there is nothing to verify: sap, where there are more than 16384 "
+                          "bodies"),
+            std::string::npos)
+      << none.err;
 }
 
 TEST(VerifyPlan, TakesEveryDetectorThatHoldsTheScene) {
