@@ -8,11 +8,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
+#include "runtime/cli/provenance.h"
 #include "runtime/schedule/progress.h"
 
 namespace cdb::runtime {
@@ -93,39 +96,47 @@ void RemoveShards(const compiler::Plan& plan, const fs::path& folder) {
 
 }  // namespace
 
-CarriedOut CarryOut(const compiler::Plan& plan, const CarryOutOptions& options,
-                    const Provenance& provenance, const StopFlag& stop) {
-  const fs::path folder = ShardFolder(options.out);
+PlanRunner::PlanRunner(CarryOutOptions options)
+    : options_(std::move(options)), provenance_(CollectProvenance()), signals_(stop_) {
+  provenance_["jobs"] = fmt::format("{}", options_.jobs);
+  std::string plugins;
+  for (const std::string& plugin : options_.plugins) plugins += " --plugin " + ShellWord(plugin);
+  if (!plugins.empty()) provenance_["plugins"] = plugins.substr(1);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+CarriedOut PlanRunner::CarryOut(const compiler::Plan& plan, const fs::path& out) const {
+  const fs::path folder = ShardFolder(out);
   std::error_code error;
-  if (!options.fresh && IsThereAlready(options.out, plan)) {
+  if (!options_.fresh && IsThereAlready(out, plan)) {
     // Shards are still there where the last runner was killed right after it had merged them.
     if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
-    if (!options.is_quiet)
-      Say(fmt::format("'{}' is complete; --fresh runs it again\n", options.out.string()));
+    if (!options_.is_quiet)
+      Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
     return {{}, folder, true};
   }
   FolderLock lock(folder);
   ExecuteOptions execute;
   execute.folder = folder;
-  execute.jobs = options.jobs;
-  execute.shard = options.shard;
-  execute.fresh = options.fresh;
-  execute.provenance = provenance;
-  execute.stop = &stop;
+  execute.jobs = options_.jobs;
+  execute.shard = options_.shard;
+  execute.fresh = options_.fresh;
+  execute.provenance = provenance_;
+  execute.stop = &stop_;
   ProgressListener silent;
   Progress progress(StandardError());
-  ProgressListener& listener = options.is_quiet ? silent : static_cast<ProgressListener&>(progress);
+  ProgressListener& listener =
+      options_.is_quiet ? silent : static_cast<ProgressListener&>(progress);
   CarriedOut end = {Execute(plan, execute, listener), folder, false};
   if (end.summary.signal != 0) {
     Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
                     end.summary.ended(), end.summary.ended() + end.summary.left, folder.string()));
     return end;
   }
-  if (options.shard.count > 1) return end;
-  RemoveStaleTemporaries(options.out.has_parent_path() ? options.out.parent_path() : ".");
+  if (options_.shard.count > 1) return end;
+  RemoveStaleTemporaries(out.has_parent_path() ? out.parent_path() : ".");
   // Another runner may have been faster with the same plan.
-  if (options.fresh || !IsThereAlready(options.out, plan))
-    Merge(plan, provenance, folder, options.out);
+  if (options_.fresh || !IsThereAlready(out, plan)) Merge(plan, provenance_, folder, out);
   if (lock.TakeForMyself()) RemoveShards(plan, folder);
   end.is_merged = true;
   return end;

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "compiler/plan.h"
 #include "runtime/schedule/schedule.h"
@@ -12,11 +14,11 @@
 namespace cdb::runtime {
 
 struct CarryOutOptions {
-  std::filesystem::path out;  ///< the results file; its shards lie beside it
   std::size_t jobs = 1;
-  ShardChoice shard = {};
-  bool fresh = false;     ///< start over
-  bool is_quiet = false;  ///< no progress
+  bool fresh = false;                     ///< start over
+  bool is_quiet = false;                  ///< no progress
+  ShardChoice shard = {};                 ///< the part of each plan that is run
+  std::vector<std::string> plugins = {};  ///< libraries that the scenario file does not name
 };
 
 struct CarriedOut {
@@ -25,9 +27,27 @@ struct CarriedOut {
   bool is_merged = false;  ///< `out` is complete; not where only a shard of it was asked for
 };
 
-/// Goes on where an earlier call stopped. Stopped by a signal, says so and keeps what ended. Throws
-/// CommandError, StoreError; then everything finished is kept. Threads: one.
-CarriedOut CarryOut(const compiler::Plan& plan, const CarryOutOptions& options,
-                    const Provenance& provenance, const StopFlag& stop);
+/// Carries out the plans of one command. While it lives, signals ask it to stop, and a pipe that
+/// nobody reads any more does not end it. Provenance is taken once. Threads: one; one at a time in
+/// a process.
+class PlanRunner {
+ public:
+  explicit PlanRunner(CarryOutOptions options);
+
+  /// `out`: the results file; its shards lie beside it. Goes on where an earlier call stopped.
+  /// Stopped by a signal, says so and keeps what ended. Throws CommandError, StoreError; then
+  /// everything finished is kept.
+  CarriedOut CarryOut(const compiler::Plan& plan, const std::filesystem::path& out) const;
+
+  bool is_stopped() const { return stop_.requested(); }
+  /// Of a command that was stopped: 128 + the signal.
+  int StoppedStatus() const { return 128 + stop_.signal(); }
+
+ private:
+  CarryOutOptions options_;
+  Provenance provenance_;
+  StopFlag stop_;
+  StopOnSignals signals_;
+};
 
 }  // namespace cdb::runtime

@@ -49,6 +49,7 @@ struct TraceArguments {
   std::optional<std::string> benchmark;
   std::string
       out;  ///< a file for one point, a folder for several; empty: named after the benchmark
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
   bool fresh = false;
   bool quiet = false;
 };

@@ -93,7 +93,9 @@ int Main(int argc, char** argv) {
                     "points, the folder BENCHMARK.traces)");
   trace->add_flag("--fresh", trace_arguments.fresh, "write over what is there");
   trace->add_flag("-q,--quiet", trace_arguments.quiet, "print nothing but errors");
+  add_plugins(trace);
   trace->callback([&] {
+    trace_arguments.plugins = plugins;
     if (!trace_benchmark.empty()) trace_arguments.benchmark = trace_benchmark;
     status = TraceCommand(trace_arguments);
   });

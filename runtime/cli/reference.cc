@@ -189,7 +189,7 @@ a detector costs.
 PLUG-INS
   use detector "mine.so"      a shared library with detectors of your own, from the folder of the file
                               that says it, else from the library of scenarios
-  cdb run FILE --plugin mine.so    the same on the command line; for check, plan and verify too
+  cdb run FILE --plugin mine.so    the same on the command line; for check, plan, trace and verify too
 
 The installed header cdb/detector.h is all there is to know, and examples/my_detector is a whole one:
 find_package(cdb) has the target cdb::detector. The names in the library are words of `detector` and
@@ -286,8 +286,9 @@ For axes quantity and detector:
   harness                                 ns of a cycle that measuring costs: clock stamps, and calling
                                           a detector that does nothing; in the figures, not subtracted
   /accuracy                               errors, where the scenario asks for them: cdb doc accuracy
-  /provenance                             build, machine, plan_text, scenario_text; models: how well
-                                          convex hulls stand for the meshes of the scene
+  /provenance                             build, machine, plan_text, scenario_text; plugins that the
+                                          command line brought; models: how well convex hulls stand
+                                          for the meshes of the scene
 
 An axis that is called like a dataset above is stored as NAME_axis: `cases load { }` as load_axis.
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <csignal>
 #include <filesystem>
 #include <system_error>
 
@@ -15,7 +14,6 @@
 #include "runtime/cli/provenance.h"
 #include "runtime/cli/show.h"
 #include "runtime/cli/show_error.h"
-#include "runtime/schedule/stop.h"
 #include "runtime/store/store.h"
 
 namespace cdb::runtime {
@@ -82,13 +80,12 @@ int ShowResult(const fs::path& out, bool quiet) {
   return shown.bad_cells > 0 ? kExitRuns : kExitGood;
 }
 
-int RunPlan(const compiler::Plan& plan, const fs::path& out, const RunArguments& arguments,
-            const ShardChoice& shard, const Provenance& provenance, const StopFlag& stop) {
-  const CarriedOut end = CarryOut(
-      plan, {out, arguments.jobs, shard, arguments.fresh, arguments.quiet}, provenance, stop);
-  if (end.summary.signal != 0) return 128 + end.summary.signal;
-  if (end.is_merged) return ShowResult(out, arguments.quiet);
-  if (!arguments.quiet)
+int RunPlan(const compiler::Plan& plan, const fs::path& out, const PlanRunner& runner,
+            bool is_quiet) {
+  const CarriedOut end = runner.CarryOut(plan, out);
+  if (end.summary.signal != 0) return runner.StoppedStatus();
+  if (end.is_merged) return ShowResult(out, is_quiet);
+  if (!is_quiet)
     Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n", Describe(end.summary),
                       out.string(), end.shards.string()));
   return end.summary.HasBadRuns() ? kExitRuns : kExitGood;
@@ -108,17 +105,13 @@ int RunCommand(const RunArguments& arguments) {
   if (BuildType() != "Release" && !arguments.quiet)
     Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
                     BuildType()));
-  Provenance provenance = CollectProvenance();
-  provenance["jobs"] = fmt::format("{}", arguments.jobs);
-  // A sweep does not end because nobody reads its log any more.
-  std::signal(SIGPIPE, SIG_IGN);
-  StopFlag stop;
-  const StopOnSignals signals(stop);
+  const PlanRunner runner(
+      {arguments.jobs, arguments.fresh, arguments.quiet, shard, arguments.plugins});
   int status = kExitGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
-    const int one = RunPlan(plans[i], outs[i], arguments, shard, provenance, stop);
+    const int one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
+    if (runner.is_stopped()) return one;
     status = std::max(status, one);
-    if (stop.requested()) return one;
   }
   return status;
 }

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 
 #include "compiler/cross.h"
@@ -11,7 +10,6 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
-#include "runtime/cli/provenance.h"
 #include "runtime/cli/stability_map.h"
 
 namespace cdb::runtime {
@@ -69,16 +67,10 @@ int StabilityCommand(const StabilityArguments& arguments) {
   if (error)
     throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
                                    arguments.out, error.message()));
-  Provenance provenance = CollectProvenance();
-  provenance["jobs"] = fmt::format("{}", arguments.jobs);
-  std::signal(SIGPIPE, SIG_IGN);
-  StopFlag stop;
-  const StopOnSignals signals(stop);
+  const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
   for (const compiler::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
-    const CarriedOut end = CarryOut(
-        plan, {out, arguments.jobs, {}, arguments.fresh, arguments.quiet}, provenance, stop);
-    if (end.summary.signal != 0) return 128 + end.summary.signal;
+    if (runner.CarryOut(plan, out).summary.signal != 0) return runner.StoppedStatus();
     Print(StabilityMap(ResultFile(out)) + "\n");
   }
   return kExitGood;

@@ -186,7 +186,7 @@ class Tracer {
 
 int TraceCommand(const TraceArguments& arguments) {
   auto plans = LoadPlans(arguments.file, arguments.benchmark,
-                         arguments.quiet ? LintText::kNone : LintText::kOneLine);
+                         arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
   if (plans.empty()) return kExitScenario;
   StopFlag stop;
   const StopOnSignals signals(stop);

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 
@@ -11,7 +10,6 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
-#include "runtime/cli/provenance.h"
 #include "runtime/cli/verify_plan.h"
 #include "runtime/cli/verify_table.h"
 
@@ -45,20 +43,14 @@ int VerifyCommand(const VerifyArguments& arguments) {
   if (error)
     throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
                                    folder.string(), error.message()));
-  Provenance provenance = CollectProvenance();
-  provenance["jobs"] = fmt::format("{}", arguments.jobs);
-  std::signal(SIGPIPE, SIG_IGN);
-  StopFlag stop;
-  const StopOnSignals signals(stop);
+  const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
   int status = kExitGood;
   for (VerifyPlan& one : verified) {
     const std::string name = (folder / one.plan.benchmark).string();
     const std::string plan_file = name + ".verify.yaml";
     const fs::path out = name + ".verify.h5";
     one.plan.source = plan_file;
-    const CarriedOut end = CarryOut(
-        one.plan, {out, arguments.jobs, {}, arguments.fresh, arguments.quiet}, provenance, stop);
-    if (end.summary.signal != 0) return 128 + end.summary.signal;
+    if (runner.CarryOut(one.plan, out).summary.signal != 0) return runner.StoppedStatus();
     WritePlan(one.plan, plan_file);
     const VerifyText text = VerifyTable(ResultFile(out), one.left_out);
     Print(text.text + "\n");

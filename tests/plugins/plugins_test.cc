@@ -71,6 +71,31 @@ TEST(Plugins, RunBesideTheCatalogue) {
     EXPECT_EQ(Ends(program.folder() / other).at("sound").state_hash, used.at("sound").state_hash);
 }
 
+TEST(Plugins, OfTheCommandLineStandInWhatIsPrintedToRunOneCell) {
+  const Program program;
+  fs::create_directory(program.folder() / "my own");
+  fs::copy(PluginFile("faulty"), program.folder() / "my own/mine.so");
+  program.Write("b.cdb", Crowd("", "detector sweep(sound, throws_in_make)"));
+  const Finished run = program.Run({"run", "b.cdb", "--plugin", "my own/mine.so"});
+  EXPECT_EQ(run.status, 3);
+  const std::size_t at = run.out.find("cdb run b.cdb -b b --only ");
+  ASSERT_NE(at, std::string::npos) << run.out;
+  const std::string command = run.out.substr(at, run.out.find('\n', at) - at);
+  EXPECT_TRUE(command.ends_with(" --plugin 'my own/mine.so'")) << command;
+  const Finished one = program.Shell("\"$CDB\"" + command.substr(3));
+  EXPECT_EQ(one.status, 3);
+  EXPECT_TRUE(Has(one.out, "out of luck")) << one.out << one.err;
+}
+
+TEST(Plugins, AreTracedToo) {
+  const Program program;
+  program.Write("b.cdb", Crowd("", "detector sound"));
+  const Finished traced =
+      program.Run({"trace", "b.cdb", "-o", "t.h5", "--plugin", PluginFile("faulty")});
+  EXPECT_EQ(traced.status, 0) << traced.err;
+  EXPECT_TRUE(Has(traced.out, "20 cycles")) << traced.out;
+}
+
 TEST(Plugins, CostTheirOwnCellsAlone) {
   const std::map<std::string, std::string> causes = {
       {"makes_nothing", "returns nothing"},
