@@ -12,7 +12,7 @@ namespace {
 constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
 constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
 constexpr double kCrowdCost = 0.1;                 ///< of each other body in a cell, or too long
-constexpr double kCheckCost = 3, kTestCost = 2.2, kStrayCost = 100;
+constexpr double kCheckCost = 3, kTestCost = 2.2, kStrayCost = 250;
 
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
 constexpr unsigned kMaxAge = 256;
@@ -22,8 +22,12 @@ constexpr std::size_t kSample = 512;
 constexpr std::size_t kMostCandidates = 24, kSlice = 256;
 /// Boxes get less fat in quarters, down to this.
 constexpr double kLeastShare = 1. / 256;
+/// Of a list's cycles, after which boxes are remembered for their velocities.
+constexpr double kRecentShare = 0.75;
 /// Deviations of all but a quarter, times this, hold nearly all of what jitters evenly.
 constexpr double kMarginFactor = 1.6;
+/// The same of all but a half.
+constexpr double kHalfMarginFactor = 2.7;
 /// Who deviated more than most gets so much of a margin of its own, up to a limit for those that
 /// bounced or were set elsewhere.
 constexpr double kOwnMarginFactor = 2;
@@ -41,21 +45,56 @@ Vec3 Rest(const Vec3& shift, const Vec3& velocity, double cycles) {
   return {shift.x - velocity.x * cycles, shift.y - velocity.y * cycles,
           shift.z - velocity.z * cycles};
 }
+Vec3 Scaled(const Vec3& way, double by) { return {way.x * by, way.y * by, way.z * by}; }
 bool Overlap(const FatBox& a, const FatBox& b) {
   for (int axis = 0; axis < 3; ++axis)
     if (!(a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis])) return false;
   return true;
 }
 
+/// A float is off by less than the last term.
+float Below(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-23); }
+float Above(double x) { return static_cast<float>(x + std::fabs(x) * 0x1p-23); }
+
+Box Wide(const FatBox& box) {
+  return {{box.lower[0], box.lower[1], box.lower[2]}, {box.upper[0], box.upper[1], box.upper[2]}};
+}
+
+/// A fat box with room for one that left it, and for as much again.
+FatBox Larger(const FatBox& fat, const Box& box) {
+  const double lower[3] = {box.lower.x, box.lower.y, box.lower.z};
+  const double upper[3] = {box.upper.x, box.upper.y, box.upper.z};
+  double margin = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = fat.lower[axis], high = fat.upper[axis];
+    const double slack = (high - low - (upper[axis] - lower[axis])) / 2;
+    const double out = 2 * std::max(low - lower[axis], upper[axis] - high);
+    // In this order what is not a number is left out.
+    margin = slack > margin ? slack : margin;
+    margin = out > margin ? out : margin;
+  }
+  if (!std::isfinite(margin)) margin = 0;
+  FatBox larger;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = Below(lower[axis] - margin), high = Above(upper[axis] + margin);
+    larger.lower[axis] = fat.lower[axis] <= low ? fat.lower[axis] : low;
+    larger.upper[axis] = fat.upper[axis] >= high ? fat.upper[axis] : high;
+  }
+  return larger;
+}
+
 }  // namespace
 
 Skin::Skin(const Options& options, const Kernels& kernels)
-    : kernels_(kernels), grid_(kernels), stray_grid_(kernels), parts_(options.threads) {}
+    : kernels_(kernels), grid_(kernels), parts_(options.threads) {}
 
 void Skin::Prepare(const Scene& scene) {
   bodies_.Learn(scene);
   is_built_ = false;
   velocity_.assign(bodies_.movers(), {0, 0, 0});
+  recent_.assign(bodies_.movers(), {});
+  margins_.assign(bodies_.movers(), 0);
+  recent_age_ = 0;
   goes_on_ = false;
   share_ = 1;
   margin_ = most_margin_ = 0;
@@ -72,25 +111,27 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
       return;
     }
   }
-  std::size_t strays = 0;
-  const bool is_over = !is_built_ || age_ >= kMaxAge || (goes_on_ && age_ > horizon_);
+  bool is_over = !is_built_ || age_ >= kMaxAge || (goes_on_ && age_ > horizon_);
   if (!is_over) {
-    strays = kernels_.find_strays(scene.boxes.data(), fat_.data(), movers, strays_.data());
+    const std::size_t strays =
+        kernels_.find_strays(scene.boxes.data(), fat_.data(), movers, strays_.data());
     const double stray_cost = static_cast<double>(strays) * kStrayCost;
     stray_cost_ += stray_cost;
     cost_ += stray_cost;
+    is_over = stray_cost_ > kListCost * static_cast<double>(movers);
+    if (goes_on_ && recent_age_ == 0 && age_ >= kRecentShare * horizon_) {
+      std::copy_n(scene.boxes.begin(), movers, recent_.begin());
+      recent_age_ = age_;
+    }
+    for (std::size_t i = 0; i < strays && !is_over; ++i) Regrow(scene, strays_[i]);
   }
-  if (is_over || stray_cost_ > kListCost * static_cast<double>(movers)) {
-    MakeList(scene);
-    strays = 0;
-  }
+  if (is_over) MakeList(scene);
   const std::span<const Pair> all = candidates_.pairs();
   cost_ += kCheckCost * static_cast<double>(movers) + kTestCost * static_cast<double>(all.size());
   parts_.Run(all.size() / 16, [&](unsigned part, unsigned parts, PairBuffer& found) {
     const std::size_t begin = all.size() * part / parts, end = all.size() * (part + 1) / parts;
     kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
   });
-  if (strays > 0) AppendStrays(scene, strays, parts_.last());
   bodies_.MeetWalls(scene, kernels_, parts_.last());
   pairs_are_of_built_ = age_ == 0;
   parts_.AppendTo(pairs);
@@ -101,31 +142,30 @@ bool Skin::IsUnchanged(const Scene& scene) const {
          std::memcmp(scene.boxes.data(), built_.data(), built_.size() * sizeof(Box)) == 0;
 }
 
-// Candidates are all pairs whose fat boxes overlap, so what a stray has to add are pairs whose fat
-// boxes do not. Other strays are met apart: they are not where the grid has them.
-void Skin::AppendStrays(const Scene& scene, std::size_t count, PairBuffer& pairs) {
-  const auto put = [&](Id a, Id b) {
-    if (!Overlap(scene.boxes[a], scene.boxes[b]) || Overlap(fat_[a], fat_[b]) ||
-        !scene.MayCollide(a, b))
-      return;
-    PairSink& sink = pairs.sink();
+// Candidates are all pairs whose fat boxes overlap. A larger one overlaps those of before and some
+// more, and these are the ones to add.
+void Skin::Regrow(const Scene& scene, Id id) {
+  const Box& box = scene.boxes[id];
+  if (!(box.lower.x <= box.upper.x && box.lower.y <= box.upper.y && box.lower.z <= box.upper.z))
+    return;  // not a number: it meets nobody
+  const FatBox old = fat_[id];
+  fat_[id] = Larger(old, box);
+  const Box fat = Wide(fat_[id]);
+  raw_.Clear();
+  grid_.QueryOne(fat, id, raw_.sink());
+  const std::size_t in_grid = raw_.size();
+  regrown_.QueryOne(fat_[id], id, kernels_, raw_.sink());
+  const std::span<const Pair> found = raw_.pairs();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Id other = found[i].b;
+    // The grid has those that grew as they were.
+    if (other == id || (i < in_grid && regrown_.Has(other))) continue;
+    if (Overlap(old, fat_[other]) || !scene.MayCollide(id, other)) continue;
+    PairSink& sink = candidates_.sink();
     if (sink.at == sink.end) sink.grow(sink);
-    *sink.at++ = {std::min(a, b), std::max(a, b)};
-  };
-  raw_.Clear();
-  stray_boxes_.clear();
-  for (std::size_t i = 0; i < count; ++i) is_stray_[strays_[i]] = 1;
-  for (std::size_t i = 0; i < count; ++i) {
-    grid_.QueryOne(scene.boxes[strays_[i]], strays_[i], raw_.sink());
-    stray_boxes_.push_back(scene.boxes[strays_[i]]);
+    *sink.at++ = {std::min(id, other), std::max(id, other)};
   }
-  for (const Pair& pair : raw_.pairs())
-    if (!is_stray_[pair.b]) put(pair.a, pair.b);
-  for (std::size_t i = 0; i < count; ++i) is_stray_[strays_[i]] = 0;
-  raw_.Clear();
-  stray_grid_.Build(stray_boxes_.data(), count);
-  stray_grid_.QueryPart(0, 1, raw_.sink());
-  for (const Pair& pair : raw_.pairs()) put(strays_[pair.a], strays_[pair.b]);
+  regrown_.Put(id, fat_[id]);
 }
 
 void Skin::MakeList(const Scene& scene) {
@@ -137,9 +177,10 @@ void Skin::MakeList(const Scene& scene) {
     built_.assign(scene.boxes.begin(), scene.boxes.end());
     age_ = 1;
   }
+  LearnBodies(scene);
   fat_.resize(movers);
   strays_.resize(movers);
-  is_stray_.assign(movers, 0);
+  regrown_.Clear(movers);
   // Bodies that jump about would get boxes as large as the scene: less, then.
   share_ = std::min(4 * share_, 1.);
   for (Fatten(scene); !FindCandidates(scene, share_ > 0); Fatten(scene)) {
@@ -147,7 +188,6 @@ void Skin::MakeList(const Scene& scene) {
     grid_.Reshape();
   }
   share_ = std::max(share_, kLeastShare);
-  LearnVelocities(scene);
   std::ranges::copy(scene.boxes, built_.begin());
   candidates_.Clear();
   parts_.AppendTo(candidates_);
@@ -230,9 +270,11 @@ void Skin::LearnMotion(const Scene& scene) {
     std::nth_element(values, values + place, values + size);
     return values[place];
   };
-  goes_on_ = at(going, 0.75) < at(resting, 0.75) / 2;
+  goes_on_ = at(going, 0.75) < at(resting, 0.75) / 2 || at(going, 0.5) < at(resting, 0.5) / 2;
   double* deviations = goes_on_ ? going : resting;
   margin_ = kMarginFactor * at(deviations, 0.75);
+  // In a long list many were turned round; they must not decide for the others.
+  if (goes_on_) margin_ = std::min(margin_, kHalfMarginFactor * at(deviations, 0.5));
   // Who goes on and yet deviated was turned round once; it will not be all the time.
   most_margin_ = goes_on_ ? margin_ : kMarginFactor * at(deviations, 0.95);
   most_speed_ = 16 * speed / static_cast<double>(size);
@@ -243,35 +285,42 @@ void Skin::Fatten(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
   const Columns& room = grid_.Room(movers);
   const double time = goes_on_ ? share_ * horizon_ : 0, most_way = most_speed_ * time;
-  const double cycles = goes_on_ ? age_ : 0, each = 1. / age_;
+  // What a velocity is off by adds up.
+  const double longer = goes_on_ ? std::max(horizon_ / age_, 1.) : 1;
   for (std::size_t i = 0; i < movers; ++i) {
     const Box& box = scene.boxes[i];
-    const Vec3 shift = Shift(built_[i], box);
-    const double own = kOwnMarginFactor * Length(Rest(shift, velocity_[i], cycles));
-    // In this order what is not a number is left out.
-    const double margin = share_ * std::max(margin_, own < most_margin_ ? own : most_margin_);
+    const double margin = longer * share_ * margins_[i];
     const auto fatten = [&](std::size_t axis, double lower, double upper, double velocity) {
       double way = velocity * time;
+      // In this order what is not a number is left out.
       way = way < most_way ? way : most_way;
       way = way > -most_way ? way : -most_way;
-      // A float is off by less than the last term.
-      fat_[i].lower[axis] = room.lower[axis][i] =
-          static_cast<float>(lower + (way < 0 ? way : 0) - margin - std::fabs(lower) * 0x1p-23);
-      fat_[i].upper[axis] = room.upper[axis][i] =
-          static_cast<float>(upper + (way > 0 ? way : 0) + margin + std::fabs(upper) * 0x1p-23);
+      fat_[i].lower[axis] = room.lower[axis][i] = Below(lower + (way < 0 ? way : 0) - margin);
+      fat_[i].upper[axis] = room.upper[axis][i] = Above(upper + (way > 0 ? way : 0) + margin);
     };
-    fatten(0, box.lower.x, box.upper.x, shift.x * each);
-    fatten(1, box.lower.y, box.upper.y, shift.y * each);
-    fatten(2, box.lower.z, box.upper.z, shift.z * each);
+    fatten(0, box.lower.x, box.upper.x, velocity_[i].x);
+    fatten(1, box.lower.y, box.upper.y, velocity_[i].y);
+    fatten(2, box.lower.z, box.upper.z, velocity_[i].z);
   }
 }
 
-void Skin::LearnVelocities(const Scene& scene) {
-  const double each = 1. / age_;
+// Who was turned round goes on as it did at the end of the list. Of the others all cycles say more,
+// as boxes are rounded.
+void Skin::LearnBodies(const Scene& scene) {
+  const double cycles = goes_on_ ? age_ : 0;
+  const bool has_recent = recent_age_ > 0 && recent_age_ < age_;
+  const double each = 1. / age_, each_recent = has_recent ? 1. / (age_ - recent_age_) : 0;
   for (std::size_t i = 0; i < bodies_.movers(); ++i) {
-    const Vec3 shift = Shift(built_[i], scene.boxes[i]);
-    velocity_[i] = {shift.x * each, shift.y * each, shift.z * each};
+    const Vec3 way = Shift(built_[i], scene.boxes[i]);
+    const double deviation = Length(Rest(way, velocity_[i], cycles));
+    const double own = kOwnMarginFactor * deviation;
+    // In this order what is not a number is left out.
+    margins_[i] = std::max(margin_, own < most_margin_ ? own : most_margin_);
+    velocity_[i] = has_recent && deviation > margin_
+                       ? Scaled(Shift(recent_[i], scene.boxes[i]), each_recent)
+                       : Scaled(way, each);
   }
+  recent_age_ = 0;
 }
 
 std::unique_ptr<Detector> MakeSkin(const Options& options, const Kernels& kernels) {

@@ -2,16 +2,18 @@
 //
 // Method: each box is made fatter, by where it is likely to go and a margin for what it does
 // besides; the pairs of fat boxes, found by a grid, are the candidates. As long as boxes stay in
-// their fat ones, only candidates are tested, in double. The few that left (strays) are looked up
-// in the grid of fat boxes each cycle; when that has cost as much as a new list, a new list is
-// made. A cycle in which no box changed since the list was made gets the same pairs again.
+// their fat ones, only candidates are tested, in double. The few that left (strays) get larger
+// ones, whose pairs are looked up in the grid and join the candidates; when that has cost as much
+// as a new list, a new list is made. A cycle in which no box changed since the list was made gets
+// the same pairs again.
 //
 // How long a list shall last is learnt: each length is tried and the better one kept, by the number
 // of tests, never by the clock, so that the same motion gives the same list in the same order. How
-// boxes move is learnt as well: on, as they did since the last list, or to and fro.
+// boxes move is learnt as well: on, as they did since the last list (those that were turned round,
+// as at its end), or to and fro.
 //
-// Cost: reading the boxes and testing the candidates; now and then a grid. Memory: about 220 bytes
-// a body and 4 a candidate. Errors: bad_alloc. Threads: Options::threads share the making of a list
+// Cost: reading the boxes and testing the candidates; now and then a grid. Memory: about 310 bytes
+// a body and 8 a candidate. Errors: bad_alloc. Threads: Options::threads share the making of a list
 // and large lists' tests; the pairs are the same.
 // Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
@@ -21,6 +23,7 @@
 #include "library/detectors/bodies.h"
 #include "library/detectors/box_grid.h"
 #include "library/detectors/detector.h"
+#include "library/detectors/fat_boxes.h"
 #include "library/detectors/kernels.h"
 #include "library/detectors/pair_parts.h"
 
@@ -48,35 +51,37 @@ class Skin final : public Detector {
  private:
   void MakeList(const Scene& scene);
   void LearnMotion(const Scene& scene);
-  void LearnVelocities(const Scene& scene);
+  void LearnBodies(const Scene& scene);
   void LearnCost();
   void Fatten(const Scene& scene);
   bool FindCandidates(const Scene& scene, bool is_limited);
-  void AppendStrays(const Scene& scene, std::size_t count, PairBuffer& pairs);
+  void Regrow(const Scene& scene, Id id);
   bool IsUnchanged(const Scene& scene) const;
 
   const Kernels& kernels_;
   Bodies bodies_;
-  BoxGrid grid_, stray_grid_;
+  BoxGrid grid_;
+  FatBoxes regrown_;  ///< those that were strays, as they are now
   PairParts parts_;
 
   bool is_built_ = false;
   bool pairs_are_of_built_ = false;  ///< parts_ holds the pairs of built_
   std::vector<Box> built_;           ///< all boxes when the list was made
-  std::vector<FatBox> fat_;          ///< of movers
-  std::vector<Vec3> velocity_;       ///< of movers, a cycle, before the list was made
+  std::vector<FatBox> fat_;          ///< of movers, in the grid or regrown_
+  std::vector<Vec3> velocity_;       ///< of movers, a cycle, when the list was made
+  std::vector<Box> recent_;          ///< of movers, when the list was `recent_age_` cycles old
   unsigned age_ = 0;                 ///< cycles of this list
+  unsigned recent_age_ = 0;          ///< 0: nothing is remembered
 
   // How boxes move, learnt when a list ends.
-  bool goes_on_ = false;  ///< they keep their velocity
-  double margin_ = 0;     ///< for what most do besides
+  bool goes_on_ = false;         ///< they keep their velocity
+  double margin_ = 0;            ///< for what most do besides
+  std::vector<double> margins_;  ///< of movers, in this list
   double most_margin_ = 0, most_speed_ = 0;
   double share_ = 1;  ///< of all that, in this list
 
   PairBuffer candidates_;
   std::vector<Id> strays_;
-  std::vector<std::uint8_t> is_stray_;
-  std::vector<Box> stray_boxes_;
   PairBuffer raw_;
 
   double horizon_ = 4, step_ = 1.5;  ///< cycles that a list shall last; the factor tried next

@@ -210,6 +210,9 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
       for (Box& box : boxes)
         box = Cube(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9), std::pow(10, uniform(-4, 1)));
       break;
+    case 10:  // no number, until it is set elsewhere
+      any().lower.x = std::numeric_limits<double>::quiet_NaN();
+      break;
     default:  // nothing happens
       break;
   }
