@@ -1,6 +1,7 @@
 // A small layer over HDF5's C API: identifiers that close themselves, errors that are thrown, and
-// the conventions of results files (creation order, text types, dimension scales). The only file
-// pair that knows HDF5. Threads: any, for different files (Debian's HDF5 takes a global lock).
+// the conventions of results files (creation order, text types, dimension scales). Beside hdf5_sink
+// the only files that know HDF5. Threads: any, for different files (Debian's HDF5 takes a global
+// lock).
 #pragma once
 
 #include <cstddef>
@@ -15,6 +16,8 @@
 #include <vector>
 
 namespace cdb::runtime::h5 {
+
+class Sink;
 
 /// What HDF5 or the system below it said.
 class Error : public std::runtime_error {
@@ -160,8 +163,6 @@ class File : public Group {
   void CheckWritten() const;
   /// The same when all is written and the file closed.
   void Close();
-
-  struct Sink;
 
  private:
   explicit File(Id file, std::shared_ptr<Sink> sink = nullptr);
