@@ -238,9 +238,11 @@ void Skin::LearnCost() {
     step_ = 1.2;
     last_tried_ = 0;
   } else {
-    if (making_cost_ >
-        4 * (cost_ - making_cost_ - kCheckCost * age_ * static_cast<double>(bodies_.movers()))) {
-      step_ = 3;
+    // What does not depend on how long a list lasts counts for nothing.
+    const double tests =
+        cost_ - making_cost_ - kCheckCost * age_ * static_cast<double>(bodies_.movers());
+    if (making_cost_ > 4 * tests) {
+      step_ = making_cost_ > 16 * tests ? 6 : 3;
     } else {
       if (step_ > 1.5) step_ = 1.5;
       if (last_tried_ > 0 && last_cost_ > last_tried_) step_ = 1 / step_;

@@ -84,7 +84,7 @@ class Skin final : public Detector {
   std::vector<Id> strays_;
   PairBuffer raw_;
 
-  double horizon_ = 4, step_ = 1.5;  ///< cycles that a list shall last; the factor tried next
+  double horizon_ = 12, step_ = 1.5;  ///< cycles that a list shall last; the factor tried next
   double making_cost_ = 0, cost_ = 0, stray_cost_ = 0;  ///< of this list; all of it
   double last_cost_ = 0;                                ///< of a cycle of the last list
   double last_tried_ = 0;                               ///< the same, with another horizon
