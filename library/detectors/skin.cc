@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <optional>
 
 namespace cdb::library {
 namespace {
@@ -12,10 +14,16 @@ namespace {
 constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
 constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
 constexpr double kCrowdCost = 0.1;                 ///< of each other body in a cell, or too long
-constexpr double kCheckCost = 3, kTestCost = 2.2, kStrayCost = 250;
+constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kRunnerCost = 100;
 
+/// Strays that get larger boxes more often in one list are runners.
+constexpr std::uint8_t kMostRegrowths = 2;
+/// Of a fat box's longest side: who is so far out of it was set elsewhere.
+constexpr double kFarAway = 0.5;
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
 constexpr unsigned kMaxAge = 256;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr std::size_t kSample = 512;
 /// Of a body, above which boxes get less fat; looked at after so many bodies.
@@ -56,24 +64,34 @@ bool Overlap(const FatBox& a, const FatBox& b) {
 float Below(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-23); }
 float Above(double x) { return static_cast<float>(x + std::fabs(x) * 0x1p-23); }
 
+FatBox Around(const Box& box) {
+  return {{Below(box.lower.x), Below(box.lower.y), Below(box.lower.z)},
+          {Above(box.upper.x), Above(box.upper.y), Above(box.upper.z)}};
+}
 Box Wide(const FatBox& box) {
   return {{box.lower[0], box.lower[1], box.lower[2]}, {box.upper[0], box.upper[1], box.upper[2]}};
 }
 
-/// A fat box with room for one that left it, and for as much again.
-FatBox Larger(const FatBox& fat, const Box& box) {
+double CostOfStrays(std::size_t strays, std::size_t runners) {
+  return kRegrowCost * static_cast<double>(strays - runners) +
+         kRunnerCost * static_cast<double>(runners);
+}
+
+/// A fat box with room for one that left it, and for as much again. Nullopt where it left for good:
+/// it was set elsewhere, or is no number.
+std::optional<FatBox> Larger(const FatBox& fat, const Box& box) {
   const double lower[3] = {box.lower.x, box.lower.y, box.lower.z};
   const double upper[3] = {box.upper.x, box.upper.y, box.upper.z};
-  double margin = 0;
+  double out = 0, slack = 0, side = 0;
   for (int axis = 0; axis < 3; ++axis) {
+    if (!(lower[axis] <= upper[axis])) return std::nullopt;
     const double low = fat.lower[axis], high = fat.upper[axis];
-    const double slack = (high - low - (upper[axis] - lower[axis])) / 2;
-    const double out = 2 * std::max(low - lower[axis], upper[axis] - high);
-    // In this order what is not a number is left out.
-    margin = slack > margin ? slack : margin;
-    margin = out > margin ? out : margin;
+    out = std::max({out, low - lower[axis], upper[axis] - high});
+    slack = std::max(slack, (high - low - (upper[axis] - lower[axis])) / 2);
+    side = std::max(side, high - low);
   }
-  if (!std::isfinite(margin)) margin = 0;
+  if (!(out <= kFarAway * side && side < kInfinity)) return std::nullopt;
+  const double margin = std::max(slack, 2 * out);
   FatBox larger;
   for (int axis = 0; axis < 3; ++axis) {
     const float low = Below(lower[axis] - margin), high = Above(upper[axis] + margin);
@@ -86,7 +104,7 @@ FatBox Larger(const FatBox& fat, const Box& box) {
 }  // namespace
 
 Skin::Skin(const Options& options, const Kernels& kernels)
-    : kernels_(kernels), grid_(kernels), parts_(options.threads) {}
+    : kernels_(kernels), grid_(kernels), runner_grid_(kernels), parts_(options.threads) {}
 
 void Skin::Prepare(const Scene& scene) {
   bodies_.Learn(scene);
@@ -115,15 +133,18 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
   if (!is_over) {
     const std::size_t strays =
         kernels_.find_strays(scene.boxes.data(), fat_.data(), movers, strays_.data());
-    const double stray_cost = static_cast<double>(strays) * kStrayCost;
-    stray_cost_ += stray_cost;
-    cost_ += stray_cost;
-    is_over = stray_cost_ > kListCost * static_cast<double>(movers);
     if (goes_on_ && recent_age_ == 0 && age_ >= kRecentShare * horizon_) {
       std::copy_n(scene.boxes.begin(), movers, recent_.begin());
       recent_age_ = age_;
     }
-    for (std::size_t i = 0; i < strays && !is_over; ++i) Regrow(scene, strays_[i]);
+    const double foreseen = CostOfStrays(strays, std::min(strays, runners_));
+    is_over = stray_cost_ + foreseen > kListCost * static_cast<double>(movers);
+    if (!is_over) {
+      runners_ = RegrowStrays(scene, strays);
+      const double cost = CostOfStrays(strays, runners_);
+      cost_ += cost;
+      stray_cost_ += cost + kTestCost * static_cast<double>(candidates_.size() - made_);
+    }
   }
   if (is_over) MakeList(scene);
   const std::span<const Pair> all = candidates_.pairs();
@@ -132,6 +153,7 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
     const std::size_t begin = all.size() * part / parts, end = all.size() * (part + 1) / parts;
     kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
   });
+  if (runners_ > 0) AppendRunners(scene, runners_, parts_.last());
   bodies_.MeetWalls(scene, kernels_, parts_.last());
   pairs_are_of_built_ = age_ == 0;
   parts_.AppendTo(pairs);
@@ -142,30 +164,78 @@ bool Skin::IsUnchanged(const Scene& scene) const {
          std::memcmp(scene.boxes.data(), built_.data(), built_.size() * sizeof(Box)) == 0;
 }
 
-// Candidates are all pairs whose fat boxes overlap. A larger one overlaps those of before and some
-// more, and these are the ones to add.
-void Skin::Regrow(const Scene& scene, Id id) {
-  const Box& box = scene.boxes[id];
-  if (!(box.lower.x <= box.upper.x && box.lower.y <= box.upper.y && box.lower.z <= box.upper.z))
-    return;  // not a number: it meets nobody
-  const FatBox old = fat_[id];
-  fat_[id] = Larger(old, box);
-  const Box fat = Wide(fat_[id]);
+/// Pairs (id, other) with all whose fat boxes overlap `box`, until the next call.
+std::span<const Pair> Skin::Near(const FatBox& box, Id id) {
   raw_.Clear();
-  grid_.QueryOne(fat, id, raw_.sink());
+  grid_.QueryOne(Wide(box), id, raw_.sink());
   const std::size_t in_grid = raw_.size();
-  regrown_.QueryOne(fat_[id], id, kernels_, raw_.sink());
-  const std::span<const Pair> found = raw_.pairs();
+  regrown_.QueryOne(box, id, kernels_, raw_.sink());
+  const std::span<Pair> found = raw_.pairs();
+  std::size_t kept = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const Id other = found[i].b;
     // The grid has those that grew as they were.
-    if (other == id || (i < in_grid && regrown_.Has(other))) continue;
-    if (Overlap(old, fat_[other]) || !scene.MayCollide(id, other)) continue;
-    PairSink& sink = candidates_.sink();
-    if (sink.at == sink.end) sink.grow(sink);
-    *sink.at++ = {std::min(id, other), std::max(id, other)};
+    const Id other = found[i].b;
+    if (other != id && (i >= in_grid || !regrown_.Has(other))) found[kept++] = found[i];
   }
-  regrown_.Put(id, fat_[id]);
+  return found.first(kept);
+}
+
+void Skin::Put(Id a, Id b, PairBuffer& pairs) {
+  PairSink& sink = pairs.sink();
+  if (sink.at == sink.end) sink.grow(sink);
+  *sink.at++ = {std::min(a, b), std::max(a, b)};
+}
+
+/// False where it is a runner, as it left for good or would meet too many.
+bool Skin::Regrow(const Scene& scene, Id id) {
+  if (regrowths_[id] == kMostRegrowths) return false;
+  const FatBox old = fat_[id];
+  const auto larger = Larger(old, scene.boxes[id]);
+  const std::span<const Pair> near = larger ? Near(*larger, id) : std::span<const Pair>();
+  if (!larger || near.size() > kMostCandidates) {
+    regrowths_[id] = kMostRegrowths;
+    return false;
+  }
+  ++regrowths_[id];
+  fat_[id] = *larger;
+  regrown_.Put(id, *larger);
+  // Candidates are all pairs whose fat boxes overlap: those that overlap only now are to add.
+  for (const auto& [self, other] : near)
+    if (!Overlap(old, fat_[other]) && scene.MayCollide(id, other)) Put(id, other, candidates_);
+  return true;
+}
+
+/// Gives strays larger fat boxes; how many are runners, which `strays_` then begins with.
+std::size_t Skin::RegrowStrays(const Scene& scene, std::size_t count) {
+  std::size_t runners = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Id id = strays_[i];
+    if (!Regrow(scene, id)) strays_[runners++] = id;
+  }
+  return runners;
+}
+
+// What runners have to add are pairs whose fat boxes do not overlap. Other runners are met apart:
+// they are not where their fat boxes are.
+void Skin::AppendRunners(const Scene& scene, std::size_t count, PairBuffer& pairs) {
+  const auto put = [&](Id a, Id b) {
+    if (Overlap(scene.boxes[a], scene.boxes[b]) && !Overlap(fat_[a], fat_[b]) &&
+        scene.MayCollide(a, b))
+      Put(a, b, pairs);
+  };
+  runner_boxes_.clear();
+  for (std::size_t i = 0; i < count; ++i) is_runner_[strays_[i]] = 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Box& box = scene.boxes[strays_[i]];
+    runner_boxes_.push_back(box);
+    for (const auto& [self, other] : Near(Around(box), strays_[i]))
+      if (!is_runner_[other]) put(self, other);
+  }
+  for (std::size_t i = 0; i < count; ++i) is_runner_[strays_[i]] = 0;
+  raw_.Clear();
+  runner_grid_.Build(runner_boxes_.data(), count);
+  runner_grid_.QueryPart(0, 1, raw_.sink());
+  for (const Pair& pair : raw_.pairs()) put(strays_[pair.a], strays_[pair.b]);
 }
 
 void Skin::MakeList(const Scene& scene) {
@@ -181,6 +251,9 @@ void Skin::MakeList(const Scene& scene) {
   fat_.resize(movers);
   strays_.resize(movers);
   regrown_.Clear(movers);
+  regrowths_.assign(movers, 0);
+  runners_ = 0;
+  is_runner_.assign(movers, 0);
   // Bodies that jump about would get boxes as large as the scene: less, then.
   share_ = std::min(4 * share_, 1.);
   for (Fatten(scene); !FindCandidates(scene, share_ > 0); Fatten(scene)) {
@@ -191,6 +264,7 @@ void Skin::MakeList(const Scene& scene) {
   std::ranges::copy(scene.boxes, built_.begin());
   candidates_.Clear();
   parts_.AppendTo(candidates_);
+  made_ = candidates_.size();
   age_ = 0;
   is_built_ = true;
   stray_cost_ = 0;

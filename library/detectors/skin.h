@@ -3,9 +3,9 @@
 // Method: each box is made fatter, by where it is likely to go and a margin for what it does
 // besides; the pairs of fat boxes, found by a grid, are the candidates. As long as boxes stay in
 // their fat ones, only candidates are tested, in double. The few that left (strays) get larger
-// ones, whose pairs are looked up in the grid and join the candidates; when that has cost as much
-// as a new list, a new list is made. A cycle in which no box changed since the list was made gets
-// the same pairs again.
+// ones, whose pairs are looked up in the grid and join the candidates; those that leave these too
+// (runners) are looked up in each cycle. When all that has cost as much as a new list, a new list
+// is made. A cycle in which no box changed since the list was made gets the same pairs again.
 //
 // How long a list shall last is learnt: each length is tried and the better one kept, by the number
 // of tests, never by the clock, so that the same motion gives the same list in the same order. How
@@ -18,7 +18,10 @@
 // Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "library/detectors/bodies.h"
 #include "library/detectors/box_grid.h"
@@ -55,12 +58,16 @@ class Skin final : public Detector {
   void LearnCost();
   void Fatten(const Scene& scene);
   bool FindCandidates(const Scene& scene, bool is_limited);
-  void Regrow(const Scene& scene, Id id);
+  bool Regrow(const Scene& scene, Id id);
+  std::size_t RegrowStrays(const Scene& scene, std::size_t count);
+  void AppendRunners(const Scene& scene, std::size_t count, PairBuffer& pairs);
+  std::span<const Pair> Near(const FatBox& box, Id id);
+  static void Put(Id a, Id b, PairBuffer& pairs);
   bool IsUnchanged(const Scene& scene) const;
 
   const Kernels& kernels_;
   Bodies bodies_;
-  BoxGrid grid_;
+  BoxGrid grid_, runner_grid_;
   FatBoxes regrown_;  ///< those that were strays, as they are now
   PairParts parts_;
 
@@ -81,7 +88,11 @@ class Skin final : public Detector {
   double share_ = 1;  ///< of all that, in this list
 
   PairBuffer candidates_;
+  std::size_t made_ = 0;  ///< candidates when the list was made
   std::vector<Id> strays_;
+  std::vector<std::uint8_t> regrowths_, is_runner_;  ///< of movers
+  std::vector<Box> runner_boxes_;
+  std::size_t runners_ = 0;  ///< of the last cycle
   PairBuffer raw_;
 
   double horizon_ = 12, step_ = 1.5;  ///< cycles that a list shall last; the factor tried next

@@ -54,13 +54,14 @@ BoxScene::BoxScene(std::string_view name, std::size_t objects, bool walls, std::
       double& x = at.*kAxes[axis];
       if (name == "cluster") {
         x = std::normal_distribution<double>(0, half_side_ / 3)(random_);
-      } else if (name == "pile" || name == "asleep") {
+      } else if (name == "pile" || name == "asleep" || name == "shots") {
         const std::size_t place = axis == 0 ? i % row : axis == 1 ? i / row % row : i / row / row;
         x = static_cast<double>(place) * size * 0.999 + Uniform(-0.02, 0.02) * size;
       } else {
         x = Uniform(-half_side_, half_side_);
       }
-      step.*kAxes[axis] = Uniform(-speed, speed);
+      const bool is_shot = name == "shots" && i % 50 == 0;
+      step.*kAxes[axis] = is_shot ? Uniform(-size / 2, size / 2) : Uniform(-speed, speed);
     }
     at_.push_back(at);
     step_.push_back(step);

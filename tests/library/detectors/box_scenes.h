@@ -11,10 +11,10 @@
 
 namespace cdb::tests {
 
-/// Scenes after ../shared/spec detectors.md: `sparse` (a: the paper's cube, nearly no pairs),
-/// `dense` (b: 15 % full, moving a tenth of a size a cycle), `cluster` (c: normal about 0),
-/// `pile` (d: layers that jitter), `asleep` (ds: the same at rest), `mixed` (e: sizes 50 to 500 and
-/// rods of 1 : 1 : 50). All is drawn from `seed`.
+/// `sparse` (the paper's cube, nearly no pairs), `dense` (15 % full, moving a tenth of a size a
+/// cycle), `cluster` (normal about 0), `pile` (layers that jitter), `asleep` (the same at rest),
+/// `shots` (the same, and one in fifty flies through it, up to half a size a cycle), `mixed` (sizes
+/// 50 to 500 and rods of 1 : 1 : 50). All is drawn from `seed`.
 class BoxScene {
  public:
   BoxScene(std::string_view name, std::size_t objects, bool walls = false, std::uint64_t seed = 1);
@@ -39,8 +39,8 @@ class BoxScene {
 };
 
 /// The names.
-inline constexpr std::string_view kBoxScenes[] = {"sparse", "dense",  "cluster",
-                                                  "pile",   "asleep", "mixed"};
+inline constexpr std::string_view kBoxScenes[] = {"sparse", "dense", "cluster", "pile",
+                                                  "asleep", "shots", "mixed"};
 
 /// Bodies whose boxes the test sets itself.
 struct Boxes {
