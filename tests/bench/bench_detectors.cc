@@ -209,8 +209,8 @@ void RunScene(const Settings& settings, std::string_view name, std::size_t objec
   }
   fmt::print("\n{}, {} objects{}: {} cycles; best rival {}\n", name, objects,
              settings.walls ? " and 6 walls" : "", cycles, best_name);
-  fmt::print("{:<16}{:>10}{:>10}{:>10}{:>10}{:>9}{:>8}{:>8}{:>9}  {}\n", "", "mean ms", "median",
-             "worst", "start", "pairs", "/dbvt", "/best", "MiB", "wrong");
+  fmt::print("{:<17} {:>10} {:>10} {:>10} {:>10}{:>9}{:>8}{:>8}{:>9}  {}\n", "", "mean ms",
+             "median", "worst", "start", "pairs", "/dbvt", "/best", "MiB", "wrong");
   for (Rival& rival : rivals) {
     if (rival.cycles.empty()) rival.cycles.push_back(rival.start);
     const std::size_t pairs = rival.pairs.size();
@@ -221,10 +221,11 @@ void RunScene(const Settings& settings, std::string_view name, std::size_t objec
         wrong = fmt::format("{} missed, {} phantom, {} twice", faults.missed, faults.phantom,
                             faults.duplicate);
     }
-    fmt::print("{:<16}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.3f}{:>9}{:>8.1f}{:>8.1f}{:>9.1f}  {}{}\n",
-               rival.name, 1e3 * mean(rival), 1e3 * Median(rival.cycles),
-               1e3 * std::ranges::max(rival.cycles), 1e3 * rival.start, pairs, dbvt / mean(rival),
-               best / mean(rival), rival.bytes / 1048576, wrong, rival.note);
+    fmt::print(
+        "{:<17} {:>10.4f} {:>10.4f} {:>10.4f} {:>10.3f}{:>9}{:>8.1f}{:>8.1f}{:>9.1f}  {}{}\n",
+        rival.name, 1e3 * mean(rival), 1e3 * Median(rival.cycles),
+        1e3 * std::ranges::max(rival.cycles), 1e3 * rival.start, pairs, dbvt / mean(rival),
+        best / mean(rival), rival.bytes / 1048576, wrong, rival.note);
     std::fflush(stdout);
   }
 }
