@@ -26,31 +26,29 @@ struct Sample {
   std::size_t size = 0;
 };
 
-Sample Take(const Columns& boxes, std::size_t count) {
-  Sample sample;
-  const std::size_t size = std::min(count, kMaxSample);
-  for (std::size_t k = 0; k < size; ++k) {
-    const std::size_t i = size < count ? SamplePlace(k, count) : k;
-    float longest = 0;
-    bool is_finite = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float lower = boxes.lower[axis][i], extent = boxes.upper[axis][i] - lower;
-      sample.lower[axis][sample.size] = lower;
-      sample.extent[axis][sample.size] = extent;
-      longest = std::max(longest, extent);
-      is_finite &= std::isfinite(lower) && std::isfinite(extent);
-    }
-    sample.longest[sample.size] = longest;
-    sample.size += is_finite;
-  }
-  return sample;
-}
-
 float Longest(const Columns& boxes, std::size_t i) {
   float longest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
     longest = std::max(longest, boxes.upper[axis][i] - boxes.lower[axis][i]);
   return longest;
+}
+
+Sample Take(const Columns& boxes, std::size_t count) {
+  Sample sample;
+  const std::size_t size = std::min(count, kMaxSample);
+  for (std::size_t k = 0; k < size; ++k) {
+    const std::size_t i = size < count ? SamplePlace(k, count) : k;
+    bool is_finite = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float lower = boxes.lower[axis][i], extent = boxes.upper[axis][i] - lower;
+      sample.lower[axis][sample.size] = lower;
+      sample.extent[axis][sample.size] = extent;
+      is_finite &= std::isfinite(lower) && std::isfinite(extent);
+    }
+    sample.longest[sample.size] = Longest(boxes, i);
+    sample.size += is_finite;
+  }
+  return sample;
 }
 
 /// All boxes by their longest side, eight bins an octave: one in a thousand that is too long for
@@ -240,11 +238,8 @@ void BoxGrid::Query(std::size_t begin, std::size_t end, PairSink& sink) const {
   kernels_.query(Rows(), shape_, begin, end, sink);
 }
 
-void BoxGrid::QueryOne(const Box& box, Id id, PairSink& sink) const {
-  float lower[3], upper[3];
-  const Columns columns = {{lower, lower + 1, lower + 2}, {upper, upper + 1, upper + 2}};
-  kernels_.narrow(&box, 1, columns);
-  kernels_.query_one(Rows(), shape_, lower, upper, id, sink);
+void BoxGrid::QueryOne(const FatBox& box, Id id, PairSink& sink) const {
+  kernels_.query_one(Rows(), shape_, box.lower, box.upper, id, sink);
 }
 
 }  // namespace cdb::library

@@ -42,7 +42,7 @@ class BoxGrid {
     Query(count_ * part / parts, count_ * (part + 1) / parts, sink);
   }
   /// Pairs (id, other) of a box with all of the grid.
-  void QueryOne(const Box& box, Id id, PairSink& sink) const;
+  void QueryOne(const FatBox& box, Id id, PairSink& sink) const;
 
   /// How many boxes share a box's cell, on the average; a few where the grid suits them.
   double Crowd() const { return crowd_; }

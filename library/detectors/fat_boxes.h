@@ -10,6 +10,15 @@
 
 namespace cdb::library {
 
+/// The box in floats, rounded outwards; as it is where its numbers are floats.
+inline FatBox Around(const Box& box, const Kernels& kernels) {
+  FatBox around;
+  kernels.narrow(&box, 1,
+                 {{around.lower, around.lower + 1, around.lower + 2},
+                  {around.upper, around.upper + 1, around.upper + 2}});
+  return around;
+}
+
 /// Errors: bad_alloc, from Clear alone. Threads: one at a time.
 class FatBoxes {
  public:

@@ -6,6 +6,7 @@
 
 #include "library/detectors/bodies.h"
 #include "library/detectors/box_grid.h"
+#include "library/detectors/fat_boxes.h"
 #include "library/detectors/pair_buffer.h"
 
 namespace cdb::library {
@@ -56,7 +57,7 @@ class Levels final : public Detector {
         if (larger.ids.empty()) continue;
         const std::size_t begin = found_.size();
         for (Id i = 0; i < level.ids.size(); ++i)
-          larger.grid.QueryOne(level.boxes[i], i, found_.sink());
+          larger.grid.QueryOne(Around(level.boxes[i], kernels_), i, found_.sink());
         Rename(found_.pairs().subspan(begin), level.ids, larger.ids);
       }
     }

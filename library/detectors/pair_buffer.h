@@ -25,6 +25,10 @@ class PairBuffer {
   PairSink& sink() { return sink_.out; }
   std::size_t size() const { return static_cast<std::size_t>(sink_.out.at - pairs_.get()); }
   std::span<Pair> pairs() { return {pairs_.get(), size()}; }
+  void Add(const Pair& pair) {
+    if (sink_.out.at == sink_.out.end) Enlarge();
+    *sink_.out.at++ = pair;
+  }
   void Append(std::span<const Pair> pairs) {
     while (capacity_ - size() < pairs.size()) Enlarge();
     sink_.out.at = std::ranges::copy(pairs, sink_.out.at).out;

@@ -64,13 +64,7 @@ bool Overlap(const FatBox& a, const FatBox& b) {
 float Below(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-23); }
 float Above(double x) { return static_cast<float>(x + std::fabs(x) * 0x1p-23); }
 
-FatBox Around(const Box& box) {
-  return {{Below(box.lower.x), Below(box.lower.y), Below(box.lower.z)},
-          {Above(box.upper.x), Above(box.upper.y), Above(box.upper.z)}};
-}
-Box Wide(const FatBox& box) {
-  return {{box.lower[0], box.lower[1], box.lower[2]}, {box.upper[0], box.upper[1], box.upper[2]}};
-}
+Pair Ordered(Id a, Id b) { return {std::min(a, b), std::max(a, b)}; }
 
 double CostOfStrays(std::size_t strays, std::size_t runners) {
   return kRegrowCost * static_cast<double>(strays - runners) +
@@ -167,7 +161,7 @@ bool Skin::IsUnchanged(const Scene& scene) const {
 /// Pairs (id, other) with all whose fat boxes overlap `box`, until the next call.
 std::span<const Pair> Skin::Near(const FatBox& box, Id id) {
   raw_.Clear();
-  grid_.QueryOne(Wide(box), id, raw_.sink());
+  grid_.QueryOne(box, id, raw_.sink());
   const std::size_t in_grid = raw_.size();
   regrown_.QueryOne(box, id, kernels_, raw_.sink());
   const std::span<Pair> found = raw_.pairs();
@@ -178,12 +172,6 @@ std::span<const Pair> Skin::Near(const FatBox& box, Id id) {
     if (other != id && (i >= in_grid || !regrown_.Has(other))) found[kept++] = found[i];
   }
   return found.first(kept);
-}
-
-void Skin::Put(Id a, Id b, PairBuffer& pairs) {
-  PairSink& sink = pairs.sink();
-  if (sink.at == sink.end) sink.grow(sink);
-  *sink.at++ = {std::min(a, b), std::max(a, b)};
 }
 
 /// False where it is a runner, as it left for good or would meet too many.
@@ -201,7 +189,8 @@ bool Skin::Regrow(const Scene& scene, Id id) {
   regrown_.Put(id, *larger);
   // Candidates are all pairs whose fat boxes overlap: those that overlap only now are to add.
   for (const auto& [self, other] : near)
-    if (!Overlap(old, fat_[other]) && scene.MayCollide(id, other)) Put(id, other, candidates_);
+    if (!Overlap(old, fat_[other]) && scene.MayCollide(id, other))
+      candidates_.Add(Ordered(id, other));
   return true;
 }
 
@@ -221,14 +210,14 @@ void Skin::AppendRunners(const Scene& scene, std::size_t count, PairBuffer& pair
   const auto put = [&](Id a, Id b) {
     if (Overlap(scene.boxes[a], scene.boxes[b]) && !Overlap(fat_[a], fat_[b]) &&
         scene.MayCollide(a, b))
-      Put(a, b, pairs);
+      pairs.Add(Ordered(a, b));
   };
   runner_boxes_.clear();
   for (std::size_t i = 0; i < count; ++i) is_runner_[strays_[i]] = 1;
   for (std::size_t i = 0; i < count; ++i) {
     const Box& box = scene.boxes[strays_[i]];
     runner_boxes_.push_back(box);
-    for (const auto& [self, other] : Near(Around(box), strays_[i]))
+    for (const auto& [self, other] : Near(Around(box, kernels_), strays_[i]))
       if (!is_runner_[other]) put(self, other);
   }
   for (std::size_t i = 0; i < count; ++i) is_runner_[strays_[i]] = 0;

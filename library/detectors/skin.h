@@ -62,7 +62,6 @@ class Skin final : public Detector {
   std::size_t RegrowStrays(const Scene& scene, std::size_t count);
   void AppendRunners(const Scene& scene, std::size_t count, PairBuffer& pairs);
   std::span<const Pair> Near(const FatBox& box, Id id);
-  static void Put(Id a, Id b, PairBuffer& pairs);
   bool IsUnchanged(const Scene& scene) const;
 
   const Kernels& kernels_;

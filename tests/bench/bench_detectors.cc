@@ -1,9 +1,10 @@
 // Broad phases against each other on the same moving boxes: ours, Bullet's dbvt, and those in
-// shared libraries. All in one process, in blocks of cycles in turn, processor time of the calling
-// thread (with -t elapsed time, as other threads work too). Start-up is Prepare and the first
-// cycle, and not in the rest. The pairs of the last cycle are checked. Ratios are of means: dbvt's
-// to each one's, and the best rival's, dbvt included. Usage: bench_detectors [-t THREADS] [-c
-// CYCLES] [-b BLOCK] [-s SCENE]... [-o NAME]... [-w]
+// shared libraries. All in one process, in blocks of cycles in turn. Means are processor time of
+// the calling thread (with -t elapsed time, as other threads work too), median and worst cycle and
+// the start elapsed time. The start is Prepare and the first cycle, and not in the rest. The pairs
+// of the last cycle are checked. Ratios are of means: dbvt's to each one's, and the best rival's,
+// dbvt included. Usage: bench_detectors [-t THREADS] [-c CYCLES] [-b BLOCK] [-s SCENE]... [-o
+// NAME]... [-w]
 //                        [-d FOLDER WITH SHARED LIBRARIES] [N ...]
 // -w: six walls whose boxes are infinite. -o: only these detectors, and dbvt.
 
