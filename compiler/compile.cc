@@ -9,37 +9,38 @@
 #include <fstream>
 #include <iterator>
 
-#include "compiler/diagnostic_kinds.h"
-#include "compiler/evaluate.h"
+#include "compiler/evaluate/evaluate.h"
 #include "compiler/expand.h"
+#include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::compiler {
 namespace {
 
 /// Lets of the file that no benchmark uses are evaluated too. What a name in them means is known in
 /// a benchmark only, so here only such faults count as are faults anywhere.
-void CheckLets(const Scenario& scenario, dsl::Diagnostics& diagnostics) {
-  const Layers nothing;
+void CheckLets(const scenario::Scenario& scenario, dsl::Diagnostics& diagnostics) {
+  const scenario::Layers nothing;
   dsl::Diagnostics found;
-  Evaluator evaluator(scenario, nothing, found);
+  evaluate::Evaluator evaluator(scenario, nothing, found);
   for (const auto& item : scenario.main()->tree.items) {
     const auto* let = std::get_if<dsl::Let>(&item);
     if (let != nullptr && let->value != nullptr && let->value->kind != dsl::ExprKind::kRange)
       evaluator.Evaluate(*let->value, {scenario.main(), {}, {}, nullptr});
   }
   for (const dsl::Diagnostic& fault : found.all())
-    if (fault.kind == &kCircular || fault.kind == &kNotFinite || fault.kind == &kBadRange ||
-        fault.kind == &kOutOfDomain || fault.kind == &kBadArguments ||
-        fault.kind == &kMisplacedSweep || fault.kind == &kNoSuchFile ||
-        fault.kind == &kContradiction)
+    if (fault.kind == &scenario::kCircular || fault.kind == &scenario::kNotFinite ||
+        fault.kind == &scenario::kBadRange || fault.kind == &scenario::kOutOfDomain ||
+        fault.kind == &scenario::kBadArguments || fault.kind == &scenario::kMisplacedSweep ||
+        fault.kind == &scenario::kNoSuchFile || fault.kind == &scenario::kContradiction)
       diagnostics.Report(*fault.kind, fault.span, fault.message, fault.help, fault.notes);
 }
 
 }  // namespace
 
-Compilation Compile(const std::string& path, const ReadFile& read, const CompileOptions& options) {
+Compilation Compile(const std::string& path, const scenario::ReadFile& read,
+                    const CompileOptions& options) {
   Compilation result;
-  const auto scenario = std::make_shared<const Scenario>(
+  const auto scenario = std::make_shared<const scenario::Scenario>(
       path, options.library, read, options.plugins, options.read_trace, result.diagnostics);
   result.scenario = scenario;
   if (scenario->main() == nullptr) return result;
@@ -49,26 +50,27 @@ Compilation Compile(const std::string& path, const ReadFile& read, const Compile
   // file.
   const std::vector<dsl::Diagnostic> faults = result.diagnostics.all();
   scenario->CheckNames(result.diagnostics);
-  const auto is_whole = [&](const BenchmarkRef& benchmark) {
-    const auto within = [](const dsl::Span& span, const BenchmarkRef& other) {
+  const auto is_whole = [&](const scenario::BenchmarkRef& benchmark) {
+    const auto within = [](const dsl::Span& span, const scenario::BenchmarkRef& other) {
       const dsl::Span& all = other.benchmark->span;
       return span.source == all.source && all.begin <= span.begin && span.end <= all.end;
     };
     return std::ranges::all_of(faults, [&](const dsl::Diagnostic& fault) {
       return !benchmark.benchmark->from && !within(fault.span, benchmark) &&
-             std::ranges::any_of(
-                 benchmarks, [&](const BenchmarkRef& other) { return within(fault.span, other); });
+             std::ranges::any_of(benchmarks, [&](const scenario::BenchmarkRef& other) {
+               return within(fault.span, other);
+             });
     });
   };
-  for (const BenchmarkRef& benchmark : benchmarks)
+  for (const scenario::BenchmarkRef& benchmark : benchmarks)
     result.benchmarks.push_back(benchmark.benchmark->name.text);
   if (benchmarks.empty() && faults.empty()) {
     const dsl::Span start = {scenario->main()->tree.source.get(), 0, 0};
-    result.diagnostics.Report(kNoRuns, start, "there is no benchmark in this file",
+    result.diagnostics.Report(scenario::kNoRuns, start, "there is no benchmark in this file",
                               "`benchmark name { }` is a whole one");
   }
   CheckLets(*scenario, result.diagnostics);
-  for (const BenchmarkRef& benchmark : benchmarks) {
+  for (const scenario::BenchmarkRef& benchmark : benchmarks) {
     if (!is_whole(benchmark)) continue;
     const bool is_asked_for =
         !options.benchmark || *options.benchmark == benchmark.benchmark->name.text;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan.h"
-#include "compiler/scenario.h"
+#include "compiler/plan/plan.h"
+#include "compiler/scenario/scenario.h"
 #include "dsl/diagnostics.h"
 
 namespace cdb::compiler {
@@ -15,21 +15,21 @@ namespace cdb::compiler {
 struct CompileOptions {
   std::string library;  ///< folder of the scenarios that `use` reaches from anywhere; may be empty
   std::optional<std::string> benchmark;  ///< only this one; nullopt: every benchmark of the file
-  PluginSource plugins = {};
-  ReadTrace read_trace = {};  ///< without it no `trace` can be read
+  scenario::PluginSource plugins = {};
+  plan::ReadTrace read_trace = {};  ///< without it no `trace` can be read
 };
 
 /// What came of it. Diagnostics point into `scenario`, which has to be kept as long as they are.
 struct Compilation {
-  std::shared_ptr<const Scenario> scenario;
+  std::shared_ptr<const scenario::Scenario> scenario;
   dsl::Diagnostics diagnostics;
-  std::vector<Plan> plans;              ///< empty where there are errors
+  std::vector<plan::Plan> plans;        ///< empty where there are errors
   std::vector<std::string> benchmarks;  ///< of the file, by name
 };
 
 /// Checks the file whole and reports every error, also of benchmarks that were not asked for. Never
 /// throws.
-Compilation Compile(const std::string& path, const ReadFile& read,
+Compilation Compile(const std::string& path, const scenario::ReadFile& read,
                     const CompileOptions& options = {});
 
 /// Reads from the disk.

@@ -5,14 +5,15 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
 namespace cdb::compiler {
 
 /// The plan with an axis `parameter` of the world in front of the others, one of `words` for each
 /// of its values, all of which the schema or, where it takes detectors, `plugins` has. A plan that
 /// sweeps the parameter itself is given back as it is.
-Plan Cross(const Plan& plan, std::string_view parameter, const std::vector<std::string>& words,
-           std::span<const PluginDetector> plugins = {});
+plan::Plan Cross(const plan::Plan& plan, std::string_view parameter,
+                 const std::vector<std::string>& words,
+                 std::span<const schema::PluginDetector> plugins = {});
 
 }  // namespace cdb::compiler

@@ -6,13 +6,13 @@
 #include <memory>
 #include <utility>
 
-#include "compiler/configuration.h"
-#include "compiler/convert.h"
-#include "compiler/diagnostic_kinds.h"
-#include "compiler/lint_findings.h"
-#include "compiler/reference.h"
-#include "compiler/scene_checks.h"
-#include "compiler/trace.h"
+#include "compiler/checks/lint_findings.h"
+#include "compiler/checks/scene_checks.h"
+#include "compiler/evaluate/configuration.h"
+#include "compiler/evaluate/convert.h"
+#include "compiler/plan/reference.h"
+#include "compiler/plan/trace.h"
+#include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::compiler {
 namespace {
@@ -23,17 +23,17 @@ constexpr std::string_view kNoValue = "none";
 
 /// An axis of the plan: a sweep under one name in every configuration, or the names of cases.
 struct GridAxis {
-  Axis axis;
+  plan::Axis axis;
   std::pair<int, int> order;
-  const SweepAxis* sweep = nullptr;  ///< one of those it was made from; null for cases
+  const evaluate::SweepAxis* sweep = nullptr;  ///< one of those it was made from; null for cases
   std::size_t case_axis = kNowhere;
-  std::vector<std::vector<Coordinate>> values;  ///< by configuration
+  std::vector<std::vector<plan::Coordinate>> values;  ///< by configuration
 };
 
 class Expander {
  public:
-  Expander(const Scenario& scenario, const BenchmarkRef& benchmark, dsl::Diagnostics& diagnostics,
-           bool lints)
+  Expander(const scenario::Scenario& scenario, const scenario::BenchmarkRef& benchmark,
+           dsl::Diagnostics& diagnostics, bool lints)
       : scenario_(scenario),
         benchmark_(benchmark),
         diagnostics_(diagnostics),
@@ -43,7 +43,7 @@ class Expander {
         checks_(benchmark.benchmark->name.span, diagnostics),
         findings_(benchmark.benchmark->name.span, diagnostics) {}
 
-  std::optional<Plan> Run() {
+  std::optional<plan::Plan> Run() {
     if (!layered_.has_base() || !Configure()) return std::nullopt;
     MakeAxes();
     const bool countable = !Failed();
@@ -54,9 +54,9 @@ class Expander {
     }
     MakeRuns();
     if (Failed() || broken_) return std::nullopt;
-    AddReferences(plan_);
+    plan::AddReferences(plan_);
     if (plan_.runs.empty()) {
-      diagnostics_.Report(kNoRuns, benchmark_.benchmark->name.span,
+      diagnostics_.Report(scenario::kNoRuns, benchmark_.benchmark->name.span,
                           fmt::format("'{}' has no run left", benchmark_.benchmark->name.text),
                           "its `skip` leaves out every point");
       return std::nullopt;
@@ -70,32 +70,32 @@ class Expander {
 
   bool TooMany(double count, const dsl::Span& span) {
     diagnostics_.Report(
-        kTooManyRuns, span, fmt::format("this benchmark has {:.6g} runs", count),
+        scenario::kTooManyRuns, span, fmt::format("this benchmark has {:.6g} runs", count),
         fmt::format("a plan holds at most {}; leave some out by `skip` or split the "
                     "benchmark",
-                    kMaxRuns));
+                    evaluate::kMaxRuns));
     return false;
   }
 
   bool Configure() {
     double count = 1;
-    for (const CaseAxis& axis : layered_.case_axes()) {
+    for (const scenario::CaseAxis& axis : layered_.case_axes()) {
       case_extents_.push_back(axis.names.size());
       count *= static_cast<double>(axis.names.size());
     }
-    if (count > static_cast<double>(kMaxRuns))
+    if (count > static_cast<double>(evaluate::kMaxRuns))
       return TooMany(count, benchmark_.benchmark->name.span);
-    Point chosen(case_extents_.size(), 0);
+    evaluate::Point chosen(case_extents_.size(), 0);
     do {
       configurations_.push_back(
-          std::make_unique<Configuration>(scenario_, layered_.Lay(chosen), diagnostics_));
-    } while (Advance(chosen, case_extents_));
+          std::make_unique<evaluate::Configuration>(scenario_, layered_.Lay(chosen), diagnostics_));
+    } while (evaluate::Advance(chosen, case_extents_));
     return true;
   }
 
   void MakeAxes() {
     for (std::size_t i = 0; i < layered_.case_axes().size(); ++i) {
-      const CaseAxis& cases = layered_.case_axes()[i];
+      const scenario::CaseAxis& cases = layered_.case_axes()[i];
       GridAxis axis;
       axis.axis.name = cases.name;
       axis.axis.values.assign(cases.names.begin(), cases.names.end());
@@ -104,17 +104,17 @@ class Expander {
       grid_.push_back(std::move(axis));
     }
     for (const auto& configuration : configurations_)
-      for (const SweepAxis& sweep : configuration->axes()) Merge(sweep);
+      for (const evaluate::SweepAxis& sweep : configuration->axes()) Merge(sweep);
     std::ranges::stable_sort(grid_, {}, &GridAxis::order);
     for (GridAxis& axis : grid_)
       if (axis.sweep != nullptr) FillValues(axis);
   }
 
-  void Merge(const SweepAxis& sweep) {
+  void Merge(const evaluate::SweepAxis& sweep) {
     for (GridAxis& axis : grid_) {
       if (axis.axis.name != sweep.name) continue;
       if (axis.sweep == nullptr) {
-        diagnostics_.Report(kAxisTwice, sweep.span,
+        diagnostics_.Report(scenario::kAxisTwice, sweep.span,
                             fmt::format("there are cases called '{}' already", sweep.name),
                             fmt::format("name the axis: sweep(…) as {}_2", sweep.name));
       } else {
@@ -135,8 +135,9 @@ class Expander {
   /// stands there.
   void FillValues(GridAxis& axis) {
     for (const auto& configuration : configurations_) {
-      std::vector<Coordinate> here;
-      const auto swept = std::ranges::find(configuration->axes(), axis.axis.name, &SweepAxis::name);
+      std::vector<plan::Coordinate> here;
+      const auto swept =
+          std::ranges::find(configuration->axes(), axis.axis.name, &evaluate::SweepAxis::name);
       if (swept != configuration->axes().end()) {
         here = swept->values;
       } else {
@@ -153,10 +154,10 @@ class Expander {
     }
     bool text = false;
     for (const auto& here : axis.values)
-      for (const Coordinate& value : here) text = text || value.index() == 1;
+      for (const plan::Coordinate& value : here) text = text || value.index() == 1;
     for (auto& here : axis.values) {
-      for (Coordinate& value : here) {
-        if (text && value.index() == 0) value = FormatReal(std::get<double>(value));
+      for (plan::Coordinate& value : here) {
+        if (text && value.index() == 0) value = schema::FormatReal(std::get<double>(value));
         if (std::ranges::find(axis.axis.values, value) == axis.axis.values.end())
           axis.axis.values.push_back(value);
       }
@@ -170,24 +171,25 @@ class Expander {
       count *= static_cast<double>(axis.axis.values.size());
       plan_.axes.push_back(axis.axis);
     }
-    const Parameter* repeats = FindParameter("repeats", false);
+    const schema::Parameter* repeats = schema::FindParameter("repeats", false);
     std::optional<std::uint64_t> value;
     for (const auto& configuration : configurations_) {
       const dsl::Span span = configuration->SpanOf({"", repeats}, benchmark_.benchmark->name.span);
-      Configuration& here = *configuration;
-      if (!Dependencies({"", repeats}, here.layers(), here.axes(), here.evaluator()).empty()) {
+      evaluate::Configuration& here = *configuration;
+      if (!evaluate::Dependencies({"", repeats}, here.layers(), here.axes(), here.evaluator())
+               .empty()) {
         const dsl::Span whole = here.layers().settings.at({"", repeats}).node->values[0]->span;
-        diagnostics_.Report(kMisplacedSweep, whole, "'repeats' cannot be swept",
+        diagnostics_.Report(scenario::kMisplacedSweep, whole, "'repeats' cannot be swept",
                             "every point has as many: they are the axis `rep`");
         return false;
       }
       const auto term = here.evaluator().EvaluateParameter({"", repeats});
-      const auto converted =
-          term ? Convert(*term, *repeats, span, {}, {}, diagnostics_) : std::optional<Value>();
+      const auto converted = term ? evaluate::Convert(*term, *repeats, span, {}, {}, diagnostics_)
+                                  : std::optional<schema::Value>();
       if (!converted) return false;
       const std::uint64_t n = std::get<std::uint64_t>(*converted);
       if (value && *value != n) {
-        diagnostics_.Report(kWrongPlace, span, "'repeats' is the same in every case",
+        diagnostics_.Report(scenario::kWrongPlace, span, "'repeats' is the same in every case",
                             "set it outside the cases");
         return false;
       }
@@ -195,32 +197,32 @@ class Expander {
     }
     plan_.repeats = *value;
     count *= static_cast<double>(*value);
-    return count <= static_cast<double>(kMaxRuns) ||
+    return count <= static_cast<double>(evaluate::kMaxRuns) ||
            TooMany(count, benchmark_.benchmark->name.span);
   }
 
   void MakeRuns() {
-    Point at(grid_.size(), 0);
+    evaluate::Point at(grid_.size(), 0);
     do {
       std::size_t chosen = 0;
       for (std::size_t i = 0; i < layered_.case_axes().size(); ++i)
         for (std::size_t a = 0; a < grid_.size(); ++a)
           if (grid_[a].case_axis == i) chosen = chosen * case_extents_[i] + at[a];
       if (!MakeRun(at, chosen)) plan_.skipped.push_back(at);
-    } while (Advance(at, extents_));
+    } while (evaluate::Advance(at, extents_));
   }
 
   /// False where the point is left out.
-  bool MakeRun(const Point& at, std::size_t chosen) {
-    Configuration& configuration = *configurations_[chosen];
-    Point local(configuration.axes().size(), 0);
+  bool MakeRun(const evaluate::Point& at, std::size_t chosen) {
+    evaluate::Configuration& configuration = *configurations_[chosen];
+    evaluate::Point local(configuration.axes().size(), 0);
     for (std::size_t a = 0; a < grid_.size(); ++a) {
       if (grid_[a].sweep == nullptr) continue;
       const auto& here = grid_[a].values[chosen];
       const auto value = std::ranges::find(here, grid_[a].axis.values[at[a]]);
       if (value == here.end()) return false;
       const auto swept =
-          std::ranges::find(configuration.axes(), grid_[a].axis.name, &SweepAxis::name);
+          std::ranges::find(configuration.axes(), grid_[a].axis.name, &evaluate::SweepAxis::name);
       if (swept != configuration.axes().end())
         local[static_cast<std::size_t>(swept - configuration.axes().begin())] =
             static_cast<std::size_t>(value - here.begin());
@@ -232,56 +234,60 @@ class Expander {
       broken_ = true;
       return true;
     }
-    if (lints_ && !TraceOf(*scene)) findings_.Add(configuration, *scene, plan_.repeats);
+    if (lints_ && !plan::TraceOf(*scene)) findings_.Add(configuration, *scene, plan_.repeats);
     for (std::uint64_t rep = 0; rep < plan_.repeats; ++rep)
-      plan_.runs.push_back({RunId(*scene, rep), at, rep, *scene, {}, {}});
+      plan_.runs.push_back({plan::RunId(*scene, rep), at, rep, *scene, {}, {}});
     return true;
   }
 
-  bool IsSkipped(Configuration& configuration, const Point& at) {
+  bool IsSkipped(evaluate::Configuration& configuration, const evaluate::Point& at) {
     if (configuration.layers().skips.empty()) return false;
-    Evaluator& evaluator = configuration.evaluator();
+    evaluate::Evaluator& evaluator = configuration.evaluator();
     for (std::size_t a = 0; a < grid_.size(); ++a) {
-      const Axis& axis = grid_[a].axis;
-      const Coordinate& value = axis.values[at[a]];
-      Term term{Word{}};
+      const plan::Axis& axis = grid_[a].axis;
+      const plan::Coordinate& value = axis.values[at[a]];
+      evaluate::Term term{schema::Word{}};
       if (const auto* number = std::get_if<double>(&value)) {
-        term = axis.IsInteger() ? Term{Number::Whole(static_cast<Integer>(*number))}
-                                : Term{Number::Real(*number)};
+        term =
+            axis.IsInteger()
+                ? evaluate::Term{evaluate::Number::Whole(static_cast<evaluate::Integer>(*number))}
+                : evaluate::Term{evaluate::Number::Real(*number)};
       } else {
-        term = Term{Word{std::get<std::string>(value)}};
+        term = evaluate::Term{schema::Word{std::get<std::string>(value)}};
         auto& words = evaluator.axis_words[axis.name];
         if (words.empty())
-          for (const Coordinate& word : axis.values) words.push_back(std::get<std::string>(word));
+          for (const plan::Coordinate& word : axis.values)
+            words.push_back(std::get<std::string>(word));
       }
       evaluator.axis_values.insert_or_assign(axis.name, std::move(term));
     }
     bool skipped = false;
-    for (const Placed<dsl::Skip>& skip : configuration.layers().skips)
+    for (const scenario::Placed<dsl::Skip>& skip : configuration.layers().skips)
       skipped = evaluator.Holds(*skip.node->when, skip.scope) || skipped;
     return skipped;
   }
 
-  const Scenario& scenario_;
-  const BenchmarkRef& benchmark_;
+  const scenario::Scenario& scenario_;
+  const scenario::BenchmarkRef& benchmark_;
   dsl::Diagnostics& diagnostics_;
   bool lints_;
   int errors_before_;
-  LayeredBenchmark layered_;
-  SceneChecks checks_;
-  LintFindings findings_;
+  scenario::LayeredBenchmark layered_;
+  checks::SceneChecks checks_;
+  checks::LintFindings findings_;
   std::vector<std::size_t> case_extents_, extents_;
-  std::vector<std::unique_ptr<Configuration>> configurations_;
+  std::vector<std::unique_ptr<evaluate::Configuration>> configurations_;
   std::vector<GridAxis> grid_;
-  Plan plan_;
+  plan::Plan plan_;
   /// A point has an error, which another benchmark may have reported already.
   bool broken_ = false;
 };
 
 }  // namespace
 
-std::optional<Plan> Expand(const Scenario& scenario, const BenchmarkRef& benchmark,
-                           dsl::Diagnostics& diagnostics, bool lints) {
+std::optional<plan::Plan> Expand(const scenario::Scenario& scenario,
+                                 const scenario::BenchmarkRef& benchmark,
+                                 dsl::Diagnostics& diagnostics, bool lints) {
   return Expander(scenario, benchmark, diagnostics, lints).Run();
 }
 

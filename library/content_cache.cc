@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "compiler/sha256.h"
+#include "compiler/plan/sha256.h"
 
 namespace cdb::library {
 namespace {
@@ -41,7 +41,7 @@ fs::path CacheFolder() {
   return {};
 }
 
-std::string CacheKeyOf(std::string_view bytes) { return compiler::Sha256Hex(bytes); }
+std::string CacheKeyOf(std::string_view bytes) { return plan::Sha256Hex(bytes); }
 
 std::optional<std::string> FindCached(const fs::path& folder, std::string_view kind,
                                       std::string_view key) {
@@ -54,7 +54,7 @@ std::optional<std::string> FindCached(const fs::path& folder, std::string_view k
   const std::string head = HeadOf(kind, key);
   if (bytes.size() < head.size() + kDigest || !bytes.starts_with(head)) return std::nullopt;
   const std::string_view body = bytes.substr(0, bytes.size() - kDigest);
-  if (compiler::Sha256Hex(body) != bytes.substr(body.size())) return std::nullopt;
+  if (plan::Sha256Hex(body) != bytes.substr(body.size())) return std::nullopt;
   return std::string(body.substr(head.size()));
 }
 
@@ -63,7 +63,7 @@ bool StoreCached(const fs::path& folder, std::string_view kind, std::string_view
   if (folder.empty()) return false;
   std::string bytes = HeadOf(kind, key);
   bytes += contents;
-  bytes += compiler::Sha256Hex(bytes);
+  bytes += plan::Sha256Hex(bytes);
   const fs::path file = FileOf(folder, kind, key);
   std::error_code error;
   fs::create_directories(file.parent_path(), error);

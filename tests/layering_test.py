@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""A folder knows only what stands left of it: reads the includes and says which go the wrong way.
+"""Checks the structure that the sources promise, by reading their includes.
 
-dsl: the standard library. compiler: dsl and the library's catalogue. library: compiler's plan and its own.
-runtime: plan and library. One file includes HDF5, one yaml-cpp; Bullet is of runtime/engine
-alone, and each other library with detectors of its folder in library/detectors.
+- A top folder includes only itself and the folders below it: dsl, compiler, library, runtime, from the bottom up.
+- No two folders include each other, directly or through others.
+- Only the command line and the reports know the compiler beyond the schema and the plan.
+- A file's namespace is cdb:: and the name of its folder.
+- Each external library is included where it belongs and nowhere else.
 """
 import pathlib
 import re
@@ -11,67 +13,101 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
+NAMESPACE = re.compile(r"^namespace (cdb[\w:]*) \{", re.M)
 
-PLAN = {"compiler/calls.h", "compiler/capacity.h", "compiler/expectation.h", "compiler/metrics.h", "compiler/needs.h",
-        "compiler/plan.h", "compiler/plan_yaml.h", "compiler/plugins.h", "compiler/reference.h", "compiler/schema.h", "compiler/sha256.h",
-        "compiler/trace.h", "compiler/value.h"}
+FOLDERS = ("dsl", "compiler", "library", "runtime")  # from the bottom up
 
-# What a folder may include of ours; a folder may always include itself.
-ALLOWED = {
-    "dsl": lambda path: False,
-    "compiler": lambda path: path.startswith("dsl/") or path == "library/catalogue.h",
-    "library": lambda path: path in PLAN or path in ("dsl/check.h", "compiler/sha256.h"),
-    "runtime/measure": lambda path: path in PLAN or path == "dsl/check.h",
-    "runtime/needs": lambda path: path in PLAN or path == "dsl/check.h" or path.startswith("library/"),
-    "runtime/accuracy": lambda path: path in PLAN or path == "dsl/check.h"
-    or path.startswith(("library/", "runtime/measure/")),
-    "runtime/engine": lambda path: path in PLAN or path == "dsl/check.h"
-    or path.startswith(("library/", "runtime/measure/", "runtime/needs/")),
-    "runtime/store": lambda path: path in PLAN or path == "dsl/check.h"
-    or path.startswith("runtime/measure/"),
-    "runtime/schedule": lambda path: path in PLAN or path == "dsl/check.h"
-    or path.startswith(("library/", "runtime/accuracy/", "runtime/measure/", "runtime/store/")),
-    "runtime/cli": lambda path: path.startswith(
-        ("dsl/", "compiler/", "library/catalogue.h", "library/layouts/", "library/scene_error.h",
-         "runtime/measure/", "runtime/needs/", "runtime/schedule/", "runtime/store/")),
-}
+WHOLE_COMPILER = ("runtime/cli", "runtime/report")
+CONTRACT = ("compiler/schema", "compiler/plan")
 
-# Who may include what is not ours: a pattern of the header, and the files that may.
-OUTSIDE = [
-    (r"(hdf5|H5.*)\.h$", lambda file: file.startswith("runtime/store/hdf5_")),
-    (r"yaml-cpp/", lambda file: file == "compiler/plan_yaml.cc"),
-    (r"(^|/)(bt|Bullet|LinearMath)", lambda file: file.startswith(("runtime/engine/", "library/detectors/bullet/"))),
-    (r"^fcl/", lambda file: file.startswith("library/detectors/fcl/")),
-    (r"^ode/", lambda file: file.startswith("library/detectors/ode/")),
-    (r"^CGAL/", lambda file: file.startswith("library/detectors/cgal/")),
-    (r"^embree", lambda file: file.startswith("library/detectors/embree/")),
-    (r"^boost/", lambda file: file.startswith("library/detectors/boost/")),
-    (r"^ccd/", lambda file: file.startswith("library/detectors/ccd/")),
-    (r"^(hacd|meshoptimizer)", lambda file: file == "library/meshes/decompose.cc"),
-    (r"^libqhull_r/", lambda file: file == "library/meshes/convex_hull.cc"),
-    (r"^(CLI/|nlohmann/)", lambda file: file.startswith("runtime/cli/")),
-    (r"^(fmt|Eigen)/", lambda file: not file.startswith("dsl/")),
+# A pattern of headers, and the files or folders that may include them.
+EXTERNAL = [
+    (r"(hdf5|H5.*)\.h$", ("runtime/store/hdf5/",)),
+    (r"yaml-cpp/", ("compiler/plan/plan_yaml.cc",)),
+    (r"(^|/)(bt|Bullet|LinearMath)", ("runtime/engine/", "library/detectors/bullet/")),
+    (r"^fcl/", ("library/detectors/third_party/fcl/",)),
+    (r"^ode/", ("library/detectors/third_party/ode/",)),
+    (r"^CGAL/", ("library/detectors/third_party/cgal/",)),
+    (r"^embree", ("library/detectors/third_party/embree/",)),
+    (r"^boost/", ("library/detectors/third_party/boost/",)),
+    (r"^ccd/", ("library/detectors/third_party/ccd/",)),
+    (r"^(hacd|meshoptimizer)", ("library/meshes/decompose.cc",)),
+    (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
+    (r"^(CLI/|nlohmann/)", ("runtime/cli/",)),
+    (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]
+
+# The interface that plug-ins are compiled against is installed, and its namespace is the project's.
+NAMESPACE_OF = {"library/detectors/detector.h": "cdb"}
+
+
+def namespace_of(file):
+    folder = file.rsplit("/", 1)[0]
+    if folder.startswith("library/detectors/third_party"):
+        return "cdb::third_party"  # a folder for each library
+    return NAMESPACE_OF.get(file, "cdb::" + folder.rsplit("/", 1)[-1])
+
+
+def check_file(file, text, graph):
+    folder = file.rsplit("/", 1)[0]
+    top = file.split("/")[0]
+    for bracket, header in INCLUDE.findall(text):
+        if bracket == '"' and header.split("/")[0] in FOLDERS + ("tests",):
+            other = header.rsplit("/", 1)[0]
+            if other != folder:
+                graph.setdefault(folder, {}).setdefault(other, f"{file} includes {header}")
+            below = FOLDERS[: FOLDERS.index(top) + 1]
+            if header.split("/")[0] not in below:
+                yield f"{file}: {top} must not include {header}"
+            if (other.split("/")[0] == "compiler" and top in ("library", "runtime")
+                    and other not in CONTRACT and folder not in WHOLE_COMPILER):
+                yield f"{file}: {header} is inside the compiler; outside of it only {' and '.join(CONTRACT)} are known"
+            continue
+        for pattern, places in EXTERNAL:
+            if re.search(pattern, header) and not file.startswith(places):
+                yield f"{file}: {header} belongs to {', '.join(places)}"
+    for namespace in NAMESPACE.findall(text):
+        if namespace != namespace_of(file):
+            yield f"{file}: namespace {namespace} should be {namespace_of(file)}"
+
+
+def find_cycle(graph):
+    """A list of folders each of which includes the next, the last the first; None where there is none."""
+    done, path = set(), []
+
+    def visit(folder):
+        if folder in path:
+            return path[path.index(folder):]
+        if folder in done:
+            return None
+        path.append(folder)
+        for other in graph.get(folder, {}):
+            cycle = visit(other)
+            if cycle:
+                return cycle
+        path.pop()
+        done.add(folder)
+        return None
+
+    for folder in list(graph):
+        cycle = visit(folder)
+        if cycle:
+            return cycle
+    return None
 
 
 def main():
-    wrong, seen = [], 0
-    for folder in ("dsl", "compiler", "library", "runtime"):
-        for path in sorted((ROOT / folder).rglob("*")):
-            if path.suffix not in (".h", ".cc"):
-                continue
-            seen += 1
-            file = path.relative_to(ROOT).as_posix()
-            layer = max((l for l in ALLOWED if file.startswith(l + "/")), key=len)
-            for bracket, header in INCLUDE.findall(path.read_text(encoding="utf-8")):
-                ours = header.split("/")[0] in ("dsl", "compiler", "library", "runtime", "tests")
-                if bracket == '"' and ours:
-                    if not header.startswith(layer + "/") and not ALLOWED[layer](header):
-                        wrong.append(f"{file}: {layer} must not know {header}")
-                for pattern, may in OUTSIDE:
-                    if re.search(pattern, header) and not ours and not may(file):
-                        wrong.append(f"{file}: {header} is not for this file")
-    print("\n".join(wrong) or f"{seen} files look only to their left")
+    wrong, graph, seen = [], {}, 0
+    for top in FOLDERS:
+        for path in sorted((ROOT / top).rglob("*")):
+            if path.suffix in (".h", ".cc"):
+                seen += 1
+                wrong += check_file(path.relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8"), graph)
+    cycle = find_cycle(graph)
+    if cycle:
+        wrong.append("folders include each other:")
+        wrong += [f"  {graph[a][b]}" for a, b in zip(cycle, cycle[1:] + cycle[:1])]
+    print("\n".join(wrong) or f"{seen} files include only what is below them")
     return 1 if wrong or seen < 40 else 0
 
 

@@ -6,7 +6,7 @@
 #include "library/closed_forms/fit.h"
 #include "library/walls.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 using Eigen::Vector3d;
@@ -46,7 +46,7 @@ class Bounce : public ClosedForm {
         axis_(axis),
         start_{object_.pose.position[axis], object_.linear_velocity[axis],
                fit.acceleration()[axis]},
-        restitution_(object_.restitution * kWallRestitution) {
+        restitution_(object_.restitution * library::kWallRestitution) {
     const double radius = object_.solid.sides.x() / 2;
     for (const int sign : {-1, 1})
       walls_[sign > 0] =
@@ -105,7 +105,7 @@ class Bounce : public ClosedForm {
     return object_.mass * (ball.v * ball.v / 2 - ball.a * ball.x);
   }
 
-  ObjectState object_;
+  layouts::ObjectState object_;
   int axis_;
   Ball start_;
   double restitution_;
@@ -144,4 +144,4 @@ std::unique_ptr<ClosedForm> MakeBounce(const Fit& fit) {
   return form;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

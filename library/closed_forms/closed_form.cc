@@ -5,7 +5,7 @@
 #include "dsl/check.h"
 #include "library/closed_forms/fit.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 struct Row {
@@ -20,11 +20,11 @@ constexpr Row kForms[] = {
 
 }  // namespace
 
-std::unique_ptr<ClosedForm> MakeClosedForm(std::string_view name, const compiler::Scene& scene,
-                                           const InitialState& state) {
+std::unique_ptr<ClosedForm> MakeClosedForm(std::string_view name, const plan::Scene& scene,
+                                           const layouts::InitialState& state) {
   const auto* row = std::ranges::find(kForms, name, &Row::name);
   CDB_CHECK(row != std::end(kForms));
   return row->make(Fit(name, scene, state));
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

@@ -12,11 +12,11 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 #include "library/scene_error.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 
 /// What is so at one time. Lists are by object, in the order of the initial state; empty where the
 /// form says nothing.
@@ -45,7 +45,7 @@ class ClosedForm {
 /// `name` is of ClosedForms() (library/catalogue.h); any other is our own bug. Throws SceneError
 /// that names what in the scene is not of this form, and what would be. Scene and state are looked
 /// at and not kept.
-std::unique_ptr<ClosedForm> MakeClosedForm(std::string_view name, const compiler::Scene& scene,
-                                           const InitialState& state);
+std::unique_ptr<ClosedForm> MakeClosedForm(std::string_view name, const plan::Scene& scene,
+                                           const layouts::InitialState& state);
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

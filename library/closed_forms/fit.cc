@@ -5,21 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/calls.h"
+#include "compiler/schema/parametrised_words.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 using Eigen::Vector3d;
 
-bool IsScheduled(const compiler::Value& value) {
-  const compiler::Call* call = compiler::AsCall(value);
+bool IsScheduled(const schema::Value& value) {
+  const schema::Call* call = schema::AsCall(value);
   return call != nullptr && (call->name == "every" || call->name == "rotating");
 }
 
 }  // namespace
 
-Fit::Fit(std::string_view form, const compiler::Scene& scene, const InitialState& state)
+Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::InitialState& state)
     : form_(form),
       scene_(scene),
       state_(state),
@@ -29,7 +29,7 @@ Fit::Fit(std::string_view form, const compiler::Scene& scene, const InitialState
   if (state.objects.empty()) Refuse("there is no object", "make the quantity 1 or more");
   if (IsScheduled(scene.world.Get("acceleration")))
     Refuse("the acceleration is on a schedule", "give it one value");
-  for (const compiler::Group& group : scene.groups)
+  for (const plan::Group& group : scene.groups)
     for (const char* velocity : {"linear_velocity", "angular_velocity"})
       if (IsScheduled(group.settings.Get(velocity)))
         Refuse(fmt::format("{}.{} is on a schedule", group.name, velocity), "give it one value");
@@ -43,7 +43,7 @@ Fit::Fit(std::string_view form, const compiler::Scene& scene, const InitialState
 }
 
 void Fit::Refuse(const std::string& what, const std::string& remedy) const {
-  throw SceneError(
+  throw library::SceneError(
       fmt::format("closed form `{}` is not of this scene: {}; {}", form_, what, remedy));
 }
 
@@ -87,7 +87,7 @@ void Fit::RequireFloor() const {
 }
 
 int Fit::RequireLevelCuboid(std::size_t index) const {
-  if (object(index).solid.shape != Shape::kCuboid)
+  if (object(index).solid.shape != objects::Shape::kCuboid)
     Refuse(Name(index) + " is not a cuboid", "make its type cuboid");
   const Vector3d up = object(index).pose.orientation.conjugate() * Vector3d::UnitY();
   int upright = 0;
@@ -109,7 +109,7 @@ bool Fit::IsOverBase(std::size_t index, int upright, const Vector3d& off) const 
   return (inside.cwiseAbs().array() <= object(index).solid.HalfExtents().array()).all();
 }
 
-void Fit::RequireClearOfWalls(std::size_t index, const Box& box, const Vector3d& from,
+void Fit::RequireClearOfWalls(std::size_t index, const objects::Box& box, const Vector3d& from,
                               const Vector3d& velocity, const Vector3d& acceleration,
                               double seconds) const {
   for (int axis = 0; axis < 3; ++axis) {
@@ -130,14 +130,16 @@ void Fit::RequireClearOfWalls(std::size_t index, const Box& box, const Vector3d&
   }
 }
 
-Box ReachOf(const ObjectState& object) {
-  if (object.angular_velocity.isZero(0)) return Bounds(object.solid, object.pose.orientation);
+objects::Box ReachOf(const layouts::ObjectState& object) {
+  if (object.angular_velocity.isZero(0))
+    return objects::Bounds(object.solid, object.pose.orientation);
   const Vector3d reach = Vector3d::Constant(object.solid.OuterRadius());
   return {-reach, reach};
 }
 
-Momenta MomentaOf(const std::vector<ObjectState>& objects, const std::vector<Vector3d>& positions,
-                  const std::vector<Vector3d>& velocities, const std::vector<Vector3d>& spins) {
+Momenta MomentaOf(const std::vector<layouts::ObjectState>& objects,
+                  const std::vector<Vector3d>& positions, const std::vector<Vector3d>& velocities,
+                  const std::vector<Vector3d>& spins) {
   double mass = 0;
   Vector3d centre = Vector3d::Zero();
   for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -158,4 +160,4 @@ Momenta MomentaOf(const std::vector<ObjectState>& objects, const std::vector<Vec
   return sum;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "library/closed_forms/closed_form.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 
 /// Where two numbers of a scene count as the same, relative to their size.
 inline constexpr double kSame = 1e-9;
@@ -24,14 +24,14 @@ class Fit {
  public:
   /// Requires what every form does: objects, none fixed, none damped, nothing on a schedule, rigid
   /// contacts.
-  Fit(std::string_view form, const compiler::Scene& scene, const InitialState& state);
+  Fit(std::string_view form, const plan::Scene& scene, const layouts::InitialState& state);
 
   /// `what` is so and is not of the form; `remedy` would be.
   [[noreturn]] void Refuse(const std::string& what, const std::string& remedy) const;
 
   std::size_t size() const { return state_.objects.size(); }
-  const std::vector<ObjectState>& objects() const { return state_.objects; }
-  const ObjectState& object(std::size_t index) const { return state_.objects[index]; }
+  const std::vector<layouts::ObjectState>& objects() const { return state_.objects; }
+  const layouts::ObjectState& object(std::size_t index) const { return state_.objects[index]; }
   const Eigen::Vector3d& acceleration() const { return state_.acceleration; }
   double end() const { return end_; }  ///< of the run, warm-up included
   /// The walls' coordinate along `axis` on the side of `sign`, and whether one stands there.
@@ -56,7 +56,7 @@ class Fit {
   bool IsOverBase(std::size_t index, int upright, const Eigen::Vector3d& off) const;
   /// No wall is reached by the object, which extends from its centre as `box` does, on its way from
   /// `from` under constant acceleration in `seconds`.
-  void RequireClearOfWalls(std::size_t index, const Box& box, const Eigen::Vector3d& from,
+  void RequireClearOfWalls(std::size_t index, const objects::Box& box, const Eigen::Vector3d& from,
                            const Eigen::Vector3d& velocity, const Eigen::Vector3d& acceleration,
                            double seconds) const;
   /// The part of the acceleration along the floor.
@@ -65,13 +65,13 @@ class Fit {
 
  private:
   std::string form_;
-  const compiler::Scene& scene_;
-  const InitialState& state_;
+  const plan::Scene& scene_;
+  const layouts::InitialState& state_;
   double end_, half_;
 };
 
 /// A box around the object that holds it however it turns, or, where it does not spin, just it.
-Box ReachOf(const ObjectState& object);
+objects::Box ReachOf(const layouts::ObjectState& object);
 
 struct Momenta {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
@@ -79,7 +79,7 @@ struct Momenta {
 };
 /// Of objects that are turned as they were at the start, or are balls. `spins` is empty where none
 /// turns.
-Momenta MomentaOf(const std::vector<ObjectState>& objects,
+Momenta MomentaOf(const std::vector<layouts::ObjectState>& objects,
                   const std::vector<Eigen::Vector3d>& positions,
                   const std::vector<Eigen::Vector3d>& velocities,
                   const std::vector<Eigen::Vector3d>& spins);
@@ -94,4 +94,4 @@ std::unique_ptr<ClosedForm> MakeHeadOn(const Fit& fit);
 std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit);
 std::unique_ptr<ClosedForm> MakeStack(const Fit& fit);
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

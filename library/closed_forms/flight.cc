@@ -5,17 +5,17 @@
 
 #include "library/closed_forms/fit.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 using Eigen::Vector3d;
 
-class Flight : public ClosedForm {
+class Trajectory : public ClosedForm {
  public:
-  Flight(const Fit& fit, double energy_scale)
+  Trajectory(const Fit& fit, double energy_scale)
       : objects_(fit.objects()), acceleration_(fit.acceleration()), energy_scale_(energy_scale) {
     std::vector<Vector3d> positions, velocities, spins;
-    for (const ObjectState& object : objects_) {
+    for (const layouts::ObjectState& object : objects_) {
       positions.push_back(object.pose.position);
       velocities.push_back(object.linear_velocity);
       spins.push_back(object.angular_velocity);
@@ -26,7 +26,7 @@ class Flight : public ClosedForm {
 
   Truth At(double time_s) const override {
     Truth truth;
-    for (const ObjectState& object : objects_) {
+    for (const layouts::ObjectState& object : objects_) {
       const Vector3d gained = acceleration_ * time_s;
       truth.velocities.push_back(object.linear_velocity + gained);
       truth.positions.push_back(object.pose.position +
@@ -41,14 +41,14 @@ class Flight : public ClosedForm {
   double energy_scale() const override { return energy_scale_; }
 
  private:
-  std::vector<ObjectState> objects_;
+  std::vector<layouts::ObjectState> objects_;
   Vector3d acceleration_;
   double energy_scale_, mass_ = 0;
   Momenta start_;
 };
 
 /// Seen from one of two, the other goes straight on, as both fall alike.
-bool MayTouch(const ObjectState& a, const ObjectState& b, double end) {
+bool MayTouch(const layouts::ObjectState& a, const layouts::ObjectState& b, double end) {
   const Vector3d apart = b.pose.position - a.pose.position;
   const Vector3d closing = b.linear_velocity - a.linear_velocity;
   const bool neither_turns = a.angular_velocity.isZero(0) && b.angular_velocity.isZero(0);
@@ -61,7 +61,7 @@ bool MayTouch(const ObjectState& a, const ObjectState& b, double end) {
 /// Of what moves, at the start or at the end: the speed of a parabola is largest there.
 double LargestKineticEnergy(const Fit& fit) {
   double start = 0, end = 0;
-  for (const ObjectState& object : fit.objects()) {
+  for (const layouts::ObjectState& object : fit.objects()) {
     const Vector3d spin = object.pose.orientation.conjugate() * object.angular_velocity;
     const double turning = object.solid.InertiaPerMass().dot(spin.cwiseAbs2());
     const Vector3d last = object.linear_velocity + fit.end() * fit.acceleration();
@@ -75,7 +75,7 @@ double LargestKineticEnergy(const Fit& fit) {
 
 std::unique_ptr<ClosedForm> MakeFlight(const Fit& fit) {
   for (std::size_t i = 0; i < fit.size(); ++i) {
-    const ObjectState& object = fit.object(i);
+    const layouts::ObjectState& object = fit.object(i);
     fit.RequireClearOfWalls(i, ReachOf(object), object.pose.position, object.linear_velocity,
                             fit.acceleration(), fit.end());
     for (std::size_t j = 0; j < i; ++j)
@@ -86,7 +86,7 @@ std::unique_ptr<ClosedForm> MakeFlight(const Fit& fit) {
   }
   const double energy = LargestKineticEnergy(fit);
   if (energy == 0) fit.Refuse("nothing moves", "give it an acceleration or a velocity");
-  return std::make_unique<Flight>(fit, energy);
+  return std::make_unique<Trajectory>(fit, energy);
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

@@ -6,7 +6,7 @@
 
 #include "library/closed_forms/fit.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 using Eigen::Vector3d;
@@ -15,7 +15,7 @@ class HeadOn : public ClosedForm {
  public:
   /// They meet after `meeting` seconds.
   HeadOn(const Fit& fit, double meeting) : objects_(fit.objects()), meeting_(meeting) {
-    const ObjectState &a = objects_[0], &b = objects_[1];
+    const layouts::ObjectState &a = objects_[0], &b = objects_[1];
     const double mass = a.mass + b.mass;
     const Vector3d common = (a.mass * a.linear_velocity + b.mass * b.linear_velocity) / mass;
     const double restitution = a.restitution * b.restitution;
@@ -29,7 +29,7 @@ class HeadOn : public ClosedForm {
   Truth At(double time_s) const override {
     Truth truth;
     for (std::size_t i = 0; i < 2; ++i) {
-      const ObjectState& ball = objects_[i];
+      const layouts::ObjectState& ball = objects_[i];
       const double before = std::min(time_s, meeting_);
       truth.velocities.push_back(time_s < meeting_ ? ball.linear_velocity : after_[i]);
       truth.positions.push_back(ball.pose.position + before * ball.linear_velocity +
@@ -47,7 +47,7 @@ class HeadOn : public ClosedForm {
   const Vector3d& after(std::size_t index) const { return after_[index]; }
 
  private:
-  std::vector<ObjectState> objects_;
+  std::vector<layouts::ObjectState> objects_;
   double meeting_, energy_scale_, lost_;
   std::vector<Vector3d> after_;  ///< velocities
 };
@@ -62,7 +62,7 @@ std::unique_ptr<ClosedForm> MakeHeadOn(const Fit& fit) {
     fit.RequireBall(i);
     fit.RequireNoSpin(i);
   }
-  const ObjectState &a = fit.object(0), &b = fit.object(1);
+  const layouts::ObjectState &a = fit.object(0), &b = fit.object(1);
   const Vector3d apart = b.pose.position - a.pose.position;
   const Vector3d closing = a.linear_velocity - b.linear_velocity;
   const double approach = closing.dot(apart) / apart.norm();
@@ -77,7 +77,7 @@ std::unique_ptr<ClosedForm> MakeHeadOn(const Fit& fit) {
                "make it longer, or take `flight`");
   auto form = std::make_unique<HeadOn>(fit, meeting);
   for (std::size_t i = 0; i < 2; ++i) {
-    const ObjectState& ball = fit.object(i);
+    const layouts::ObjectState& ball = fit.object(i);
     const Vector3d at_meeting = ball.pose.position + meeting * ball.linear_velocity;
     fit.RequireClearOfWalls(i, ReachOf(ball), ball.pose.position, ball.linear_velocity,
                             Vector3d::Zero(), meeting);
@@ -87,4 +87,4 @@ std::unique_ptr<ClosedForm> MakeHeadOn(const Fit& fit) {
   return form;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

@@ -7,7 +7,7 @@
 #include "library/closed_forms/fit.h"
 #include "library/walls.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 using Eigen::Vector3d;
@@ -38,7 +38,7 @@ class OnFloor : public ClosedForm {
   double energy_scale() const override { return energy_scale_; }
 
  private:
-  ObjectState object_;
+  layouts::ObjectState object_;
   Vector3d acceleration_, along_, rest_;
   double energy_scale_;
 };
@@ -55,12 +55,12 @@ Incline RequireIncline(const Fit& fit) {
   fit.RequireNoSpin(0);
   fit.RequireNoVelocity(0);
   const int upright = fit.RequireLevelCuboid(0);
-  const ObjectState& box = fit.object(0);
+  const layouts::ObjectState& box = fit.object(0);
   const double height = box.solid.sides[upright];
   fit.RequireStanding(0, box.pose.position.y() - height / 2 - fit.WallAt(-1), height);
   const Vector3d downhill = fit.Downhill();
   const double tangent = downhill.norm() / fit.Pressing();
-  const double friction = box.friction * kWallFriction;
+  const double friction = box.friction * library::kWallFriction;
   // The floor's force goes through the centre of mass where it leaves the base at this point.
   const Vector3d off = std::min(tangent, friction) * height / 2 * downhill.stableNormalized();
   if (!fit.IsOverBase(0, upright, off))
@@ -95,4 +95,4 @@ std::unique_ptr<ClosedForm> MakeStick(const Fit& fit) {
                                    fit.object(0).mass * fit.Pressing() * incline.height / 2);
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

@@ -12,7 +12,7 @@
 #include "library/closed_forms/fit.h"
 #include "library/walls.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 using Eigen::Vector3d;
@@ -58,7 +58,7 @@ class Rolling : public ClosedForm {
     return (index == plate_ ? 2 : 1) * time_s * time_s / 2 * along_;
   }
 
-  std::vector<ObjectState> objects_;
+  std::vector<layouts::ObjectState> objects_;
   std::size_t plate_;
   double radius_;
   Vector3d along_;
@@ -67,9 +67,9 @@ class Rolling : public ClosedForm {
   double settled_ = 0;   ///< from the start to `rest_`, J
 };
 
-const Box kNowhere = {Vector3d::Constant(HUGE_VAL), Vector3d::Constant(-HUGE_VAL)};
+const objects::Box kNowhere = {Vector3d::Constant(HUGE_VAL), Vector3d::Constant(-HUGE_VAL)};
 
-void Extend(Box& box, const Vector3d& point) {
+void Extend(objects::Box& box, const Vector3d& point) {
   box = {box.lower.cwiseMin(point), box.upper.cwiseMax(point)};
 }
 
@@ -81,7 +81,7 @@ std::size_t RequirePlateOnBalls(const Fit& fit) {
     fit.RequireNoVelocity(i);
     if (fit.object(i).rolling_friction != 0)
       fit.Refuse(fit.Name(i) + " has rolling friction", "make its rolling_friction 0");
-    if (fit.object(i).solid.shape != Shape::kCuboid) continue;
+    if (fit.object(i).solid.shape != objects::Shape::kCuboid) continue;
     if (plate < fit.size()) fit.Refuse("there are two cuboids", "it is of one, on balls");
     plate = i;
   }
@@ -95,10 +95,10 @@ std::size_t RequirePlateOnBalls(const Fit& fit) {
 std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit) {
   fit.RequireFloor();
   const std::size_t plate_index = RequirePlateOnBalls(fit);
-  const ObjectState& plate = fit.object(plate_index);
+  const layouts::ObjectState& plate = fit.object(plate_index);
   const int upright = fit.RequireLevelCuboid(plate_index);
   const double height = plate.solid.sides[upright];
-  const ObjectState& ball = fit.object(plate_index == 0 ? 1 : 0);
+  const layouts::ObjectState& ball = fit.object(plate_index == 0 ? 1 : 0);
   const double radius = ball.solid.sides.x() / 2, floor = fit.WallAt(-1);
 
   // The plate gains on each ball what the ball has gone.
@@ -110,9 +110,10 @@ std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit) {
   const Vector3d way = along * fit.end() * fit.end() / 2;
 
   std::vector<Vector3d> rest(fit.size());
-  Box at_start = kNowhere, at_end = kNowhere;  // of the balls' centres, as seen from the plate
+  objects::Box at_start = kNowhere,
+               at_end = kNowhere;  // of the balls' centres, as seen from the plate
   for (std::size_t i = 0; i < fit.size(); ++i) {
-    const ObjectState& object = fit.object(i);
+    const layouts::ObjectState& object = fit.object(i);
     rest[i] = object.pose.position;
     if (i == plate_index) {
       rest[i].y() = floor + 2 * radius + height / 2;
@@ -139,7 +140,7 @@ std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit) {
   // plate's middle the balls' forces add up, which by their box alone is between them.
   const Vector3d held = downhill - 2 * along;
   const Vector3d pressed = held / fit.Pressing() * height / 2;
-  for (const Box& box : {at_start, at_end})
+  for (const objects::Box& box : {at_start, at_end})
     for (const int axis : {0, 2})
       if (pressed[axis] < box.lower[axis] || pressed[axis] > box.upper[axis])
         fit.Refuse("the plate would tip off the balls",
@@ -149,11 +150,11 @@ std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit) {
       (balls * ball.mass * (along - downhill) + plate.mass * (2 * along - downhill)).norm();
   const double above = plate.friction * ball.friction * plate.mass * fit.Pressing();
   const double below =
-      ball.friction * kWallFriction * (plate.mass + balls * ball.mass) * fit.Pressing();
+      ball.friction * library::kWallFriction * (plate.mass + balls * ball.mass) * fit.Pressing();
   if (on_plate > above || on_floor > below)
     fit.Refuse(fmt::format("the balls would slip on the {}", on_plate > above ? "plate" : "floor"),
                "make the friction larger or tilt the acceleration less");
   return std::make_unique<Rolling>(fit, plate_index, radius, along, std::move(rest));
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

@@ -5,7 +5,7 @@
 
 #include "library/closed_forms/fit.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 using Eigen::Quaterniond;
@@ -87,7 +87,7 @@ class Spin : public ClosedForm {
   double energy_scale() const override { return energy_scale_; }
 
  private:
-  ObjectState object_;
+  layouts::ObjectState object_;
   Turning start_;
   Vector3d ratios_, angular_momentum_;
   double energy_scale_ = 0, step_ = 0;
@@ -101,7 +101,7 @@ class Spin : public ClosedForm {
 std::unique_ptr<ClosedForm> MakeSpin(const Fit& fit) {
   fit.RequireOneObject();
   fit.RequireNoAcceleration();
-  const ObjectState& object = fit.object(0);
+  const layouts::ObjectState& object = fit.object(0);
   if (object.angular_velocity.isZero(0))
     fit.Refuse(fit.Name(0) + " does not spin", "give it an angular_velocity");
   fit.RequireClearOfWalls(0, ReachOf(object), object.pose.position, object.linear_velocity,
@@ -109,4 +109,4 @@ std::unique_ptr<ClosedForm> MakeSpin(const Fit& fit) {
   return std::make_unique<Spin>(fit);
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

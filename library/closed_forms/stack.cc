@@ -6,7 +6,7 @@
 
 #include "library/closed_forms/fit.h"
 
-namespace cdb::library {
+namespace cdb::closed_forms {
 namespace {
 
 using Eigen::Vector3d;
@@ -41,7 +41,7 @@ std::unique_ptr<ClosedForm> MakeStack(const Fit& fit) {
   for (const std::size_t i : upwards) {
     fit.RequireNoSpin(i);
     fit.RequireNoVelocity(i);
-    const ObjectState& box = fit.object(i);
+    const layouts::ObjectState& box = fit.object(i);
     const double height = box.solid.sides[fit.RequireLevelCuboid(i)];
     const Vector3d start = box.pose.position;
     Vector3d off = start - axis;
@@ -61,4 +61,4 @@ std::unique_ptr<ClosedForm> MakeStack(const Fit& fit) {
   return std::make_unique<Stack>(std::move(rest), scale);
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::closed_forms

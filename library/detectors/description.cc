@@ -6,18 +6,12 @@
 #include <charconv>
 #include <span>
 
-namespace cdb::library {
+namespace cdb::detectors {
 namespace {
 
 std::string_view PhasesOf(const DetectorEntry& entry) {
-  switch (entry.phases & (kBroad | kNarrow)) {
-    case kBroad:
-      return "broad";
-    case kNarrow:
-      return "narrow";
-    default:
-      return "broad narrow";
-  }
+  if (!HasAny(entry.phases, kNarrow)) return "broad";
+  return HasAny(entry.phases, kBroad) ? "broad narrow" : "narrow";
 }
 
 /// The text up to `end`, which is taken off with it; nullopt where there is no `end`.
@@ -42,23 +36,23 @@ std::string DescriptionOf(const Plugin& plugin) {
   return text;
 }
 
-std::optional<std::vector<compiler::PluginDetector>> ReadDescription(std::string_view text) {
-  std::vector<compiler::PluginDetector> detectors;
+std::optional<std::vector<schema::PluginDetector>> ReadDescription(std::string_view text) {
+  std::vector<schema::PluginDetector> detectors;
   while (!text.empty()) {
     const auto name = TakeUntil(text, '\t'), phases = TakeUntil(text, '\t'),
                most = TakeUntil(text, '\t'), doc = TakeUntil(text, '\n');
     if (!name || !phases || !most || !doc) return std::nullopt;
-    compiler::PluginDetector detector;
+    schema::PluginDetector detector;
     detector.name = *name;
     detector.phases = *phases;
     const auto [end, error] =
         std::from_chars(most->data(), most->data() + most->size(), detector.max_bodies);
     if (error != std::errc{} || end != most->data() + most->size() ||
-        std::ranges::find(compiler::kPluginPhases, *phases) == std::end(compiler::kPluginPhases))
+        std::ranges::find(schema::kPluginPhases, *phases) == std::end(schema::kPluginPhases))
       return std::nullopt;
     detectors.push_back(std::move(detector));
   }
   return detectors;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::detectors

@@ -149,17 +149,25 @@ class Detector {
 /// Raised with every change of what this file declares.
 inline constexpr std::uint32_t kDetectorAbi = 1;
 
-enum Phases : std::uint32_t {
+enum class Phases : std::uint32_t {
   kBroad = 1,       ///< FindPairs
   kNarrow = 2,      ///< FindContacts
   kNeedsPoses = 4,  ///< wants Scene::poses though it has no narrow phase
 };
+using enum Phases;
+constexpr Phases operator|(Phases a, Phases b) {
+  return static_cast<Phases>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
+}
+/// `phases` has at least one of those in `asked`.
+constexpr bool HasAny(Phases phases, Phases asked) {
+  return (static_cast<std::uint32_t>(phases) & static_cast<std::uint32_t>(asked)) != 0;
+}
 
 /// One detector of a shared library.
 struct DetectorEntry {
   const char* name;  ///< as a .cdb file writes it: letters, digits, _
   const char* doc;   ///< one line
-  std::uint32_t phases;
+  Phases phases;
   std::uint64_t max_bodies;                   ///< walls included; 0 means no limit
   Detector* (*make)(const Options& options);  ///< with new; the caller deletes it
 };

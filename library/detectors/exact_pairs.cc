@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-namespace cdb::library {
+namespace cdb::detectors {
 namespace {
 
 struct Row {
@@ -74,4 +74,4 @@ PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found) {
   return faults;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::detectors

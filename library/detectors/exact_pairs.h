@@ -5,7 +5,7 @@
 
 #include "library/detectors/detector.h"
 
-namespace cdb::library {
+namespace cdb::detectors {
 
 /// All pairs of bodies that may collide and whose boxes overlap, in order. Boxes are compared as
 /// they are, in double; sorted along one axis, every pair that overlaps there is tested. Boxes that
@@ -25,4 +25,4 @@ struct PairFaults {
 /// Every id must be a body of the scene, and a < b.
 PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found);
 
-}  // namespace cdb::library
+}  // namespace cdb::detectors

@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-namespace cdb::library {
+namespace cdb::detectors {
 
 namespace {
 
@@ -47,7 +47,7 @@ const Plugin& LoadPlugin(const std::string& path) {
   const std::span entries(plugin->entries, plugin->count);
   for (const DetectorEntry& entry : entries) {
     if (entry.name == nullptr || entry.doc == nullptr || entry.make == nullptr ||
-        (entry.phases & (kBroad | kNarrow)) == 0)
+        !HasAny(entry.phases, kBroad | kNarrow))
       throw PluginError(
           fmt::format("'{}' offers a detector without name, line, phase or function", path));
     if (!IsName(entry.name))
@@ -67,4 +67,4 @@ const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name) {
   return nullptr;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::detectors

@@ -6,7 +6,7 @@
 
 #include "library/detectors/detector.h"
 
-namespace cdb::library {
+namespace cdb::detectors {
 
 /// A shared library that cannot be used; says why and what to do.
 class PluginError : public std::runtime_error {
@@ -23,4 +23,4 @@ const Plugin& LoadPlugin(const std::string& path);
 /// Null where there is none of that name.
 const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name);
 
-}  // namespace cdb::library
+}  // namespace cdb::detectors

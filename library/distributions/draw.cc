@@ -4,15 +4,15 @@
 
 #include <numeric>
 
-#include "compiler/calls.h"
+#include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 
-namespace cdb::library {
+namespace cdb::distributions {
 namespace {
 
-using compiler::Distribution;
-using compiler::DistributionKind;
-using compiler::Value;
+using schema::Distribution;
+using schema::DistributionKind;
+using schema::Value;
 
 std::string FullName(std::string_view group, std::string_view parameter) {
   return group.empty() ? std::string(parameter) : fmt::format("{}.{}", group, parameter);
@@ -22,15 +22,15 @@ const Distribution* AsDistribution(const Value& value) { return std::get_if<Dist
 
 /// `orientation random`: a word that stands for a distribution.
 bool IsRandomWord(const Value& value) {
-  const auto* word = std::get_if<compiler::Word>(&value);
+  const auto* word = std::get_if<schema::Word>(&value);
   return word != nullptr && word->text == "random";
 }
 
 /// What a schedule draws from: `every` its value, `rotating` the vector that it turns.
 const Value& Scheduled(const Value& value) {
-  const compiler::Call* call = compiler::AsCall(value);
-  if (call != nullptr && call->name == "every") return compiler::ArgumentOf(*call, "value");
-  if (call != nullptr && call->name == "rotating") return compiler::ArgumentOf(*call, "vector");
+  const schema::Call* call = schema::AsCall(value);
+  if (call != nullptr && call->name == "every") return schema::ArgumentOf(*call, "value");
+  if (call != nullptr && call->name == "rotating") return schema::ArgumentOf(*call, "vector");
   return value;
 }
 
@@ -77,17 +77,17 @@ double FromDistribution(const Distribution& distribution, int component, Stream&
 
 }  // namespace
 
-Stream NamedStream(const compiler::Scene& scene, std::string_view group,
-                   std::string_view parameter) {
+Stream NamedStream(const plan::Scene& scene, std::string_view group, std::string_view parameter) {
   const std::string name = FullName(group, parameter);
   const auto found = scene.seeds.find(name);
   if (found == scene.seeds.end())
-    throw SceneError(fmt::format("the plan has no seed for the stream `{}`; plan again", name));
+    throw library::SceneError(
+        fmt::format("the plan has no seed for the stream `{}`; plan again", name));
   return Stream(found->second);
 }
 
-Draw::Draw(const compiler::Scene& scene, const compiler::Group* group, std::string_view parameter)
-    : parameter_(compiler::FindParameter(parameter, group != nullptr)),
+Draw::Draw(const plan::Scene& scene, const plan::Group* group, std::string_view parameter)
+    : parameter_(schema::FindParameter(parameter, group != nullptr)),
       value_(&Scheduled((group != nullptr ? group->settings : scene.world).Get(parameter))),
       distribution_(AsDistribution(*value_)),
       name_(FullName(group != nullptr ? group->name : "", parameter)),
@@ -121,8 +121,9 @@ double Draw::RealInDomain(const Value& value, int component) {
 }
 
 void Draw::NeverInDomain() const {
-  throw SceneError(fmt::format("`{} {}` gave {} values in a row that are not {}; change it", name_,
-                               compiler::ToText(*value_), kMaxRedraws, parameter_->domain.Text()));
+  throw library::SceneError(
+      fmt::format("`{} {}` gave {} values in a row that are not {}; change it", name_,
+                  schema::ToText(*value_), kMaxRedraws, parameter_->domain.Text()));
 }
 
 double Draw::Real() { return RealInDomain(*value_, 0); }
@@ -135,14 +136,14 @@ bool Draw::On() {
 
 const Value& Draw::Choice() {
   const Value& value = Choose();
-  CDB_CHECK(std::holds_alternative<compiler::Word>(value) || compiler::AsCall(value) != nullptr);
+  CDB_CHECK(std::holds_alternative<schema::Word>(value) || schema::AsCall(value) != nullptr);
   return value;
 }
 
 std::optional<double> Draw::RealOrWord(std::string_view* word) {
   for (int tries = 0; tries < kMaxRedraws; ++tries) {
     const Value& value = Choose();
-    if (const auto* chosen = std::get_if<compiler::Word>(&value)) {
+    if (const auto* chosen = std::get_if<schema::Word>(&value)) {
       *word = chosen->text;
       return std::nullopt;
     }
@@ -155,7 +156,7 @@ std::optional<double> Draw::RealOrWord(std::string_view* word) {
 std::optional<Eigen::Vector3d> Draw::VectorOrWord(std::string_view* word) {
   // A choice is one draw; everything else goes component by component.
   const Value& value = Choose();
-  if (const auto* chosen = std::get_if<compiler::Word>(&value)) {
+  if (const auto* chosen = std::get_if<schema::Word>(&value)) {
     *word = chosen->text;
     return std::nullopt;
   }
@@ -171,4 +172,4 @@ Eigen::Vector3d Draw::Vector() {
   return *vector;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::distributions

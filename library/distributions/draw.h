@@ -7,12 +7,12 @@
 #include <string>
 #include <string_view>
 
-#include "compiler/plan.h"
-#include "compiler/schema.h"
+#include "compiler/plan/plan.h"
+#include "compiler/schema/schema.h"
 #include "library/distributions/stream.h"
 #include "library/scene_error.h"
 
-namespace cdb::library {
+namespace cdb::distributions {
 
 /// One parameter of a group or of the world. A number outside the parameter's domain (a size or a
 /// mass of 0 or less) is drawn again, a vector component by component. Not for several threads; the
@@ -25,13 +25,13 @@ class Draw {
 
   /// `group` is null for the world. Throws SceneError where the plan has no seed for a
   /// distribution; a name that the schema does not have is our own bug.
-  Draw(const compiler::Scene& scene, const compiler::Group* group, std::string_view parameter);
+  Draw(const plan::Scene& scene, const plan::Group* group, std::string_view parameter);
 
   double Real();
   bool On();
   /// One of the choices as it stands in the plan, a Word or a Call: `sphere`, `mesh("rock.obj",
   /// …)`.
-  const compiler::Value& Choice();
+  const schema::Value& Choice();
   /// A number where the parameter takes words too: empty where a word was drawn, which `word`
   /// receives (`mass fixed`).
   std::optional<double> RealOrWord(std::string_view* word);
@@ -42,21 +42,20 @@ class Draw {
   Stream& stream() { return stream_; }
 
  private:
-  const compiler::Value& Choose();
-  double RealFrom(const compiler::Value& value, int component);
-  double RealInDomain(const compiler::Value& value, int component);
+  const schema::Value& Choose();
+  double RealFrom(const schema::Value& value, int component);
+  double RealInDomain(const schema::Value& value, int component);
   [[noreturn]] void NeverInDomain() const;
 
-  const compiler::Parameter* parameter_;
-  const compiler::Value* value_;
-  const compiler::Distribution* distribution_;
+  const schema::Parameter* parameter_;
+  const schema::Value* value_;
+  const schema::Distribution* distribution_;
   std::string name_;  ///< `pebbles.size`: of the stream, and in messages
   Stream stream_;
 };
 
 /// The stream `group.parameter` of the scene, or `parameter` of the world, where the group is
 /// empty. Throws SceneError where the plan has no seed for it.
-Stream NamedStream(const compiler::Scene& scene, std::string_view group,
-                   std::string_view parameter);
+Stream NamedStream(const plan::Scene& scene, std::string_view group, std::string_view parameter);
 
-}  // namespace cdb::library
+}  // namespace cdb::distributions

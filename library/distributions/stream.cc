@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace cdb::library {
+namespace cdb::distributions {
 namespace {
 
 constexpr double kTwoToMinus53 = 0x1p-53;
@@ -117,4 +117,4 @@ double Exp(double x) {
   return std::ldexp(sum, static_cast<int>(k));  // exact, but below the normal numbers
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::distributions

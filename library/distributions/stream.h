@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <random>
 
-namespace cdb::library {
+namespace cdb::distributions {
 
 /// One stream. Copies go on alike. Not for several threads.
 class Stream {
@@ -48,4 +48,4 @@ double InverseNormal(double p);
 double Log(double x);
 double Exp(double x);
 
-}  // namespace cdb::library
+}  // namespace cdb::distributions

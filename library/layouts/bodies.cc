@@ -4,19 +4,19 @@
 
 #include "library/objects/overlap.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 namespace {
 
-bool Meet(const Box& a, const Box& b) {
+bool Meet(const objects::Box& a, const objects::Box& b) {
   return (a.lower.array() <= b.upper.array()).all() && (a.upper.array() >= b.lower.array()).all();
 }
 
 }  // namespace
 
-Bodies::Bodies(const compiler::Scene& scene, InitialState& state)
+Bodies::Bodies(const plan::Scene& scene, InitialState& state)
     : scene_(scene), state_(state), side_(scene.world.Real("world.side")) {
   std::size_t first = 0;
-  for (const compiler::Group& group : scene.groups) {
+  for (const plan::Group& group : scene.groups) {
     const std::size_t end = first + group.settings.Count("quantity");
     groups_.push_back({&group, first, end});
     first = end;
@@ -24,7 +24,7 @@ Bodies::Bodies(const compiler::Scene& scene, InitialState& state)
   bounds_.reserve(size());
   cores_.reserve(size());
   for (const ObjectState& object : state.objects) {
-    bounds_.push_back(Bounds(object.solid, object.pose.orientation));
+    bounds_.push_back(objects::Bounds(object.solid, object.pose.orientation));
     cores_.push_back(
         {object.pose.position, object.solid.InnerRadius(), object.solid.OuterRadius()});
   }
@@ -35,11 +35,11 @@ void Bodies::MoveTo(std::size_t index, const Eigen::Vector3d& place) {
   cores_[index].position = place;
 }
 
-bool Bodies::SurfacesTouch(std::size_t index, const Eigen::Vector3d& place, const Box& box,
+bool Bodies::SurfacesTouch(std::size_t index, const Eigen::Vector3d& place, const objects::Box& box,
                            std::size_t other) const {
   const ObjectState &object = state_.objects[index], &neighbour = state_.objects[other];
-  return Meet(box, BoxOf(other)) &&
-         Overlap(object.solid, {place, object.pose.orientation}, neighbour.solid, neighbour.pose);
+  return Meet(box, BoxOf(other)) && objects::Overlap(object.solid, {place, object.pose.orientation},
+                                                     neighbour.solid, neighbour.pose);
 }
 
 std::string Bodies::Name(std::size_t index) const {
@@ -47,4 +47,4 @@ std::string Bodies::Name(std::size_t index) const {
                      scene_.groups[state_.objects[index].group].name);
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
-inline Box Shifted(const Box& box, const Eigen::Vector3d& by) {
+inline objects::Box Shifted(const objects::Box& box, const Eigen::Vector3d& by) {
   return {by + box.lower, by + box.upper};
 }
 
@@ -24,7 +24,7 @@ struct Core {
 
 /// The objects of one group: those from `first` to before `end`.
 struct GroupRange {
-  const compiler::Group* group;
+  const plan::Group* group;
   std::size_t first, end;
   std::size_t size() const { return end - first; }
 };
@@ -35,7 +35,7 @@ inline constexpr double kRounding = 1e-9;
 /// m. Scene and state must outlive it. Not for several threads.
 class Bodies {
  public:
-  Bodies(const compiler::Scene& scene, InitialState& state);
+  Bodies(const plan::Scene& scene, InitialState& state);
 
   const std::vector<GroupRange>& groups() const { return groups_; }
   double side() const { return side_; }  ///< of the cube
@@ -45,17 +45,19 @@ class Bodies {
     return std::span(state_.objects).subspan(range.first, range.size());
   }
   /// Its centre of mass at the origin.
-  const Box& bounds(std::size_t index) const { return bounds_[index]; }
+  const objects::Box& bounds(std::size_t index) const { return bounds_[index]; }
   Eigen::Vector3d Extents(std::size_t index) const {
     return bounds_[index].upper - bounds_[index].lower;
   }
   const Core& core(std::size_t index) const { return cores_[index]; }
   /// Around the object where it is.
-  Box BoxOf(std::size_t index) const { return Shifted(bounds_[index], cores_[index].position); }
+  objects::Box BoxOf(std::size_t index) const {
+    return Shifted(bounds_[index], cores_[index].position);
+  }
 
   void MoveTo(std::size_t index, const Eigen::Vector3d& place);
   /// Whether the object would touch `other`, were it at `place`, and `box` around it there.
-  bool TouchesAt(std::size_t index, const Eigen::Vector3d& place, const Box& box,
+  bool TouchesAt(std::size_t index, const Eigen::Vector3d& place, const objects::Box& box,
                  std::size_t other) const {
     // Here, as most calls end here.
     const Core& core = cores_[index];
@@ -73,15 +75,15 @@ class Bodies {
   std::string Name(std::size_t index) const;
 
  private:
-  bool SurfacesTouch(std::size_t index, const Eigen::Vector3d& place, const Box& box,
+  bool SurfacesTouch(std::size_t index, const Eigen::Vector3d& place, const objects::Box& box,
                      std::size_t other) const;
 
-  const compiler::Scene& scene_;
+  const plan::Scene& scene_;
   InitialState& state_;
   double side_;
   std::vector<GroupRange> groups_;
-  std::vector<Box> bounds_;
+  std::vector<objects::Box> bounds_;
   std::vector<Core> cores_;
 };
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -9,7 +9,7 @@
 #include "library/objects/distance.h"
 #include "library/scene_error.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 namespace {
 
 using Eigen::Vector3d;
@@ -17,12 +17,12 @@ using Eigen::Vector3d;
 /// Below this part of what is looked at, two surfaces touch and do not overlap.
 constexpr double kTouch = 1e-9;
 
-const compiler::Group& GroupOf(const Bodies& bodies, std::size_t index) {
+const plan::Group& GroupOf(const Bodies& bodies, std::size_t index) {
   return *bodies.groups()[bodies.object(index).group].group;
 }
 
 void CheckWalls(const Bodies& bodies, std::size_t index) {
-  const Box box = bodies.BoxOf(index);
+  const objects::Box box = bodies.BoxOf(index);
   const double half = bodies.side() / 2;
   for (int axis = 0; axis < 3; ++axis) {
     for (const int sign : {-1, 1}) {
@@ -31,9 +31,9 @@ void CheckWalls(const Bodies& bodies, std::size_t index) {
       const std::string deed = through <= kTouch * bodies.side()
                                    ? "touches"
                                    : fmt::format("reaches {:.4g} m through", through);
-      throw SceneError(fmt::format("{} {} the cube's wall {}{}; {}", bodies.Name(index), deed,
-                                   sign < 0 ? '-' : '+', "xyz"[axis],
-                                   AdviceOf(GroupOf(bodies, index)).wall));
+      throw library::SceneError(fmt::format("{} {} the cube's wall {}{}; {}", bodies.Name(index),
+                                            deed, sign < 0 ? '-' : '+', "xyz"[axis],
+                                            AdviceOf(GroupOf(bodies, index)).wall));
     }
   }
 }
@@ -46,8 +46,8 @@ double Depth(const Bodies& bodies, std::size_t index, std::size_t other) {
   const double apart = offset.norm();
   const Vector3d direction = apart > 0 ? Vector3d(offset / apart) : Vector3d::UnitY();
   const double touch = kTouch * (object.solid.sides.norm() + neighbour.solid.sides.norm());
-  const auto free =
-      Approach(neighbour.solid, neighbour.pose, object.solid, object.pose, direction, touch);
+  const auto free = objects::Approach(neighbour.solid, neighbour.pose, object.solid, object.pose,
+                                      direction, touch);
   return free.value_or(apart) - apart > 2 * touch ? *free - apart : 0;
 }
 
@@ -62,7 +62,7 @@ double Depth(const Bodies& bodies, std::size_t index, std::size_t other) {
   const std::string_view advice = bodies.object(index).group == bodies.object(other).group
                                       ? AdviceOf(GroupOf(bodies, index)).overlap
                                       : "give one of the two groups another place";
-  throw SceneError(fmt::format("{} {}; {}", bodies.Name(index), deed, advice));
+  throw library::SceneError(fmt::format("{} {}; {}", bodies.Name(index), deed, advice));
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
   std::ranges::sort(by_size);
   HashGrid grid(indices.size());
   for (const auto& [level, index] : by_size) {
-    const Box box = bodies.BoxOf(index);
+    const objects::Box box = bodies.BoxOf(index);
     grid.AnyOf(box, [&](std::uint32_t other) {
       if (is_fixed(index) && is_fixed(other)) return false;
       if (may_overlap(index) && may_overlap(other)) return false;
@@ -96,4 +96,4 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
   }
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

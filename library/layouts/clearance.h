@@ -6,7 +6,7 @@
 
 #include "library/layouts/bodies.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// `indices`: the objects to look at. Those that move may touch neither a wall of the cube,
 /// whichever stand, nor any other; fixed ones may touch and leave the cube and overlap one another,
@@ -15,4 +15,4 @@ namespace cdb::library {
 /// and what to change. O(n) where sizes and shapes are alike.
 void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indices);
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -6,26 +6,26 @@
 
 #include "library/objects/solid_pair.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 namespace {
 
 using Eigen::Vector3d;
 
-bool IsUnturnedCuboid(const Solid& solid, const Eigen::Quaterniond& orientation) {
-  return solid.shape == Shape::kCuboid &&
+bool IsUnturnedCuboid(const objects::Solid& solid, const Eigen::Quaterniond& orientation) {
+  return solid.shape == objects::Shape::kCuboid &&
          orientation.coeffs() == Eigen::Quaterniond::Identity().coeffs();
 }
 
 }  // namespace
 
-Probe::Probe(Solid its_solid, const Eigen::Quaterniond& its_orientation)
+Probe::Probe(objects::Solid its_solid, const Eigen::Quaterniond& its_orientation)
     : solid(std::move(its_solid)),
       orientation(its_orientation),
-      bounds(Bounds(solid, orientation)),
+      bounds(objects::Bounds(solid, orientation)),
       inner(solid.InnerRadius()),
       outer(solid.OuterRadius()) {}
 
-bool Coverage::Covers(std::uint32_t other, const Probe& probe, const Box& voxel) const {
+bool Coverage::Covers(std::uint32_t other, const Probe& probe, const objects::Box& voxel) const {
   const Core& theirs = bodies_.core(other);
   const Vector3d to_lower = (theirs.position - voxel.lower).cwiseAbs();
   const Vector3d to_upper = (theirs.position - voxel.upper).cwiseAbs();
@@ -41,7 +41,8 @@ bool Coverage::Covers(std::uint32_t other, const Probe& probe, const Box& voxel)
       offsets[corner][axis] = theirs.position[axis] -
                               ((corner >> axis & 1) != 0 ? voxel.upper[axis] : voxel.lower[axis]);
   const ObjectState& neighbour = bodies_.object(other);
-  const SolidPair pair(probe.solid, probe.orientation, neighbour.solid, neighbour.pose.orientation);
+  const objects::SolidPair pair(probe.solid, probe.orientation, neighbour.solid,
+                                neighbour.pose.orientation);
   // The places where two convex pieces touch are convex, so the corners decide.
   return pair.AnyPieces([&](std::size_t piece, std::size_t their_piece) {
     return std::ranges::all_of(offsets, [&](const Vector3d& offset) {
@@ -50,9 +51,9 @@ bool Coverage::Covers(std::uint32_t other, const Probe& probe, const Box& voxel)
   });
 }
 
-bool Coverage::IsCovered(const Probe& probe, const Box& voxel) const {
+bool Coverage::IsCovered(const Probe& probe, const objects::Box& voxel) const {
   // Who covers the voxel covers its centre.
-  const Box box = Shifted(probe.bounds, (voxel.lower + voxel.upper) / 2);
+  const objects::Box box = Shifted(probe.bounds, (voxel.lower + voxel.upper) / 2);
   if (grid_.AnyOf(box, [&](std::uint32_t other) { return Covers(other, probe, voxel); }))
     return true;
   return IsUnturnedCuboid(probe.solid, probe.orientation) && IsCoveredBySlabs(probe, voxel);
@@ -61,13 +62,13 @@ bool Coverage::IsCovered(const Probe& probe, const Box& voxel) const {
 /// Whether unturned cuboids cut the voxel away slice by slice. Two of them with hardly less than
 /// the probe's room between their faces cover many voxels together and none alone, until the
 /// voxels are as thin as what lacks.
-bool Coverage::IsCoveredBySlabs(const Probe& probe, const Box& voxel) const {
-  Box left = voxel;
-  const Box reach{voxel.lower + probe.bounds.lower, voxel.upper + probe.bounds.upper};
+bool Coverage::IsCoveredBySlabs(const Probe& probe, const objects::Box& voxel) const {
+  objects::Box left = voxel;
+  const objects::Box reach{voxel.lower + probe.bounds.lower, voxel.upper + probe.bounds.upper};
   const auto cut = [&](std::uint32_t other) {
     const ObjectState& neighbour = bodies_.object(other);
     if (!IsUnturnedCuboid(neighbour.solid, neighbour.pose.orientation)) return false;
-    const Box theirs = bodies_.BoxOf(other);
+    const objects::Box theirs = bodies_.BoxOf(other);
     const Vector3d lower = theirs.lower - probe.bounds.upper;
     const Vector3d upper = theirs.upper - probe.bounds.lower;
     const auto spans = [&](int axis) {
@@ -90,4 +91,4 @@ bool Coverage::IsCoveredBySlabs(const Probe& probe, const Box& voxel) const {
   return false;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -6,17 +6,17 @@
 #include "library/layouts/bodies.h"
 #include "library/layouts/grid.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// What the voxels of a list are free for: a solid that every object to come has inside it, at its
 /// centre of mass. What is not free for the probe is free for none of them.
 struct Probe {
-  Solid solid;
+  objects::Solid solid;
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
-  Box bounds;                   ///< its centre of mass at the origin
+  objects::Box bounds;          ///< its centre of mass at the origin
   double inner = 0, outer = 0;  ///< radii, m
 
-  Probe(Solid its_solid, const Eigen::Quaterniond& its_orientation);
+  Probe(objects::Solid its_solid, const Eigen::Quaterniond& its_orientation);
 };
 
 /// Bodies and grid, which lists those that have their place, must outlive it. Not for several
@@ -26,15 +26,15 @@ class Coverage {
   Coverage(const Bodies& bodies, const BoxGrid& grid) : bodies_(bodies), grid_(grid) {}
 
   /// Whether the probe touches object `other` wherever in the voxel it is.
-  bool Covers(std::uint32_t other, const Probe& probe, const Box& voxel) const;
+  bool Covers(std::uint32_t other, const Probe& probe, const objects::Box& voxel) const;
   /// Whether the probe is known to touch something wherever in the voxel it is.
-  bool IsCovered(const Probe& probe, const Box& voxel) const;
+  bool IsCovered(const Probe& probe, const objects::Box& voxel) const;
 
  private:
-  bool IsCoveredBySlabs(const Probe& probe, const Box& voxel) const;
+  bool IsCoveredBySlabs(const Probe& probe, const objects::Box& voxel) const;
 
   const Bodies& bodies_;
   const BoxGrid& grid_;
 };
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -12,12 +12,12 @@
 #include "library/layouts/coverage.h"
 #include "library/layouts/exact_layouts.h"
 #include "library/layouts/free_voxels.h"
-#include "library/layouts/fullness.h"
 #include "library/layouts/grid.h"
 #include "library/layouts/hints.h"
+#include "library/layouts/packing_fraction.h"
 #include "library/layouts/placement.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 namespace {
 
 using Eigen::Vector3d;
@@ -51,7 +51,7 @@ struct VoxelSearch {
 
 class DrawnPlacer {
  public:
-  DrawnPlacer(const compiler::Scene& scene, Bodies& bodies)
+  DrawnPlacer(const plan::Scene& scene, Bodies& bodies)
       : scene_(scene),
         bodies_(bodies),
         side_(bodies.side()),
@@ -77,7 +77,8 @@ class DrawnPlacer {
   void PlaceGroup(const GroupRange& range) {
     const std::string_view layout = range.group->settings.WordOr("location");
     CDB_CHECK(layout == "uniform" || layout == "normal");
-    Stream stream = NamedStream(scene_, range.group->name, "location");
+    distributions::Stream stream =
+        distributions::NamedStream(scene_, range.group->name, "location");
     if (layout == "normal") {
       PlaceNormal(range, stream);
     } else {
@@ -86,21 +87,21 @@ class DrawnPlacer {
   }
 
   /// Where the centre of mass may be for the box to lie between the walls: strictly inside this.
-  Box DomainOf(std::size_t index) const {
-    const Box& bounds = bodies_.bounds(index);
+  objects::Box DomainOf(std::size_t index) const {
+    const objects::Box& bounds = bodies_.bounds(index);
     return {Vector3d::Constant(-side_ / 2) - bounds.lower,
             Vector3d::Constant(side_ / 2) - bounds.upper};
   }
 
-  void PlaceNormal(const GroupRange& range, Stream& stream) {
+  void PlaceNormal(const GroupRange& range, distributions::Stream& stream) {
     for (std::size_t index = range.first; index < range.end; ++index) {
       const auto draw_along = [&](double, double) { return side_ / 6 * stream.Normal(); };
       if (!PlacePlainly(index, kMaxTriesOfOne, draw_along))
-        fullness_.TooFull(index, Fullness::kGivenUp);
+        fullness_.TooFull(index, PackingFraction::kGivenUp);
     }
   }
 
-  void PlaceUniform(const GroupRange& range, Stream& stream) {
+  void PlaceUniform(const GroupRange& range, distributions::Stream& stream) {
     const auto draw_along = [&](double low, double high) { return stream.Uniform(low, high); };
     std::optional<VoxelSearch> search;
     for (std::size_t index = range.first; index < range.end; ++index) {
@@ -118,7 +119,7 @@ class DrawnPlacer {
 
   template <typename DrawAlong>
   bool PlacePlainly(std::size_t index, std::uint64_t max_misses, DrawAlong draw_along) {
-    const Box domain = DomainOf(index);
+    const objects::Box domain = DomainOf(index);
     for (std::uint64_t misses = 0; misses < max_misses; ++misses) {
       Vector3d place;
       for (int axis = 0; axis < 3; ++axis)
@@ -141,7 +142,7 @@ class DrawnPlacer {
       if (x > low && x < high) return x;
       CountTry(index);
     }
-    fullness_.TooFull(index, Fullness::kGivenUp);
+    fullness_.TooFull(index, PackingFraction::kGivenUp);
   }
 
   /// The voxels that are free for the objects from `first` to before `end`: for the object itself
@@ -150,7 +151,7 @@ class DrawnPlacer {
     const ObjectState& object = bodies_.object(first);
     bool alike = true;
     double radius = object.solid.InnerRadius(), half = object.solid.LeastHalfExtent();
-    Box domain = DomainOf(first);
+    objects::Box domain = DomainOf(first);
     for (std::size_t i = first + 1; i < end; ++i) {
       const ObjectState& other = bodies_.object(i);
       alike = alike && other.solid == object.solid &&
@@ -158,15 +159,15 @@ class DrawnPlacer {
                other.pose.orientation.coeffs() == object.pose.orientation.coeffs());
       radius = std::min(radius, other.solid.InnerRadius());
       half = std::min(half, other.solid.LeastHalfExtent());
-      const Box other_domain = DomainOf(i);
+      const objects::Box other_domain = DomainOf(i);
       domain.lower = domain.lower.cwiseMin(other_domain.lower);
       domain.upper = domain.upper.cwiseMax(other_domain.upper);
     }
-    const Probe probe =
-        alike ? Probe(object.solid, object.pose.orientation)
-              : Probe({Shape::kEllipsoid, Vector3d::Constant(2 * radius)}, object.pose.orientation);
+    const Probe probe = alike ? Probe(object.solid, object.pose.orientation)
+                              : Probe({objects::Shape::kEllipsoid, Vector3d::Constant(2 * radius)},
+                                      object.pose.orientation);
     const double most = kMinVoxels + kVoxelsPerObject * static_cast<double>(bodies_.size());
-    const auto covered = [&](const Box& voxel) { return IsCovered(probe, voxel, first); };
+    const auto covered = [&](const objects::Box& voxel) { return IsCovered(probe, voxel, first); };
     // A ring's centre of mass is in none of its pieces.
     const double edge = radius > 0 ? radius : half;
     FreeVoxels voxels(domain.lower, domain.upper, edge, most, covered);
@@ -176,16 +177,16 @@ class DrawnPlacer {
   /// False where `max_misses` draws in a row were not free. Throws SceneError where no voxel is
   /// left.
   bool PlaceInVoxels(std::size_t index, VoxelSearch& search, std::uint64_t max_misses,
-                     Stream& stream) {
-    const Box domain = DomainOf(index);
+                     distributions::Stream& stream) {
+    const objects::Box domain = DomainOf(index);
     for (std::uint64_t misses = 0; misses < max_misses; ++misses) {
       FreeVoxels& voxels = search.voxels;
-      if (voxels.empty()) fullness_.TooFull(index, Fullness::kNoPlaceLeft);
+      if (voxels.empty()) fullness_.TooFull(index, PackingFraction::kNoPlaceLeft);
       const double count = static_cast<double>(voxels.size());
       // The product may round up to the count.
       const std::size_t drawn =
           std::min(static_cast<std::size_t>(count * stream.Uniform()), voxels.size() - 1);
-      const Box voxel = voxels.BoxOf(drawn);
+      const objects::Box voxel = voxels.BoxOf(drawn);
       Vector3d place;
       for (int axis = 0; axis < 3; ++axis)
         place[axis] = stream.Uniform(voxel.lower[axis], voxel.upper[axis]);
@@ -201,8 +202,8 @@ class DrawnPlacer {
       // Two draws for each voxel have found nearly all that one object covers.
       if (++search.misses < 2 * voxels.size()) continue;
       if (voxels.size() > kMinSplitVoxels + kSplitVoxelsPerObject * bodies_.size()) continue;
-      if (!voxels.CanSplit()) fullness_.TooFull(index, Fullness::kGivenUp);
-      voxels.Split([&](const Box& part) { return IsCovered(search.probe, part, index); });
+      if (!voxels.CanSplit()) fullness_.TooFull(index, PackingFraction::kGivenUp);
+      voxels.Split([&](const objects::Box& part) { return IsCovered(search.probe, part, index); });
       search.misses = 0;
     }
     return false;
@@ -211,7 +212,7 @@ class DrawnPlacer {
   /// Any object that the object would touch at `place`.
   std::uint32_t ColliderAt(std::size_t index, const Vector3d& place) {
     std::uint32_t collider = hints_ ? hints_->At(place) : kNobody;
-    const Box box = Shifted(bodies_.bounds(index), place);
+    const objects::Box box = Shifted(bodies_.bounds(index), place);
     if (collider != kNobody && bodies_.TouchesAt(index, place, box, collider)) return collider;
     collider = kNobody;
     grid_.AnyOf(box, [&](std::uint32_t other) {
@@ -224,7 +225,7 @@ class DrawnPlacer {
   }
 
   /// `index` is the object for which the voxel is looked at.
-  bool IsCovered(const Probe& probe, const Box& voxel, std::size_t index) {
+  bool IsCovered(const Probe& probe, const objects::Box& voxel, std::size_t index) {
     CountTry(index);
     return coverage_.IsCovered(probe, voxel);
   }
@@ -247,13 +248,13 @@ class DrawnPlacer {
   }
 
   void CountTry(std::size_t index) {
-    if (tries_left_-- == 0) fullness_.TooFull(index, Fullness::kGivenUp);
+    if (tries_left_-- == 0) fullness_.TooFull(index, PackingFraction::kGivenUp);
   }
 
-  const compiler::Scene& scene_;
+  const plan::Scene& scene_;
   Bodies& bodies_;
   double side_;
-  Fullness fullness_;
+  PackingFraction fullness_;
   BoxGrid grid_;
   Coverage coverage_;
   std::unique_ptr<Hints> hints_;  ///< null in a sparse cube
@@ -263,8 +264,6 @@ class DrawnPlacer {
 
 }  // namespace
 
-void PlaceDrawn(const compiler::Scene& scene, Bodies& bodies) {
-  DrawnPlacer(scene, bodies).PlaceAll();
-}
+void PlaceDrawn(const plan::Scene& scene, Bodies& bodies) { DrawnPlacer(scene, bodies).PlaceAll(); }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

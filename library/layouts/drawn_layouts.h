@@ -1,13 +1,13 @@
 // Layouts that draw each place until it is free: uniform, normal.
 #pragma once
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "library/layouts/bodies.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// Places the objects of all groups with such layouts, in order, around those that stand already:
 /// all of the exact layouts, inside the cube or not. Places, errors: library/layouts/placement.h.
-void PlaceDrawn(const compiler::Scene& scene, Bodies& bodies);
+void PlaceDrawn(const plan::Scene& scene, Bodies& bodies);
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -8,27 +8,27 @@
 #include <optional>
 #include <string_view>
 
-#include "compiler/calls.h"
+#include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 #include "library/distributions/draw.h"
 #include "library/objects/distance.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 namespace {
 
 using Eigen::Vector3d;
 
-const compiler::Call& LayoutOf(const compiler::Group& group) {
-  const compiler::Call* layout = compiler::AsCall(group.settings.Get("location"));
+const schema::Call& LayoutOf(const plan::Group& group) {
+  const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
   CDB_CHECK(layout != nullptr);
   return *layout;
 }
 
 /// Empty where the argument is a word: `fit`, `all`.
 template <typename Number>
-std::optional<Number> Argument(const compiler::Call& layout, std::string_view name) {
-  const compiler::Value& value = compiler::ArgumentOf(layout, name);
-  if (std::holds_alternative<compiler::Word>(value)) return std::nullopt;
+std::optional<Number> Argument(const schema::Call& layout, std::string_view name) {
+  const schema::Value& value = schema::ArgumentOf(layout, name);
+  if (std::holds_alternative<schema::Word>(value)) return std::nullopt;
   return std::get<Number>(value);
 }
 
@@ -42,7 +42,7 @@ std::size_t RootUp(std::size_t n, auto power) {
 std::size_t Square(std::size_t k) { return k * k; }
 std::size_t Cube(std::size_t k) { return k * k * k; }
 /// k^2 + (k - 1)^2 + ... + 1.
-std::size_t Pyramid(std::size_t k) { return k * (k + 1) * (2 * k + 1) / 6; }
+std::size_t SquarePyramidal(std::size_t k) { return k * (k + 1) * (2 * k + 1) / 6; }
 
 /// The coordinate of the `index`th of `count` points `spacing` apart about 0.
 double Along(std::size_t index, std::size_t count, double spacing) {
@@ -70,7 +70,7 @@ double LeastRadius(const Vector3d& chord, const Vector3d& halves, double gap) {
 
 class ExactPlacer {
  public:
-  ExactPlacer(const compiler::Scene& scene, const GroupRange& range, Bodies& bodies)
+  ExactPlacer(const plan::Scene& scene, const GroupRange& range, Bodies& bodies)
       : scene_(scene),
         range_(range),
         layout_(LayoutOf(*range.group)),
@@ -109,7 +109,7 @@ class ExactPlacer {
   }
 
   void Pyramid() {
-    const std::size_t base = RootUp(range_.size(), library::Pyramid);
+    const std::size_t base = RootUp(range_.size(), SquarePyramidal);
     const double gap = Length("gap").value_or(kFitGap * largest_.maxCoeff());
     const Vector3d cell = largest_ + Vector3d::Constant(gap);
     std::size_t layer = 0, at = 0;  // in the layer
@@ -173,18 +173,19 @@ class ExactPlacer {
     Require(2, "takes two objects; make the quantity 2, and write a group for each pair");
     const ObjectState &a = bodies_.object(range_.first), &b = bodies_.object(range_.first + 1);
     const double distance = *Length("distance");
-    Stream stream = NamedStream(scene_, range_.group->name, "location");
+    distributions::Stream stream =
+        distributions::NamedStream(scene_, range_.group->name, "location");
     for (int tries = 0; tries < kMaxDirections; ++tries) {
       const double x = stream.Normal();
       const double y = stream.Normal();
       const Vector3d direction = Vector3d(x, y, stream.Normal()).normalized();
-      const auto apart = Approach(a.solid, a.pose, b.solid, b.pose, direction, distance);
+      const auto apart = objects::Approach(a.solid, a.pose, b.solid, b.pose, direction, distance);
       if (!apart) continue;
       bodies_.MoveTo(range_.first, -*apart / 2 * direction);
       bodies_.MoveTo(range_.first + 1, *apart / 2 * direction);
       return;
     }
-    throw SceneError(fmt::format(
+    throw library::SceneError(fmt::format(
         "group `{}`: {} directions were drawn for its pair, and in none do the objects come {:.6g} "
         "m near each other; make the distance larger",
         range_.group->name, kMaxDirections, distance));
@@ -209,19 +210,20 @@ class ExactPlacer {
   Vector3d Extents(std::size_t i) const { return bodies_.Extents(range_.first + i); }
 
   void PutBoxAt(std::size_t i, const Vector3d& centre) {
-    const Box& bounds = bodies_.bounds(range_.first + i);
+    const objects::Box& bounds = bodies_.bounds(range_.first + i);
     bodies_.MoveTo(range_.first + i, centre - (bounds.lower + bounds.upper) / 2);
   }
 
   void Require(std::size_t quantity, std::string_view otherwise) const {
     if (range_.size() == quantity) return;
-    throw SceneError(fmt::format("group `{}` has {} objects, but `{}` {}", range_.group->name,
-                                 range_.size(), layout_.name, otherwise));
+    throw library::SceneError(fmt::format("group `{}` has {} objects, but `{}` {}",
+                                          range_.group->name, range_.size(), layout_.name,
+                                          otherwise));
   }
 
-  const compiler::Scene& scene_;
+  const plan::Scene& scene_;
   const GroupRange& range_;
-  const compiler::Call& layout_;
+  const schema::Call& layout_;
   Bodies& bodies_;
   double floor_;                         ///< y, m
   Vector3d largest_ = Vector3d::Zero();  ///< extents along each axis
@@ -261,7 +263,7 @@ constexpr LayoutRow kLayouts[] = {
      {"make the size smaller", "make width or the size smaller or world.side larger"}},
 };
 
-const LayoutRow& RowOf(const compiler::Group& group) {
+const LayoutRow& RowOf(const plan::Group& group) {
   const auto* row = std::ranges::find(kLayouts, LayoutOf(group).name, &LayoutRow::name);
   CDB_CHECK(row != std::end(kLayouts));
   return *row;
@@ -269,22 +271,22 @@ const LayoutRow& RowOf(const compiler::Group& group) {
 
 }  // namespace
 
-bool HasExactLayout(const compiler::Group& group) {
-  return compiler::AsCall(group.settings.Get("location")) != nullptr;
+bool HasExactLayout(const plan::Group& group) {
+  return schema::AsCall(group.settings.Get("location")) != nullptr;
 }
 
-bool IsPile(const compiler::Group& group) {
+bool IsPile(const plan::Group& group) {
   return HasExactLayout(group) && LayoutOf(group).name == "pile" &&
          group.settings.Count("quantity") > 0;
 }
 
-void PlaceExactly(const compiler::Scene& scene, const GroupRange& range, Bodies& bodies) {
+void PlaceExactly(const plan::Scene& scene, const GroupRange& range, Bodies& bodies) {
   if (range.size() == 0) return;
   ExactPlacer placer(scene, range, bodies);
   (placer.*RowOf(*range.group).place)();
 }
 
-std::vector<Vector3d> PlacesAbovePile(const compiler::Group& group, double side,
+std::vector<Vector3d> PlacesAbovePile(const plan::Group& group, double side,
                                       std::span<const ObjectState> objects) {
   double radius = 0;
   for (const ObjectState& object : objects) radius = std::max(radius, object.solid.OuterRadius());
@@ -295,7 +297,7 @@ std::vector<Vector3d> PlacesAbovePile(const compiler::Group& group, double side,
   if (const auto width = Argument<double>(LayoutOf(group), "width")) {
     const double cells = std::floor(*width / cell);
     if (cells < 1) {
-      throw SceneError(fmt::format(
+      throw library::SceneError(fmt::format(
           "the pile of group `{}` is {:.6g} m wide, and its largest object needs {:.6g} m to turn "
           "in; make width larger or the size smaller",
           group.name, *width, cell));
@@ -306,7 +308,7 @@ std::vector<Vector3d> PlacesAbovePile(const compiler::Group& group, double side,
   if (edge == 0) return {};
   const double layers = std::ceil(static_cast<double>(n) / static_cast<double>(Square(edge)));
   if (layers * cell > side) {
-    throw SceneError(fmt::format(
+    throw library::SceneError(fmt::format(
         "the {} objects of group `{}` are dropped from {} layers, {:.6g} m high together, and the "
         "cube is {:.6g} m high; make width or world.side larger, or the size or the quantity "
         "smaller",
@@ -322,10 +324,10 @@ std::vector<Vector3d> PlacesAbovePile(const compiler::Group& group, double side,
   return places;
 }
 
-const LayoutAdvice& AdviceOf(const compiler::Group& group) {
+const LayoutAdvice& AdviceOf(const plan::Group& group) {
   static constexpr LayoutAdvice kDrawn = {"make world.side larger or the size smaller",
                                           "make world.side larger or the size smaller"};
   return HasExactLayout(group) ? RowOf(group).advice : kDrawn;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

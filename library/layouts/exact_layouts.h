@@ -6,16 +6,16 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "library/layouts/bodies.h"
 #include "library/layouts/initial_state.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// Whether the group's layout is one of these, and not drawn.
-bool HasExactLayout(const compiler::Group& group);
+bool HasExactLayout(const plan::Group& group);
 /// Whether its layout is `pile`, and it has objects: then the engine settles them.
-bool IsPile(const compiler::Group& group);
+bool IsPile(const plan::Group& group);
 
 /// Gives every object of a group with such a layout its place. Nothing is left to chance but the
 /// direction of a pair. Coordinates in m, the cube's centre at the origin; boxes are along the
@@ -42,7 +42,7 @@ bool IsPile(const compiler::Group& group);
 ///   pile     as PlacesAbovePile
 /// O(n). Does not look at other groups, nor at the cube's walls. Throws SceneError where the layout
 /// does not take so many objects.
-void PlaceExactly(const compiler::Scene& scene, const GroupRange& range, Bodies& bodies);
+void PlaceExactly(const plan::Scene& scene, const GroupRange& range, Bodies& bodies);
 
 /// Where the objects of a group with `location pile` are dropped from: a loose lattice that stands
 /// on the floor about x = z = 0, its cells a little larger than the largest object however it is
@@ -50,7 +50,7 @@ void PlaceExactly(const compiler::Scene& scene, const GroupRange& range, Bodies&
 /// as ceil(cbrt n). `side` is the cube's, m; `objects` are those of the group, already drawn.
 /// Throws SceneError where the lattice is higher than the cube, or `width` is less than one object
 /// needs.
-std::vector<Eigen::Vector3d> PlacesAbovePile(const compiler::Group& group, double side,
+std::vector<Eigen::Vector3d> PlacesAbovePile(const plan::Group& group, double side,
                                              std::span<const ObjectState> objects);
 
 /// What to change where objects of one group, of any layout, are in each other's place, and where
@@ -58,6 +58,6 @@ std::vector<Eigen::Vector3d> PlacesAbovePile(const compiler::Group& group, doubl
 struct LayoutAdvice {
   std::string_view overlap, wall;
 };
-const LayoutAdvice& AdviceOf(const compiler::Group& group);
+const LayoutAdvice& AdviceOf(const plan::Group& group);
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

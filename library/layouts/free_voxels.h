@@ -10,7 +10,7 @@
 
 #include "library/objects/solid.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// A list of voxels, equal boxes of a lattice between `low` and `high`, that together hold every
 /// free place: a place drawn uniformly from one of them, each as likely, and drawn again until it
@@ -47,7 +47,7 @@ class FreeVoxels {
   std::size_t size() const { return voxels_.size(); }
   bool empty() const { return voxels_.empty(); }
 
-  Box BoxOf(std::size_t index) const {
+  objects::Box BoxOf(std::size_t index) const {
     const std::uint64_t voxel = voxels_[index];
     return BoxAt({voxel >> (2 * kBits), (voxel >> kBits) & kMask, voxel & kMask});
   }
@@ -85,8 +85,8 @@ class FreeVoxels {
 
   using Coordinates = std::array<std::uint64_t, 3>;
 
-  Box BoxAt(const Coordinates& at) const {
-    Box box;
+  objects::Box BoxAt(const Coordinates& at) const {
+    objects::Box box;
     for (int axis = 0; axis < 3; ++axis) {
       box.lower[axis] = low_[axis] + edges_[axis] * static_cast<double>(at[axis]);
       box.upper[axis] = low_[axis] + edges_[axis] * static_cast<double>(at[axis] + 1);
@@ -104,4 +104,4 @@ class FreeVoxels {
   std::vector<std::uint64_t> voxels_;  ///< x, y, z from the upper bits down
 };
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

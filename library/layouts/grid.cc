@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cdb::library {
+namespace cdb::layouts {
 namespace {
 
 /// Entries that all boxes together may take for each box. Compact boxes that fit into the cube stay
@@ -33,7 +33,7 @@ BoxGrid::BoxGrid(double side, const std::vector<double>& extents) : side_(side) 
   entries_.reserve(static_cast<std::size_t>(entries));
 }
 
-BoxGrid::Bounds32 BoxGrid::Outwards(const Box& box) const {
+BoxGrid::Bounds32 BoxGrid::Outwards(const objects::Box& box) const {
   // Coordinates are not above 1 here: rounding them, twice, loses up to 2^-24. What is beyond that
   // is out of the cube, and so of what is asked.
   constexpr float kLarger = 0x1p-23F;
@@ -54,7 +54,7 @@ std::size_t BoxGrid::Cell(double coordinate) const {
   return std::min(static_cast<std::size_t>(cell), cells_ - 1);
 }
 
-void BoxGrid::Add(std::uint32_t id, const Box& box) {
+void BoxGrid::Add(std::uint32_t id, const objects::Box& box) {
   const Bounds32 bounds = Outwards(box);
   AnyCell(box, [&](std::size_t cell) {
     entries_.push_back({bounds, id, heads_[cell]});
@@ -63,4 +63,4 @@ void BoxGrid::Add(std::uint32_t id, const Box& box) {
   });
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -7,7 +7,7 @@
 
 #include "library/objects/solid.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// A box is listed in every cell that it reaches, by value: in single precision and a little
 /// larger, so that two of them share a cache line. Not for several threads.
@@ -16,13 +16,13 @@ class BoxGrid {
   /// `extents`: the largest extent of each box to come, for the size of the cells. m.
   BoxGrid(double side, const std::vector<double>& extents);
 
-  void Add(std::uint32_t id, const Box& box);
+  void Add(std::uint32_t id, const objects::Box& box);
 
   /// Calls `meets(id)` for the boxes that overlap or touch `box` or miss it by less than 1e-6 of
   /// the side, some of them more than once, until one returns true; returns whether one did. `box`
   /// may leave the cube by half its side, those that were added by any length.
   template <typename Meets>
-  bool AnyOf(const Box& box, Meets meets) const {
+  bool AnyOf(const objects::Box& box, Meets meets) const {
     const Bounds32 query = Outwards(box);
     return AnyCell(box, [&](std::size_t cell) {
       for (std::uint32_t at = heads_[cell]; at != kNone; at = entries_[at].next) {
@@ -44,7 +44,7 @@ class BoxGrid {
   };
 
   /// In units of the side, which never overflow, and larger by more than is lost in rounding.
-  Bounds32 Outwards(const Box& box) const;
+  Bounds32 Outwards(const objects::Box& box) const;
   static bool Touch(const Bounds32& a, const Bounds32& b) {
     // Without branches: which axis decides cannot be foretold.
     bool touch = true;
@@ -54,7 +54,7 @@ class BoxGrid {
   }
   std::size_t Cell(double coordinate) const;
   template <typename Visit>
-  bool AnyCell(const Box& box, Visit visit) const {
+  bool AnyCell(const objects::Box& box, Visit visit) const {
     std::size_t first[3], last[3];
     for (int axis = 0; axis < 3; ++axis) {
       first[axis] = Cell(box.lower[axis]);
@@ -74,4 +74,4 @@ class BoxGrid {
   std::vector<Entry> entries_;
 };
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -5,7 +5,7 @@
 
 #include "dsl/check.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 HashGrid::HashGrid(std::size_t boxes) : heads_(std::bit_ceil(2 * boxes + 1), kNone) {
   entries_.reserve(boxes);
@@ -26,7 +26,7 @@ std::size_t HashGrid::Bucket(int level, std::int64_t x, std::int64_t y, std::int
   return (row + static_cast<std::uint64_t>(x)) & (heads_.size() - 1);
 }
 
-void HashGrid::Add(std::uint32_t id, int level, const Box& box) {
+void HashGrid::Add(std::uint32_t id, int level, const objects::Box& box) {
   if (levels_.empty() || levels_.back() != level) {
     CDB_CHECK(levels_.empty() || levels_.back() > level);
     levels_.push_back(level);
@@ -37,4 +37,4 @@ void HashGrid::Add(std::uint32_t id, int level, const Box& box) {
   head = static_cast<std::uint32_t>(entries_.size() - 1);
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -8,7 +8,7 @@
 
 #include "library/objects/solid.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// A box is listed in one cell, that of its centre, of a lattice whose cells are as long as the box
 /// or up to twice as long; cells are found by a hash, so that neither room nor crowding matters.
@@ -22,12 +22,12 @@ class HashGrid {
   static int LevelOf(double extent) { return std::ilogb(extent) + 1; }
 
   /// `level`: of the box, none higher than the one before.
-  void Add(std::uint32_t id, int level, const Box& box);
+  void Add(std::uint32_t id, int level, const objects::Box& box);
 
   /// Calls `meets(id)` for each box that touches `box`, and for some more, some of them more than
   /// once, until one returns true; returns whether one did.
   template <typename Meets>
-  bool AnyOf(const Box& box, Meets meets) const {
+  bool AnyOf(const objects::Box& box, Meets meets) const {
     for (const int level : levels_) {
       const double edge = std::ldexp(1.0, level);
       std::array<std::int64_t, 3> first, last;
@@ -61,4 +61,4 @@ class HashGrid {
   std::vector<Entry> entries_;
 };
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -10,7 +10,7 @@
 
 #include "library/objects/solid.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 inline constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 
@@ -31,7 +31,7 @@ class Hints {
     return ids_[(Cell(place.x()) * along_ + Cell(place.y())) * along_ + Cell(place.z())];
   }
 
-  void Set(const Box& box, std::uint32_t id) {
+  void Set(const objects::Box& box, std::uint32_t id) {
     for (std::size_t x = Cell(box.lower.x()); x <= Cell(box.upper.x()); ++x)
       for (std::size_t y = Cell(box.lower.y()); y <= Cell(box.upper.y()); ++y)
         for (std::size_t z = Cell(box.lower.z()); z <= Cell(box.upper.z()); ++z)
@@ -51,4 +51,4 @@ class Hints {
   std::vector<std::uint32_t> ids_;
 };
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

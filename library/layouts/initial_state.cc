@@ -5,45 +5,50 @@
 
 #include "library/distributions/draw.h"
 #include "library/layouts/placement.h"
-#include "library/objects/solid_maker.h"
+#include "library/objects/solid_factory.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 namespace {
 
 using Eigen::Vector3d;
 
-Vector3d DrawSize(Draw& size) {
+Vector3d DrawSize(distributions::Draw& size) {
   // A constant size is the same for each side; a distribution draws each side by itself.
   const double x = size.Real();
   const double y = size.Real();
   return {x, y, size.Real()};
 }
 
-Eigen::Quaterniond DrawOrientation(Draw& orientation) {
+Eigen::Quaterniond DrawOrientation(distributions::Draw& orientation) {
   std::string_view word;
   const auto turn = orientation.VectorOrWord(&word);
   return turn ? TurnAbout(*turn) : orientation.stream().Turn();
 }
 
-void DrawGroup(const compiler::Scene& scene, std::size_t index, SolidMaker& solids,
+void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactory& solids,
                std::vector<ObjectState>& objects) {
-  const compiler::Group& group = scene.groups[index];
-  const auto draw = [&](std::string_view parameter) { return Draw(scene, &group, parameter); };
-  const Vector3d aspect = std::get<compiler::Ratio>(group.settings.Get("aspect")).parts;
-  Draw type = draw("type"), size = draw("size"), mass = draw("mass");
-  Draw orientation = draw("orientation");
-  Draw linear_velocity = draw("linear_velocity"), angular_velocity = draw("angular_velocity");
-  Draw friction = draw("friction"), rolling_friction = draw("rolling_friction");
-  Draw restitution = draw("restitution");
-  Draw linear_damping = draw("linear_damping"), angular_damping = draw("angular_damping");
-  Draw margin = draw("margin"), ccd = draw("ccd");
-  Draw contact_stiffness = draw("contact_stiffness"), contact_damping = draw("contact_damping");
+  const plan::Group& group = scene.groups[index];
+  const auto draw = [&](std::string_view parameter) {
+    return distributions::Draw(scene, &group, parameter);
+  };
+  const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
+  distributions::Draw type = draw("type"), size = draw("size"), mass = draw("mass");
+  distributions::Draw orientation = draw("orientation");
+  distributions::Draw linear_velocity = draw("linear_velocity"),
+                      angular_velocity = draw("angular_velocity");
+  distributions::Draw friction = draw("friction"), rolling_friction = draw("rolling_friction");
+  distributions::Draw restitution = draw("restitution");
+  distributions::Draw linear_damping = draw("linear_damping"),
+                      angular_damping = draw("angular_damping");
+  distributions::Draw margin = draw("margin"), ccd = draw("ccd");
+  distributions::Draw contact_stiffness = draw("contact_stiffness"),
+                      contact_damping = draw("contact_damping");
   const std::uint64_t quantity = group.settings.Count("quantity");
   for (std::uint64_t i = 0; i < quantity; ++i) {
     ObjectState& object = objects.emplace_back();
     std::string_view word;
     object.group = index;
-    const compiler::Value& chosen = type.Choice();
+    const schema::Value& chosen = type.Choice();
     object.solid = solids.Make(chosen, DrawSize(size), aspect);
     object.mass = mass.RealOrWord(&word).value_or(0);  // the word is `fixed`
     object.pose.orientation = DrawOrientation(orientation);
@@ -81,23 +86,23 @@ Eigen::Quaterniond TurnAbout(const Vector3d& rotation_vector) {
   return {std::cos(angle / 2), axis.x() * sine, axis.y() * sine, axis.z() * sine};
 }
 
-InitialState DrawObjects(const compiler::Scene& scene) {
+InitialState DrawObjects(const plan::Scene& scene) {
   InitialState state;
   state.objects.reserve(scene.ObjectCount());
-  SolidMaker solids;
+  objects::SolidFactory solids;
   for (std::size_t i = 0; i < scene.groups.size(); ++i) DrawGroup(scene, i, solids, state.objects);
   state.forms = solids.Forms();
-  state.acceleration = Draw(scene, nullptr, "acceleration").Vector();
+  state.acceleration = distributions::Draw(scene, nullptr, "acceleration").Vector();
   const double side = scene.world.Real("world.side");
   for (const ObjectState& object : state.objects) state.fill_fraction += object.solid.Volume();
   state.fill_fraction /= side * side * side;
   return state;
 }
 
-InitialState MakeInitialState(const compiler::Scene& scene) {
+InitialState MakeInitialState(const plan::Scene& scene) {
   InitialState state = DrawObjects(scene);
   Place(scene, state);
   return state;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -7,16 +7,16 @@
 #include <memory>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "library/objects/solid.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// One object. SI units.
 struct ObjectState {
   std::size_t group = 0;  ///< index into Scene::groups
-  Solid solid;
-  Pose pose;  ///< of the body's own axes, which for a compound are not its mesh's
+  objects::Solid solid;
+  objects::Pose pose;  ///< of the body's own axes, which for a compound are not its mesh's
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
   double mass = 1;  ///< 0 where the object is fixed
@@ -34,21 +34,22 @@ struct ObjectState {
 };
 
 struct InitialState {
-  std::vector<ObjectState> objects;                ///< group by group, in the order of the plan
-  std::vector<std::shared_ptr<const Form>> forms;  ///< of the compounds among them
+  std::vector<ObjectState> objects;  ///< group by group, in the order of the plan
+  std::vector<std::shared_ptr<const objects::ConvexDecomposition>>
+      forms;  ///< of the compounds among them
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
   double fill_fraction = 0;  ///< the objects' volume over the cube's
 };
 
 /// Draws and places. Throws SceneError where a distribution gives no usable value, an object does
 /// not fit into the cube, or no free place is found (layouts/placement.h).
-InitialState MakeInitialState(const compiler::Scene& scene);
+InitialState MakeInitialState(const plan::Scene& scene);
 
 /// The objects without a place, and the acceleration: the first half of MakeInitialState.
-InitialState DrawObjects(const compiler::Scene& scene);
+InitialState DrawObjects(const plan::Scene& scene);
 
 /// `objects.orientation`, which turns the sides' axes: a turn about the vector's direction by its
 /// length, rad. std::sin and std::cos decide the last bit.
 Eigen::Quaterniond TurnAbout(const Eigen::Vector3d& rotation_vector);
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

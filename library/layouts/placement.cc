@@ -8,9 +8,9 @@
 #include "library/layouts/drawn_layouts.h"
 #include "library/layouts/exact_layouts.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
-void Place(const compiler::Scene& scene, InitialState& state) {
+void Place(const plan::Scene& scene, InitialState& state) {
   Bodies bodies(scene, state);
   std::vector<std::uint32_t> standing;
   for (const GroupRange& range : bodies.groups()) {
@@ -23,4 +23,4 @@ void Place(const compiler::Scene& scene, InitialState& state) {
   if (standing.size() < bodies.size()) PlaceDrawn(scene, bodies);
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -1,10 +1,10 @@
 // Finds a place for every object: by its layout, touching neither a wall nor another object.
 #pragma once
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 
-namespace cdb::library {
+namespace cdb::layouts {
 
 /// Draws again for one object, and for all together, before the search is given up. The looks at
 /// voxels count too.
@@ -51,6 +51,6 @@ inline constexpr double kShortOfSide = 0.25;
 /// larger than the cube, no free place is left, the objects can never fit, or the limits above are
 /// reached; it never goes on for ever. One thread; the same on every machine, but that std::sin and
 /// std::cos decide the last bit of a ring.
-void Place(const compiler::Scene& scene, InitialState& state);
+void Place(const plan::Scene& scene, InitialState& state);
 
-}  // namespace cdb::library
+}  // namespace cdb::layouts

@@ -18,7 +18,7 @@ extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
 
-namespace cdb::library {
+namespace cdb::meshes {
 namespace {
 
 using Eigen::Vector3d;
@@ -73,7 +73,7 @@ class Qhull {
  private:
   [[noreturn]] void Fail() {
     std::fflush(errors_);
-    throw SceneError(
+    throw library::SceneError(
         fmt::format("Qhull cannot make a convex hull: {}", std::string_view(text_, size_)));
   }
 
@@ -163,7 +163,7 @@ std::optional<Hull> TryConvexHull(std::span<const Vector3d> points) {
 Hull ConvexHull(const Mesh& mesh, std::string_view name) {
   std::optional<Hull> hull = TryConvexHull(mesh.vertices);
   if (!hull)
-    throw SceneError(
+    throw library::SceneError(
         fmt::format("{}: is flat, and so is its convex hull; a solid needs a volume", name));
   return *std::move(hull);
 }
@@ -212,4 +212,4 @@ Hull WithFewerVertices(const Hull& hull, std::size_t count) {
   return fewer;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

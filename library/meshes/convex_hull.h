@@ -13,7 +13,7 @@
 
 #include "library/meshes/mesh.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 
 /// The corners of a convex solid, each a corner indeed, in the order of the points that it is of.
 struct Hull {
@@ -35,4 +35,4 @@ Hull WithFewerVertices(const Hull& hull, std::size_t count);
 /// Of the library that computes them.
 std::string_view ConvexHullVersion();
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

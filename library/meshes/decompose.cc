@@ -17,7 +17,7 @@
 #include "library/meshes/overlap_volume.h"
 #include "library/scene_error.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 namespace {
 
 using Eigen::Vector3d;
@@ -66,7 +66,7 @@ std::vector<Triangle> Simplified(const Mesh& mesh, std::size_t faces, std::strin
                                  nullptr));
   // HACD's time grows with the square of the faces.
   if (coarse.size() / 3 > 2 * faces)
-    throw SceneError(fmt::format(
+    throw library::SceneError(fmt::format(
         "{}: cannot be simplified below {} faces, and more than {} take too long to cut into "
         "convex pieces; use fewer separate parts or holes, or its convex hull",
         name, coarse.size() / 3, 2 * faces));
@@ -109,7 +109,8 @@ std::vector<std::vector<std::uint32_t>> Clusters(const Mesh& mesh, double compac
   hacd.SetAddExtraDistPoints(true);
   hacd.SetAddNeighboursDistPoints(true);
   hacd.SetAddFacesPoints(true);
-  if (!hacd.Compute()) throw SceneError(fmt::format("{}: HACD cannot cut it into pieces", name));
+  if (!hacd.Compute())
+    throw library::SceneError(fmt::format("{}: HACD cannot cut it into pieces", name));
   std::vector<std::vector<std::uint32_t>> clusters(hacd.GetNClusters());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const long cluster = hacd.GetPartition()[i];
@@ -174,7 +175,7 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name, const Decompose
     if (best.iou >= options.good_iou) break;
   }
   if (best.hulls.empty())
-    throw SceneError(fmt::format("{}: falls into flat pieces; use its convex hull", name));
+    throw library::SceneError(fmt::format("{}: falls into flat pieces; use its convex hull", name));
   return best;
 }
 
@@ -187,4 +188,4 @@ std::string DecomposerVersion() {
                      ConvexHullVersion());
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

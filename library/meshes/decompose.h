@@ -17,7 +17,7 @@
 #include "library/meshes/convex_hull.h"
 #include "library/meshes/mesh.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 
 struct DecomposeOptions {
   std::size_t faces = 4000;  ///< what the mesh is simplified to first
@@ -50,4 +50,4 @@ Decomposition Assessed(std::vector<Hull> hulls, const Mesh& mesh);
 /// What the pieces depend on besides the mesh: the libraries, this code and its default options.
 std::string DecomposerVersion();
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace cdb::library {
+namespace cdb::meshes {
 namespace {
 
 using Eigen::Matrix3d;
@@ -86,4 +86,4 @@ PrincipalAxes PrincipalAxesOf(const Matrix3d& inertia) {
   return axes;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

@@ -14,7 +14,7 @@
 
 #include "library/meshes/mesh.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 
 struct MassProperties {
   double volume = 0;
@@ -37,4 +37,4 @@ struct PrincipalAxes {
 /// that is diagonal up to 1e-9 of its trace gives the identity.
 PrincipalAxes PrincipalAxesOf(const Eigen::Matrix3d& inertia);
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

@@ -12,13 +12,12 @@
 #include "library/meshes/mesh_formats.h"
 #include "library/scene_error.h"
 
-namespace cdb::library {
-namespace formats {
+namespace cdb::meshes {
 
 void Refuse(std::string_view name, Place place, std::string_view what) {
-  throw SceneError(place.unit == Place::Unit::kLine
-                       ? fmt::format("{}:{}: {}", name, place.number, what)
-                       : fmt::format("{}: byte {}: {}", name, place.number, what));
+  throw library::SceneError(place.unit == Place::Unit::kLine
+                                ? fmt::format("{}:{}: {}", name, place.number, what)
+                                : fmt::format("{}: byte {}: {}", name, place.number, what));
 }
 
 void CheckCoordinates(const Eigen::Vector3d& vertex, std::string_view name, Place place) {
@@ -100,25 +99,23 @@ std::string LowerCase(std::string_view text) {
   return lower;
 }
 
-}  // namespace formats
-
 Mesh ParseMesh(std::string_view bytes, std::string_view name) {
-  const std::string extension =
-      formats::LowerCase(std::filesystem::path(name).extension().string());
+  const std::string extension = LowerCase(std::filesystem::path(name).extension().string());
   Mesh mesh;
   if (extension == ".obj")
-    mesh = formats::ParseObj(bytes, name);
+    mesh = ParseObj(bytes, name);
   else if (extension == ".off")
-    mesh = formats::ParseOff(bytes, name);
+    mesh = ParseOff(bytes, name);
   else if (extension == ".ply")
-    mesh = formats::ParsePly(bytes, name);
+    mesh = ParsePly(bytes, name);
   else if (extension == ".stl")
-    mesh = MergeEqualVertices(formats::ParseStl(bytes, name));
+    mesh = MergeEqualVertices(ParseStl(bytes, name));
   else
-    throw SceneError(fmt::format(
+    throw library::SceneError(fmt::format(
         "{}: cannot tell the format; a model's name ends in .obj, .ply, .stl or .off", name));
   if (mesh.triangles.empty())
-    throw SceneError(fmt::format("{}: has no faces; a model needs a closed surface", name));
+    throw library::SceneError(
+        fmt::format("{}: has no faces; a model needs a closed surface", name));
   return mesh;
 }
 
@@ -130,20 +127,21 @@ std::string ReadMeshFile(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::error_code error;
   if (!std::filesystem::exists(file, error))
-    throw SceneError(fmt::format("{}: there is no such file", name));
+    throw library::SceneError(fmt::format("{}: there is no such file", name));
   if (!std::filesystem::is_regular_file(file, error))
-    throw SceneError(fmt::format("{}: is not a file", name));
+    throw library::SceneError(fmt::format("{}: is not a file", name));
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw SceneError(fmt::format("{}: {}", name, error.message()));
+  if (error) throw library::SceneError(fmt::format("{}: {}", name, error.message()));
   if (size > kMaxFileBytes)
-    throw SceneError(fmt::format("{}: is larger than {} MiB; simplify the model first", name,
-                                 kMaxFileBytes >> 20));
+    throw library::SceneError(fmt::format("{}: is larger than {} MiB; simplify the model first",
+                                          name, kMaxFileBytes >> 20));
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw SceneError(fmt::format("{}: cannot be opened; look at its permissions", name));
+  if (!stream)
+    throw library::SceneError(fmt::format("{}: cannot be opened; look at its permissions", name));
   std::string bytes(size, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(size));
   if (stream.gcount() != static_cast<std::streamsize>(size))
-    throw SceneError(fmt::format("{}: cannot be read to its end", name));
+    throw library::SceneError(fmt::format("{}: cannot be read to its end", name));
   return bytes;
 }
 
@@ -177,4 +175,4 @@ Mesh MergeEqualVertices(const Mesh& mesh) {
   return merged;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

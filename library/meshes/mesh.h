@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cdb::library {
+namespace cdb::meshes {
 
 using Triangle = std::array<std::uint32_t, 3>;  ///< indices of vertices
 
@@ -52,4 +52,4 @@ inline constexpr std::size_t kMaxVertices = 10'000'000;
 inline constexpr std::size_t kMaxTriangles = 20'000'000;
 inline constexpr double kLargestCoordinate = 1e15;
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

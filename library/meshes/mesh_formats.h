@@ -10,7 +10,7 @@
 
 #include "library/meshes/mesh.h"
 
-namespace cdb::library::formats {
+namespace cdb::meshes {
 
 Mesh ParseObj(std::string_view bytes, std::string_view name);
 Mesh ParseOff(std::string_view bytes, std::string_view name);
@@ -60,4 +60,4 @@ class Lines {
 void SplitWords(std::string_view line, std::vector<std::string_view>& words);
 std::string LowerCase(std::string_view text);
 
-}  // namespace cdb::library::formats
+}  // namespace cdb::meshes

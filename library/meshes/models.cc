@@ -9,7 +9,7 @@
 #include "library/meshes/topology.h"
 #include "library/scene_error.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,7 +36,8 @@ std::vector<fs::path> ModelFolders() {
     return {folder};
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) throw SceneError(fmt::format("models: set CDB_MODELS; /proc: {}", error.message()));
+  if (error)
+    throw library::SceneError(fmt::format("models: set CDB_MODELS; /proc: {}", error.message()));
   const fs::path folder = program.parent_path();
   return {folder / "models", folder.parent_path() / "share" / "cdb" / "models"};
 }
@@ -49,7 +50,7 @@ fs::path PathOf(const Model& model, std::span<const fs::path> folders) {
     if (fs::exists(folder / model.file, error)) return folder / model.file;
     looked += fmt::format("{}{}", looked.empty() ? "" : " and ", folder.string());
   }
-  throw SceneError(
+  throw library::SceneError(
       fmt::format("the model `{}` is not on this machine (looked for {} in {}); in cdb's source "
                   "folder run: library/meshes/fetch-models '{}' {}",
                   model.name, model.file, looked, folders[0].string(), model.name));
@@ -65,4 +66,4 @@ Mesh LoadModel(const Model& model, std::span<const fs::path> folders) {
   return ParseModel(model, ReadMeshFile(file), file.string());
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

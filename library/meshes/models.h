@@ -17,7 +17,7 @@
 
 #include "library/meshes/mesh.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 
 struct Model {
   std::string_view name;    ///< what a scene calls it
@@ -41,4 +41,4 @@ Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& n
 /// The same of the file.
 Mesh LoadModel(const Model& model, std::span<const std::filesystem::path> folders);
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

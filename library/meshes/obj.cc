@@ -4,7 +4,7 @@
 
 #include "library/meshes/mesh_formats.h"
 
-namespace cdb::library::formats {
+namespace cdb::meshes {
 namespace {
 
 // Names, groups, materials, normals, textures and display: none of them moves a face.
@@ -86,4 +86,4 @@ Mesh ParseObj(std::string_view bytes, std::string_view name) {
   return mesh;
 }
 
-}  // namespace cdb::library::formats
+}  // namespace cdb::meshes

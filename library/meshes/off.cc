@@ -2,7 +2,7 @@
 
 #include "library/meshes/mesh_formats.h"
 
-namespace cdb::library::formats {
+namespace cdb::meshes {
 namespace {
 
 /// Lines that hold something.
@@ -97,4 +97,4 @@ Mesh ParseOff(std::string_view bytes, std::string_view name) {
   return mesh;
 }
 
-}  // namespace cdb::library::formats
+}  // namespace cdb::meshes

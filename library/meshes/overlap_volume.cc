@@ -9,7 +9,7 @@
 
 #include "dsl/check.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 namespace {
 
 using Eigen::Vector2d;
@@ -158,4 +158,4 @@ OverlapVolume OverlapVolumeOf(const Mesh& first, const Mesh& second) {
   return volume;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

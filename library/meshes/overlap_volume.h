@@ -9,7 +9,7 @@
 
 #include "library/meshes/mesh.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 
 struct OverlapVolume {
   double first = 0, second = 0;  ///< of each by itself
@@ -23,4 +23,4 @@ OverlapVolume OverlapVolumeOf(const Mesh& first, const Mesh& second);
 
 inline constexpr int kRays = 256;
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

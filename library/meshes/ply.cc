@@ -8,7 +8,7 @@
 
 #include "library/meshes/mesh_formats.h"
 
-namespace cdb::library::formats {
+namespace cdb::meshes {
 namespace {
 
 enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
@@ -326,4 +326,4 @@ Mesh ParsePly(std::string_view bytes, std::string_view name) {
   return PlyParser(bytes, name).Parse();
 }
 
-}  // namespace cdb::library::formats
+}  // namespace cdb::meshes

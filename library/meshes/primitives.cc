@@ -7,7 +7,7 @@
 
 #include "library/scene_error.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 namespace {
 
 using Eigen::Vector3d;
@@ -16,12 +16,12 @@ constexpr std::size_t kMostCorners = 4096;
 
 void CheckTorus(double major, double minor, std::size_t around, std::size_t across) {
   if (!(minor > 0 && minor < major && major <= kLargestCoordinate))
-    throw SceneError(
+    throw library::SceneError(
         fmt::format("torus: the tube's radius {} must be above 0 and below the ring's radius {}",
                     minor, major));
   for (const std::size_t corners : {around, across})
     if (corners < 3 || corners > kMostCorners)
-      throw SceneError(
+      throw library::SceneError(
           fmt::format("torus: {} corners round; 3 to {} are possible", corners, kMostCorners));
 }
 
@@ -55,7 +55,7 @@ Mesh TorusMesh(double major, double minor, std::size_t around, std::size_t acros
 
 Mesh TetrahedronMesh(double edge) {
   if (!(edge > 0 && edge <= kLargestCoordinate))
-    throw SceneError(fmt::format("tetrahedron: its edge {} must be above 0", edge));
+    throw library::SceneError(fmt::format("tetrahedron: its edge {} must be above 0", edge));
   const double below = edge / std::sqrt(24.0);  // of the base under the centre
   const double out = edge / std::sqrt(3.0);     // from the base's middle to its corners
   Mesh mesh;
@@ -78,4 +78,4 @@ Decomposition TorusHulls(double major, double minor, std::size_t segments) {
   return Assessed(std::move(hulls), TorusMesh(major, minor, kTorusFineness, kTorusFineness));
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

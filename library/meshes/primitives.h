@@ -8,7 +8,7 @@
 #include "library/meshes/decompose.h"
 #include "library/meshes/mesh.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 
 /// `major` from the middle to the middle of the tube, `minor` the tube's radius, less than `major`;
 /// `around` and `across`, 3 or more, the numbers of corners round the axis and round the tube. All
@@ -25,4 +25,4 @@ Decomposition TorusHulls(double major, double minor, std::size_t segments);
 
 inline constexpr std::size_t kTorusCorners = 16, kTorusFineness = 128;
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

@@ -4,7 +4,7 @@
 
 #include "library/meshes/mesh_formats.h"
 
-namespace cdb::library::formats {
+namespace cdb::meshes {
 namespace {
 
 constexpr std::size_t kHead = 80;      ///< bytes of free text before the number of triangles
@@ -128,4 +128,4 @@ Mesh ParseStl(std::string_view bytes, std::string_view name) {
                      count, kHead + 4 + std::uint64_t{kTriangle} * count, bytes.size()));
 }
 
-}  // namespace cdb::library::formats
+}  // namespace cdb::meshes

@@ -12,7 +12,7 @@
 #include "library/meshes/mass_properties.h"
 #include "library/scene_error.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 namespace {
 
 using Eigen::Vector3d;
@@ -78,7 +78,7 @@ std::string Edges(std::size_t count) {
 }
 
 [[noreturn]] void Refuse(std::string_view name, std::string_view what) {
-  throw SceneError(fmt::format("{}: {}", name, what));
+  throw library::SceneError(fmt::format("{}: {}", name, what));
 }
 
 Mesh WithoutUnusedVertices(const Mesh& mesh) {
@@ -238,4 +238,4 @@ Mesh CloseHoles(const Mesh& open, std::string_view name) {
   return mesh;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

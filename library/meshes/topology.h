@@ -10,7 +10,7 @@
 
 #include "library/meshes/mesh.h"
 
-namespace cdb::library {
+namespace cdb::meshes {
 
 /// The mesh as the boundary of a solid. Vertices that no triangle has are dropped; equal vertices
 /// are merged where edges are open (exporters split them along seams); a mesh that is inside out as
@@ -27,4 +27,4 @@ Mesh CloseHoles(const Mesh& mesh, std::string_view name);
 /// By triangle, which of the connected parts it is in, from 0; triangles are connected by vertices.
 std::vector<std::uint32_t> PartsOf(const Mesh& mesh);
 
-}  // namespace cdb::library
+}  // namespace cdb::meshes

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace cdb::library {
+namespace cdb::objects {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -19,8 +19,8 @@ AlignedBox3d BoxOf(std::span<const Vector3d> points) {
 }
 
 /// The hull in the coordinates in which `cube` is the cube of side 1 about the origin.
-ConvexPiece PieceOf(const Hull& hull, const AlignedBox3d& cube) {
-  const Mesh surface = SurfaceOf(hull);
+ConvexPiece PieceOf(const meshes::Hull& hull, const AlignedBox3d& cube) {
+  const meshes::Mesh surface = meshes::SurfaceOf(hull);
   ConvexPiece piece;
   piece.faces = surface.triangles;
   for (const Vector3d& vertex : surface.vertices)
@@ -34,9 +34,10 @@ ConvexPiece PieceOf(const Hull& hull, const AlignedBox3d& cube) {
 
 }  // namespace
 
-Form MakeForm(std::string name, const Mesh& mesh, const MassProperties& properties,
-              const Decomposition& pieces) {
-  Form form;
+ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh,
+                                      const meshes::MassProperties& properties,
+                                      const meshes::Decomposition& pieces) {
+  ConvexDecomposition form;
   form.name = std::move(name);
   const AlignedBox3d box = BoxOf(mesh.vertices);
   const Vector3d sides = box.sizes();
@@ -47,18 +48,19 @@ Form MakeForm(std::string name, const Mesh& mesh, const MassProperties& properti
   const Matrix3d moments = inertia.trace() / 2 * Matrix3d::Identity() - inertia;
   form.second_moments = moments.cwiseQuotient(sides * sides.transpose());
   AlignedBox3d cube;
-  for (const Hull& hull : pieces.hulls) cube.extend(BoxOf(hull.vertices));
-  for (const Hull& hull : pieces.hulls) form.pieces.push_back(PieceOf(hull, cube));
+  for (const meshes::Hull& hull : pieces.hulls) cube.extend(BoxOf(hull.vertices));
+  for (const meshes::Hull& hull : pieces.hulls) form.pieces.push_back(PieceOf(hull, cube));
   form.volume_error = pieces.volume_error;
   form.iou = pieces.iou;
   return form;
 }
 
-Compound::Compound(std::shared_ptr<const Form> form, const Vector3d& sides)
+Compound::Compound(std::shared_ptr<const ConvexDecomposition> form, const Vector3d& sides)
     : form_(std::move(form)), sides_(sides) {
   volume_ = form_->volume * sides.prod();
   const Matrix3d moments = form_->second_moments.cwiseProduct(sides * sides.transpose());
-  const PrincipalAxes axes = PrincipalAxesOf(moments.trace() * Matrix3d::Identity() - moments);
+  const meshes::PrincipalAxes axes =
+      meshes::PrincipalAxesOf(moments.trace() * Matrix3d::Identity() - moments);
   inertia_ = axes.moments;
   from_mesh_ = axes.rotation.transpose();
   least_half_extent_ = std::numeric_limits<double>::infinity();
@@ -72,7 +74,7 @@ Compound::Compound(std::shared_ptr<const Form> form, const Vector3d& sides)
 
 double Compound::InnerRadiusOf(const ConvexPiece& piece) const {
   double radius = std::numeric_limits<double>::infinity();
-  for (const Triangle& face : piece.faces) {
+  for (const meshes::Triangle& face : piece.faces) {
     const auto corner = [&](int i) {
       return ToBody(piece.centre + piece.vertices[face[static_cast<std::size_t>(i)]]);
     };
@@ -121,4 +123,4 @@ Vector3d Compound::Support(const Vector3d& direction) const {
   return farthest;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

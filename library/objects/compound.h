@@ -12,20 +12,20 @@
 #include "library/meshes/decompose.h"
 #include "library/meshes/mass_properties.h"
 
-namespace cdb::library {
+namespace cdb::objects {
 
 /// Vertices are relative to the centre of the piece's own box.
 struct ConvexPiece {
   Eigen::Vector3d centre, half;  ///< of the box
   std::vector<Eigen::Vector3d> vertices;
-  std::vector<Triangle> faces;  ///< counter-clockwise from outside
+  std::vector<meshes::Triangle> faces;  ///< counter-clockwise from outside
   bool operator==(const ConvexPiece&) const = default;
 };
 
 /// A mesh and its pieces, each stretched so that the box around it is the cube of side 1 about the
 /// origin. Pieces and mesh differ by a little, so a compound has just the sides that it is asked
 /// for.
-struct Form {
+struct ConvexDecomposition {
   std::string name;             ///< as a scenario writes it: `bunny`, `mesh("rock.obj")`
   Eigen::Vector3d proportions;  ///< sides of the mesh's own box, the longest 1
   std::vector<ConvexPiece> pieces;
@@ -33,20 +33,21 @@ struct Form {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();          ///< of mass, of the mesh
   Eigen::Matrix3d second_moments = Eigen::Matrix3d::Zero();  ///< mean of x x^T about the centre
   double volume_error = 0, iou = 0;  ///< of the pieces: library/meshes/decompose.h
-  bool operator==(const Form&) const = default;
+  bool operator==(const ConvexDecomposition&) const = default;
 };
 
 /// `properties` are those of `mesh`, in its own axes and unit.
-Form MakeForm(std::string name, const Mesh& mesh, const MassProperties& properties,
-              const Decomposition& pieces);
+ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh,
+                                      const meshes::MassProperties& properties,
+                                      const meshes::Decomposition& pieces);
 
 /// In the body's frame: the centre of mass is the origin, the axes are the principal ones.
 class Compound {
  public:
-  Compound(std::shared_ptr<const Form> form, const Eigen::Vector3d& sides);
+  Compound(std::shared_ptr<const ConvexDecomposition> form, const Eigen::Vector3d& sides);
 
-  const Form& form() const { return *form_; }
-  const std::shared_ptr<const Form>& shared_form() const { return form_; }
+  const ConvexDecomposition& form() const { return *form_; }
+  const std::shared_ptr<const ConvexDecomposition>& shared_form() const { return form_; }
   const Eigen::Vector3d& sides() const { return sides_; }
   double Volume() const { return volume_; }
   const Eigen::Vector3d& InertiaPerMass() const { return inertia_; }
@@ -71,10 +72,10 @@ class Compound {
   }
   double InnerRadiusOf(const ConvexPiece& piece) const;
 
-  std::shared_ptr<const Form> form_;
+  std::shared_ptr<const ConvexDecomposition> form_;
   Eigen::Vector3d sides_, inertia_;
   Eigen::Matrix3d from_mesh_;
   double volume_ = 0, inner_radius_ = 0, outer_radius_ = 0, least_half_extent_ = 0;
 };
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

@@ -5,7 +5,7 @@
 
 #include "library/objects/solid_pair.h"
 
-namespace cdb::library {
+namespace cdb::objects {
 namespace {
 
 using Eigen::Vector3d;
@@ -50,4 +50,4 @@ std::optional<double> Approach(const Solid& a, const Pose& pose_a, const Solid& 
   return first;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

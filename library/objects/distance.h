@@ -10,7 +10,7 @@
 
 #include "library/objects/solid.h"
 
-namespace cdb::library {
+namespace cdb::objects {
 
 /// m; 0 where they touch or overlap, which is just where Overlap says so. Exact to 1e-12 of sizes
 /// and distance.
@@ -25,4 +25,4 @@ std::optional<double> Approach(const Solid& a, const Pose& pose_a, const Solid& 
                                const Pose& pose_b, const Eigen::Vector3d& direction,
                                double distance);
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace cdb::library {
+namespace cdb::objects {
 namespace {
 
 using Eigen::Matrix3d;
@@ -110,4 +110,4 @@ std::optional<Penetration> ExactContact(const Solid& solid, const Pose& pose,
   return Penetration{offset - normal.dot(deepest), normal};
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

@@ -10,7 +10,7 @@
 
 #include "library/objects/solid.h"
 
-namespace cdb::library {
+namespace cdb::objects {
 
 /// Moving the first by `depth` along `normal` is the least move that parts the two.
 struct Penetration {
@@ -32,4 +32,4 @@ std::optional<Penetration> ExactContact(const Solid& a, const Pose& pose_a, cons
 std::optional<Penetration> ExactContact(const Solid& solid, const Pose& pose,
                                         const Eigen::Vector3d& normal, double offset);
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

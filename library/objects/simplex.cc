@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace cdb::library {
+namespace cdb::objects {
 namespace {
 
 using Eigen::Vector3d;
@@ -119,4 +119,4 @@ Vector3d ReduceToNearest(Simplex& simplex, double noise) {
   }
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

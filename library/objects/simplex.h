@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 
-namespace cdb::library {
+namespace cdb::objects {
 
 /// Up to four points, not none.
 struct Simplex {
@@ -19,4 +19,4 @@ struct Simplex {
 /// little is lost in rounding.
 Eigen::Vector3d ReduceToNearest(Simplex& simplex, double noise);
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

@@ -6,7 +6,7 @@
 
 #include "dsl/check.h"
 
-namespace cdb::library {
+namespace cdb::objects {
 namespace {
 
 using Eigen::Vector3d;
@@ -191,4 +191,4 @@ Box Bounds(const Solid& solid, const Eigen::Quaterniond& orientation) {
   return box;
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

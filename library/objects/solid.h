@@ -12,7 +12,7 @@
 
 #include "library/objects/compound.h"
 
-namespace cdb::library {
+namespace cdb::objects {
 
 enum class Shape {
   kEllipsoid,  ///< a sphere where the sides are equal
@@ -83,4 +83,4 @@ struct Pose {
 /// The tightest box with the world's axes around the solid, its centre of mass at the origin.
 Box Bounds(const Solid& solid, const Eigen::Quaterniond& orientation);
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

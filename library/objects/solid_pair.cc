@@ -5,7 +5,7 @@
 
 #include "library/objects/simplex.h"
 
-namespace cdb::library {
+namespace cdb::objects {
 namespace {
 
 using Eigen::Vector3d;
@@ -104,4 +104,4 @@ Gap SolidPair::PieceGap(std::size_t piece_a, std::size_t piece_b, const Vector3d
   return GapOf(PieceOf(a_, piece_a), PieceOf(b_, piece_b), offset, Goal::kDistance);
 }
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

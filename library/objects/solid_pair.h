@@ -5,7 +5,7 @@
 
 #include "library/objects/solid.h"
 
-namespace cdb::library {
+namespace cdb::objects {
 
 struct Gap {
   double distance = 0;  ///< m; 0 where they touch or overlap
@@ -48,4 +48,4 @@ class SolidPair {
   double size_;
 };
 
-}  // namespace cdb::library
+}  // namespace cdb::objects

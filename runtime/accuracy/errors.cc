@@ -8,21 +8,22 @@
 #include <numeric>
 #include <string>
 
+#include "compiler/plan/requested_errors.h"
 #include "dsl/check.h"
 
-namespace cdb::runtime {
+namespace cdb::accuracy {
 namespace {
 
-using compiler::ErrorInfo;
-using compiler::ErrorKind;
-using compiler::Fold;
 using Eigen::Vector3d;
+using schema::ErrorInfo;
+using schema::ErrorKind;
+using schema::Fold;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Root of the mean square over the objects that move of what `of(object)` gives.
 template <typename Of>
-double RmsOverObjects(const Samples& samples, Of of) {
+double RmsOverObjects(const measure::Samples& samples, Of of) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < samples.shape.objects; ++i) {
@@ -38,7 +39,7 @@ double Over(double error, double scale) { return scale > 0 ? error / scale : kNo
 /// One sample of a run beside what is true then.
 class At {
  public:
-  At(const Samples& run, const Standard* standard, std::size_t sample)
+  At(const measure::Samples& run, const Standard* standard, std::size_t sample)
       : run_(run), standard_(standard), sample_(sample) {
     if (standard != nullptr) truth_ = standard->At(sample);
   }
@@ -68,9 +69,9 @@ class At {
         return Over((run_.angular_momentum(sample_) - *truth_.angular_momentum).norm(),
                     standard_->angular_momentum_scale());
       case ErrorKind::kPenetration:
-        return run_.observable(sample_, kDepthMean);
+        return run_.observable(sample_, measure::kDepthMean);
       case ErrorKind::kPenetrationMax:
-        return run_.observable(sample_, kDepthMax);
+        return run_.observable(sample_, measure::kDepthMax);
       case ErrorKind::kHeight:
       case ErrorKind::kHeightW1:
         return Heights(kind);
@@ -78,30 +79,31 @@ class At {
         const auto contacts =
             standard_ != nullptr ? standard_->Contacts(sample_) : std::optional<double>();
         if (!contacts) return kNone;
-        return std::fabs(run_.observable(sample_, kContactCount) - *contacts) /
+        return std::fabs(run_.observable(sample_, measure::kContactCount) - *contacts) /
                std::max(1.0, *contacts);
       }
       case ErrorKind::kPairsMissed:
-        return OfExactPairs(kPairsMissed);
+        return OfExactPairs(measure::kPairsMissed);
       case ErrorKind::kPairsPhantom:
-        return OfExactPairs(kPairsPhantom);
+        return OfExactPairs(measure::kPairsPhantom);
       case ErrorKind::kDepthError:
-        return Over(
-            run_.observable(sample_, kDepthErrorSum),
-            run_.observable(sample_, kOverlapsExact) - run_.observable(sample_, kOverlapsMissed));
+        return Over(run_.observable(sample_, measure::kDepthErrorSum),
+                    run_.observable(sample_, measure::kOverlapsExact) -
+                        run_.observable(sample_, measure::kOverlapsMissed));
       case ErrorKind::kNormalError:
-        return Over(run_.observable(sample_, kNormalErrorSum),
-                    run_.observable(sample_, kNormalCount));
+        return Over(run_.observable(sample_, measure::kNormalErrorSum),
+                    run_.observable(sample_, measure::kNormalCount));
       case ErrorKind::kContactsMissed:
-        return Over(run_.observable(sample_, kOverlapsMissed),
-                    run_.observable(sample_, kOverlapsExact));
+        return Over(run_.observable(sample_, measure::kOverlapsMissed),
+                    run_.observable(sample_, measure::kOverlapsExact));
     }
     CDB_CHECK(false);
   }
 
  private:
-  double OfExactPairs(Observable which) const {
-    return run_.observable(sample_, which) / std::max(1.0, run_.observable(sample_, kPairsExact));
+  double OfExactPairs(measure::Observable which) const {
+    return run_.observable(sample_, which) /
+           std::max(1.0, run_.observable(sample_, measure::kPairsExact));
   }
 
   double Heights(ErrorKind kind) const {
@@ -123,15 +125,15 @@ class At {
     return Over(std::fabs(sum(run) - sum(truth)), size);
   }
 
-  const Samples& run_;
+  const measure::Samples& run_;
   const Standard* standard_;
   const std::size_t sample_;
-  library::Truth truth_;
+  closed_forms::Truth truth_;
 };
 
 }  // namespace
 
-std::size_t HorizonOf(const Samples& reference, const Samples& twin) {
+std::size_t HorizonOf(const measure::Samples& reference, const measure::Samples& twin) {
   for (std::size_t s = 0; s < reference.shape.samples; ++s) {
     const double apart = RmsOverObjects(reference, [&](std::size_t i) {
       return ((twin.position(s, i) - reference.position(s, i)) / reference.size(i)).squaredNorm();
@@ -142,7 +144,8 @@ std::size_t HorizonOf(const Samples& reference, const Samples& twin) {
 }
 
 std::vector<std::vector<double>> ErrorSeries(std::span<const ErrorInfo* const> errors,
-                                             const Samples& run, const Standard* standard) {
+                                             const measure::Samples& run,
+                                             const Standard* standard) {
   std::vector<std::vector<double>> series(errors.size());
   for (std::size_t s = 0; s < run.shape.samples; ++s) {
     const At at(run, standard, s);
@@ -185,10 +188,11 @@ double MeanMove(std::vector<double> from, std::vector<double> to) {
   return from.empty() ? kNone : (as_array(from) - as_array(to)).abs().mean();
 }
 
-RunErrors CollectErrors(const compiler::Scene& scene, const Samples& run, const Standard* standard,
-                        const Samples* reference, const Samples* twin) {
-  const auto errors = compiler::ErrorsOf(scene);
-  RunErrors result;
+measure::RunErrors CollectErrors(const plan::Scene& scene, const measure::Samples& run,
+                                 const Standard* standard, const measure::Samples* reference,
+                                 const measure::Samples* twin) {
+  const auto errors = plan::ErrorsOf(scene);
+  measure::RunErrors result;
   const bool is_sure = twin == nullptr;
   const std::size_t horizon = is_sure ? run.shape.samples : HorizonOf(*reference, *twin);
   const auto series = ErrorSeries(errors, run, standard);
@@ -219,4 +223,4 @@ RunErrors CollectErrors(const compiler::Scene& scene, const Samples& run, const 
   return result;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::accuracy

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "compiler/metrics.h"
+#include "compiler/schema/metrics.h"
 #include "runtime/accuracy/standard.h"
 #include "runtime/measure/samples.h"
 
-namespace cdb::runtime {
+namespace cdb::accuracy {
 
 /// The reference is sure of itself until its twin is this far from it: root of the mean square over
 /// objects of the distance in sizes.
@@ -17,17 +17,17 @@ inline constexpr double kHorizonDistance = 0.1;
 
 /// The first sample at which the two are that far apart, or not to be told; as many as there are
 /// where they never are.
-std::size_t HorizonOf(const Samples& reference, const Samples& twin);
+std::size_t HorizonOf(const measure::Samples& reference, const measure::Samples& twin);
 
 /// One value a sample, NaN where there is none: where the standard says nothing of it, and, of what
 /// only a step makes, at the start, and, of overlaps, where there is none. `standard` may be null
 /// where no error of `errors` needs it. Result: [error][sample].
-std::vector<std::vector<double>> ErrorSeries(std::span<const compiler::ErrorInfo* const> errors,
-                                             const Samples& run, const Standard* standard);
+std::vector<std::vector<double>> ErrorSeries(std::span<const schema::ErrorInfo* const> errors,
+                                             const measure::Samples& run, const Standard* standard);
 
 /// The series as one number; the start, where all is true, is left out, and so is `end` and what
 /// follows. NaN where one of the values is, but of Fold::kMeanOfSome only where all are.
-double Folded(std::span<const double> series, compiler::Fold fold, std::size_t end);
+double Folded(std::span<const double> series, schema::Fold fold, std::size_t end);
 
 /// How far the values of `from` have to be moved, on average, to be those of `to`: W1 of two
 /// distributions of as many values. In any order.
@@ -35,7 +35,8 @@ double MeanMove(std::vector<double> from, std::vector<double> to);
 
 /// All errors that `scene` asks for, as results hold them. `standard` as above; `reference` and
 /// `twin` are null with a closed form, and then the horizon is the end and the floor 0.
-RunErrors CollectErrors(const compiler::Scene& scene, const Samples& run, const Standard* standard,
-                        const Samples* reference, const Samples* twin);
+measure::RunErrors CollectErrors(const plan::Scene& scene, const measure::Samples& run,
+                                 const Standard* standard, const measure::Samples* reference,
+                                 const measure::Samples* twin);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::accuracy

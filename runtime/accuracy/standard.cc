@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-namespace cdb::runtime {
+namespace cdb::accuracy {
 namespace {
 
-double Largest(const Samples& samples, Observable which) {
+double Largest(const measure::Samples& samples, measure::Observable which) {
   double largest = 0;
   for (std::size_t s = 0; s < samples.shape.samples; ++s)
     largest = std::max(largest, samples.observable(s, which));
@@ -14,15 +14,15 @@ double Largest(const Samples& samples, Observable which) {
 
 class SampledStandard : public Standard {
  public:
-  explicit SampledStandard(const Samples& reference) : reference_(reference) {
-    energy_scale_ = Largest(reference, kKinetic);
+  explicit SampledStandard(const measure::Samples& reference) : reference_(reference) {
+    energy_scale_ = Largest(reference, measure::kKinetic);
     const double acceleration = reference.acceleration(0).norm();
     for (std::size_t i = 0; i < reference.shape.objects; ++i)
       energy_scale_ += reference.mass(i) * acceleration * reference.size(i);
   }
 
-  library::Truth At(std::size_t sample) const override {
-    library::Truth truth;
+  closed_forms::Truth At(std::size_t sample) const override {
+    closed_forms::Truth truth;
     truth.positions.reserve(reference_.shape.objects);
     truth.velocities.reserve(reference_.shape.objects);
     for (std::size_t i = 0; i < reference_.shape.objects; ++i) {
@@ -35,40 +35,44 @@ class SampledStandard : public Standard {
     return truth;
   }
   std::optional<double> Contacts(std::size_t sample) const override {
-    return reference_.observable(sample, kContactCount);
+    return reference_.observable(sample, measure::kContactCount);
   }
   double energy_scale() const override { return energy_scale_; }
-  double momentum_scale() const override { return Largest(reference_, kMomentumSum); }
-  double angular_momentum_scale() const override { return Largest(reference_, kAngularSum); }
+  double momentum_scale() const override { return Largest(reference_, measure::kMomentumSum); }
+  double angular_momentum_scale() const override {
+    return Largest(reference_, measure::kAngularSum);
+  }
 
  private:
-  const Samples& reference_;
+  const measure::Samples& reference_;
   double energy_scale_ = 0;
 };
 
 class FormStandard : public Standard {
  public:
-  FormStandard(const library::ClosedForm& form, const Samples& run) : form_(form), run_(run) {}
+  FormStandard(const closed_forms::ClosedForm& form, const measure::Samples& run)
+      : form_(form), run_(run) {}
 
-  library::Truth At(std::size_t sample) const override { return form_.At(run_.Time(sample)); }
+  closed_forms::Truth At(std::size_t sample) const override { return form_.At(run_.Time(sample)); }
   std::optional<double> Contacts(std::size_t) const override { return std::nullopt; }
   double energy_scale() const override { return form_.energy_scale(); }
-  double momentum_scale() const override { return Largest(run_, kMomentumSum); }
-  double angular_momentum_scale() const override { return Largest(run_, kAngularSum); }
+  double momentum_scale() const override { return Largest(run_, measure::kMomentumSum); }
+  double angular_momentum_scale() const override { return Largest(run_, measure::kAngularSum); }
 
  private:
-  const library::ClosedForm& form_;
-  const Samples& run_;
+  const closed_forms::ClosedForm& form_;
+  const measure::Samples& run_;
 };
 
 }  // namespace
 
-std::unique_ptr<Standard> StandardOf(const Samples& reference) {
+std::unique_ptr<Standard> StandardOf(const measure::Samples& reference) {
   return std::make_unique<SampledStandard>(reference);
 }
 
-std::unique_ptr<Standard> StandardOf(const library::ClosedForm& form, const Samples& run) {
+std::unique_ptr<Standard> StandardOf(const closed_forms::ClosedForm& form,
+                                     const measure::Samples& run) {
   return std::make_unique<FormStandard>(form, run);
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::accuracy

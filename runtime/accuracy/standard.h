@@ -7,14 +7,14 @@
 #include "library/closed_forms/closed_form.h"
 #include "runtime/measure/samples.h"
 
-namespace cdb::runtime {
+namespace cdb::accuracy {
 
 /// What is true at each sample of a run. Not for several threads.
 class Standard {
  public:
   virtual ~Standard() = default;
   /// What it says nothing of is empty.
-  virtual library::Truth At(std::size_t sample) const = 0;
+  virtual closed_forms::Truth At(std::size_t sample) const = 0;
   virtual std::optional<double> Contacts(std::size_t sample) const = 0;
   /// What errors are divided by; 0 where the scene has none, and then they have no value.
   virtual double energy_scale() const = 0;            ///< J
@@ -25,9 +25,10 @@ class Standard {
 /// The samples of a reference run, which outlive it. The energy of its scene is the most kinetic
 /// energy that it has at a sample, and what lifts every object by its own size: so that a stack at
 /// rest has one too.
-std::unique_ptr<Standard> StandardOf(const Samples& reference);
+std::unique_ptr<Standard> StandardOf(const measure::Samples& reference);
 
 /// A closed form; both outlive it. Scales of momentum are the run's own.
-std::unique_ptr<Standard> StandardOf(const library::ClosedForm& form, const Samples& run);
+std::unique_ptr<Standard> StandardOf(const closed_forms::ClosedForm& form,
+                                     const measure::Samples& run);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::accuracy

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace cdb::runtime {
+namespace cdb::cli {
 
 /// Exit statuses of every command.
 enum ExitStatus {
@@ -103,4 +103,4 @@ int DocCommand(const std::string& name);
 /// `objects`, `detectors`, `layouts`, `scenarios`, or empty for all.
 int ListCommand(const std::string& what);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

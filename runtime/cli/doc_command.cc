@@ -9,32 +9,32 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/calls.h"
-#include "compiler/lints.h"
-#include "compiler/metrics.h"
-#include "compiler/needs.h"
-#include "compiler/schema.h"
+#include "compiler/checks/lints.h"
+#include "compiler/plan/pruning.h"
+#include "compiler/schema/catalogue.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/schema.h"
 #include "dsl/diagnostics.h"
-#include "library/catalogue.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/console.h"
-#include "runtime/cli/detectors_text.h"
 #include "runtime/cli/inputs.h"
-#include "runtime/cli/reference.h"
-#include "runtime/cli/table.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
+#include "runtime/report/console.h"
+#include "runtime/report/detector_reference.h"
+#include "runtime/report/language_reference.h"
+#include "runtime/report/table.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using compiler::Parameter;
+using schema::Parameter;
 
-using compiler::CallInfo;
+using schema::ParametrisedWord;
 
 /// `stack(height: all, gap: fit, spacing: fit)`, `at(x, y, z)`.
-std::string Signature(const CallInfo& info) {
+std::string Signature(const ParametrisedWord& info) {
   std::string text;
   for (const Parameter& argument : info.arguments) {
     if (!text.empty()) text += ", ";
@@ -45,36 +45,38 @@ std::string Signature(const CallInfo& info) {
 }
 
 /// A table of every argument.
-std::string Arguments(const std::vector<const CallInfo*>& calls) {
-  Table table;
+std::string Arguments(const std::vector<const ParametrisedWord*>& calls) {
+  report::Table table;
   for (const char* head : {"argument", "of", "takes", "unit", ""}) table.AddColumn(head, false);
-  for (const CallInfo* info : calls)
+  for (const ParametrisedWord* info : calls)
     for (const Parameter& argument : info->arguments)
       table.AddRow({std::string(argument.name), std::string(info->name), argument.Takes(),
                     std::string(argument.unit), std::string(argument.doc)});
   return table.Text();
 }
 
-std::vector<const CallInfo*> CallsOf(std::string_view parameter, bool grouped) {
-  std::vector<const CallInfo*> calls;
-  for (const std::string_view name : compiler::FindParameter(parameter, grouped)->AllCalls())
-    calls.push_back(compiler::FindCall(name));
+std::vector<const ParametrisedWord*> CallsOf(std::string_view parameter, bool grouped) {
+  std::vector<const ParametrisedWord*> calls;
+  for (const std::string_view name : schema::FindParameter(parameter, grouped)->AllCalls())
+    calls.push_back(schema::FindParametrisedWord(name));
   return calls;
 }
 
 /// Words that stand alone and words with arguments, then the arguments.
 template <typename Rows>
-std::string Words(const char* title, const Rows& rows, const std::vector<const CallInfo*>& calls) {
-  Table table;
+std::string Words(const char* title, const Rows& rows,
+                  const std::vector<const ParametrisedWord*>& calls) {
+  report::Table table;
   table.AddColumn(title, false);
   table.AddColumn("", false);
   for (const auto& row : rows) table.AddRow({std::string(row.name), std::string(row.doc)});
-  for (const CallInfo* info : calls) table.AddRow({Signature(*info), std::string(info->doc)});
+  for (const ParametrisedWord* info : calls)
+    table.AddRow({Signature(*info), std::string(info->doc)});
   return table.Text() + "\n" + Arguments(calls);
 }
 
-std::string Words(const char* title, const std::vector<const CallInfo*>& calls) {
-  return Words(title, std::span<const library::LayoutInfo>(), calls);
+std::string Words(const char* title, const std::vector<const ParametrisedWord*>& calls) {
+  return Words(title, std::span<const schema::LayoutInfo>(), calls);
 }
 
 std::string OneParameter(const Parameter& parameter) {
@@ -87,89 +89,89 @@ std::string OneParameter(const Parameter& parameter) {
 }
 
 std::string AllParameters() {
-  Table table;
+  report::Table table;
   table.AddColumn("parameter", false);
   table.AddColumn("default", false);
   table.AddColumn("unit", false);
   table.AddColumn("", false);
-  for (const Parameter& parameter : compiler::Schema())
+  for (const Parameter& parameter : schema::Schema())
     table.AddRow({parameter.FullName(), std::string(parameter.default_text),
                   std::string(parameter.unit), std::string(parameter.doc)});
   return table.Text();
 }
 
 std::string AllSeriesText() {
-  Table table;
+  report::Table table;
   table.AddColumn("dataset", false);
   table.AddColumn("recorded by", false);
   table.AddColumn("unit", false);
   table.AddColumn("", false);
-  for (const Series& series : AllSeries())
+  for (const measure::Series& series : measure::AllSeries())
     table.AddRow({std::string(series.name), std::string(series.records), std::string(series.unit),
                   std::string(series.doc)});
   return table.Text();
 }
 
 std::string AllComponents() {
-  Table table;
+  report::Table table;
   table.AddColumn("component", false);
   table.AddColumn("what it is", false);
   table.AddColumn("without it", false);
-  for (const compiler::ComponentInfo& info : compiler::Components())
+  for (const schema::ComponentInfo& info : schema::Components())
     table.AddRow({std::string(info.name), std::string(info.doc),
                   info.IsVisible() ? std::string(info.changes) : "only time changes"});
   return table.Text();
 }
 
 std::string AllVerdicts() {
-  Table table;
+  report::Table table;
   table.AddColumn("", true);
   table.AddColumn("verdict", false);
   table.AddColumn("when", false);
-  const auto rows = Verdicts();
+  const auto rows = measure::Verdicts();
   for (auto row = rows.rbegin(); row != rows.rend(); ++row)
     table.AddRow({fmt::format("{}", static_cast<int>(row->verdict)), std::string(row->name),
                   std::string(row->doc)});
-  return std::string(kVerdictsReference) + table.Text();
+  return std::string(report::kVerdictsReference) + table.Text();
 }
 
 std::string AllLints() {
-  Table table;
+  report::Table table;
   for (const char* head : {"lint", "number", "limit", "beyond it"}) table.AddColumn(head, false);
-  for (const compiler::LintInfo& info : compiler::Lints())
+  for (const checks::LintInfo& info : checks::Lints())
     table.AddRow({std::string(info.kind.id), std::string(info.number), std::string(info.threshold),
                   fmt::format(fmt::runtime(info.foretells), "will")});
   return table.Text();
 }
 
 std::string AllErrors() {
-  Table table;
+  report::Table table;
   for (const char* head : {"error", "metrics", "unit", "held against", "up to", ""})
     table.AddColumn(head, false);
-  for (const compiler::ErrorInfo& error : compiler::Errors())
+  for (const schema::ErrorInfo& error : schema::Errors())
     table.AddRow({std::string(error.name), std::string(error.metric), std::string(error.unit),
                   error.needs_truth ? "truth" : "nothing", error.to_horizon ? "horizon" : "end",
                   std::string(error.doc)});
-  Table forms;
+  report::Table forms;
   forms.AddColumn("closed form", false);
   forms.AddColumn("", false);
-  for (const library::ClosedFormInfo& form : library::ClosedForms())
+  for (const schema::ClosedFormInfo& form : schema::ClosedForms())
     forms.AddRow({std::string(form.name), std::string(form.doc)});
   return table.Text() + "\n" + forms.Text();
 }
 
 template <typename Rows, typename Doc>
 std::string Names(const char* title, const Rows& rows, Doc doc) {
-  Table table;
+  report::Table table;
   table.AddColumn(title, false);
   table.AddColumn("", false);
   for (const auto& row : rows) table.AddRow({std::string(row.name), doc(row)});
   return table.Text();
 }
 
-std::string Objects() { return Words("objects", library::ObjectTypes(), CallsOf("type", true)); }
+std::string Objects() { return Words("objects", schema::ObjectTypes(), CallsOf("type", true)); }
 
-std::string Layouts() { return Words("layouts", library::Layouts(), CallsOf("location", true)); }
+std::string Layouts() { return Words("layouts", schema::Layouts(), CallsOf("location", true)); }
 
 std::string Schedules() { return Words("schedules", CallsOf("acceleration", false)); }
 
@@ -186,7 +188,7 @@ std::string Scenarios() {
     return "scenarios: none lie beside this program; installing cdb brings them\n";
   std::string text;
   for (auto& [folder, files] : folders) {
-    Table table;
+    report::Table table;
     table.AddColumn("scenarios: " + folder, false);
     table.AddColumn("", false);
     std::ranges::sort(files);
@@ -208,21 +210,22 @@ struct Topic {
 };
 
 constexpr Topic kTopics[] = {
-    {"language", "how a .cdb file is written", [] { return std::string(kLanguageReference); }},
+    {"language", "how a .cdb file is written",
+     [] { return std::string(report::kLanguageReference); }},
     {"parameters", "every parameter with its default", AllParameters},
     {"omit", "what a run leaves out, and when",
-     [] { return std::string(kOmitReference) + AllComponents() + "\n"; }},
+     [] { return std::string(report::kOmitReference) + AllComponents() + "\n"; }},
     {"lints", "numbers that Bullet cannot follow, before anything runs",
-     [] { return std::string(kLintsReference) + AllLints() + "\n"; }},
+     [] { return std::string(report::kLintsReference) + AllLints() + "\n"; }},
     {"accuracy", "errors beside timings, and what they are held against",
-     [] { return std::string(kAccuracyReference) + AllErrors(); }},
+     [] { return std::string(report::kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",
-     [] { return std::string(kResultsReference) + AllSeriesText(); }},
+     [] { return std::string(report::kResultsReference) + AllSeriesText(); }},
     {"traces", "recorded boxes, and detectors that are run on them",
-     [] { return std::string(kTracesReference); }},
+     [] { return std::string(report::kTracesReference); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},
     {"objects", "what can be placed", Objects},
-    {"detectors", "what can be timed, and how", DetectorReference},
+    {"detectors", "what can be timed, and how", report::DetectorReference},
     {"layouts", "how objects can be placed", Layouts},
     {"schedules", "how a vector changes while a run goes on", Schedules},
     {"scenarios", "what comes with cdb, for `cdb run` and for `use`", Scenarios},
@@ -232,8 +235,9 @@ constexpr Topic kTopics[] = {
 
 int DocCommand(const std::string& name) {
   if (name.empty()) {
-    Print(Names("cdb doc", kTopics, [](const Topic& topic) { return std::string(topic.doc); }));
-    Print(
+    report::Print(
+        Names("cdb doc", kTopics, [](const Topic& topic) { return std::string(topic.doc); }));
+    report::Print(
         "  or the name of a parameter, a block or a word: cdb doc size, cdb doc links, cdb doc "
         "ring\n");
     return kExitGood;
@@ -241,24 +245,24 @@ int DocCommand(const std::string& name) {
   bool found = false;
   for (const Topic& topic : kTopics) {
     if (topic.name != name) continue;
-    Print(topic.text());
+    report::Print(topic.text());
     found = true;
   }
   std::vector<std::string> names;
-  for (const Parameter& parameter : compiler::Schema()) {
+  for (const Parameter& parameter : schema::Schema()) {
     names.push_back(parameter.FullName());
     names.emplace_back(parameter.name);
     const std::string last(parameter.name.substr(parameter.name.find('.') + 1));
     if (name != parameter.FullName() && name != parameter.name && name != last &&
         !parameter.name.starts_with(name + "."))
       continue;
-    Print(OneParameter(parameter));
+    report::Print(OneParameter(parameter));
     found = true;
   }
-  for (const CallInfo& info : compiler::Calls()) {
+  for (const ParametrisedWord& info : schema::ParametrisedWords()) {
     names.emplace_back(info.name);
     if (name != info.name) continue;
-    Print(Words("word", {&info}));
+    report::Print(Words("word", {&info}));
     found = true;
   }
   if (found) return kExitGood;
@@ -276,7 +280,8 @@ int ListCommand(const std::string& what) {
     if (!what.empty() && what != name) continue;
     for (const Topic& topic : kTopics)
       if (topic.name == name)
-        Print((found ? "\n" : "") + (name == "detectors" ? DetectorTables() : topic.text()));
+        report::Print((found ? "\n" : "") +
+                      (name == "detectors" ? report::DetectorTables() : topic.text()));
     found = true;
   }
   if (found) return kExitGood;
@@ -285,4 +290,4 @@ int ListCommand(const std::string& what) {
       what));
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

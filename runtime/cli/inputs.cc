@@ -7,18 +7,18 @@
 #include <filesystem>
 #include <set>
 
-#include "compiler/lints.h"
-#include "compiler/plan_yaml.h"
-#include "compiler/schema.h"
+#include "compiler/checks/lints.h"
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/schema/schema.h"
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/console.h"
-#include "runtime/schedule/look_into.h"
-#include "runtime/schedule/worker.h"
+#include "runtime/process/probe_plugin.h"
+#include "runtime/process/worker.h"
+#include "runtime/report/console.h"
 #include "runtime/store/trace_file.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,7 +41,7 @@ void CheckBenchmarkName(const std::string& name, const std::vector<std::string>&
 std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::string& file) {
   std::vector<std::string_view> names;
   for (const dsl::Diagnostic& diagnostic : diagnostics.all())
-    if (compiler::IsLint(*diagnostic.kind) &&
+    if (checks::IsLint(*diagnostic.kind) &&
         std::ranges::find(names, diagnostic.kind->id) == names.end())
       names.push_back(diagnostic.kind->id);
   if (names.empty()) return {};
@@ -50,10 +50,10 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
 }
 
 /// The compiler names the file itself.
-std::optional<compiler::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
+std::optional<plan::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
   try {
-    return ReadTraceFacts(path);
-  } catch (const StoreError& error) {
+    return store::ReadTraceFacts(path);
+  } catch (const store::StoreError& error) {
     why = error.what();
     if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
     return std::nullopt;
@@ -88,7 +88,7 @@ compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
                                        const std::vector<std::string>& plugins) {
   const auto describe = [](const std::string& path, std::string& why) {
-    return LookInto(FindAnyWorker(), path, why);
+    return process::ProbePlugin(process::FindAnyWorker(), path, why);
   };
   compiler::Compilation result =
       compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
@@ -97,28 +97,28 @@ compiler::Compilation CompileAndReport(const std::string& file,
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;
   for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
-    if (lints == LintText::kWhole || !compiler::IsLint(*diagnostic.kind))
+    if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))
       shown.Report(*diagnostic.kind, diagnostic.span, diagnostic.message, diagnostic.help,
                    diagnostic.notes);
-  Say(dsl::Render(shown, options));
-  if (lints == LintText::kOneLine) Say(LintsInOneLine(result.diagnostics, file));
+  report::Say(dsl::Render(shown, options));
+  if (lints == LintText::kOneLine) report::Say(LintsInOneLine(result.diagnostics, file));
   return result;
 }
 
-std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark, LintText lints,
-                                      const std::vector<std::string>& plugins,
-                                      std::vector<compiler::PluginDetector>* named) {
+std::vector<plan::Plan> LoadPlans(const std::string& file,
+                                  const std::optional<std::string>& benchmark, LintText lints,
+                                  const std::vector<std::string>& plugins,
+                                  std::vector<schema::PluginDetector>* named) {
   if (IsPlanFile(file)) {
     if (!plugins.empty())
       throw CommandError(
           fmt::format("--plugin {} goes with a scenario file; {} is a plan, which names its own",
                       plugins[0], file));
-    compiler::Plan plan = compiler::FromYaml(ReadText(file), file);
+    plan::Plan plan = plan::FromYaml(ReadText(file), file);
     if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
     if (named != nullptr)
-      for (const compiler::Run& run : plan.runs)
-        for (const compiler::PluginDetector& plugin : run.scene.plugins)
+      for (const plan::Run& run : plan.runs)
+        for (const schema::PluginDetector& plugin : run.scene.plugins)
           if (std::ranges::find(*named, plugin) == named->end()) named->push_back(plugin);
     return {std::move(plan)};
   }
@@ -126,15 +126,15 @@ std::vector<compiler::Plan> LoadPlans(const std::string& file,
   if (named != nullptr)
     named->assign(result.scenario->plugins().begin(), result.scenario->plugins().end());
   // As the user named it: where the library lies is this machine's affair.
-  for (compiler::Plan& plan : result.plans) plan.source = file;
+  for (plan::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
   return std::move(result.plans);
 }
 
 void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
-                std::span<const compiler::PluginDetector> plugins) {
-  const compiler::Parameter* row = compiler::FindParameter(parameter, false);
+                std::span<const schema::PluginDetector> plugins) {
+  const schema::Parameter* row = schema::FindParameter(parameter, false);
   std::set<std::string_view> seen;
   for (const std::string& word : words) {
     const auto all = row->AllWords(plugins);
@@ -157,4 +157,4 @@ std::string ReadText(const std::string& file) {
   return std::move(*text);
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

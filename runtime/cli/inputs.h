@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 
 /// The folder of the scenarios that come with cdb: beside the program that was built, or installed
 /// with it. Empty where there is none.
@@ -34,18 +34,18 @@ compiler::Compilation CompileAndReport(const std::string& file,
 /// diagnostics were printed (exit status 1). A plan names its own plug-ins. `named`: gets the
 /// detectors of all plug-ins that the file and `plugins` bring, used or not. Throws CommandError,
 /// ScheduleError, compiler::PlanError.
-std::vector<compiler::Plan> LoadPlans(const std::string& file,
-                                      const std::optional<std::string>& benchmark,
-                                      LintText lints = LintText::kOneLine,
-                                      const std::vector<std::string>& plugins = {},
-                                      std::vector<compiler::PluginDetector>* named = nullptr);
+std::vector<plan::Plan> LoadPlans(const std::string& file,
+                                  const std::optional<std::string>& benchmark,
+                                  LintText lints = LintText::kOneLine,
+                                  const std::vector<std::string>& plugins = {},
+                                  std::vector<schema::PluginDetector>* named = nullptr);
 
 /// Throws CommandError for a word that neither the parameter nor, where it takes detectors,
 /// `plugins` has, or that is there twice.
 void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
-                std::span<const compiler::PluginDetector> plugins = {});
+                std::span<const schema::PluginDetector> plugins = {});
 
 /// The whole text of a file. Throws CommandError.
 std::string ReadText(const std::string& file);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

@@ -9,11 +9,12 @@
 
 #include "dsl/diagnostics.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/console.h"
+#include "runtime/report/console.h"
 
 namespace {
 
-using namespace cdb::runtime;
+using namespace cdb;
+using namespace cdb::cli;
 
 /// Commands of the design that this version has not got: refused by name.
 struct NotYet {
@@ -210,7 +211,7 @@ int main(int argc, char** argv) {
   try {
     return Main(argc, argv);
   } catch (const std::exception& error) {
-    Say(fmt::format("cdb: {}\n", error.what()));
+    report::Say(fmt::format("cdb: {}\n", error.what()));
   }
   return kExitWorld;
 }

@@ -4,33 +4,34 @@
 #include <cstdio>
 #include <string_view>
 
-#include "compiler/needs.h"
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/pruning.h"
 #include "dsl/format.h"
 #include "dsl/parser.h"
 #include "dsl/render.h"
 #include "library/layouts/initial_state.h"
 #include "library/scene_error.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
-#include "runtime/cli/table.h"
-#include "runtime/needs/needs.h"
+#include "runtime/pruning/omissions.h"
+#include "runtime/report/console.h"
+#include "runtime/report/table.h"
 #include "runtime/store/safe_file.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 namespace {
 
 /// What a run leaves out and what that changes a measurement by; `?` where the placed objects
 /// decide.
-std::string LeftOut(const compiler::Scene& scene) {
-  using compiler::Fate;
+std::string LeftOut(const plan::Scene& scene) {
+  using plan::Decision;
   std::string names;
-  for (const compiler::Need& need : compiler::AnalyseNeeds(scene)) {
-    const compiler::ComponentInfo& info = InfoOf(need.component);
-    if (!info.IsVisible() || (need.fate != Fate::kLeftOut && need.fate != Fate::kOpen)) continue;
+  for (const plan::PruningDecision& need : plan::AnalysePruning(scene)) {
+    const schema::ComponentInfo& info = InfoOf(need.component);
+    if (!info.IsVisible() || (need.fate != Decision::kLeftOut && need.fate != Decision::kOpen))
+      continue;
     names += fmt::format("{}{}{}", names.empty() ? "" : " ", info.name,
-                         need.fate == Fate::kOpen ? "?" : "");
+                         need.fate == Decision::kOpen ? "?" : "");
   }
   return names.empty() ? "-" : names;
 }
@@ -38,7 +39,7 @@ std::string LeftOut(const compiler::Scene& scene) {
 /// `walls: left out: …` for each component, in columns.
 std::string InColumns(std::string_view needs) {
   std::size_t widest = 0;
-  for (const compiler::ComponentInfo& info : compiler::Components())
+  for (const schema::ComponentInfo& info : schema::Components())
     widest = std::max(widest, info.name.size());
   std::string text;
   while (!needs.empty()) {
@@ -52,22 +53,22 @@ std::string InColumns(std::string_view needs) {
 }
 
 /// False where the scene cannot be made, or needs what `omit` names.
-bool SayWhy(const compiler::Scene& scene) {
+bool SayWhy(const plan::Scene& scene) {
   try {
-    const library::InitialState state = library::MakeInitialState(scene);
-    Print(InColumns(NeedsText(SettleNeeds(scene, state).needs)));
+    const layouts::InitialState state = layouts::MakeInitialState(scene);
+    report::Print(InColumns(DecisionsText(pruning::DecideOmissions(scene, state).needs)));
     return true;
   } catch (const library::SceneError& error) {
-    Print(fmt::format("  this run fails: {}\n", error.what()));
+    report::Print(fmt::format("  this run fails: {}\n", error.what()));
     return false;
   }
 }
 
-int WhyCommand(const std::vector<compiler::Plan>& plans, const std::string& only) {
+int WhyCommand(const std::vector<plan::Plan>& plans, const std::string& only) {
   bool good = true, found = false;
-  for (const compiler::Plan& plan : plans) {
+  for (const plan::Plan& plan : plans) {
     const std::vector<std::size_t>* last = nullptr;
-    for (const compiler::Run& run : plan.runs) {
+    for (const plan::Run& run : plan.runs) {
       if (!only.empty() && run.id != only) continue;
       // Repeats are the same scene.
       if (last != nullptr && run.at == *last) continue;
@@ -75,8 +76,8 @@ int WhyCommand(const std::vector<compiler::Plan>& plans, const std::string& only
       const std::string alike = only.empty() && plan.repeats > 1
                                     ? fmt::format(" and {} more alike", plan.repeats - 1)
                                     : std::string();
-      Print(fmt::format("{}{}  {}: {}{}\n", found ? "\n" : "", run.id, plan.benchmark,
-                        Describe(plan, run), alike));
+      report::Print(fmt::format("{}{}  {}: {}{}\n", found ? "\n" : "", run.id, plan.benchmark,
+                                Describe(plan, run), alike));
       good = SayWhy(run.scene) && good;
       std::fflush(stdout);
       found = true;
@@ -87,9 +88,9 @@ int WhyCommand(const std::vector<compiler::Plan>& plans, const std::string& only
   return good ? kExitGood : kExitScenario;
 }
 
-std::string PlanTable(const compiler::Plan& plan) {
+std::string PlanTable(const plan::Plan& plan) {
   std::string grid;
-  for (const compiler::Axis& axis : plan.axes)
+  for (const plan::Axis& axis : plan.axes)
     grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
   if (plan.repeats > 1) grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", plan.repeats);
   std::string text = fmt::format(
@@ -99,24 +100,24 @@ std::string PlanTable(const compiler::Plan& plan) {
   if (!plan.references.empty())
     text += fmt::format("  held against {} reference runs, half of them twins: cdb doc accuracy\n",
                         plan.references.size());
-  Table table;
+  report::Table table;
   table.AddColumn("run", false);
-  for (const compiler::Axis& axis : plan.axes) table.AddColumn(axis.name, !axis.IsText());
+  for (const plan::Axis& axis : plan.axes) table.AddColumn(axis.name, !axis.IsText());
   if (plan.repeats > 1) table.AddColumn("rep", true);
   table.AddColumn("objects", true);
   table.AddColumn("side", true);
   table.AddColumn("cycles", true);
   table.AddColumn("left out", false);
-  for (const compiler::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.runs) {
     std::vector<std::string> row = {run.id};
     for (std::size_t i = 0; i < plan.axes.size(); ++i) {
-      const compiler::Coordinate& value = plan.axes[i].values[run.at[i]];
+      const plan::Coordinate& value = plan.axes[i].values[run.at[i]];
       const auto* number = std::get_if<double>(&value);
-      row.push_back(number ? compiler::FormatReal(*number) : std::get<std::string>(value));
+      row.push_back(number ? schema::FormatReal(*number) : std::get<std::string>(value));
     }
     if (plan.repeats > 1) row.push_back(fmt::format("{}", run.rep));
     row.push_back(fmt::format("{}", run.scene.ObjectCount()));
-    row.push_back(compiler::FormatReal(run.scene.world.Real("world.side")));
+    row.push_back(schema::FormatReal(run.scene.world.Real("world.side")));
     row.push_back(fmt::format("{}", run.scene.world.Count("cycles")));
     row.push_back(LeftOut(run.scene));
     table.AddRow(std::move(row));
@@ -134,9 +135,9 @@ int CheckCommand(const std::vector<std::string>& files, const std::vector<std::s
       status = kExitScenario;
       continue;
     }
-    for (const compiler::Plan& plan : result.plans)
-      Print(fmt::format("{}: {}: {} {}\n", file, plan.benchmark, plan.runs.size(),
-                        plan.runs.size() == 1 ? "run" : "runs"));
+    for (const plan::Plan& plan : result.plans)
+      report::Print(fmt::format("{}: {}: {} {}\n", file, plan.benchmark, plan.runs.size(),
+                                plan.runs.size() == 1 ? "run" : "runs"));
   }
   return status;
 }
@@ -151,17 +152,18 @@ int PlanCommand(const PlanArguments& arguments) {
   if (plans.empty()) return kExitScenario;
   if (arguments.why) return WhyCommand(plans, arguments.only);
   if (arguments.out.empty()) {
-    for (std::size_t i = 0; i < plans.size(); ++i) Print((i > 0 ? "\n" : "") + PlanTable(plans[i]));
+    for (std::size_t i = 0; i < plans.size(); ++i)
+      report::Print((i > 0 ? "\n" : "") + PlanTable(plans[i]));
     return kExitGood;
   }
   if (plans.size() > 1)
     throw CommandError(fmt::format("{} has {} benchmarks and a plan is of one: choose it by -b",
                                    arguments.file, plans.size()));
-  const std::string yaml = compiler::ToYaml(plans[0]);
+  const std::string yaml = plan::ToYaml(plans[0]);
   if (arguments.out == "-") {
-    Print(yaml);
+    report::Print(yaml);
   } else {
-    WriteWhole(yaml, arguments.out);
+    store::WriteWhole(yaml, arguments.out);
   }
   return kExitGood;
 }
@@ -174,20 +176,20 @@ int FormatCommand(const std::vector<std::string>& files, bool check) {
     dsl::Parse(source, diagnostics);
     if (diagnostics.has_errors()) {
       const std::string text = dsl::Render(diagnostics);
-      Say(text);
+      report::Say(text);
       status = kExitScenario;
       continue;
     }
     const std::string formatted = dsl::Format(*source);
     if (formatted == source->text()) continue;
     if (check) {
-      Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
+      report::Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
       status = kExitScenario;
     } else {
-      WriteWhole(formatted, file);
+      store::WriteWhole(formatted, file);
     }
   }
   return status;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

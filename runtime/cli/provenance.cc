@@ -8,7 +8,7 @@
 #include <string_view>
 #include <thread>
 
-namespace cdb::runtime {
+namespace cdb::cli {
 namespace {
 
 /// The rest of the first line of `file` that begins with `key`, after `separator`; empty where
@@ -42,8 +42,8 @@ std::string BuildType() {
   return type;
 }
 
-Provenance CollectProvenance() {
-  Provenance facts;
+store::Provenance CollectProvenance() {
+  store::Provenance facts;
   const auto add = [&](const char* name, std::string value) {
     if (!value.empty()) facts[name] = std::move(value);
   };
@@ -65,4 +65,4 @@ Provenance CollectProvenance() {
   return facts;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

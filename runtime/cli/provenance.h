@@ -5,13 +5,13 @@
 
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 
 /// `Release`, or what else this program was built as. Sanitizers count as another build.
 std::string BuildType();
 
 /// Version, build, compiler, Bullet, processor, memory, kernel, system, frequency governor; what
 /// the system does not tell is left out.
-Provenance CollectProvenance();
+store::Provenance CollectProvenance();
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

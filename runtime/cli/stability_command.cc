@@ -6,13 +6,13 @@
 
 #include "compiler/cross.h"
 #include "dsl/diagnostics.h"
-#include "runtime/cli/carry_out.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
-#include "runtime/cli/stability_map.h"
+#include "runtime/cli/plan_runner.h"
+#include "runtime/report/console.h"
+#include "runtime/report/stability_map.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -52,15 +52,15 @@ std::vector<std::string> Choose(const std::vector<std::string>& asked) {
 int StabilityCommand(const StabilityArguments& arguments) {
   CheckWords("precision", arguments.precisions);
   CheckWords("detector", arguments.detectors);
-  std::vector<compiler::Plan> plans;
+  std::vector<plan::Plan> plans;
   for (const std::string& name : Choose(arguments.scenes)) {
     const std::string file = fmt::format("{}/{}", kSuite, name);
     // What the lints say of it is what it is for.
     const auto loaded = LoadPlans(file, {}, LintText::kNone);
     if (loaded.empty()) return kExitScenario;
-    for (const compiler::Plan& plan : loaded)
-      plans.push_back(
-          Cross(Cross(plan, "detector", arguments.detectors), "precision", arguments.precisions));
+    for (const plan::Plan& plan : loaded)
+      plans.push_back(compiler::Cross(compiler::Cross(plan, "detector", arguments.detectors),
+                                      "precision", arguments.precisions));
   }
   std::error_code error;
   fs::create_directories(arguments.out, error);
@@ -68,12 +68,12 @@ int StabilityCommand(const StabilityArguments& arguments) {
     throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
                                    arguments.out, error.message()));
   const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
-  for (const compiler::Plan& plan : plans) {
+  for (const plan::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
     if (runner.CarryOut(plan, out).summary.signal != 0) return runner.StoppedStatus();
-    Print(StabilityMap(ResultFile(out)) + "\n");
+    report::Print(report::StabilityMap(store::ResultFile(out)) + "\n");
   }
   return kExitGood;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

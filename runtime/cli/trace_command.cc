@@ -6,51 +6,51 @@
 #include <set>
 #include <system_error>
 
-#include "compiler/plan_yaml.h"
-#include "compiler/trace.h"
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/trace.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
+#include "runtime/process/stop.h"
+#include "runtime/process/worker.h"
+#include "runtime/report/console.h"
 #include "runtime/schedule/schedule.h"
-#include "runtime/schedule/stop.h"
-#include "runtime/schedule/worker.h"
 #include "runtime/store/trace_file.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// The plan with each point once, recording what a trace holds and nothing else.
-compiler::Plan TracePlan(compiler::Plan plan) {
-  std::erase_if(plan.runs, [](const compiler::Run& run) { return run.rep > 0; });
+plan::Plan TracePlan(plan::Plan plan) {
+  std::erase_if(plan.runs, [](const plan::Run& run) { return run.rep > 0; });
   plan.repeats = 1;
-  for (compiler::Run& run : plan.runs) {
-    if (compiler::TraceOf(run.scene))
+  for (plan::Run& run : plan.runs) {
+    if (plan::TraceOf(run.scene))
       throw CommandError(
           fmt::format("{}: {} runs on a trace already; trace a benchmark of a live world",
-                      plan.benchmark, Describe(plan, run)));
-    const auto set = [&](const char* name, compiler::Value value) {
+                      plan.benchmark, plan::Describe(plan, run)));
+    const auto set = [&](const char* name, schema::Value value) {
       run.scene.world.values.insert_or_assign(name, std::move(value));
     };
-    set("record", compiler::WordList{"boxes", "poses"});
-    set("pair_order", compiler::Word{"sorted"});
-    set("accuracy.metrics", compiler::WordList{"none"});
+    set("record", schema::WordList{"boxes", "poses"});
+    set("pair_order", schema::Word{"sorted"});
+    set("accuracy.metrics", schema::WordList{"none"});
     set("repeats", std::uint64_t{1});
-    run.id = compiler::RunId(run.scene, 0);
+    run.id = plan::RunId(run.scene, 0);
   }
   plan.references.clear();
   return plan;
 }
 
 /// `crowd`, `crowd_n-1000_detector-dbvt`: a point's name as a file can have it.
-std::string FileName(const compiler::Plan& plan, const compiler::Run& run) {
+std::string FileName(const plan::Plan& plan, const plan::Run& run) {
   std::string name = plan.benchmark;
   for (std::size_t i = 0; i < plan.axes.size(); ++i) {
-    const compiler::Coordinate& value = plan.axes[i].values[run.at[i]];
+    const plan::Coordinate& value = plan.axes[i].values[run.at[i]];
     const auto* number = std::get_if<double>(&value);
     name += fmt::format("_{}-{}", plan.axes[i].name,
-                        number ? compiler::FormatReal(*number) : std::get<std::string>(value));
+                        number ? schema::FormatReal(*number) : std::get<std::string>(value));
   }
   for (char& c : name) {
     const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
@@ -61,7 +61,7 @@ std::string FileName(const compiler::Plan& plan, const compiler::Run& run) {
 }
 
 /// A file for each run, each another.
-std::vector<fs::path> FilesOf(const compiler::Plan& plan, const TraceArguments& arguments,
+std::vector<fs::path> FilesOf(const plan::Plan& plan, const TraceArguments& arguments,
                               std::size_t plan_count) {
   std::error_code error;
   const bool is_one = plan.runs.size() == 1 && plan_count == 1;
@@ -77,7 +77,7 @@ std::vector<fs::path> FilesOf(const compiler::Plan& plan, const TraceArguments& 
                     folder.string(), error ? error.message() : "a file is there"));
   std::vector<fs::path> files;
   std::set<std::string> taken;
-  for (const compiler::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.runs) {
     std::string name = FileName(plan, run);
     if (!taken.insert(name).second) name += "_" + run.id;
     fs::path file = folder / (name + ".trace.h5");
@@ -88,24 +88,24 @@ std::vector<fs::path> FilesOf(const compiler::Plan& plan, const TraceArguments& 
 }
 
 /// Bodies without a filter were never in the world: walls that the run left out.
-std::vector<std::size_t> BodiesOf(const Recording& recording) {
+std::vector<std::size_t> BodiesOf(const measure::Recording& recording) {
   const auto filters = recording.Reals("box_filters");
   std::vector<std::size_t> bodies;
-  for (std::size_t i = 0; i < filters.size() / kFilterSize; ++i)
-    if (!std::isnan(filters[i * kFilterSize])) bodies.push_back(i);
+  for (std::size_t i = 0; i < filters.size() / measure::kFilterSize; ++i)
+    if (!std::isnan(filters[i * measure::kFilterSize])) bodies.push_back(i);
   return bodies;
 }
 
-TraceMemory MemoryOf(const compiler::Run& run, const Recording& recording) {
+measure::TraceMemory MemoryOf(const plan::Run& run, const measure::Recording& recording) {
   const std::vector<std::size_t> bodies = BodiesOf(recording);
   if (bodies.empty()) throw CommandError("there is no body in it, so there is nothing to trace");
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   const bool is_double = run.scene.world.WordOr("precision") == "double";
   const auto filters = recording.Reals("box_filters"), boxes = recording.Reals("boxes");
-  const std::size_t all = filters.size() / kFilterSize;
-  TraceMemory trace = TraceMemory::Create({bodies.size(), cycles, is_double});
+  const std::size_t all = filters.size() / measure::kFilterSize;
+  measure::TraceMemory trace = measure::TraceMemory::Create({bodies.size(), cycles, is_double});
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const double* filter = &filters[bodies[i] * kFilterSize];
+    const double* filter = &filters[bodies[i] * measure::kFilterSize];
     trace.filters()[i] = {static_cast<std::uint32_t>(filter[0]),
                           static_cast<std::uint32_t>(filter[1]),
                           static_cast<std::uint32_t>(filter[2])};
@@ -113,13 +113,14 @@ TraceMemory MemoryOf(const compiler::Run& run, const Recording& recording) {
   std::vector<double> sides(trace.shape().PerCycle());
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const auto box = boxes.subspan((cycle * all + bodies[i]) * kBoxSize, kBoxSize);
+      const auto box =
+          boxes.subspan((cycle * all + bodies[i]) * measure::kBoxSize, measure::kBoxSize);
       if (std::ranges::any_of(box, [](double side) { return std::isnan(side); }))
         throw CommandError(fmt::format(
             "body {} has no box that is a number in cycle {}: the scene exploded; `cdb run` says "
             "how",
             bodies[i], cycle));
-      std::ranges::copy(box, &sides[i * kBoxSize]);
+      std::ranges::copy(box, &sides[i * measure::kBoxSize]);
     }
     trace.SetBoxes(cycle, sides);
   }
@@ -128,34 +129,38 @@ TraceMemory MemoryOf(const compiler::Run& run, const Recording& recording) {
 
 class Tracer {
  public:
-  Tracer(const compiler::Plan& plan, const TraceArguments& arguments, const StopFlag& stop)
-      : plan_(plan), arguments_(arguments), stop_(stop), launcher_(FindWorkers(plan), 1, &stop) {}
+  Tracer(const plan::Plan& plan, const TraceArguments& arguments, const process::StopFlag& stop)
+      : plan_(plan),
+        arguments_(arguments),
+        stop_(stop),
+        launcher_(process::FindWorkers(plan), 1, &stop) {}
 
   /// kExitRuns where the run ended badly; then there is no file.
-  ExitStatus Trace(const compiler::Run& run, const fs::path& file) {
-    if (!arguments_.fresh && TracedRun(file) == run.id) {
+  ExitStatus Trace(const plan::Run& run, const fs::path& file) {
+    if (!arguments_.fresh && store::TracedRun(file) == run.id) {
       Tell(file, "is there already; --fresh makes it anew");
       return kExitGood;
     }
     CheckIsOurs(file);
     launcher_.Start(0, run);
-    std::optional<Ending> ending;
+    std::optional<process::Ending> ending;
     while (!ending && !stop_.requested()) ending = launcher_.Wait(1);
     if (!ending) return kExitGood;  // whoever asked to stop sees to the status
-    if (ending->result.status != Status::kDone) {
-      Say(fmt::format("{}: {}: {}\n", Describe(plan_, run), StatusName(ending->result.status),
-                      ending->result.message));
+    if (ending->result.status != store::Status::kDone) {
+      report::Say(fmt::format("{}: {}: {}\n", plan::Describe(plan_, run),
+                              store::StatusName(ending->result.status), ending->result.message));
       return kExitRuns;
     }
-    const TraceMemory trace = MemoryOf(run, *ending->recording);
-    const TraceOrigin origin = {plan_.benchmark,
-                                plan_.axes.empty() ? "" : Describe(plan_, run),
-                                run.id,
-                                ending->result.state_hash,
-                                run.scene.world.Real("timestep"),
-                                plan_.scenario_text,
-                                compiler::RunToYaml(run)};
-    WriteTrace(trace, origin, run.scene.ObjectCount(), ending->recording->Reals("poses"), file);
+    const measure::TraceMemory trace = MemoryOf(run, *ending->recording);
+    const store::TraceOrigin origin = {plan_.benchmark,
+                                       plan_.axes.empty() ? "" : plan::Describe(plan_, run),
+                                       run.id,
+                                       ending->result.state_hash,
+                                       run.scene.world.Real("timestep"),
+                                       plan_.scenario_text,
+                                       plan::RunToYaml(run)};
+    store::WriteTrace(trace, origin, run.scene.ObjectCount(), ending->recording->Reals("poses"),
+                      file);
     Tell(file, fmt::format("{} bodies, {} cycles; {:.1f} s", trace.shape().bodies,
                            trace.shape().cycles, ending->wall_s));
     return kExitGood;
@@ -163,7 +168,7 @@ class Tracer {
 
  private:
   void Tell(const fs::path& file, const std::string& what) const {
-    if (!arguments_.quiet) Print(fmt::format("{}: {}\n", file.string(), what));
+    if (!arguments_.quiet) report::Print(fmt::format("{}: {}\n", file.string(), what));
   }
 
   /// What is written over is a trace, or asked for.
@@ -176,10 +181,10 @@ class Tracer {
                       file.string()));
   }
 
-  const compiler::Plan& plan_;
+  const plan::Plan& plan_;
   const TraceArguments& arguments_;
-  const StopFlag& stop_;
-  ProcessLauncher launcher_;
+  const process::StopFlag& stop_;
+  process::ProcessLauncher launcher_;
 };
 
 }  // namespace
@@ -188,12 +193,12 @@ int TraceCommand(const TraceArguments& arguments) {
   auto plans = LoadPlans(arguments.file, arguments.benchmark,
                          arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
   if (plans.empty()) return kExitScenario;
-  StopFlag stop;
-  const StopOnSignals signals(stop);
+  process::StopFlag stop;
+  const process::StopOnSignals signals(stop);
   int status = kExitGood;
-  for (compiler::Plan& plan : plans) {
+  for (plan::Plan& plan : plans) {
     plan = TracePlan(std::move(plan));
-    CheckMemory(plan);
+    schedule::CheckMemory(plan);
     const std::vector<fs::path> files = FilesOf(plan, arguments, plans.size());
     Tracer tracer(plan, arguments, stop);
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {
@@ -204,4 +209,4 @@ int TraceCommand(const TraceArguments& arguments) {
   return status;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

@@ -5,23 +5,23 @@
 #include <filesystem>
 #include <fstream>
 
-#include "compiler/plan_yaml.h"
-#include "runtime/cli/carry_out.h"
+#include "compiler/plan/plan_yaml.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/console.h"
 #include "runtime/cli/inputs.h"
+#include "runtime/cli/plan_runner.h"
 #include "runtime/cli/verify_plan.h"
-#include "runtime/cli/verify_table.h"
+#include "runtime/report/console.h"
+#include "runtime/report/verify_table.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// Beside the results, so that one run of them can be seen by itself.
-void WritePlan(const compiler::Plan& plan, const fs::path& path) {
+void WritePlan(const plan::Plan& plan, const fs::path& path) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << compiler::ToYaml(plan);
+  file << plan::ToYaml(plan);
   if (!file.flush())
     throw CommandError(
         fmt::format("cannot write '{}'; choose another folder by -o", path.string()));
@@ -36,7 +36,7 @@ int VerifyCommand(const VerifyArguments& arguments) {
   if (plans.empty()) return kExitScenario;
   if (!options.WantsAll()) CheckWords("detector", options.detectors, options.plugins);
   std::vector<VerifyPlan> verified;
-  for (const compiler::Plan& plan : plans) verified.push_back(MakeVerifyPlan(plan, options));
+  for (const plan::Plan& plan : plans) verified.push_back(MakeVerifyPlan(plan, options));
   const fs::path folder = arguments.out;
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
@@ -52,11 +52,11 @@ int VerifyCommand(const VerifyArguments& arguments) {
     one.plan.source = plan_file;
     if (runner.CarryOut(one.plan, out).summary.signal != 0) return runner.StoppedStatus();
     WritePlan(one.plan, plan_file);
-    const VerifyText text = VerifyTable(ResultFile(out), one.left_out);
-    Print(text.text + "\n");
+    const report::VerifyText text = report::VerifyTable(store::ResultFile(out), one.left_out);
+    report::Print(text.text + "\n");
     if (!text.is_good) status = kExitRuns;
   }
   return status;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

@@ -7,17 +7,17 @@
 #include <span>
 #include <utility>
 
-#include "compiler/capacity.h"
 #include "compiler/cross.h"
-#include "compiler/reference.h"
-#include "library/catalogue.h"
+#include "compiler/plan/capacity.h"
+#include "compiler/plan/reference.h"
+#include "compiler/schema/catalogue.h"
 #include "runtime/cli/commands.h"
 
-namespace cdb::runtime {
+namespace cdb::cli {
 namespace {
 
-using compiler::Plan;
-using compiler::Run;
+using plan::Plan;
+using plan::Run;
 
 /// What is as good a run of a point as any, where only the detector differs.
 Plan WithoutAxis(const Plan& plan, std::size_t axis) {
@@ -40,42 +40,43 @@ Plan WithoutAxis(const Plan& plan, std::size_t axis) {
 }
 
 Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors,
-                   std::span<const compiler::PluginDetector> plugins) {
-  const auto axis = std::ranges::find(plan.axes, "detector", &compiler::Axis::parameter);
-  return Cross(axis == plan.axes.end()
-                   ? plan
-                   : WithoutAxis(plan, static_cast<std::size_t>(axis - plan.axes.begin())),
-               "detector", detectors, plugins);
+                   std::span<const schema::PluginDetector> plugins) {
+  const auto axis = std::ranges::find(plan.axes, "detector", &plan::Axis::parameter);
+  return compiler::Cross(
+      axis == plan.axes.end()
+          ? plan
+          : WithoutAxis(plan, static_cast<std::size_t>(axis - plan.axes.begin())),
+      "detector", detectors, plugins);
 }
 
 /// Why `all` is without a detector, whatever the scene; empty where it is not.
-std::string Absence(const library::DetectorInfo& info) {
+std::string Absence(const schema::DetectorInfo& info) {
   if (info.family == "none") return "finds nothing, by design; name it to see that";
-  const library::DetectorPart* part = library::FindDetectorPart(info.part);
+  const schema::DetectorPart* part = schema::FindDetectorPart(info.part);
   if (part != nullptr && !part->is_built)
     return fmt::format("is not built; install {} and build again", part->package);
   return {};
 }
 
 /// Those that are named, or every one but those of which `left_out` then says why.
-std::vector<library::DetectorInfo> Chosen(const VerifyOptions& options,
-                                          std::vector<std::string>& left_out) {
-  std::vector<library::DetectorInfo> chosen;
+std::vector<schema::DetectorInfo> Chosen(const VerifyOptions& options,
+                                         std::vector<std::string>& left_out) {
+  std::vector<schema::DetectorInfo> chosen;
   if (!options.WantsAll()) {
     for (const std::string& name : options.detectors)
-      chosen.push_back(*compiler::FindDetector(name, options.plugins));
+      chosen.push_back(*schema::FindDetector(name, options.plugins));
     return chosen;
   }
-  const auto choose = [&](const library::DetectorInfo& info) {
+  const auto choose = [&](const schema::DetectorInfo& info) {
     if (!info.HasPhase("broad")) return;
     if (const std::string why = Absence(info); !why.empty())
       left_out.push_back(fmt::format("{} {}", info.name, why));
     else
       chosen.push_back(info);
   };
-  for (const library::DetectorInfo& info : library::Detectors()) choose(info);
-  for (const compiler::PluginDetector& plugin : options.plugins)
-    choose(*compiler::FindDetector(plugin.name, options.plugins));
+  for (const schema::DetectorInfo& info : schema::Detectors()) choose(info);
+  for (const schema::PluginDetector& plugin : options.plugins)
+    choose(*schema::FindDetector(plugin.name, options.plugins));
   return chosen;
 }
 
@@ -83,9 +84,9 @@ std::vector<library::DetectorInfo> Chosen(const VerifyOptions& options,
 VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   VerifyPlan every;
   std::vector<std::string> names;
-  for (const library::DetectorInfo& info : Chosen(options, every.left_out)) {
+  for (const schema::DetectorInfo& info : Chosen(options, every.left_out)) {
     const auto held = std::ranges::count_if(
-        plan.runs, [&](const Run& run) { return info.Holds(compiler::BodyCount(run.scene)); });
+        plan.runs, [&](const Run& run) { return info.Holds(plan::BodyCount(run.scene)); });
     if (held < std::ssize(plan.runs))
       every.left_out.push_back(
           fmt::format("{}, where there are more than {} bodies", info.name, info.max_bodies));
@@ -94,8 +95,8 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   if (names.empty()) return every;
   every.plan = WithDetectors(plan, names, options.plugins);
   std::erase_if(every.plan.runs, [&](const Run& run) {
-    const auto detector = compiler::FindDetector(names[run.at[0]], options.plugins);
-    const bool is_held = detector->Holds(compiler::BodyCount(run.scene));
+    const auto detector = schema::FindDetector(names[run.at[0]], options.plugins);
+    const bool is_held = detector->Holds(plan::BodyCount(run.scene));
     if (!is_held) every.plan.skipped.push_back(run.at);
     return !is_held;
   });
@@ -110,15 +111,15 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   bare.repeats = 1;
   std::erase_if(bare.runs, [](const Run& run) { return run.rep > 0; });
   for (Run& run : bare.runs) {
-    const auto set = [&](const char* name, compiler::Value value) {
+    const auto set = [&](const char* name, schema::Value value) {
       run.scene.world.values.insert_or_assign(name, std::move(value));
     };
-    set("record", compiler::WordList{"pairs"});
-    set("accuracy.metrics", compiler::WordList{"none"});
-    set("pair_order", compiler::Word{"sorted"});
+    set("record", schema::WordList{"pairs"});
+    set("accuracy.metrics", schema::WordList{"none"});
+    set("pair_order", schema::Word{"sorted"});
     set("repeats", std::uint64_t{1});
     if (options.cycles) set("cycles", *options.cycles);
-    run.id = compiler::RunId(run.scene, run.rep);
+    run.id = plan::RunId(run.scene, run.rep);
   }
   AddReferences(bare);
   VerifyPlan made;
@@ -134,4 +135,4 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   return made;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::cli

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 std::string HostName() {
   std::array<char, 256> name = {};
@@ -12,4 +12,4 @@ std::string HostName() {
   return name.data();
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

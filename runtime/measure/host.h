@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 /// Its name; `localhost` where it has none.
 std::string HostName();
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -2,7 +2,7 @@
 
 #include <iterator>
 
-namespace cdb::runtime {
+namespace cdb::measure {
 namespace {
 
 constexpr const char* kNames[] = {
@@ -15,11 +15,11 @@ std::uint32_t PluginCallCode(PluginCall call, std::size_t index) {
   return static_cast<std::uint32_t>(index) * kCalls + static_cast<std::uint32_t>(call);
 }
 
-std::string PluginCallText(std::uint32_t code, const compiler::Scene& scene) {
+std::string PluginCallText(std::uint32_t code, const plan::Scene& scene) {
   const std::uint32_t call = code % kCalls, index = code / kCalls;
   if (call == 0 || index >= scene.plugins.size()) return {};
-  const compiler::PluginDetector& plugin = scene.plugins[index];
+  const schema::PluginDetector& plugin = scene.plugins[index];
   return std::string(kNames[call]) + " detector `" + plugin.name + "` (" + plugin.path + ")";
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 enum class PluginCall : std::uint32_t {
   kNone,
@@ -22,6 +22,6 @@ enum class PluginCall : std::uint32_t {
 std::uint32_t PluginCallCode(PluginCall call, std::size_t index);
 
 /// FindPairs of detector `mine` (libmine.so); empty for none, and for what a crash left there.
-std::string PluginCallText(std::uint32_t code, const compiler::Scene& scene);
+std::string PluginCallText(std::uint32_t code, const plan::Scene& scene);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -14,9 +14,9 @@
 #include <system_error>
 #include <utility>
 
-#include "compiler/capacity.h"
+#include "compiler/plan/capacity.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
@@ -27,13 +27,13 @@ std::size_t Aligned(std::size_t bytes) {
 
 }  // namespace
 
-Recording::Recording(int fd, const compiler::Scene& scene, bool create) : fd_(fd) {
+Recording::Recording(int fd, const plan::Scene& scene, bool create) : fd_(fd) {
   bytes_ = Aligned(sizeof(RecordingHeader));
   for (const Series& series : AllSeries()) {
     if (!series.IsRecordedBy(scene)) continue;
     const std::size_t bytes =
-        series.ItemBytes() * series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount(),
-                                               compiler::BodyCount(scene));
+        series.ItemBytes() *
+        series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount(), plan::BodyCount(scene));
     places_.push_back({&series, bytes_, bytes});
     bytes_ += Aligned(bytes);
   }
@@ -53,7 +53,7 @@ Recording::Recording(int fd, const compiler::Scene& scene, bool create) : fd_(fd
   header_ = static_cast<RecordingHeader*>(memory);
 }
 
-Recording Recording::Create(const compiler::Scene& scene) {
+Recording Recording::Create(const plan::Scene& scene) {
   const int fd = memfd_create("cdb-recording", MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (fd < 0)
     throw std::system_error(errno, std::generic_category(), "no memory for the recording of a run");
@@ -82,7 +82,7 @@ void Recording::Clear() {
   std::ranges::fill(SampleValues(), kNone);
 }
 
-Recording Recording::Open(int fd, const compiler::Scene& scene) {
+Recording Recording::Open(int fd, const plan::Scene& scene) {
   Recording recording(fd, scene, false);
   if (recording.header().magic != RecordingHeader::kMagic ||
       recording.header().bytes != recording.bytes_)
@@ -117,4 +117,4 @@ std::span<double> Recording::SampleValues() const {
 
 std::span<const std::byte> Recording::Bytes(const Series& series) const { return Find(series); }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 /// How far a worker got.
 enum class WorkerOutcome : std::int32_t { kRunning = 0, kDone = 1, kFailed = 2 };
@@ -51,10 +51,10 @@ class Recording {
  public:
   /// Runner: makes the memory for `scene`, filled with "no value" (-1 and NaN). Throws
   /// std::system_error.
-  static Recording Create(const compiler::Scene& scene);
+  static Recording Create(const plan::Scene& scene);
   /// Worker: maps what the runner made, every page touched, so that no cycle pays for a page fault.
   /// Throws std::runtime_error where the memory is not a recording of this scene.
-  static Recording Open(int fd, const compiler::Scene& scene);
+  static Recording Open(int fd, const plan::Scene& scene);
 
   Recording(Recording&& other) noexcept;
   Recording& operator=(Recording&&) = delete;
@@ -82,7 +82,7 @@ class Recording {
   std::span<double> SampleValues() const;
 
  private:
-  Recording(int fd, const compiler::Scene& scene, bool create);
+  Recording(int fd, const plan::Scene& scene, bool create);
   std::span<std::byte> Find(const Series& series) const;
   template <typename T>
   std::span<T> Find(std::string_view series) const {
@@ -109,4 +109,4 @@ inline constexpr int kContactsFd = 5;
 /// The trace to run the detector on (trace_memory.h); only where the run names one.
 inline constexpr int kTraceFd = 6;
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

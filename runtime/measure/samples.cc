@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/reference.h"
+#include "compiler/plan/reference.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 std::span<const std::string_view> ObservableNames() {
   static constexpr std::string_view kNames[kObservableCount] = {
@@ -23,8 +23,8 @@ std::span<const std::string_view> StateNames() {
   return kNames;
 }
 
-std::optional<SampleShape> SampleShapeOf(const compiler::Scene& scene) {
-  const auto sampling = compiler::SamplingOf(scene);
+std::optional<SampleShape> SampleShapeOf(const plan::Scene& scene) {
+  const auto sampling = plan::SamplingOf(scene);
   if (!sampling) return std::nullopt;
   return SampleShape{sampling->count, scene.ObjectCount()};
 }
@@ -40,4 +40,4 @@ bool Samples::IsFinite() const {
   return std::ranges::all_of(states, [](double value) { return std::isfinite(value); });
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

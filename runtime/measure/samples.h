@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 /// Of a body's state: position, orientation quaternion x y z w, linear and angular velocity.
 inline constexpr std::size_t kStateSize = 13;
@@ -67,7 +67,7 @@ struct SampleShape {
   bool operator==(const SampleShape&) const = default;
 };
 /// Nullopt where the scene asks for no errors.
-std::optional<SampleShape> SampleShapeOf(const compiler::Scene& scene);
+std::optional<SampleShape> SampleShapeOf(const plan::Scene& scene);
 
 /// A run's samples, to be read. `values` are `shape.Count()` of somebody else's.
 struct Samples {
@@ -112,4 +112,4 @@ struct RunErrors {
   std::string message;  ///< why some have no value; empty where all have
 };
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "compiler/schema.h"
-#include "compiler/trace.h"
+#include "compiler/plan/trace.h"
+#include "compiler/schema/schema.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 namespace {
 
 using enum SeriesType;
@@ -90,17 +90,17 @@ std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects,
   return 0;
 }
 
-bool Series::IsRecordedBy(const compiler::Scene& scene) const {
-  if (!on_traces && compiler::TraceOf(scene)) return false;
-  const auto* asked = std::get_if<compiler::WordList>(&scene.world.Get("record"));
+bool Series::IsRecordedBy(const plan::Scene& scene) const {
+  if (!on_traces && plan::TraceOf(scene)) return false;
+  const auto* asked = std::get_if<schema::WordList>(&scene.world.Get("record"));
   return asked != nullptr &&
          std::any_of(asked->begin(), asked->end(),
-                     [&](const std::string& word) { return compiler::ListsWord(records, word); });
+                     [&](const std::string& word) { return schema::ListsWord(records, word); });
 }
 
-bool Series::IsRecordedBy(const compiler::Plan& plan) const {
+bool Series::IsRecordedBy(const plan::Plan& plan) const {
   return std::any_of(plan.runs.begin(), plan.runs.end(),
-                     [&](const compiler::Run& run) { return IsRecordedBy(run.scene); });
+                     [&](const plan::Run& run) { return IsRecordedBy(run.scene); });
 }
 
 std::span<const Series> AllSeries() { return kSeries; }
@@ -113,4 +113,4 @@ const Series* FindSeries(std::string_view name) {
 
 std::span<const std::string_view> PhaseNames() { return kPhaseNames; }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -6,9 +6,9 @@
 #include <span>
 #include <string_view>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 enum class SeriesType { kInt32, kFloat64 };
 
@@ -36,9 +36,9 @@ struct Series {
   /// Values of one run of so many cycles and objects; `bodies`: with the walls that stand.
   std::size_t ValueCount(std::uint64_t cycles, std::uint64_t objects, std::uint64_t bodies) const;
   /// `scene` asks for it.
-  bool IsRecordedBy(const compiler::Scene& scene) const;
+  bool IsRecordedBy(const plan::Scene& scene) const;
   /// Any run of `plan` asks for it.
-  bool IsRecordedBy(const compiler::Plan& plan) const;
+  bool IsRecordedBy(const plan::Plan& plan) const;
 };
 
 std::span<const Series> AllSeries();
@@ -47,7 +47,10 @@ const Series* FindSeries(std::string_view name);
 
 /// The phases of a cycle, in the order of the `phase` axis. Each is stamped by itself, in
 /// nanoseconds.
-enum Phase { kBroad, kNarrow, kDetect, kSolve, kIntegrate, kStep, kPhaseCount };
+enum class Phase { kBroad, kNarrow, kDetect, kSolve, kIntegrate, kStep };
+inline constexpr std::size_t kPhaseCount = 6;
+/// The phase's place on the axis `phase`.
+constexpr std::size_t IndexOf(Phase phase) { return static_cast<std::size_t>(phase); }
 std::span<const std::string_view> PhaseNames();
 
 /// Components of a pose, of a box, of a filter.
@@ -66,4 +69,4 @@ struct ContactRecord {
   double distance;
 };
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -12,10 +12,10 @@
 #include <system_error>
 #include <utility>
 
-#include "compiler/sha256.h"
+#include "compiler/plan/sha256.h"
 #include "dsl/check.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 namespace {
 
 struct Header {
@@ -107,7 +107,7 @@ std::vector<double> TraceMemory::Boxes(std::uint64_t cycle) const {
 }
 
 std::string TraceMemory::Sha256() const {
-  return compiler::Sha256Hex({reinterpret_cast<const char*>(memory_), AllBytes(shape_)});
+  return plan::Sha256Hex({reinterpret_cast<const char*>(memory_), AllBytes(shape_)});
 }
 
 TraceReader::TraceReader(int fd) : fd_(fd) {
@@ -133,4 +133,4 @@ std::span<const double> TraceReader::Read(std::uint64_t cycle) {
   return sides_;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 struct TraceShape {
   std::uint64_t bodies = 0;  ///< with walls
@@ -77,4 +77,4 @@ class TraceReader {
   std::vector<double> sides_;
 };
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -5,13 +5,13 @@
 #include <iterator>
 #include <vector>
 
-#include "compiler/expectation.h"
+#include "compiler/plan/expectation.h"
 #include "dsl/check.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 namespace {
 
-using compiler::Expectation;
+using plan::Expectation;
 using enum Verdict;
 
 // The measured thresholds. Lengths are in sides of the object, energies in the run's energy scale.
@@ -43,7 +43,7 @@ constexpr VerdictInfo kVerdicts[] = {
 /// One run under the eye of every criterion. Each gives the first bad cycle, or -1.
 class Case {
  public:
-  Case(const compiler::Scene& scene, const Recording& recording, std::uint64_t n_cycles)
+  Case(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles)
       : scene_(scene),
         recording_(recording),
         header_(recording.header()),
@@ -170,7 +170,7 @@ class Case {
     return first;
   }
 
-  const compiler::Scene& scene_;
+  const plan::Scene& scene_;
   const Recording& recording_;
   const RecordingHeader& header_;
   const std::size_t n_, late_;  ///< cycles; the first late one
@@ -187,7 +187,7 @@ std::string_view VerdictName(Verdict verdict) {
   return info.name;
 }
 
-Judgement Judge(const compiler::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
+Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
                 Verdict outcome) {
   if (outcome != kUnknown) return {outcome, static_cast<std::int64_t>(n_cycles)};
   if (!scene.world.Lists("record", "stability")) return {};
@@ -200,4 +200,4 @@ Judgement Judge(const compiler::Scene& scene, const Recording& recording, std::u
   return {kStable, -1};
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

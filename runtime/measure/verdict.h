@@ -7,10 +7,10 @@
 #include <span>
 #include <string_view>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "runtime/measure/recording.h"
 
-namespace cdb::runtime {
+namespace cdb::measure {
 
 /// `flag_values` of the array `verdict`, in this order: the later, the worse; the worst that
 /// applies is given.
@@ -51,7 +51,7 @@ struct Judgement {
 /// What the recording of a run says that went through its first `n_cycles` cycles; `outcome` is how
 /// its process ended as far as that is a verdict of its own (kTimedOut, kCrashed), else kUnknown.
 /// A crash or a timeout shows at the cycle that was not finished.
-Judgement Judge(const compiler::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
+Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
                 Verdict outcome = Verdict::kUnknown);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::measure

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 
 void TimeEstimate::Fit::Add(double objects, double cycle_s) {
   const double u = std::log(objects);
@@ -25,12 +25,12 @@ double TimeEstimate::Fit::CycleSeconds(double objects) const {
   return std::exp(y / n + slope * (std::log(objects) - x / n));
 }
 
-TimeEstimate::TimeEstimate(const std::vector<const compiler::Run*>& to_do) {
-  for (const compiler::Run* run : to_do) ++kinds_[KindOf(*run)].left;
+TimeEstimate::TimeEstimate(const std::vector<const plan::Run*>& to_do) {
+  for (const plan::Run* run : to_do) ++kinds_[KindOf(*run)].left;
 }
 
-TimeEstimate::Kind TimeEstimate::KindOf(const compiler::Run& run) {
-  const compiler::Settings& world = run.scene.world;
+TimeEstimate::Kind TimeEstimate::KindOf(const plan::Run& run) {
+  const plan::Settings& world = run.scene.world;
   const bool is_limited = world.WordOr("timeout").empty();
   return {std::string(world.WordOr("detector")),
           std::max(1.0, static_cast<double>(run.scene.ObjectCount())),
@@ -38,7 +38,7 @@ TimeEstimate::Kind TimeEstimate::KindOf(const compiler::Run& run) {
           is_limited ? world.Real("timeout") : std::numeric_limits<double>::infinity()};
 }
 
-void TimeEstimate::Ended(const compiler::Run& run, std::optional<double> wall_s) {
+void TimeEstimate::Ended(const plan::Run& run, std::optional<double> wall_s) {
   const Kind kind = KindOf(run);
   Times& times = kinds_[kind];
   if (times.left > 0) --times.left;
@@ -59,7 +59,7 @@ std::optional<double> TimeEstimate::Predict(const Kind& kind, const Times& times
   return std::min(best.CycleSeconds(kind.objects) * kind.cycles, kind.timeout_s);
 }
 
-std::optional<double> TimeEstimate::Predict(const compiler::Run& run) const {
+std::optional<double> TimeEstimate::Predict(const plan::Run& run) const {
   const Kind kind = KindOf(run);
   const auto times = kinds_.find(kind);
   return Predict(kind, times != kinds_.end() ? times->second : Times());
@@ -76,4 +76,4 @@ std::optional<double> TimeEstimate::Left() const {
   return sum;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

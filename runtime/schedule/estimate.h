@@ -8,22 +8,22 @@
 #include <tuple>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 
 /// A run is predicted from the mean of its like (same detector, objects, cycles), else by a power
 /// law of the time of a cycle in the number of objects, fitted to its detector's runs, else to all
 /// runs. Not for several threads.
 class TimeEstimate {
  public:
-  explicit TimeEstimate(const std::vector<const compiler::Run*>& to_do);
+  explicit TimeEstimate(const std::vector<const plan::Run*>& to_do);
 
   /// `run` took `wall_s`. What a run that ended badly took says nothing about others: give none.
-  void Ended(const compiler::Run& run, std::optional<double> wall_s);
+  void Ended(const plan::Run& run, std::optional<double> wall_s);
 
   /// Seconds; none before anything has ended.
-  std::optional<double> Predict(const compiler::Run& run) const;
+  std::optional<double> Predict(const plan::Run& run) const;
   /// The sum over all that has not ended.
   std::optional<double> Left() const;
 
@@ -46,7 +46,7 @@ class TimeEstimate {
     double CycleSeconds(double objects) const;
   };
 
-  static Kind KindOf(const compiler::Run& run);
+  static Kind KindOf(const plan::Run& run);
   std::optional<double> Predict(const Kind& kind, const Times& times) const;
 
   std::map<Kind, Times> kinds_;
@@ -54,4 +54,4 @@ class TimeEstimate {
   Fit all_;
 };
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

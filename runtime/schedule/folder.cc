@@ -12,11 +12,11 @@
 #include <unordered_set>
 #include <utility>
 
-#include "compiler/plan_yaml.h"
-#include "runtime/schedule/launcher.h"
+#include "compiler/plan/plan_yaml.h"
+#include "runtime/process/launcher.h"
 #include "runtime/store/safe_file.h"
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 
 namespace {
 
@@ -35,8 +35,8 @@ std::string ShardRunId(const std::string& name, std::string_view ending) {
 }
 
 [[noreturn]] void FailStore(std::string_view doing, const fs::path& file, int error) {
-  throw StoreError(fmt::format("cannot {} {}: {}", doing, file.string(),
-                               std::generic_category().message(error)));
+  throw store::StoreError(fmt::format("cannot {} {}: {}", doing, file.string(),
+                                      std::generic_category().message(error)));
 }
 
 template <typename Visit>
@@ -49,7 +49,7 @@ void ForEachName(const fs::path& folder, Visit visit) {
 }
 
 [[noreturn]] void RefuseMixture(const fs::path& shard) {
-  throw ScheduleError(fmt::format(
+  throw process::ScheduleError(fmt::format(
       "{} is a shard of another plan; two plans are never mixed in one folder. Name another result "
       "with -o, or forget what {} holds with --fresh",
       shard.string(), shard.parent_path().string()));
@@ -57,20 +57,20 @@ void ForEachName(const fs::path& folder, Visit visit) {
 
 }  // namespace
 
-ShardFolder::ShardFolder(const compiler::Plan& plan, fs::path folder, bool fresh)
+ShardFolder::ShardFolder(const plan::Plan& plan, fs::path folder, bool fresh)
     : folder_(std::move(folder)), plan_sha256_(plan.Sha256()) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) FailStore("make the folder", folder_, error.value());
   if (!fresh) RefuseOthers(plan);
-  RemoveStaleTemporaries(folder_);
+  store::RemoveStaleTemporaries(folder_);
   if (fresh) Clear();
 }
 
-void ShardFolder::RefuseOthers(const compiler::Plan& plan) const {
+void ShardFolder::RefuseOthers(const plan::Plan& plan) const {
   std::unordered_set<std::string_view> ids;
-  for (const compiler::Run& run : plan.runs) ids.insert(run.id);
-  for (const compiler::Run& run : plan.references) ids.insert(run.id);
+  for (const plan::Run& run : plan.runs) ids.insert(run.id);
+  for (const plan::Run& run : plan.references) ids.insert(run.id);
   ForEachName(folder_, [&](const std::string& name) {
     const std::string id = ShardRunId(name, kShardEnding);
     if (!id.empty() && !ids.contains(id)) RefuseMixture(folder_ / name);
@@ -87,18 +87,18 @@ void ShardFolder::Clear() const {
   });
 }
 
-void ShardFolder::WritePlan(const compiler::Plan& plan) const {
-  const std::string text = compiler::ToYaml(plan);
+void ShardFolder::WritePlan(const plan::Plan& plan) const {
+  const std::string text = plan::ToYaml(plan);
   const fs::path file = folder_ / kPlanName;
   {
     std::ifstream in(file, std::ios::binary);
     if (in && std::string(std::istreambuf_iterator<char>(in), {}) == text) return;
   }
-  WriteWhole(text, file);
+  store::WriteWhole(text, file);
 }
 
-std::optional<Outcome> ShardFolder::Find(const compiler::Run& run,
-                                         std::vector<std::string>& warnings) const {
+std::optional<store::Outcome> ShardFolder::Find(const plan::Run& run,
+                                                std::vector<std::string>& warnings) const {
   const fs::path shard = folder_ / (run.id + std::string(kShardEnding));
   // What the system refuses to open is not broken: setting it aside would hide a good shard.
   const int fd = open(shard.c_str(), O_RDONLY | O_CLOEXEC);
@@ -108,13 +108,13 @@ std::optional<Outcome> ShardFolder::Find(const compiler::Run& run,
 
   std::string fault;
   try {
-    const ShardInfo info = ReadShardInfo(shard);
+    const store::ShardInfo info = store::ReadShardInfo(shard);
     if (info.plan_sha256 != plan_sha256_) RefuseMixture(shard);
-    if (info.run_id == run.id && info.outcome.status != Status::kMissing &&
-        info.outcome.status != Status::kSkipped)
+    if (info.run_id == run.id && info.outcome.status != store::Status::kMissing &&
+        info.outcome.status != store::Status::kSkipped)
       return info.outcome;
     fault = shard.string() + ": is the shard of another run";
-  } catch (const StoreError& error) {
+  } catch (const store::StoreError& error) {
     // Without what it tells a person to do: it is done here.
     fault = error.what();
     fault = fault.substr(0, fault.find("; it was left as it is"));
@@ -128,4 +128,4 @@ std::optional<Outcome> ShardFolder::Find(const compiler::Run& run,
   return std::nullopt;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

@@ -7,10 +7,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 
 /// One folder of shards of one plan. Nothing is held open. Not for several threads.
 class ShardFolder {
@@ -18,25 +18,26 @@ class ShardFolder {
   /// Makes the folder, removes temporaries that a dead process of this machine left, and forgets
   /// its shards where `fresh`. Throws StoreError; ScheduleError where it holds a shard of a run
   /// that is not in the plan, and then nothing was changed.
-  ShardFolder(const compiler::Plan& plan, std::filesystem::path folder, bool fresh);
+  ShardFolder(const plan::Plan& plan, std::filesystem::path folder, bool fresh);
 
   /// The status of a run that has a whole shard. A broken one is set aside as `<name>.broken` and
   /// reported in `warnings`. Throws ScheduleError for a shard of another plan, StoreError for one
   /// that cannot be read.
-  std::optional<Outcome> Find(const compiler::Run& run, std::vector<std::string>& warnings) const;
+  std::optional<store::Outcome> Find(const plan::Run& run,
+                                     std::vector<std::string>& warnings) const;
 
   /// Makes `plan.yaml` say this plan, in one step. To be called once no shard was refused. Throws
   /// StoreError.
-  void WritePlan(const compiler::Plan& plan) const;
+  void WritePlan(const plan::Plan& plan) const;
 
   const std::filesystem::path& path() const { return folder_; }
 
  private:
-  void RefuseOthers(const compiler::Plan& plan) const;
+  void RefuseOthers(const plan::Plan& plan) const;
   void Clear() const;
 
   std::filesystem::path folder_;
   std::string plan_sha256_;
 };
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

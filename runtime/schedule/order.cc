@@ -10,9 +10,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "runtime/schedule/launcher.h"
+#include "runtime/process/launcher.h"
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 namespace {
 
 /// Runs that differ in nothing but the detector.
@@ -20,23 +20,23 @@ struct Rivals {
   std::string point;  ///< names the scene without its detector
   std::uint64_t rep = 0;
   double work = 0;
-  std::vector<const compiler::Run*> runs;
+  std::vector<const plan::Run*> runs;
 };
 
 /// Two runs of one point have the same.
-std::string PointKey(const compiler::Run& run) {
-  compiler::Scene scene = run.scene;
+std::string PointKey(const plan::Run& run) {
+  plan::Scene scene = run.scene;
   scene.world.values.erase("detector");
   scene.plugins.clear();
-  return compiler::RunId(scene, 0);
+  return plan::RunId(scene, 0);
 }
 
 /// In grid order, the repeats one after the other.
-std::vector<Rivals> GroupRivals(const compiler::Plan& plan) {
+std::vector<Rivals> GroupRivals(const plan::Plan& plan) {
   std::vector<Rivals> groups;
   std::unordered_set<std::string_view> seen;
   std::unordered_map<std::string, std::size_t> places;
-  for (const compiler::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.runs) {
     if (!seen.insert(run.id).second) continue;
     const std::string point = PointKey(run);
     const auto [place, is_new] =
@@ -51,9 +51,9 @@ std::vector<Rivals> GroupRivals(const compiler::Plan& plan) {
 
 /// Fisher and Yates, by hand: std::shuffle differs between standard libraries, and every node of a
 /// cluster must come to the same order.
-void Shuffle(std::vector<const compiler::Run*>& runs, std::uint64_t seed) {
+void Shuffle(std::vector<const plan::Run*>& runs, std::uint64_t seed) {
   for (std::size_t i = runs.size(); i > 1; --i) {
-    seed = compiler::StreamSeed(seed, "order");
+    seed = plan::StreamSeed(seed, "order");
     std::swap(runs[i - 1], runs[seed % i]);
   }
 }
@@ -82,18 +82,18 @@ std::vector<Rivals> Pick(std::vector<Rivals> groups, ShardChoice shard) {
 
 }  // namespace
 
-std::vector<const compiler::Run*> ReferencesOf(const compiler::Plan& plan,
-                                               const std::vector<const compiler::Run*>& runs) {
+std::vector<const plan::Run*> ReferencesOf(const plan::Plan& plan,
+                                           const std::vector<const plan::Run*>& runs) {
   std::unordered_set<std::string_view> wanted;
-  for (const compiler::Run* run : runs) wanted.insert({run->reference, run->twin});
-  std::vector<const compiler::Run*> references;
-  for (const compiler::Run& reference : plan.references)
+  for (const plan::Run* run : runs) wanted.insert({run->reference, run->twin});
+  std::vector<const plan::Run*> references;
+  for (const plan::Run& reference : plan.references)
     if (wanted.contains(reference.id)) references.push_back(&reference);
   return references;
 }
 
-double EstimatedWork(const compiler::Run& run) {
-  const compiler::Settings& world = run.scene.world;
+double EstimatedWork(const plan::Run& run) {
+  const plan::Settings& world = run.scene.world;
   const auto cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));
   const auto objects = static_cast<double>(run.scene.ObjectCount());
   // A cycle of an empty world costs about as much as ten objects, a process and its shard about as
@@ -101,20 +101,20 @@ double EstimatedWork(const compiler::Run& run) {
   return 10'000 + cycles * (10 + objects);
 }
 
-std::vector<const compiler::Run*> OrderRuns(const compiler::Plan& plan, ShardChoice shard) {
+std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shard) {
   if (shard.index < 1 || shard.index > shard.count)
-    throw ScheduleError(fmt::format("there is no shard {} of {}: shards count from 1 to {}",
-                                    shard.index, shard.count,
-                                    std::max<std::uint64_t>(shard.count, 1)));
+    throw process::ScheduleError(
+        fmt::format("there is no shard {} of {}: shards count from 1 to {}", shard.index,
+                    shard.count, std::max<std::uint64_t>(shard.count, 1)));
   const std::string hash = plan.Sha256();
   std::vector<Rivals> groups = GroupRivals(plan);
   if (shard.count > 1) groups = Pick(std::move(groups), shard);
-  std::vector<const compiler::Run*> order;
+  std::vector<const plan::Run*> order;
   for (Rivals& rivals : groups) {
-    Shuffle(rivals.runs, compiler::StreamSeed(rivals.rep, hash + rivals.point));
+    Shuffle(rivals.runs, plan::StreamSeed(rivals.rep, hash + rivals.point));
     order.insert(order.end(), rivals.runs.begin(), rivals.runs.end());
   }
   return order;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 
 /// `--shard K/N`: the K-th of N parts of a plan, from 1.
 struct ShardChoice {
@@ -20,14 +20,14 @@ struct ShardChoice {
 /// machine that drifts does so for all. Rivals are never in different shards; shards are made even
 /// by estimated work. The same on every machine for the same plan. Throws ScheduleError for a shard
 /// that there is not.
-std::vector<const compiler::Run*> OrderRuns(const compiler::Plan& plan, ShardChoice shard = {});
+std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shard = {});
 
 /// The references that `runs` are held against, each once, in the order of the plan.
-std::vector<const compiler::Run*> ReferencesOf(const compiler::Plan& plan,
-                                               const std::vector<const compiler::Run*>& runs);
+std::vector<const plan::Run*> ReferencesOf(const plan::Plan& plan,
+                                           const std::vector<const plan::Run*>& runs);
 
 /// Work of a run in arbitrary units, to weigh runs that nobody has timed yet: objects x cycles, and
 /// the cost of a process.
-double EstimatedWork(const compiler::Run& run);
+double EstimatedWork(const plan::Run& run);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 namespace {
 
 constexpr double kDrawInterval = 0.1;  // s
@@ -55,14 +55,15 @@ std::string Bar(double share, bool is_utf8) {
   return is_utf8 ? "▕" + bar + "▏" : "[" + bar + "]";
 }
 
-std::string Ended(const RunResult& result, double wall_s) {
+std::string Ended(const store::RunResult& result, double wall_s) {
   if (result.outcome().IsGood()) return "done in " + DurationText(wall_s);
-  if (result.status == Status::kDone)
+  if (result.status == store::Status::kDone)
     return fmt::format("{} from cycle {} on: its timings do not count",
-                       VerdictName(result.judgement.verdict), result.judgement.first_bad_cycle);
+                       measure::VerdictName(result.judgement.verdict),
+                       result.judgement.first_bad_cycle);
   return fmt::format("{}: {}",
-                     result.status == Status::kTimedOut ? std::string_view("timed out")
-                                                        : StatusName(result.status),
+                     result.status == store::Status::kTimedOut ? std::string_view("timed out")
+                                                               : store::StatusName(result.status),
                      result.message);
 }
 
@@ -118,7 +119,7 @@ std::string DurationText(double seconds) {
 
 Progress::Progress(ProgressOutput output) : output_(std::move(output)) {}
 
-void Progress::Begin(const compiler::Plan& plan, const std::vector<const compiler::Run*>& to_do,
+void Progress::Begin(const plan::Plan& plan, const std::vector<const plan::Run*>& to_do,
                      const Summary& resumed, std::size_t jobs) {
   plan_ = &plan;
   estimate_.emplace(to_do);
@@ -136,14 +137,15 @@ void Progress::Begin(const compiler::Plan& plan, const std::vector<const compile
   Line(text);
 }
 
-void Progress::RunStarted(const compiler::Run& run) {
+void Progress::RunStarted(const plan::Run& run) {
   running_.push_back({&run, output_.now_s()});
   if (output_.is_terminal) Draw(false);
 }
 
-void Progress::RunEnded(const compiler::Run& run, const RunResult& result, double wall_s) {
+void Progress::RunEnded(const plan::Run& run, const store::RunResult& result, double wall_s) {
   std::erase_if(running_, [&run](const Running& one) { return one.run == &run; });
-  const bool is_telling = result.status == Status::kDone || result.status == Status::kTimedOut;
+  const bool is_telling =
+      result.status == store::Status::kDone || result.status == store::Status::kTimedOut;
   estimate_->Ended(run, is_telling ? std::optional(wall_s) : std::nullopt);
   Advance(result.outcome());
   const bool is_bad = !result.outcome().IsGood();
@@ -170,7 +172,7 @@ void Progress::RunEnded(const compiler::Run& run, const RunResult& result, doubl
   Line(text);
 }
 
-void Progress::RunFound(const compiler::Run& run, const Outcome& outcome) {
+void Progress::RunFound(const plan::Run& run, const store::Outcome& outcome) {
   estimate_->Ended(run, std::nullopt);
   Advance(outcome);
   if (output_.is_terminal) Draw(false);
@@ -187,14 +189,12 @@ void Progress::Tick() {
 
 void Progress::End() { Clear(); }
 
-void Progress::Advance(const Outcome& outcome) {
+void Progress::Advance(const store::Outcome& outcome) {
   ++ended_;
   bad_ += outcome.IsGood() ? 0 : 1;
 }
 
-std::string Progress::Name(const compiler::Run& run) const {
-  return compiler::Describe(*plan_, run);
-}
+std::string Progress::Name(const plan::Run& run) const { return plan::Describe(*plan_, run); }
 
 std::string Progress::Share() const {
   const std::size_t percent = total_ == 0 ? 100 : ended_ * 100 / total_;
@@ -255,4 +255,4 @@ void Progress::Draw(bool is_urgent) {
   drawn_s_ = now_s;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "runtime/schedule/estimate.h"
 #include "runtime/schedule/schedule.h"
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 
 /// Where progress goes, and what it knows of the world; tests put in their own.
 struct ProgressOutput {
@@ -35,23 +35,23 @@ class Progress : public ProgressListener {
  public:
   explicit Progress(ProgressOutput output);
 
-  void Begin(const compiler::Plan& plan, const std::vector<const compiler::Run*>& to_do,
+  void Begin(const plan::Plan& plan, const std::vector<const plan::Run*>& to_do,
              const Summary& resumed, std::size_t jobs) override;
-  void RunStarted(const compiler::Run& run) override;
-  void RunEnded(const compiler::Run& run, const RunResult& result, double wall_s) override;
-  void RunFound(const compiler::Run& run, const Outcome& outcome) override;
+  void RunStarted(const plan::Run& run) override;
+  void RunEnded(const plan::Run& run, const store::RunResult& result, double wall_s) override;
+  void RunFound(const plan::Run& run, const store::Outcome& outcome) override;
   void Warn(const std::string& text) override;
   void Tick() override;
   void End() override;
 
  private:
   struct Running {
-    const compiler::Run* run;
+    const plan::Run* run;
     double since_s;
   };
 
-  void Advance(const Outcome& outcome);
-  std::string Name(const compiler::Run& run) const;
+  void Advance(const store::Outcome& outcome);
+  std::string Name(const plan::Run& run) const;
   std::string Share() const;
   std::string TimeLeft() const;
   std::string BarLine(std::size_t columns) const;
@@ -60,7 +60,7 @@ class Progress : public ProgressListener {
   void Draw(bool is_urgent);
 
   ProgressOutput output_;
-  const compiler::Plan* plan_ = nullptr;
+  const plan::Plan* plan_ = nullptr;
   std::optional<TimeEstimate> estimate_;
   std::vector<Running> running_;
   std::size_t total_ = 0, ended_ = 0, bad_ = 0, jobs_ = 1;
@@ -73,4 +73,4 @@ class Progress : public ProgressListener {
 /// `45 s`, `12 min`, `3 h 5 min`, `2 d 4 h`.
 std::string DurationText(double seconds);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

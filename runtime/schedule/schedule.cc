@@ -8,15 +8,15 @@
 #include <string>
 #include <utility>
 
-#include "compiler/capacity.h"
-#include "compiler/reference.h"
+#include "compiler/plan/capacity.h"
+#include "compiler/plan/reference.h"
 #include "dsl/check.h"
 #include "runtime/measure/series.h"
+#include "runtime/process/worker.h"
+#include "runtime/schedule/error_evaluator.h"
 #include "runtime/schedule/folder.h"
-#include "runtime/schedule/held_against.h"
-#include "runtime/schedule/worker.h"
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 namespace {
 
 constexpr double kTick = 1;  // s
@@ -26,7 +26,7 @@ constexpr int kPatience = 60;
 /// One call of Execute.
 class Execution {
  public:
-  Execution(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
+  Execution(const plan::Plan& plan, const ExecuteOptions& options, process::Launcher& launcher,
             ProgressListener& listener)
       : plan_(plan),
         options_(options),
@@ -36,12 +36,12 @@ class Execution {
 
   Summary Run() {
     CheckMemory(plan_);
-    const std::vector<const compiler::Run*> measured = OrderRuns(plan_, options_.shard);
-    std::vector<const compiler::Run*> all = ReferencesOf(plan_, measured);
+    const std::vector<const plan::Run*> measured = OrderRuns(plan_, options_.shard);
+    std::vector<const plan::Run*> all = ReferencesOf(plan_, measured);
     all.insert(all.end(), measured.begin(), measured.end());
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
-    for (const compiler::Run* run : all) {
+    for (const plan::Run* run : all) {
       if (const auto outcome = folder_->Find(*run, warnings)) {
         summary_.Count(*outcome);
         ++summary_.resumed;
@@ -69,7 +69,7 @@ class Execution {
 
   void Work() {
     while (FillSlots()) {
-      std::optional<Ending> ending = launcher_.Wait(kTick);
+      std::optional<process::Ending> ending = launcher_.Wait(kTick);
       if (ending) {
         Keep(std::move(*ending));
       } else if (IsStopped()) {
@@ -82,17 +82,17 @@ class Execution {
     if (!IsStopped()) return;
     summary_.signal = options_.stop->signal();
     summary_.left = queue_.size() - next_;
-    for (const compiler::Run* run : slots_) summary_.left += run != nullptr;
+    for (const plan::Run* run : slots_) summary_.left += run != nullptr;
   }
 
   /// Once for a run: one that hangs would hold up the sweep without a word.
   void WatchPlugins() {
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
-      const compiler::Run* run = slots_[slot];
+      const plan::Run* run = slots_[slot];
       if (run == nullptr || run->scene.plugins.empty() ||
           run->scene.world.WordOr("timeout") != "none")
         continue;
-      const Pulse pulse = launcher_.PulseOf(slot);
+      const process::Pulse pulse = launcher_.PulseOf(slot);
       Stall& stall = stalls_[slot];
       const bool is_stuck = !pulse.plugin_call.empty() && pulse.cycles == stall.cycles;
       stall.cycles = pulse.cycles;
@@ -112,7 +112,7 @@ class Execution {
     bool is_busy = false;
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
       if (slots_[slot] == nullptr && !IsStopped() && !MustWait()) {
-        if (const compiler::Run* run = NextRun()) {
+        if (const plan::Run* run = NextRun()) {
           launcher_.Start(slot, *run);
           slots_[slot] = run;
           stalls_[slot] = {};
@@ -127,16 +127,16 @@ class Execution {
   /// What runs are held against has to be there when they end. And nothing that runs beside them
   /// should be longer than they are.
   bool MustWait() const {
-    const auto is_reference = [](const compiler::Run* run) {
-      return run != nullptr && run->scene.role != compiler::Role::kMeasured;
+    const auto is_reference = [](const plan::Run* run) {
+      return run != nullptr && run->scene.role != plan::Role::kMeasured;
     };
     return next_ < queue_.size() && !is_reference(queue_[next_]) &&
            std::ranges::any_of(slots_, is_reference);
   }
 
-  const compiler::Run* NextRun() {
+  const plan::Run* NextRun() {
     while (next_ < queue_.size()) {
-      const compiler::Run* run = queue_[next_++];
+      const plan::Run* run = queue_[next_++];
       std::vector<std::string> warnings;
       const auto outcome = folder_->Find(*run, warnings);
       for (const std::string& warning : warnings) listener_.Warn(warning);
@@ -148,13 +148,13 @@ class Execution {
     return nullptr;
   }
 
-  void Keep(Ending ending) {
+  void Keep(process::Ending ending) {
     CDB_CHECK(ending.slot < slots_.size() && slots_[ending.slot] != nullptr);
-    const compiler::Run& run = *slots_[ending.slot];
+    const plan::Run& run = *slots_[ending.slot];
     try {
       Write(run, ending);
-    } catch (const StoreError& error) {
-      throw StoreError(
+    } catch (const store::StoreError& error) {
+      throw store::StoreError(
           fmt::format("{}\n{} of {} runs are safe in {}; the same command goes on from there",
                       error.what(), summary_.ended(),
                       summary_.ended() + queue_.size() - next_ + Busy(), folder_->path().string()));
@@ -164,16 +164,16 @@ class Execution {
     listener_.RunEnded(run, ending.result, ending.wall_s);
   }
 
-  void Write(const compiler::Run& run, Ending& ending) {
-    if (run.scene.role != compiler::Role::kMeasured) {
-      WriteReference(plan_sha256_, run, ending.result, ending.recording->SampleValues(),
-                     options_.provenance, folder_->path());
+  void Write(const plan::Run& run, process::Ending& ending) {
+    if (run.scene.role != plan::Role::kMeasured) {
+      store::WriteReference(plan_sha256_, run, ending.result, ending.recording->SampleValues(),
+                            options_.provenance, folder_->path());
       return;
     }
-    if (compiler::SamplingOf(run.scene)) {
+    if (plan::SamplingOf(run.scene)) {
       ending.result.errors = held_against_.ErrorsOf(run, ending.result.status, *ending.recording);
-      const RunErrors& errors = ending.result.errors;
-      if (!errors.message.empty() && ending.result.status == Status::kDone)
+      const measure::RunErrors& errors = ending.result.errors;
+      if (!errors.message.empty() && ending.result.status == store::Status::kDone)
         listener_.Warn(
             fmt::format("{}: errors without a value: {}", Describe(plan_, run), errors.message));
     }
@@ -184,17 +184,17 @@ class Execution {
     return slots_.size() - static_cast<std::size_t>(std::ranges::count(slots_, nullptr));
   }
 
-  const compiler::Plan& plan_;
+  const plan::Plan& plan_;
   const ExecuteOptions& options_;
-  Launcher& launcher_;
+  process::Launcher& launcher_;
   ProgressListener& listener_;
-  const ShardWriter writer_{plan_, options_.provenance};
+  const store::ShardWriter writer_{plan_, options_.provenance};
   const std::string plan_sha256_ = plan_.Sha256();
-  HeldAgainst held_against_{plan_, options_.folder};
+  ErrorEvaluator held_against_{plan_, options_.folder};
   std::optional<ShardFolder> folder_;
-  std::vector<const compiler::Run*> queue_;
-  std::size_t next_ = 0;                     // of queue_
-  std::vector<const compiler::Run*> slots_;  // what runs in each, or null
+  std::vector<const plan::Run*> queue_;
+  std::size_t next_ = 0;                 // of queue_
+  std::vector<const plan::Run*> slots_;  // what runs in each, or null
   struct Stall {
     std::uint64_t cycles = 0;
     int ticks = 0;  // in a plug-in without a new cycle
@@ -206,15 +206,15 @@ class Execution {
 
 }  // namespace
 
-void CheckMemory(const compiler::Plan& plan) {
+void CheckMemory(const plan::Plan& plan) {
   double bytes = 0, sampled = 0;
-  for (const Series& series : AllSeries())
+  for (const measure::Series& series : measure::AllSeries())
     if (series.IsRecordedBy(plan))
       bytes += static_cast<double>(
           series.ItemBytes() *
-          series.ValueCount(plan.MaxCycles(), plan.MaxObjects(), compiler::MaxBodyCount(plan)));
-  for (const compiler::Run& run : plan.runs)
-    if (const auto shape = SampleShapeOf(run.scene))
+          series.ValueCount(plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)));
+  for (const plan::Run& run : plan.runs)
+    if (const auto shape = measure::SampleShapeOf(run.scene))
       sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
   // Those of the run, of its reference and of its twin.
   bytes += 3 * sampled;
@@ -223,30 +223,30 @@ void CheckMemory(const compiler::Plan& plan) {
     double kib = 0;
     // Recording and shard stand side by side.
     if (name == "MemAvailable:" && info >> kib && 2 * bytes > 0.8 * 1024 * kib)
-      throw ScheduleError(fmt::format(
+      throw process::ScheduleError(fmt::format(
           "{}: one run records up to {:.3g} GB and this machine has {:.3g} GB of memory free; take "
           "fewer cycles or objects, or record less",
           plan.benchmark, bytes / 1e9, kib * 1024 / 1e9));
   }
 }
 
-void Summary::Count(const Outcome& outcome) {
+void Summary::Count(const store::Outcome& outcome) {
   switch (outcome.status) {
-    case Status::kDone:
+    case store::Status::kDone:
       ++done;
       spoiled += outcome.IsGood() ? 0 : 1;
       return;
-    case Status::kFailed:
+    case store::Status::kFailed:
       ++failed;
       return;
-    case Status::kCrashed:
+    case store::Status::kCrashed:
       ++crashed;
       return;
-    case Status::kTimedOut:
+    case store::Status::kTimedOut:
       ++timed_out;
       return;
-    case Status::kMissing:
-    case Status::kSkipped:
+    case store::Status::kMissing:
+    case store::Status::kSkipped:
       break;
   }
   CDB_CHECK(!"a run that was carried out has a status of its own");
@@ -267,15 +267,15 @@ std::string Describe(const Summary& summary) {
   return text;
 }
 
-Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options,
-                ProgressListener& listener) {
-  ProcessLauncher launcher(FindWorkers(plan), std::max<std::size_t>(options.jobs, 1), options.stop);
+Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, ProgressListener& listener) {
+  process::ProcessLauncher launcher(process::FindWorkers(plan),
+                                    std::max<std::size_t>(options.jobs, 1), options.stop);
   return Execute(plan, options, launcher, listener);
 }
 
-Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
+Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, process::Launcher& launcher,
                 ProgressListener& listener) {
   return Execution(plan, options, launcher, listener).Run();
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

@@ -6,21 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan.h"
-#include "runtime/schedule/launcher.h"
+#include "compiler/plan/plan.h"
+#include "runtime/process/launcher.h"
+#include "runtime/process/stop.h"
 #include "runtime/schedule/order.h"
-#include "runtime/schedule/stop.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::schedule {
 
 struct ExecuteOptions {
   std::filesystem::path folder;  ///< of the shards; made where it does not exist
   std::size_t jobs = 1;          ///< runs at a time
   ShardChoice shard = {};
   bool fresh = false;  ///< forget what the folder holds
-  Provenance provenance = {};
-  const StopFlag* stop = nullptr;  ///< may be null
+  store::Provenance provenance = {};
+  const process::StopFlag* stop = nullptr;  ///< may be null
 };
 
 /// How the runs of the shard that was asked for stand, each counted once, whoever carried it out.
@@ -34,7 +34,7 @@ struct Summary {
   std::size_t ended() const { return done + failed + crashed + timed_out; }
   /// Exit status 3.
   bool HasBadRuns() const { return ended() != done || spoiled > 0; }
-  void Count(const Outcome& outcome);
+  void Count(const store::Outcome& outcome);
   bool operator==(const Summary&) const = default;
 };
 
@@ -46,13 +46,13 @@ class ProgressListener {
  public:
   virtual ~ProgressListener() = default;
   /// `to_do` in the order they will start; `resumed` runs are there already.
-  virtual void Begin(const compiler::Plan&, const std::vector<const compiler::Run*>& /*to_do*/,
+  virtual void Begin(const plan::Plan&, const std::vector<const plan::Run*>& /*to_do*/,
                      const Summary& /*resumed*/, std::size_t /*jobs*/) {}
-  virtual void RunStarted(const compiler::Run&) {}
+  virtual void RunStarted(const plan::Run&) {}
   /// Its shard is written.
-  virtual void RunEnded(const compiler::Run&, const RunResult&, double /*wall_s*/) {}
+  virtual void RunEnded(const plan::Run&, const store::RunResult&, double /*wall_s*/) {}
   /// Somebody else has carried it out meanwhile.
-  virtual void RunFound(const compiler::Run&, const Outcome&) {}
+  virtual void RunFound(const plan::Run&, const store::Outcome&) {}
   virtual void Warn(const std::string&) {}
   /// About once a second while nothing else happens.
   virtual void Tick() {}
@@ -67,16 +67,15 @@ class ProgressListener {
 /// there are enough. Throws ScheduleError (no worker program, cannot start a process, a shard of
 /// another plan) and StoreError (disk full, no such folder); finished runs are kept. To be called
 /// from a thread that outlives the call: workers die with the thread that started them.
-Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options,
-                ProgressListener& listener);
+Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, ProgressListener& listener);
 
 /// The same with another way to carry out a run, for tests.
-Summary Execute(const compiler::Plan& plan, const ExecuteOptions& options, Launcher& launcher,
+Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, process::Launcher& launcher,
                 ProgressListener& listener);
 
 /// Throws ScheduleError where one run of the plan records more than this machine has memory for:
 /// a shard is as wide as the widest run of the plan, and is made in memory. Said before hours of
 /// work rather than after.
-void CheckMemory(const compiler::Plan& plan);
+void CheckMemory(const plan::Plan& plan);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::schedule

@@ -9,16 +9,16 @@
 #include <set>
 #include <utility>
 
-#include "compiler/capacity.h"
-#include "compiler/metrics.h"
-#include "compiler/reference.h"
-#include "compiler/schema.h"
+#include "compiler/plan/capacity.h"
+#include "compiler/plan/reference.h"
+#include "compiler/plan/requested_errors.h"
+#include "compiler/schema/schema.h"
 #include "dsl/check.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 namespace {
 
-using h5::Type;
+using hdf5::Type;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// One chunk fits HDF5's chunk cache of 1 MiB.
@@ -59,15 +59,15 @@ Dimension Labelled(std::string name, std::vector<std::string> texts, std::string
 }
 
 /// The parameter's line in the schema; the axis' own name for a `let` or `cases`.
-std::string LongName(const compiler::Axis& axis) {
+std::string LongName(const plan::Axis& axis) {
   const std::string_view name = axis.parameter;
-  const compiler::Parameter* row = compiler::FindParameter(name, false);
-  if (row == nullptr) row = compiler::FindParameter(name.substr(name.find('.') + 1), true);
+  const schema::Parameter* row = schema::FindParameter(name, false);
+  if (row == nullptr) row = schema::FindParameter(name.substr(name.find('.') + 1), true);
   return std::string(row != nullptr ? row->doc : axis.name);
 }
 
-Dimension AxisDimension(const compiler::Axis& axis, const compiler::Run* run, std::size_t index) {
-  std::vector<compiler::Coordinate> values = axis.values;
+Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_t index) {
+  std::vector<plan::Coordinate> values = axis.values;
   if (run != nullptr) values = {axis.values[run->at[index]]};
   Dimension dimension;
   if (axis.IsText()) {
@@ -88,14 +88,14 @@ Dimension AxisDimension(const compiler::Axis& axis, const compiler::Run* run, st
 }
 
 /// Whole if that fits; else the cycles are split evenly, and then the bodies.
-h5::Shape ChunkOf(const Array& array, std::size_t outer) {
-  h5::Shape chunk = array.shape;
+hdf5::Shape ChunkOf(const Array& array, std::size_t outer) {
+  hdf5::Shape chunk = array.shape;
   std::fill_n(chunk.begin(), outer, 1);
   for (const char* name : {"cycle", "sample", "body", "box_body", "contact"}) {
     const auto found = std::ranges::find(array.dimensions, name);
     if (found == array.dimensions.end()) continue;
     std::uint64_t& n = chunk[static_cast<std::size_t>(found - array.dimensions.begin())];
-    const std::uint64_t others = h5::Product(chunk) / n * h5::ItemBytes(array.type);
+    const std::uint64_t others = hdf5::Product(chunk) / n * hdf5::ItemBytes(array.type);
     const std::uint64_t most = std::max<std::uint64_t>(1, kLargestChunk / others);
     const std::uint64_t pieces = (n + most - 1) / most;
     n = (n + pieces - 1) / pieces;
@@ -105,9 +105,9 @@ h5::Shape ChunkOf(const Array& array, std::size_t outer) {
 
 class Maker {
  public:
-  Maker(const PlanFacts& facts, const compiler::Run* run) : facts_(facts), run_(run) {}
+  Maker(const PlanFacts& facts, const plan::Run* run) : facts_(facts), run_(run) {}
 
-  Layout Make(const compiler::Plan& plan, std::uint64_t contact_rows) {
+  Layout Make(const plan::Plan& plan, std::uint64_t contact_rows) {
     for (std::size_t i = 0; i < plan.axes.size(); ++i) {
       layout_.dimensions.push_back(AxisDimension(plan.axes[i], run_, i));
       grid_.push_back("");  // named below, when the other names are known
@@ -123,7 +123,7 @@ class Maker {
     layout_.dimensions.push_back(std::move(rep));
     grid_.push_back("rep");
     for (const Dimension& dimension : layout_.dimensions) layout_.grid.push_back(dimension.size);
-    std::vector<std::string> phases(PhaseNames().begin(), PhaseNames().end());
+    std::vector<std::string> phases(measure::PhaseNames().begin(), measure::PhaseNames().end());
     layout_.dimensions.push_back(Labelled("phase", phases, "part of a cycle that is timed"));
     layout_.dimensions.push_back(Counted("cycle", facts_.cycles, "recorded cycle"));
     const bool holds_references = run_ == nullptr && !plan.references.empty();
@@ -138,10 +138,10 @@ class Maker {
     if (facts_.contacts) AddContactDimensions(contact_rows);
     if (facts_.samples > 0) AddSampleDimension();
     if (holds_references) AddReferenceDimensions(plan);
-    for (const Series* series : facts_.series) AddSeries(*series);
+    for (const measure::Series* series : facts_.series) AddSeries(*series);
     if (facts_.contacts) AddContacts();
     AddRunArrays();
-    for (const Series& series : facts_.error_series) AddSeries(series);
+    for (const measure::Series& series : facts_.error_series) AddSeries(series);
     if (holds_references) AddReferences();
     NameAxes(plan);
     return std::move(layout_);
@@ -171,14 +171,14 @@ class Maker {
     return layout_.arrays.back();
   }
 
-  void AddSeries(const Series& series) {
+  void AddSeries(const measure::Series& series) {
     std::vector<std::string> inner = {"cycle"};
-    if (series.shape == SeriesShape::kPhase) inner = {"phase", "cycle"};
-    if (series.shape == SeriesShape::kPose) inner = {"cycle", "body", "pose"};
-    if (series.shape == SeriesShape::kBox) inner = {"cycle", "box_body", "bound"};
-    if (series.shape == SeriesShape::kFilter) inner = {"box_body", "filter"};
-    if (series.shape == SeriesShape::kSample) inner = {"sample"};
-    const bool is_int = series.type == SeriesType::kInt32;
+    if (series.shape == measure::SeriesShape::kPhase) inner = {"phase", "cycle"};
+    if (series.shape == measure::SeriesShape::kPose) inner = {"cycle", "body", "pose"};
+    if (series.shape == measure::SeriesShape::kBox) inner = {"cycle", "box_body", "bound"};
+    if (series.shape == measure::SeriesShape::kFilter) inner = {"box_body", "filter"};
+    if (series.shape == measure::SeriesShape::kSample) inner = {"sample"};
+    const bool is_int = series.type == measure::SeriesType::kInt32;
     Array& array =
         Add(std::string(series.name), is_int ? Type::kInt32 : Type::kFloat64, inner, true);
     array.chunk = ChunkOf(array, layout_.grid.size());
@@ -214,15 +214,15 @@ class Maker {
     layout_.dimensions.push_back(std::move(sample));
   }
 
-  void AddReferenceDimensions(const compiler::Plan& plan) {
+  void AddReferenceDimensions(const plan::Plan& plan) {
     std::vector<std::string> ids;
-    for (const compiler::Run& reference : plan.references) ids.push_back(reference.id);
+    for (const plan::Run& reference : plan.references) ids.push_back(reference.id);
     layout_.dimensions.push_back(Labelled("reference", std::move(ids), "id of a reference run"));
     layout_.dimensions.push_back(Labelled(
-        "state", {StateNames().begin(), StateNames().end()},
+        "state", {measure::StateNames().begin(), measure::StateNames().end()},
         "centre of mass, m, orientation quaternion, velocity, m/s, and angular velocity, rad/s"));
     layout_.dimensions.push_back(Labelled(
-        "observable", {ObservableNames().begin(), ObservableNames().end()},
+        "observable", {measure::ObservableNames().begin(), measure::ObservableNames().end()},
         "energies, J; momentum, kg m/s; angular momentum, kg m^2/s; depths in sizes; counts"));
   }
 
@@ -280,7 +280,7 @@ class Maker {
 
   /// An axis that is called like something else of the file (`cases load`) gets `_axis`; its
   /// attribute `axis_name` keeps the name that the scenario gave it.
-  void NameAxes(const compiler::Plan& plan) {
+  void NameAxes(const plan::Plan& plan) {
     std::set<std::string> taken = {"provenance", "accuracy"};
     for (const Array& array : layout_.arrays) taken.insert(array.name);
     for (std::size_t i = plan.axes.size(); i < layout_.dimensions.size(); ++i)
@@ -295,7 +295,7 @@ class Maker {
   }
 
   const PlanFacts& facts_;
-  const compiler::Run* run_;
+  const plan::Run* run_;
   Layout layout_;
   std::vector<std::string> grid_;
 };
@@ -308,7 +308,7 @@ namespace {
 
 std::string VerdictNames() {
   std::string names;
-  for (const VerdictInfo& info : Verdicts())
+  for (const measure::VerdictInfo& info : measure::Verdicts())
     names.append(names.empty() ? "" : " ").append(info.name);
   return names;
 }
@@ -321,8 +321,8 @@ double ErrorOf(const RunResult& result, const std::string& name) {
 }
 
 /// The arrays of /accuracy, as the errors that some run asks for want them.
-void AddErrors(const compiler::Plan& plan, PlanFacts& facts) {
-  using compiler::Run;
+void AddErrors(const plan::Plan& plan, PlanFacts& facts) {
+  using plan::Run;
   using R = const RunResult&;
   const auto add = [&](const std::string& name, std::string_view unit, std::string doc) {
     facts.numbers.push_back({std::string(kAccuracyGroup) + name, Type::kFloat64, std::string(unit),
@@ -330,15 +330,15 @@ void AddErrors(const compiler::Plan& plan, PlanFacts& facts) {
                              [name](const RunResult& r) { return ErrorOf(r, name); }});
   };
   bool needs_truth = false;
-  for (const compiler::ErrorInfo* error : compiler::ErrorsOf(plan)) {
+  for (const schema::ErrorInfo* error : plan::ErrorsOf(plan)) {
     const std::string name(error->name);
     add(name, error->unit, std::string(error->doc));
     needs_truth = needs_truth || error->needs_truth;
     if (error->needs_truth)
       add(name + "_floor", error->unit,
           "the same between the reference and its twin: an error below it says nothing");
-    facts.error_series.push_back(
-        {error->series, "", SeriesType::kFloat64, SeriesShape::kSample, error->unit, error->doc});
+    facts.error_series.push_back({error->series, "", measure::SeriesType::kFloat64,
+                                  measure::SeriesShape::kSample, error->unit, error->doc});
   }
   if (needs_truth)
     add("horizon", "s", "simulated time from which on the reference is not sure of places itself");
@@ -353,20 +353,20 @@ void AddErrors(const compiler::Plan& plan, PlanFacts& facts) {
 
 }  // namespace
 
-PlanFacts::PlanFacts(const compiler::Plan& plan)
+PlanFacts::PlanFacts(const plan::Plan& plan)
     : sha256(plan.Sha256()),
       cycles(std::max<std::uint64_t>(1, plan.MaxCycles())),
       bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
-      box_bodies(std::max<std::uint64_t>(1, compiler::MaxBodyCount(plan))),
+      box_bodies(std::max<std::uint64_t>(1, plan::MaxBodyCount(plan))),
       poses(plan.Records("poses")),
       boxes(plan.Records("boxes")),
       contacts(plan.Records("contacts")) {
-  for (const Series& row : AllSeries())
+  for (const measure::Series& row : measure::AllSeries())
     if (row.IsRecordedBy(plan)) series.push_back(&row);
   numbers = RunNumbers();
   texts = RunTexts();
-  for (const compiler::Run& run : plan.runs) {
-    if (const auto sampling = compiler::SamplingOf(run.scene)) {
+  for (const plan::Run& run : plan.runs) {
+    if (const auto sampling = plan::SamplingOf(run.scene)) {
       samples = std::max(samples, sampling->count);
       interval_s = sampling->interval_s;
     }
@@ -427,7 +427,7 @@ const std::vector<RunNumber>& RunNumbers() {
 }
 
 const std::vector<RunText>& RunTexts() {
-  using compiler::Run;
+  using plan::Run;
   using R = const RunResult&;
   static const std::vector<RunText> kTexts = {
       {"state_hash", "of every body's position, orientation and velocities after the last cycle",
@@ -457,8 +457,8 @@ std::uint64_t ChunksOfCell(const Array& array, std::size_t outer) {
   return count;
 }
 
-h5::Shape ChunkStart(const Array& array, const h5::Shape& cell, std::uint64_t index) {
-  h5::Shape start = cell;
+hdf5::Shape ChunkStart(const Array& array, const hdf5::Shape& cell, std::uint64_t index) {
+  hdf5::Shape start = cell;
   start.resize(array.shape.size());
   for (std::size_t d = array.shape.size(); d-- > cell.size();) {
     const std::uint64_t n = (array.shape[d] + array.chunk[d] - 1) / array.chunk[d];
@@ -468,19 +468,19 @@ h5::Shape ChunkStart(const Array& array, const h5::Shape& cell, std::uint64_t in
   return start;
 }
 
-Layout MakeLayout(const compiler::Plan& plan, const PlanFacts& facts, const compiler::Run* run,
+Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, const plan::Run* run,
                   std::uint64_t contact_rows) {
   return Maker(facts, run).Make(plan, contact_rows);
 }
 
-void CreateArrays(h5::File& file, const Layout& layout) {
+void CreateArrays(hdf5::File& file, const Layout& layout) {
   for (const Array& array : layout.arrays)
     for (std::size_t slash = array.name.find('/'); slash != std::string::npos;
          slash = array.name.find('/', slash + 1))
       if (const std::string group = array.name.substr(0, slash); !file.Has(group))
         file.CreateGroup(group);
   for (const Dimension& dimension : layout.dimensions) {
-    h5::Dataset dataset =
+    hdf5::Dataset dataset =
         file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});
     const bool is_text = dimension.type == Type::kText;
     if (is_text) {
@@ -493,9 +493,9 @@ void CreateArrays(h5::File& file, const Layout& layout) {
                                      : fmt::format("{}{:10}", kNoCoordinate, dimension.size));
     for (const auto& [name, text] : dimension.attributes) dataset.SetText(name.c_str(), text);
   }
-  std::vector<h5::Group::Attachment> attachments;
+  std::vector<hdf5::Group::Attachment> attachments;
   for (const Array& array : layout.arrays) {
-    h5::Dataset dataset =
+    hdf5::Dataset dataset =
         file.CreateDataset({array.name, array.type, array.shape, array.chunk, array.fill});
     if (array.has_fill_value) dataset.SetNumbers("_FillValue", array.type, {{array.fill}});
     for (const auto& [name, text] : array.attributes) dataset.SetText(name.c_str(), text);
@@ -509,7 +509,7 @@ void CreateArrays(h5::File& file, const Layout& layout) {
   file.AttachScales(attachments);
 }
 
-void WriteHead(h5::File& file, const compiler::Plan& plan, const PlanFacts& facts,
+void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
                const Layout& layout, std::string_view what) {
   const std::string now = Now();
   file.SetText("title", plan.title.empty() ? plan.benchmark : plan.title);
@@ -526,7 +526,7 @@ void WriteHead(h5::File& file, const compiler::Plan& plan, const PlanFacts& fact
   file.SetText("axes", axes);
 }
 
-void CheckHead(const h5::File& file, const std::string& name) {
+void CheckHead(const hdf5::File& file, const std::string& name) {
   if (file.Text("schema") != kSchema)
     throw StoreError(
         fmt::format("{}: is HDF5, but not a result of cdb; it was left as it is: "
@@ -540,4 +540,4 @@ void CheckHead(const h5::File& file, const std::string& name) {
                     name, version, kSchemaVersion));
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -9,12 +9,12 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "runtime/measure/series.h"
-#include "runtime/store/hdf5_file.h"
+#include "runtime/store/hdf5/file.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 
 inline constexpr std::string_view kSchema = "cdb-results";
 /// Raised when a reader of the version before would misunderstand a file.
@@ -23,7 +23,7 @@ inline constexpr int kSchemaVersion = 1;
 /// An array over the grid that holds one number for each run.
 struct RunNumber {
   std::string name;
-  h5::Type type;
+  hdf5::Type type;
   std::string unit;
   std::string doc;
   double missing;  ///< where there is no run
@@ -37,26 +37,26 @@ const std::vector<RunNumber>& RunNumbers();
 struct RunText {
   std::string name;
   std::string doc;
-  std::string (*get)(const compiler::Run&, const RunResult&);
+  std::string (*get)(const plan::Run&, const RunResult&);
 };
 const std::vector<RunText>& RunTexts();
 
 /// What follows from all runs of a plan together. Not copied: layouts point into it.
 struct PlanFacts {
-  explicit PlanFacts(const compiler::Plan& plan);
+  explicit PlanFacts(const plan::Plan& plan);
   PlanFacts(const PlanFacts&) = delete;
   PlanFacts& operator=(const PlanFacts&) = delete;
   std::string sha256;
-  std::uint64_t cycles;               ///< extent of `cycle`
-  std::uint64_t bodies;               ///< extent of `body`
-  std::uint64_t box_bodies;           ///< extent of `box_body`
-  std::vector<const Series*> series;  ///< that some run records
-  bool poses, boxes, contacts;        ///< some run records them
-  std::vector<RunNumber> numbers;     ///< RunNumbers(), and those of /accuracy
-  std::vector<RunText> texts;         ///< RunTexts(), and those of /accuracy
-  std::vector<Series> error_series;   ///< of /accuracy, over `sample`
-  std::uint64_t samples = 0;          ///< extent of `sample`; 0 where no run has any
-  double interval_s = 0;              ///< from one to the next
+  std::uint64_t cycles;                        ///< extent of `cycle`
+  std::uint64_t bodies;                        ///< extent of `body`
+  std::uint64_t box_bodies;                    ///< extent of `box_body`
+  std::vector<const measure::Series*> series;  ///< that some run records
+  bool poses, boxes, contacts;                 ///< some run records them
+  std::vector<RunNumber> numbers;              ///< RunNumbers(), and those of /accuracy
+  std::vector<RunText> texts;                  ///< RunTexts(), and those of /accuracy
+  std::vector<measure::Series> error_series;   ///< of /accuracy, over `sample`
+  std::uint64_t samples = 0;                   ///< extent of `sample`; 0 where no run has any
+  double interval_s = 0;                       ///< from one to the next
 };
 
 /// Where /accuracy's arrays are, and those of its references.
@@ -66,7 +66,7 @@ inline const std::string kReferenceGroup = "accuracy/reference/";
 /// An array over the references of a plan, in a merged file.
 struct ReferenceArray {
   std::string name;
-  h5::Type type;
+  hdf5::Type type;
   std::vector<std::string> dimensions;  ///< `reference` first
   std::string unit;
   std::string doc;
@@ -78,7 +78,7 @@ const std::vector<ReferenceArray>& ReferenceArrays();
 struct Dimension {
   std::string name;
   std::uint64_t size = 0;
-  h5::Type type = h5::Type::kInt32;
+  hdf5::Type type = hdf5::Type::kInt32;
   std::vector<double> numbers;     ///< the coordinate; `size` of them,
   std::vector<std::string> texts;  ///< or of these; neither: a dimension without a coordinate
   std::map<std::string, std::string> attributes;
@@ -86,42 +86,42 @@ struct Dimension {
 
 struct Array {
   std::string name;
-  h5::Type type = h5::Type::kFloat64;
+  hdf5::Type type = hdf5::Type::kFloat64;
   std::vector<std::string> dimensions;
-  h5::Shape shape;
-  h5::Shape chunk;  ///< empty: contiguous
+  hdf5::Shape shape;
+  hdf5::Shape chunk;  ///< empty: contiguous
   double fill = 0;
   bool has_fill_value = false;  ///< readers are told of `fill`
   std::map<std::string, std::string> attributes;
   std::string flags;  ///< what its values from 0 on mean, separated by spaces
-  const Series* series = nullptr;
+  const measure::Series* series = nullptr;
 };
 
 struct Layout {
   std::vector<Dimension> dimensions;  ///< the axes first, in the order of the plan, then `rep`
   std::vector<Array> arrays;
-  h5::Shape grid;  ///< extents of the axes and of `rep`
+  hdf5::Shape grid;  ///< extents of the axes and of `rep`
 
   const Array& Get(std::string_view name) const;
 };
 
 /// Of the merged file, or of the shard of `run` (every axis and `rep` of length 1) where that is
 /// not null. `contact_rows`: extent of `contact`.
-Layout MakeLayout(const compiler::Plan& plan, const PlanFacts& facts, const compiler::Run* run,
+Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, const plan::Run* run,
                   std::uint64_t contact_rows);
 
 /// Makes every dataset, with scales and attributes; coordinates are filled, arrays are not.
-void CreateArrays(h5::File& file, const Layout& layout);
+void CreateArrays(hdf5::File& file, const Layout& layout);
 
 /// The attributes of the file itself. `what` is the line of `history`.
-void WriteHead(h5::File& file, const compiler::Plan& plan, const PlanFacts& facts,
+void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
                const Layout& layout, std::string_view what);
 /// Throws StoreError where `file` is not of this schema and version.
-void CheckHead(const h5::File& file, const std::string& name);
+void CheckHead(const hdf5::File& file, const std::string& name);
 
 /// Chunks that a chunked array has for one cell of the grid (`outer` dimensions), and the first
 /// element of the one numbered `index` of cell `cell`.
 std::uint64_t ChunksOfCell(const Array& array, std::size_t outer);
-h5::Shape ChunkStart(const Array& array, const h5::Shape& cell, std::uint64_t index);
+hdf5::Shape ChunkStart(const Array& array, const hdf5::Shape& cell, std::uint64_t index);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -14,14 +14,14 @@
 #include <unordered_map>
 #include <utility>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/reference_shard.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,47 +37,46 @@ struct CopiedChunk {
 /// The same for rows of a contact array.
 struct CopiedRows {
   const char* array;
-  h5::Shape start, count;
+  hdf5::Shape start, count;
   std::uint64_t checksum;  ///< of the values as doubles
 };
 
 /// A run and every cell of the grid that it fills.
 struct Cells {
-  const compiler::Run* run;
+  const plan::Run* run;
   std::vector<std::size_t> cells;
 };
 
-std::size_t FlatIndex(const h5::Shape& grid, const std::vector<std::size_t>& at,
+std::size_t FlatIndex(const hdf5::Shape& grid, const std::vector<std::size_t>& at,
                       std::uint64_t rep) {
   std::size_t index = 0;
   for (std::size_t i = 0; i < at.size(); ++i) index = index * grid[i] + at[i];
   return index * grid.back() + rep;
 }
 
-h5::Shape Unflatten(const h5::Shape& grid, std::size_t index) {
-  h5::Shape cell(grid.size());
+hdf5::Shape Unflatten(const hdf5::Shape& grid, std::size_t index) {
+  hdf5::Shape cell(grid.size());
   for (std::size_t i = grid.size(); i-- > 0; index /= grid[i]) cell[i] = index % grid[i];
   return cell;
 }
 
 class Merger {
  public:
-  Merger(const compiler::Plan& plan, const Provenance& provenance,
-         const std::vector<fs::path>& shards)
+  Merger(const plan::Plan& plan, const Provenance& provenance, const std::vector<fs::path>& shards)
       : plan_(plan), provenance_(provenance), shards_(shards), facts_(plan) {
-    h5::Shape grid;
-    for (const compiler::Axis& axis : plan.axes) grid.push_back(axis.values.size());
+    hdf5::Shape grid;
+    for (const plan::Axis& axis : plan.axes) grid.push_back(axis.values.size());
     grid.push_back(plan.repeats);
     FindRuns(grid);
-    PlaceContacts(h5::Product(grid));
+    PlaceContacts(hdf5::Product(grid));
     layout_ = MakeLayout(plan, facts_, nullptr, contact_rows_);
     for (const Array& array : layout_.arrays)
       if (array.series != nullptr) series_.push_back(&array);
     is_cut_known_.assign(series_.size(), false);
     for (const RunNumber& number : facts_.numbers)
-      numbers_.emplace_back(h5::Product(grid), number.missing);
+      numbers_.emplace_back(hdf5::Product(grid), number.missing);
     for (const RunText& text : facts_.texts) {
-      texts_.emplace_back(h5::Product(grid));
+      texts_.emplace_back(hdf5::Product(grid));
       if (text.name != "run_id") continue;
       for (const Cells& cells : runs_)
         for (const std::size_t cell : cells.cells) texts_.back()[cell] = cells.run->id;
@@ -88,7 +87,7 @@ class Merger {
   }
 
   void Write(const fs::path& path) {
-    h5::File file = h5::File::Create(path);
+    hdf5::File file = hdf5::File::Create(path);
     CreateArrays(file, layout_);
     const std::size_t merged = CopyShards(file);
     WriteHead(file, plan_, facts_, layout_,
@@ -105,37 +104,37 @@ class Merger {
 
   /// Reads the closed file back and holds it against what came from the shards.
   void Verify(const fs::path& path) const {
-    const h5::File file = h5::File::Open(path);
-    std::vector<h5::Dataset> series;
+    const hdf5::File file = hdf5::File::Open(path);
+    std::vector<hdf5::Dataset> series;
     for (const Array* array : series_) series.push_back(file.OpenDataset(array->name));
-    h5::RawChunk chunk;
+    hdf5::RawChunk chunk;
     for (const CopiedChunk& copied : copied_) {
       const Array& array = *series_[copied.series];
-      const h5::Shape cell = Unflatten(layout_.grid, copied.cell);
+      const hdf5::Shape cell = Unflatten(layout_.grid, copied.cell);
       if (!series[copied.series].ReadChunk(ChunkStart(array, cell, copied.chunk), chunk) ||
           Checksum(chunk.bytes) != copied.checksum)
-        throw h5::Error(fmt::format("{} did not come back as it was written", array.name));
+        throw hdf5::Error(fmt::format("{} did not come back as it was written", array.name));
     }
     for (const CopiedRows& copied : copied_rows_) {
       const std::vector<double> values =
           file.OpenDataset(copied.array).Read(copied.start, copied.count);
       if (Checksum(std::as_bytes(std::span(values))) != copied.checksum)
-        throw h5::Error(fmt::format("{} did not come back as it was written", copied.array));
+        throw hdf5::Error(fmt::format("{} did not come back as it was written", copied.array));
     }
     if (facts_.contacts &&
         !std::ranges::equal(file.OpenDataset("contact_first").Read(), contact_first_, SameBits))
-      throw h5::Error("contact_first did not come back as it was written");
+      throw hdf5::Error("contact_first did not come back as it was written");
     for (std::size_t i = 0; i < numbers_.size(); ++i) {
       const std::string& name = facts_.numbers[i].name;
       const std::vector<double> values = file.OpenDataset(name).Read();
       if (!std::ranges::equal(values, numbers_[i], SameBits))
-        throw h5::Error(fmt::format("{} did not come back as it was written", name));
+        throw hdf5::Error(fmt::format("{} did not come back as it was written", name));
     }
     if (!plan_.references.empty()) VerifyReferences(plan_, layout_, ReferencePaths(), file);
     for (std::size_t i = 0; i < texts_.size(); ++i) {
       const std::string& name = facts_.texts[i].name;
       if (file.OpenDataset(name).ReadText() != texts_[i])
-        throw h5::Error(fmt::format("{} did not come back as it was written", name));
+        throw hdf5::Error(fmt::format("{} did not come back as it was written", name));
     }
   }
 
@@ -145,9 +144,9 @@ class Merger {
 
   static bool SameBits(double a, double b) { return a == b || (a != a && b != b); }
 
-  void FindRuns(const h5::Shape& grid) {
+  void FindRuns(const hdf5::Shape& grid) {
     std::unordered_map<std::string_view, std::size_t> index;
-    for (const compiler::Run& run : plan_.runs) {
+    for (const plan::Run& run : plan_.runs) {
       const auto [found, is_new] = index.try_emplace(run.id, runs_.size());
       if (is_new) runs_.push_back({&run, {}});
       runs_[found->second].cells.push_back(FlatIndex(grid, run.at, run.rep));
@@ -155,7 +154,7 @@ class Merger {
   }
 
   /// The first place that has the run's shard; where none has, a path that there is not.
-  fs::path PathOf(const compiler::Run& run) const {
+  fs::path PathOf(const plan::Run& run) const {
     const std::string name = run.id + ".h5";
     for (const fs::path& place : shards_) {
       std::error_code error;
@@ -167,7 +166,7 @@ class Merger {
     return name + " (in no place)";
   }
 
-  bool IsThere(const compiler::Run& run) const {
+  bool IsThere(const plan::Run& run) const {
     std::error_code error;
     return fs::symlink_status(PathOf(run), error).type() != fs::file_type::not_found;
   }
@@ -175,14 +174,14 @@ class Merger {
   /// Where the shard of each reference is; empty where there is none.
   std::vector<fs::path> ReferencePaths() const {
     std::vector<fs::path> paths;
-    for (const compiler::Run& reference : plan_.references)
+    for (const plan::Run& reference : plan_.references)
       paths.push_back(IsThere(reference) ? PathOf(reference) : fs::path());
     return paths;
   }
 
-  h5::File OpenOf(const compiler::Run& run) const {
+  hdf5::File OpenOf(const plan::Run& run) const {
     const fs::path path = PathOf(run);
-    h5::File shard = OpenShard(path);
+    hdf5::File shard = OpenShard(path);
     if (shard.Text("plan_sha256") != facts_.sha256)
       throw StoreError(fmt::format(
           "{}: belongs to another plan than `{}`; nothing was merged, and it was left as it is: "
@@ -204,7 +203,7 @@ class Merger {
     std::vector<bool> recorded(cells, false);
     for (const Cells& run : runs_) {
       if (!IsThere(*run.run)) continue;
-      const h5::File shard = OpenOf(*run.run);
+      const hdf5::File shard = OpenOf(*run.run);
       const double first = shard.OpenDataset("contact_first").Read().at(0);
       for (const std::size_t cell : run.cells) {
         recorded[cell] = first == first;
@@ -218,15 +217,15 @@ class Merger {
   }
 
   /// Returns how many there were.
-  std::size_t CopyShards(h5::File& file) {
-    std::vector<h5::Dataset> series, contacts;
+  std::size_t CopyShards(hdf5::File& file) {
+    std::vector<hdf5::Dataset> series, contacts;
     for (const Array* array : series_) series.push_back(file.OpenDataset(array->name));
     if (facts_.contacts)
       for (const char* name : kContactArrays) contacts.push_back(file.OpenDataset(name));
     std::size_t merged = 0;
     for (const Cells& run : runs_) {
       if (!IsThere(*run.run)) continue;
-      const h5::File shard = OpenOf(*run.run);
+      const hdf5::File shard = OpenOf(*run.run);
       try {
         for (std::size_t i = 0; i < series.size(); ++i) CopySeries(shard, run.cells, i, series[i]);
         ReadRunArrays(shard, run.cells);
@@ -245,20 +244,20 @@ class Merger {
     return merged;
   }
 
-  void CopySeries(const h5::File& shard, const std::vector<std::size_t>& cells, std::size_t index,
-                  h5::Dataset& target) {
+  void CopySeries(const hdf5::File& shard, const std::vector<std::size_t>& cells, std::size_t index,
+                  hdf5::Dataset& target) {
     const Array& array = *series_[index];
-    const h5::Dataset source = shard.OpenDataset(array.name);
-    h5::Shape shape = array.shape;
+    const hdf5::Dataset source = shard.OpenDataset(array.name);
+    hdf5::Shape shape = array.shape;
     std::fill_n(shape.begin(), layout_.grid.size(), 1);
     // How an array is cut into chunks follows from plan and schema version; asking is slow.
     const bool is_cut_alike = is_cut_known_[index] || source.ChunkShape() == array.chunk;
     is_cut_known_[index] = true;
     if (source.type() != array.type || source.shape() != shape || !is_cut_alike)
-      throw h5::Error(fmt::format("{} of a shard has another shape", array.name));
-    const h5::Shape origin(layout_.grid.size(), 0);
+      throw hdf5::Error(fmt::format("{} of a shard has another shape", array.name));
+    const hdf5::Shape origin(layout_.grid.size(), 0);
     const std::uint64_t chunks = ChunksOfCell(array, origin.size());
-    h5::RawChunk chunk;
+    hdf5::RawChunk chunk;
     for (std::uint32_t i = 0; i < chunks; ++i) {
       if (!source.ReadChunk(ChunkStart(array, origin, i), chunk)) continue;  // no cycle of it ran
       const std::uint64_t checksum = Checksum(chunk.bytes);
@@ -269,7 +268,7 @@ class Merger {
     }
   }
 
-  void ReadRunArrays(const h5::File& shard, const std::vector<std::size_t>& cells) {
+  void ReadRunArrays(const hdf5::File& shard, const std::vector<std::size_t>& cells) {
     for (std::size_t i = 0; i < numbers_.size(); ++i) {
       const double value = shard.OpenDataset(facts_.numbers[i].name).Read().at(0);
       for (const std::size_t cell : cells) numbers_[i][cell] = value;
@@ -285,13 +284,13 @@ class Merger {
     }
   }
 
-  void CopyContacts(const char* name, const h5::Dataset& source,
-                    const std::vector<std::size_t>& cells, h5::Dataset& target) {
+  void CopyContacts(const char* name, const hdf5::Dataset& source,
+                    const std::vector<std::size_t>& cells, hdf5::Dataset& target) {
     const std::vector<double> values = source.Read();
     if (values.empty()) return;
     const std::uint64_t checksum = Checksum(std::as_bytes(std::span(values)));
     for (const std::size_t cell : cells) {
-      h5::Shape start(source.shape().size(), 0);
+      hdf5::Shape start(source.shape().size(), 0);
       start[0] = static_cast<std::uint64_t>(contact_first_[cell]);
       target.Write(start, source.shape(), values);
       copied_rows_.push_back({name, std::move(start), source.shape(), checksum});
@@ -300,8 +299,8 @@ class Merger {
 
   /// Facts of the runs; what differs between them is an array. Where no run has a fact, it is one
   /// of this process.
-  void WriteProvenance(h5::File& file) {
-    h5::Group group = file.CreateGroup("provenance");
+  void WriteProvenance(hdf5::File& file) {
+    hdf5::Group group = file.CreateGroup("provenance");
     const std::vector<std::string>& ids = Texts("run_id");
     const std::vector<double>& status = numbers_[0];
     for (const auto& [name, text] : provenance_)
@@ -315,13 +314,13 @@ class Merger {
         group.SetText(name.c_str(), *different.begin());
         continue;
       }
-      group.CreateDataset({name, h5::Type::kText, layout_.grid, {}, 0}).WriteText(all);
+      group.CreateDataset({name, hdf5::Type::kText, layout_.grid, {}, 0}).WriteText(all);
       file.AttachScalesLate({"provenance/" + name, layout_.Get("status").dimensions});
     }
     const auto write = [&](const char* name, const std::string& text) {
-      group.CreateDataset({name, h5::Type::kText, {}, {}, 0}).WriteText({{text}});
+      group.CreateDataset({name, hdf5::Type::kText, {}, {}, 0}).WriteText({{text}});
     };
-    write("plan_text", compiler::ToYaml(plan_));
+    write("plan_text", plan::ToYaml(plan_));
     write("scenario_text", plan_.scenario_text);
   }
 
@@ -331,7 +330,7 @@ class Merger {
     return texts_[i];
   }
 
-  const compiler::Plan& plan_;
+  const plan::Plan& plan_;
   const Provenance& provenance_;
   const std::vector<fs::path> shards_;
   const PlanFacts facts_;
@@ -350,12 +349,12 @@ class Merger {
 
 }  // namespace
 
-void Merge(const compiler::Plan& plan, const Provenance& provenance, const fs::path& folder,
+void Merge(const plan::Plan& plan, const Provenance& provenance, const fs::path& folder,
            const fs::path& out) {
   Merge(plan, provenance, std::vector{folder}, out);
 }
 
-void Merge(const compiler::Plan& plan, const Provenance& provenance,
+void Merge(const plan::Plan& plan, const Provenance& provenance,
            const std::vector<fs::path>& shards, const fs::path& out) {
   std::error_code not_there;
   for (const fs::path& place : shards)
@@ -372,7 +371,7 @@ void Merge(const compiler::Plan& plan, const Provenance& provenance,
     Merger merger(plan, provenance, shards);
     merger.Write(temporary);
     merger.Verify(temporary);
-  } catch (const h5::Error& error) {
+  } catch (const hdf5::Error& error) {
     fs::remove(temporary, ignored);
     throw StoreError(
         fmt::format("{}: cannot merge the shards: {}; they are all kept in {}: make "
@@ -385,4 +384,4 @@ void Merge(const compiler::Plan& plan, const Provenance& provenance,
   Publish(temporary, out);
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -5,50 +5,50 @@
 #include <algorithm>
 #include <functional>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSamplesInAChunk = 1 << 16;
 
-std::vector<std::byte> MakeImage(const std::string& plan_sha256, const compiler::Run& run,
+std::vector<std::byte> MakeImage(const std::string& plan_sha256, const plan::Run& run,
                                  const RunResult& result, std::span<const double> samples,
                                  const Provenance& provenance) {
-  h5::File file = h5::File::CreateInMemory();
+  hdf5::File file = hdf5::File::CreateInMemory();
   file.SetText("schema", kSchema);
-  file.SetNumber("schema_version", h5::Type::kInt32, kSchemaVersion);
+  file.SetNumber("schema_version", hdf5::Type::kInt32, kSchemaVersion);
   file.SetText("plan_sha256", plan_sha256);
   file.SetText("run_id", run.id);
-  const auto shape = SampleShapeOf(run.scene);
+  const auto shape = measure::SampleShapeOf(run.scene);
   CDB_CHECK(shape && samples.size() == shape->Count());
-  file.CreateDataset({"status", h5::Type::kInt8, {1}, {}, 0})
+  file.CreateDataset({"status", hdf5::Type::kInt8, {1}, {}, 0})
       .Write({{static_cast<double>(result.status)}});
   const auto text = [&file](const char* name, const std::string& value) {
-    file.CreateDataset({name, h5::Type::kText, {}, {}, 0}).WriteText({{value}});
+    file.CreateDataset({name, hdf5::Type::kText, {}, {}, 0}).WriteText({{value}});
   };
   text("message", result.message);
   text("state_hash", result.state_hash);
   text("host", result.host);
   file.CreateDataset({"samples",
-                      h5::Type::kFloat64,
+                      hdf5::Type::kFloat64,
                       {samples.size()},
                       {std::min<std::uint64_t>(samples.size(), kSamplesInAChunk)},
                       0})
       .Write(samples);
-  h5::Group group = file.CreateGroup("provenance");
+  hdf5::Group group = file.CreateGroup("provenance");
   for (const auto& [name, value] : provenance) group.SetText(name.c_str(), value);
   return file.Image();
 }
 
-h5::File OpenReference(const std::string& plan_sha256, const compiler::Run& run,
-                       const fs::path& path) {
-  h5::File file = OpenShard(path);
+hdf5::File OpenReference(const std::string& plan_sha256, const plan::Run& run,
+                         const fs::path& path) {
+  hdf5::File file = OpenShard(path);
   if (file.Text("plan_sha256") != plan_sha256 || file.Text("run_id") != run.id)
     throw StoreError(fmt::format(
         "{}: is not the reference run {} of this plan; it was left as it is: remove it, and its "
@@ -59,22 +59,22 @@ h5::File OpenReference(const std::string& plan_sha256, const compiler::Run& run,
 
 /// All numbers of one array of the merged file; every reference's own after the other.
 struct Block {
-  h5::Shape start, count;
+  hdf5::Shape start, count;
   std::vector<double> values;
 };
 
 /// The states and observables of one reference, where they stand in the merged file.
 Block BlockOf(const ReferenceShard& shard, std::size_t reference, std::string_view array) {
-  const SampleShape& shape = shard.shape;
+  const measure::SampleShape& shape = shard.shape;
   const bool is_states = array == "states";
   const std::size_t begin = is_states ? shape.State(0, 0) : shape.Observables(0);
   const std::size_t end = is_states ? shape.State(shape.samples, 0) : shape.Count();
   Block block;
   block.start = {reference, 0, 0};
-  block.count = {1, shape.samples, kObservableCount};
+  block.count = {1, shape.samples, measure::kObservableCount};
   if (is_states) {
     block.start = {reference, 0, 0, 0};
-    block.count = {1, shape.samples, shape.objects, kStateSize};
+    block.count = {1, shape.samples, shape.objects, measure::kStateSize};
   }
   block.values.assign(shard.values.begin() + static_cast<long>(begin),
                       shard.values.begin() + static_cast<long>(end));
@@ -87,19 +87,19 @@ struct Head {
   std::map<std::string, std::vector<std::string>> texts;
 };
 
-Head ReadHeads(const compiler::Plan& plan, const std::vector<fs::path>& paths) {
+Head ReadHeads(const plan::Plan& plan, const std::vector<fs::path>& paths) {
   Head head;
   const std::string sha256 = plan.Sha256();
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const compiler::Run& run = plan.references[i];
+    const plan::Run& run = plan.references[i];
     head.texts["role"].emplace_back(RoleName(run.scene.role));
-    head.texts["run_text"].push_back(compiler::RunToYaml(run));
+    head.texts["run_text"].push_back(plan::RunToYaml(run));
     if (paths[i].empty()) {
       head.status.push_back(static_cast<double>(Status::kMissing));
       for (const char* name : {"message", "state_hash", "host"}) head.texts[name].emplace_back();
       continue;
     }
-    const h5::File shard = OpenReference(sha256, run, paths[i]);
+    const hdf5::File shard = OpenReference(sha256, run, paths[i]);
     head.status.push_back(shard.OpenDataset("status").Read().at(0));
     for (const char* name : {"message", "state_hash", "host"})
       head.texts[name].push_back(shard.OpenDataset(name).ReadText().at(0));
@@ -108,7 +108,7 @@ Head ReadHeads(const compiler::Plan& plan, const std::vector<fs::path>& paths) {
 }
 
 /// Calls `visit(array, block)` for every reference that has samples.
-void ForEachBlock(const compiler::Plan& plan, const std::vector<fs::path>& paths,
+void ForEachBlock(const plan::Plan& plan, const std::vector<fs::path>& paths,
                   const std::function<void(const std::string&, const Block&)>& visit) {
   const std::string sha256 = plan.Sha256();
   for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -122,32 +122,32 @@ void ForEachBlock(const compiler::Plan& plan, const std::vector<fs::path>& paths
 
 }  // namespace
 
-void WriteReference(const std::string& plan_sha256, const compiler::Run& run,
-                    const RunResult& result, std::span<const double> samples,
-                    const Provenance& provenance, const fs::path& folder) {
+void WriteReference(const std::string& plan_sha256, const plan::Run& run, const RunResult& result,
+                    std::span<const double> samples, const Provenance& provenance,
+                    const fs::path& folder) {
   RequireFolder(folder, "shards");
   const fs::path file = folder / (run.id + ".h5");
   try {
     WriteSealed(MakeImage(plan_sha256, run, result, samples, provenance), file);
-  } catch (const h5::Error& error) {
+  } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: cannot be made: {}; nothing was written", file.string(), error.what()));
   }
 }
 
-ReferenceShard ReadReference(const std::string& plan_sha256, const compiler::Run& run,
+ReferenceShard ReadReference(const std::string& plan_sha256, const plan::Run& run,
                              const fs::path& path) {
-  const h5::File file = OpenReference(plan_sha256, run, path);
+  const hdf5::File file = OpenReference(plan_sha256, run, path);
   try {
     ReferenceShard shard;
     shard.status = static_cast<Status>(file.OpenDataset("status").Read().at(0));
     shard.message = file.OpenDataset("message").ReadText().at(0);
-    shard.shape = *SampleShapeOf(run.scene);
+    shard.shape = *measure::SampleShapeOf(run.scene);
     if (shard.status != Status::kDone) return shard;
     shard.values = file.OpenDataset("samples").Read();
-    if (shard.values.size() != shard.shape.Count()) throw h5::Error("it lacks samples");
+    if (shard.values.size() != shard.shape.Count()) throw hdf5::Error("it lacks samples");
     return shard;
-  } catch (const h5::Error& error) {
+  } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "
                     "its run is done again",
@@ -155,8 +155,8 @@ ReferenceShard ReadReference(const std::string& plan_sha256, const compiler::Run
   }
 }
 
-void MergeReferences(const compiler::Plan& plan, const Layout& layout,
-                     const std::vector<fs::path>& paths, h5::File& file) {
+void MergeReferences(const plan::Plan& plan, const Layout& layout,
+                     const std::vector<fs::path>& paths, hdf5::File& file) {
   const Head head = ReadHeads(plan, paths);
   file.OpenDataset(layout.Get(kReferenceGroup + "status").name).Write(head.status);
   for (const auto& [name, texts] : head.texts)
@@ -167,10 +167,10 @@ void MergeReferences(const compiler::Plan& plan, const Layout& layout,
   });
 }
 
-void VerifyReferences(const compiler::Plan& plan, const Layout& layout,
-                      const std::vector<fs::path>& paths, const h5::File& file) {
+void VerifyReferences(const plan::Plan& plan, const Layout& layout,
+                      const std::vector<fs::path>& paths, const hdf5::File& file) {
   const auto expect = [](bool is_same, const std::string& name) {
-    if (!is_same) throw h5::Error(fmt::format("{} did not come back as it was written", name));
+    if (!is_same) throw hdf5::Error(fmt::format("{} did not come back as it was written", name));
   };
   const Head head = ReadHeads(plan, paths);
   const std::string status = layout.Get(kReferenceGroup + "status").name;
@@ -186,4 +186,4 @@ void VerifyReferences(const compiler::Plan& plan, const Layout& layout,
   });
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -9,32 +9,32 @@
 #include "runtime/store/layout.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 
 /// A reference run as its shard holds it.
 struct ReferenceShard {
   Status status = Status::kMissing;
   std::string message;         ///< why it did not end well
-  SampleShape shape;           ///< of `values`
+  measure::SampleShape shape;  ///< of `values`
   std::vector<double> values;  ///< of Samples; empty where it did not end well
 };
 
 /// Writes `folder/<run id>.h5` of a run of a plan's references as ShardWriter does, with the
 /// samples that it took. Throws StoreError.
-void WriteReference(const std::string& plan_sha256, const compiler::Run& run,
-                    const RunResult& result, std::span<const double> samples,
-                    const Provenance& provenance, const std::filesystem::path& folder);
+void WriteReference(const std::string& plan_sha256, const plan::Run& run, const RunResult& result,
+                    std::span<const double> samples, const Provenance& provenance,
+                    const std::filesystem::path& folder);
 
 /// Throws StoreError for what is no whole shard of that run of that plan.
-ReferenceShard ReadReference(const std::string& plan_sha256, const compiler::Run& run,
+ReferenceShard ReadReference(const std::string& plan_sha256, const plan::Run& run,
                              const std::filesystem::path& file);
 
 /// Fills the arrays of /accuracy/reference from the shard of each of `plan.references`; those
 /// without a path are `missing`. Throws StoreError, h5::Error.
-void MergeReferences(const compiler::Plan& plan, const Layout& layout,
-                     const std::vector<std::filesystem::path>& paths, h5::File& file);
+void MergeReferences(const plan::Plan& plan, const Layout& layout,
+                     const std::vector<std::filesystem::path>& paths, hdf5::File& file);
 /// Holds what MergeReferences wrote against the shards. Throws h5::Error.
-void VerifyReferences(const compiler::Plan& plan, const Layout& layout,
-                      const std::vector<std::filesystem::path>& paths, const h5::File& file);
+void VerifyReferences(const plan::Plan& plan, const Layout& layout,
+                      const std::vector<std::filesystem::path>& paths, const hdf5::File& file);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -7,18 +7,18 @@
 #include <utility>
 
 #include "dsl/check.h"
-#include "runtime/store/hdf5_file.h"
+#include "runtime/store/hdf5/file.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 namespace {
 
-h5::File OpenAny(const std::filesystem::path& path) {
+hdf5::File OpenAny(const std::filesystem::path& path) {
   if (IsSealed(path)) return OpenShard(path);
-  h5::File file = h5::File::Open(path);
+  hdf5::File file = hdf5::File::Open(path);
   CheckHead(file, path.string());
   return file;
 }
@@ -33,17 +33,17 @@ std::vector<std::string> Words(const std::string& text) {
 }  // namespace
 
 struct ResultFile::Impl {
-  Impl(const std::filesystem::path& path, h5::File opened)
+  Impl(const std::filesystem::path& path, hdf5::File opened)
       : name(path.string()), file(std::move(opened)) {
     sha256 = file.Text("plan_sha256");
     title = file.Text("title");
     benchmark = file.Text("benchmark");
     source = file.Text("source");
     for (const std::string& axis_name : Words(file.Text("axes"))) {
-      const h5::Dataset dataset = file.OpenDataset(axis_name);
-      compiler::Axis axis{
+      const hdf5::Dataset dataset = file.OpenDataset(axis_name);
+      plan::Axis axis{
           dataset.Text("axis_name"), dataset.Text("parameter"), dataset.Text("units"), {}};
-      if (dataset.type() == h5::Type::kText) {
+      if (dataset.type() == hdf5::Type::kText) {
         for (std::string& text : dataset.ReadText()) axis.values.emplace_back(std::move(text));
       } else {
         for (const double value : dataset.Read()) axis.values.emplace_back(value);
@@ -54,11 +54,11 @@ struct ResultFile::Impl {
     grid.push_back(Extent("rep"));
     cycles = Extent("cycle");
     if (file.OpenDataset("status").shape() != grid)
-      throw h5::Error("its axes do not fit its arrays");
+      throw hdf5::Error("its axes do not fit its arrays");
   }
 
   std::uint64_t Extent(const char* dimension) const {
-    return h5::Product(file.OpenDataset(dimension).shape());
+    return hdf5::Product(file.OpenDataset(dimension).shape());
   }
 
   std::size_t FlatIndex(const Cell& cell) const {
@@ -77,16 +77,16 @@ struct ResultFile::Impl {
                       std::string_view dataset, const Cell& cell, Read read) {
     auto found = arrays.find(dataset);
     if (found == arrays.end()) {
-      const h5::Dataset array = file.OpenDataset(std::string(dataset));
+      const hdf5::Dataset array = file.OpenDataset(std::string(dataset));
       if (array.shape() != grid)
-        throw h5::Error(fmt::format("{} is not an array over the grid", dataset));
+        throw hdf5::Error(fmt::format("{} is not an array over the grid", dataset));
       found = arrays.emplace(dataset, read(array)).first;
     }
     return found->second[FlatIndex(cell)];
   }
 
   double Number(std::string_view dataset, const Cell& cell) {
-    return AtCell(numbers, dataset, cell, [](const h5::Dataset& array) { return array.Read(); });
+    return AtCell(numbers, dataset, cell, [](const hdf5::Dataset& array) { return array.Read(); });
   }
 
   /// All values of a cell in a series, kept until the next: chunks hold whole cells, and each is
@@ -95,17 +95,17 @@ struct ResultFile::Impl {
     const std::size_t index = FlatIndex(cell);
     auto found = series.find(dataset);
     if (found == series.end()) {
-      h5::Dataset array = file.OpenDataset(std::string(dataset));
+      hdf5::Dataset array = file.OpenDataset(std::string(dataset));
       if (array.shape().size() != grid.size() + inner ||
           !std::equal(grid.begin(), grid.end(), array.shape().begin()))
-        throw h5::Error(fmt::format("{} is not a series of that kind", dataset));
+        throw hdf5::Error(fmt::format("{} is not a series of that kind", dataset));
       found = series.emplace(dataset, Series{std::move(array), {}, {}}).first;
     }
     auto& [array, at, values] = found->second;
     if (at != index) {
-      h5::Shape start(cell.at.begin(), cell.at.end());
+      hdf5::Shape start(cell.at.begin(), cell.at.end());
       start.push_back(cell.rep);
-      h5::Shape count(start.size(), 1);
+      hdf5::Shape count(start.size(), 1);
       for (std::size_t d = start.size(); d < array.shape().size(); ++d)
         count.push_back(array.shape()[d]);
       start.resize(count.size(), 0);
@@ -125,23 +125,23 @@ struct ResultFile::Impl {
   auto Reading(Read read) -> decltype(read()) {
     try {
       return read();
-    } catch (const h5::Error& error) {
+    } catch (const hdf5::Error& error) {
       throw StoreError(
           fmt::format("{}: cannot be read: {}; it was left as it is", name, error.what()));
     }
   }
 
   struct Series {
-    h5::Dataset array;
+    hdf5::Dataset array;
     std::optional<std::size_t> at;  ///< the cell of `values`
     std::vector<double> values;
   };
 
   std::string name;
-  h5::File file;
+  hdf5::File file;
   std::string sha256, title, benchmark, source;
-  std::vector<compiler::Axis> axes;
-  h5::Shape grid;
+  std::vector<plan::Axis> axes;
+  hdf5::Shape grid;
   std::uint64_t cycles = 0;
   std::map<std::string, std::vector<double>, std::less<>> numbers;
   std::map<std::string, std::vector<std::string>, std::less<>> texts;
@@ -158,7 +158,7 @@ ResultFile::ResultFile(const std::filesystem::path& file) {
         fmt::format("{}: is a folder, not a result; name the .h5 file", file.string()));
   try {
     impl_ = std::make_unique<Impl>(file, OpenAny(file));
-  } catch (const h5::Error& failed) {
+  } catch (const hdf5::Error& failed) {
     throw StoreError(
         fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: merge "
                     "it again from its shards",
@@ -173,7 +173,7 @@ const std::string& ResultFile::plan_sha256() const { return impl_->sha256; }
 const std::string& ResultFile::title() const { return impl_->title; }
 const std::string& ResultFile::benchmark() const { return impl_->benchmark; }
 const std::string& ResultFile::source() const { return impl_->source; }
-const std::vector<compiler::Axis>& ResultFile::axes() const { return impl_->axes; }
+const std::vector<plan::Axis>& ResultFile::axes() const { return impl_->axes; }
 std::uint64_t ResultFile::repeats() const { return impl_->grid.back(); }
 std::uint64_t ResultFile::cycles() const { return impl_->cycles; }
 bool ResultFile::Has(std::string_view dataset) const {
@@ -190,16 +190,16 @@ Status ResultFile::ReadStatus(const Cell& cell) const {
   return static_cast<Status>(status);
 }
 
-Judgement ResultFile::ReadJudgement(const Cell& cell) const {
+measure::Judgement ResultFile::ReadJudgement(const Cell& cell) const {
   if (!Has("verdict")) return {};
-  return impl_->Reading([&]() -> Judgement {
+  return impl_->Reading([&]() -> measure::Judgement {
     const double verdict = impl_->Number("verdict", cell);
-    if (!(verdict >= 0 && verdict < static_cast<double>(Verdicts().size())))
+    if (!(verdict >= 0 && verdict < static_cast<double>(measure::Verdicts().size())))
       throw StoreError(
           fmt::format("{}: holds the verdict {}, which this cdb does not know; it was left as it "
                       "is: use the cdb that wrote it",
                       impl_->name, verdict));
-    return {static_cast<Verdict>(verdict),
+    return {static_cast<measure::Verdict>(verdict),
             static_cast<std::int64_t>(impl_->Number("first_bad_cycle", cell))};
   });
 }
@@ -211,7 +211,7 @@ std::uint64_t ResultFile::ReadCycleCount(const Cell& cell) const {
 std::string ResultFile::ReadText(std::string_view dataset, const Cell& cell) const {
   return impl_->Reading([&] {
     return impl_->AtCell(impl_->texts, dataset, cell,
-                         [](const h5::Dataset& array) { return array.ReadText(); });
+                         [](const hdf5::Dataset& array) { return array.ReadText(); });
   });
 }
 
@@ -226,11 +226,11 @@ std::vector<double> ResultFile::ReadSeries(std::string_view dataset, const Cell&
   });
 }
 
-std::vector<double> ResultFile::ReadDuration(Phase phase, const Cell& cell) const {
-  CDB_CHECK(phase >= 0 && phase < kPhaseCount);
+std::vector<double> ResultFile::ReadDuration(measure::Phase phase, const Cell& cell) const {
+  CDB_CHECK(measure::IndexOf(phase) < measure::kPhaseCount);
   return impl_->Reading([&] {
     const std::vector<double>& block = impl_->Block("duration", cell, 2);
-    const auto begin = block.begin() + static_cast<long>(phase * impl_->cycles);
+    const auto begin = block.begin() + static_cast<long>(measure::IndexOf(phase) * impl_->cycles);
     return std::vector(begin, begin + static_cast<long>(impl_->CyclesOf(cell)));
   });
 }
@@ -238,7 +238,7 @@ std::vector<double> ResultFile::ReadDuration(Phase phase, const Cell& cell) cons
 std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
   return impl_->Reading([&] {
     std::vector<std::string> troubles;
-    const h5::File& file = impl_->file;
+    const hdf5::File& file = impl_->file;
     if (!file.Has("reference") || !file.Has("accuracy")) return troubles;
     const auto text = [&file](const std::string& name) {
       return file.OpenDataset(name).ReadText();
@@ -258,10 +258,10 @@ std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
 
 std::string ResultFile::ReadProvenance(std::string_view name) const {
   return impl_->Reading([&]() -> std::string {
-    const h5::Group group = impl_->file.OpenGroup("provenance");
+    const hdf5::Group group = impl_->file.OpenGroup("provenance");
     const std::string key(name);
     if (!group.Has(key)) return group.Text(key.c_str());
-    const h5::Dataset dataset = group.OpenDataset(key);
+    const hdf5::Dataset dataset = group.OpenDataset(key);
     std::vector<std::string> texts = dataset.ReadText();
     std::erase(texts, "");
     std::ranges::sort(texts);
@@ -271,4 +271,4 @@ std::string ResultFile::ReadProvenance(std::string_view name) const {
   });
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

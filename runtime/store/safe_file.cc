@@ -19,7 +19,7 @@
 #include "runtime/measure/host.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 namespace {
 
 namespace fs = std::filesystem;
@@ -143,7 +143,8 @@ std::uint64_t Checksum(std::span<const std::byte> bytes) {
 }
 
 fs::path TemporaryName(const fs::path& final_name) {
-  return final_name.string() + fmt::format(".{}.{}{}", HostName(), getpid(), kTemporaryEnd);
+  return final_name.string() +
+         fmt::format(".{}.{}{}", measure::HostName(), getpid(), kTemporaryEnd);
 }
 
 void RequireFolder(const fs::path& folder, std::string_view use) {
@@ -239,7 +240,7 @@ bool IsSealed(const fs::path& path) {
 
 void RemoveStaleTemporaries(const fs::path& folder) {
   RequireFolder(folder, "results");
-  const std::string host = HostName();
+  const std::string host = measure::HostName();
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
@@ -248,4 +249,4 @@ void RemoveStaleTemporaries(const fs::path& folder) {
   }
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cdb::runtime {
+namespace cdb::store {
 
 /// `<final>.<host>.<pid>.tmp`, beside the final file, so that the rename stays on one file system.
 std::filesystem::path TemporaryName(const std::filesystem::path& final_name);
@@ -38,4 +38,4 @@ bool IsSealed(const std::filesystem::path& file);
 /// A 64-bit checksum that any change of a single byte changes. Not against malice.
 std::uint64_t Checksum(std::span<const std::byte> bytes);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

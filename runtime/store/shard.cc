@@ -7,17 +7,17 @@
 #include <algorithm>
 #include <cstring>
 
-#include "compiler/capacity.h"
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/capacity.h"
+#include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/safe_file.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 namespace {
 
 /// Rows of the run's contacts: as many as its series `contacts` counts in the cycles that ran.
-std::uint64_t ContactRows(const compiler::Run& run, const RunResult& result) {
+std::uint64_t ContactRows(const plan::Run& run, const RunResult& result) {
   if (!run.scene.world.Lists("record", "contacts")) return 0;
   std::uint64_t rows = 0;
   for (const auto& [series, bytes] : result.series) {
@@ -32,56 +32,57 @@ std::uint64_t ContactRows(const compiler::Run& run, const RunResult& result) {
 }
 
 /// The cycles that ran; the file keeps fill values for the rest.
-void WriteSeries(h5::File& file, const Layout& layout, const compiler::Run& run,
+void WriteSeries(hdf5::File& file, const Layout& layout, const plan::Run& run,
                  const RunResult& result) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   const std::uint64_t objects = run.scene.ObjectCount();
-  const std::uint64_t bodies = compiler::BodyCount(run.scene);
+  const std::uint64_t bodies = plan::BodyCount(run.scene);
   for (const auto& [series, bytes] : result.series) {
     CDB_CHECK(bytes.size() == series->ItemBytes() * series->ValueCount(cycles, objects, bodies));
-    h5::Shape inner = {cycles};
-    if (series->shape == SeriesShape::kPhase) inner = {kPhaseCount, cycles};
-    if (series->shape == SeriesShape::kPose) inner = {cycles, objects, kPoseSize};
-    if (series->shape == SeriesShape::kBox) inner = {cycles, bodies, kBoxSize};
-    if (series->shape == SeriesShape::kFilter) inner = {bodies, kFilterSize};
-    h5::Shape data_shape(layout.grid.size(), 1);
+    hdf5::Shape inner = {cycles};
+    if (series->shape == measure::SeriesShape::kPhase) inner = {measure::kPhaseCount, cycles};
+    if (series->shape == measure::SeriesShape::kPose) inner = {cycles, objects, measure::kPoseSize};
+    if (series->shape == measure::SeriesShape::kBox) inner = {cycles, bodies, measure::kBoxSize};
+    if (series->shape == measure::SeriesShape::kFilter) inner = {bodies, measure::kFilterSize};
+    hdf5::Shape data_shape(layout.grid.size(), 1);
     data_shape.insert(data_shape.end(), inner.begin(), inner.end());
-    h5::Shape count = data_shape;
+    hdf5::Shape count = data_shape;
     if (series->HasCycles())
-      count[layout.grid.size() + (series->shape == SeriesShape::kPhase ? 1 : 0)] = result.n_cycles;
-    h5::Dataset dataset = file.OpenDataset(layout.Get(series->name).name);
-    dataset.Write(h5::Shape(count.size(), 0), count, bytes.data(), data_shape);
+      count[layout.grid.size() + (series->shape == measure::SeriesShape::kPhase ? 1 : 0)] =
+          result.n_cycles;
+    hdf5::Dataset dataset = file.OpenDataset(layout.Get(series->name).name);
+    dataset.Write(hdf5::Shape(count.size(), 0), count, bytes.data(), data_shape);
   }
 }
 
 /// A run has samples as far as it goes; the file keeps fill values for the rest.
-void WriteErrors(h5::File& file, const PlanFacts& facts, const Layout& layout,
+void WriteErrors(hdf5::File& file, const PlanFacts& facts, const Layout& layout,
                  const RunResult& result) {
-  for (const Series& series : facts.error_series) {
+  for (const measure::Series& series : facts.error_series) {
     const auto key = series.name.substr(std::string_view(kAccuracyGroup).size());
     const auto found = result.errors.values.find(key);
     if (found == result.errors.values.end()) continue;
-    h5::Shape count(layout.grid.size(), 1);
+    hdf5::Shape count(layout.grid.size(), 1);
     count.push_back(found->second.size());
     file.OpenDataset(std::string(series.name))
-        .Write(h5::Shape(count.size(), 0), count, found->second);
+        .Write(hdf5::Shape(count.size(), 0), count, found->second);
   }
 }
 
 /// A run that was killed may have counted contacts that it did not hand over: rows of fill values.
-void WriteContacts(h5::File& file, const RunResult& result, std::uint64_t rows) {
+void WriteContacts(hdf5::File& file, const RunResult& result, std::uint64_t rows) {
   const std::size_t n = std::min<std::size_t>(rows, result.contacts.size());
   std::vector<std::int32_t> bodies;
   std::vector<double> points, normals, distances;
-  for (const ContactRecord& contact : std::span(result.contacts).first(n)) {
+  for (const measure::ContactRecord& contact : std::span(result.contacts).first(n)) {
     bodies.push_back(static_cast<std::int32_t>(contact.body_a));
     bodies.push_back(static_cast<std::int32_t>(contact.body_b));
     points.insert(points.end(), std::begin(contact.point), std::end(contact.point));
     normals.insert(normals.end(), std::begin(contact.normal), std::end(contact.normal));
     distances.push_back(contact.distance);
   }
-  const auto write = [&](const char* name, const auto& values, h5::Shape shape) {
-    file.OpenDataset(name).Write(h5::Shape(shape.size(), 0), shape,
+  const auto write = [&](const char* name, const auto& values, hdf5::Shape shape) {
+    file.OpenDataset(name).Write(hdf5::Shape(shape.size(), 0), shape,
                                  std::as_bytes(std::span(values)).data(), shape);
   };
   write("contact_body", bodies, {n, 2});
@@ -90,12 +91,12 @@ void WriteContacts(h5::File& file, const RunResult& result, std::uint64_t rows) 
   write("contact_distance", distances, {n});
 }
 
-std::vector<std::byte> MakeImage(const compiler::Plan& plan, const PlanFacts& facts,
-                                 const compiler::Run& run, const RunResult& result,
+std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
+                                 const plan::Run& run, const RunResult& result,
                                  const Provenance& provenance) {
   const std::uint64_t rows = ContactRows(run, result);
   const Layout layout = MakeLayout(plan, facts, &run, rows);
-  h5::File file = h5::File::CreateInMemory();
+  hdf5::File file = hdf5::File::CreateInMemory();
   WriteHead(file, plan, facts, layout, fmt::format("run {}", run.id));
   file.SetText("run_id", run.id);
   CreateArrays(file, layout);
@@ -110,52 +111,52 @@ std::vector<std::byte> MakeImage(const compiler::Plan& plan, const PlanFacts& fa
     file.OpenDataset(number.name).Write({{number.get(result)}});
   for (const RunText& text : facts.texts)
     file.OpenDataset(text.name).WriteText({{text.get(run, result)}});
-  h5::Group group = file.CreateGroup("provenance");
+  hdf5::Group group = file.CreateGroup("provenance");
   for (const auto& [name, text] : provenance) group.SetText(name.c_str(), text);
   if (!result.models.empty()) group.SetText("models", result.models);
-  group.CreateDataset({"run_text", h5::Type::kText, {}, {}, 0})
-      .WriteText({{compiler::RunToYaml(run)}});
+  group.CreateDataset({"run_text", hdf5::Type::kText, {}, {}, 0})
+      .WriteText({{plan::RunToYaml(run)}});
   return file.Image();
 }
 
 }  // namespace
 
 struct ShardWriter::Impl {
-  const compiler::Plan& plan;
+  const plan::Plan& plan;
   const Provenance& provenance;
   PlanFacts facts;
 };
 
-ShardWriter::ShardWriter(const compiler::Plan& plan, const Provenance& provenance)
+ShardWriter::ShardWriter(const plan::Plan& plan, const Provenance& provenance)
     : impl_(new Impl{plan, provenance, PlanFacts(plan)}) {}
 
 ShardWriter::~ShardWriter() = default;
 
-void ShardWriter::Write(const compiler::Run& run, const RunResult& result,
+void ShardWriter::Write(const plan::Run& run, const RunResult& result,
                         const std::filesystem::path& folder) const {
   CDB_CHECK(result.n_cycles <= run.scene.world.Count("cycles"));
   RequireFolder(folder, "shards");
   const std::filesystem::path file = folder / (run.id + ".h5");
   try {
     WriteSealed(MakeImage(impl_->plan, impl_->facts, run, result, impl_->provenance), file);
-  } catch (const h5::Error& error) {
+  } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: cannot be made: {}; nothing was written", file.string(), error.what()));
   }
 }
 
-void WriteShard(const compiler::Plan& plan, const compiler::Run& run, const RunResult& result,
+void WriteShard(const plan::Plan& plan, const plan::Run& run, const RunResult& result,
                 const Provenance& provenance, const std::filesystem::path& folder) {
   ShardWriter(plan, provenance).Write(run, result, folder);
 }
 
-h5::File OpenShard(const std::filesystem::path& path) {
+hdf5::File OpenShard(const std::filesystem::path& path) {
   const std::vector<std::byte> image = ReadSealed(path);
   try {
-    h5::File file = h5::File::OpenImage(image);
+    hdf5::File file = hdf5::File::OpenImage(image);
     CheckHead(file, path.string());
     return file;
-  } catch (const h5::Error& error) {
+  } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "
                     "its run is done again",
@@ -164,17 +165,17 @@ h5::File OpenShard(const std::filesystem::path& path) {
 }
 
 ShardInfo ReadShardInfo(const std::filesystem::path& path) {
-  const h5::File file = OpenShard(path);
+  const hdf5::File file = OpenShard(path);
   try {
     const std::vector<double> status = file.OpenDataset("status").Read();
     const std::string id = file.Text("run_id");
-    if (status.size() != 1 || id.empty()) throw h5::Error("it does not hold one run");
+    if (status.size() != 1 || id.empty()) throw hdf5::Error("it does not hold one run");
     // A reference run has no timings that a verdict could void.
     const double verdict = file.Has("verdict") ? file.OpenDataset("verdict").Read().at(0) : 0;
     return {id,
             file.Text("plan_sha256"),
-            {static_cast<Status>(status[0]), static_cast<Verdict>(verdict)}};
-  } catch (const h5::Error& error) {
+            {static_cast<Status>(status[0]), static_cast<measure::Verdict>(verdict)}};
+  } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "
                     "its run is done again",
@@ -190,4 +191,4 @@ std::string_view StatusName(Status status) {
   return kNames[index];
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "runtime/store/hdf5_file.h"
+#include "runtime/store/hdf5/file.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 
 /// Opens a shard whose every byte is as it was written. Throws StoreError.
-h5::File OpenShard(const std::filesystem::path& path);
+hdf5::File OpenShard(const std::filesystem::path& path);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

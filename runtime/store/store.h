@@ -14,12 +14,12 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 
 /// The world refused: the message names the file, the cause, what was kept and the remedy. Exit
 /// status 2.
@@ -36,15 +36,15 @@ std::string_view StatusName(Status status);
 /// How a run stands: its process, and its physics.
 struct Outcome {
   Status status = Status::kMissing;
-  Verdict verdict = Verdict::kUnknown;
+  measure::Verdict verdict = measure::Verdict::kUnknown;
   /// Done, and its timings are of the scene.
-  bool IsGood() const { return status == Status::kDone && !HasVoidTimings(verdict); }
+  bool IsGood() const { return status == Status::kDone && !measure::HasVoidTimings(verdict); }
 };
 
 /// All that one run left behind. `series` point into memory of the caller.
 struct RunResult {
   Status status = Status::kMissing;
-  Judgement judgement;
+  measure::Judgement judgement;
   std::uint64_t n_cycles = 0;
   double started_s = 0;  ///< since 1970-01-01 00:00:00 UTC
   std::string state_hash;
@@ -56,9 +56,9 @@ struct RunResult {
   double load = 0;      ///< the machine's one-minute load average when the run began
   double peak_rss_bytes = 0, place_ns = 0, build_ns = 0, fill_fraction = 0;
   double harness_ns = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured
-  std::vector<std::pair<const Series*, std::span<const std::byte>>> series;
-  RunErrors errors;  ///< empty where the scene asks for none
-  std::vector<ContactRecord>
+  std::vector<std::pair<const measure::Series*, std::span<const std::byte>>> series;
+  measure::RunErrors errors;  ///< empty where the scene asks for none
+  std::vector<measure::ContactRecord>
       contacts;  ///< of all cycles in order; as many a cycle as the series `contacts` says
 
   Outcome outcome() const { return {status, judgement.verdict}; }
@@ -73,13 +73,13 @@ using Provenance = std::map<std::string, std::string>;
 /// plan and provenance. Threads: Write may be called by several at once, for different runs.
 class ShardWriter {
  public:
-  ShardWriter(const compiler::Plan& plan, const Provenance& provenance);
+  ShardWriter(const plan::Plan& plan, const Provenance& provenance);
   ~ShardWriter();
 
   /// Writes `folder/<run id>.h5`: under a temporary name, closed, fsynced, renamed, and the folder
   /// fsynced; when it returns the run is safe. Throws StoreError; then no file of the final name
   /// was made or changed.
-  void Write(const compiler::Run& run, const RunResult& result,
+  void Write(const plan::Run& run, const RunResult& result,
              const std::filesystem::path& folder) const;
 
  private:
@@ -88,7 +88,7 @@ class ShardWriter {
 };
 
 /// `ShardWriter(plan, provenance).Write(run, result, folder)`: for one run.
-void WriteShard(const compiler::Plan& plan, const compiler::Run& run, const RunResult& result,
+void WriteShard(const plan::Plan& plan, const plan::Run& run, const RunResult& result,
                 const Provenance& provenance, const std::filesystem::path& folder);
 
 /// Removes temporaries in `folder` that processes of this host left behind when they were killed;
@@ -107,9 +107,9 @@ ShardInfo ReadShardInfo(const std::filesystem::path& file);
 /// first): under a temporary name, verified against the shards, fsynced, renamed. Runs without a
 /// shard are cells with status `missing`. The shards are left alone. Throws StoreError; then `out`
 /// is as before.
-void Merge(const compiler::Plan& plan, const Provenance& provenance,
+void Merge(const plan::Plan& plan, const Provenance& provenance,
            const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out);
-void Merge(const compiler::Plan& plan, const Provenance& provenance,
+void Merge(const plan::Plan& plan, const Provenance& provenance,
            const std::filesystem::path& folder, const std::filesystem::path& out);
 
 /// A results file or a shard opened for reading. Not for several threads.
@@ -125,7 +125,7 @@ class ResultFile {
   const std::string& benchmark() const;
   const std::string& source() const;  ///< the scenario file, as it was named
   /// The axes of the sweep, without rep, phase and cycle.
-  const std::vector<compiler::Axis>& axes() const;
+  const std::vector<plan::Axis>& axes() const;
   std::uint64_t repeats() const;
   std::uint64_t cycles() const;
   bool Has(std::string_view dataset) const;
@@ -137,7 +137,7 @@ class ResultFile {
   };
   Status ReadStatus(const Cell& cell) const;
   std::uint64_t ReadCycleCount(const Cell& cell) const;
-  Judgement ReadJudgement(const Cell& cell) const;
+  measure::Judgement ReadJudgement(const Cell& cell) const;
   std::string ReadText(std::string_view dataset,
                        const Cell& cell) const;  ///< `state_hash`, `message`, `omitted`
   double ReadReal(std::string_view dataset,
@@ -145,7 +145,7 @@ class ResultFile {
   /// One scalar series of a cell, the cycles that ran; one phase of `duration`. Integers come as
   /// doubles.
   std::vector<double> ReadSeries(std::string_view dataset, const Cell& cell) const;
-  std::vector<double> ReadDuration(Phase phase, const Cell& cell) const;
+  std::vector<double> ReadDuration(measure::Phase phase, const Cell& cell) const;
   /// Why reference runs are of no use, a line each: `reference 0123…: crashed: …`. Empty where all
   /// ended well, or there are none.
   std::vector<std::string> ReadReferenceTroubles() const;
@@ -157,4 +157,4 @@ class ResultFile {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -10,22 +10,22 @@
 #include <vector>
 
 #include "runtime/measure/series.h"
-#include "runtime/store/hdf5_file.h"
+#include "runtime/store/hdf5/file.h"
 #include "runtime/store/safe_file.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 namespace {
 
 namespace fs = std::filesystem;
-using h5::Type;
+using hdf5::Type;
 
 /// As of results files: one chunk fits HDF5's cache.
 constexpr std::uint64_t kLargestChunk = (1 << 20) - 1;
 
-h5::Shape ChunkOf(const h5::Shape& shape, std::size_t item_bytes) {
-  h5::Shape chunk = shape;
+hdf5::Shape ChunkOf(const hdf5::Shape& shape, std::size_t item_bytes) {
+  hdf5::Shape chunk = shape;
   for (std::size_t i = 0; i + 1 < chunk.size(); ++i) {
-    const std::uint64_t others = h5::Product(chunk) / chunk[i] * item_bytes;
+    const std::uint64_t others = hdf5::Product(chunk) / chunk[i] * item_bytes;
     const std::uint64_t most = std::max<std::uint64_t>(1, kLargestChunk / others);
     const std::uint64_t pieces = (chunk[i] + most - 1) / most;
     chunk[i] = (chunk[i] + pieces - 1) / pieces;
@@ -33,24 +33,24 @@ h5::Shape ChunkOf(const h5::Shape& shape, std::size_t item_bytes) {
   return chunk;
 }
 
-void AddScale(h5::File& file, const std::string& name, std::uint64_t size) {
+void AddScale(hdf5::File& file, const std::string& name, std::uint64_t size) {
   std::vector<double> numbers(size);
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<double>(i);
-  h5::Dataset scale = file.CreateDataset({name, Type::kInt32, {size}, {}, 0});
+  hdf5::Dataset scale = file.CreateDataset({name, Type::kInt32, {size}, {}, 0});
   scale.Write(numbers);
   scale.MakeScale(name);
 }
 
-void AddScale(h5::File& file, const std::string& name, const std::vector<std::string>& labels) {
-  h5::Dataset scale = file.CreateDataset({name, Type::kText, {labels.size()}, {}, 0});
+void AddScale(hdf5::File& file, const std::string& name, const std::vector<std::string>& labels) {
+  hdf5::Dataset scale = file.CreateDataset({name, Type::kText, {labels.size()}, {}, 0});
   scale.WriteText(labels);
   scale.MakeScale(name);
   scale.SetText("labels", fmt::format("{}", fmt::join(labels, " ")));
 }
 
-void WriteHead(h5::File& file, const TraceMemory& trace, const TraceOrigin& origin,
+void WriteHead(hdf5::File& file, const measure::TraceMemory& trace, const TraceOrigin& origin,
                std::uint64_t objects) {
-  const TraceShape& shape = trace.shape();
+  const measure::TraceShape& shape = trace.shape();
   const auto number = [&](const char* name, std::uint64_t value) {
     file.SetNumber(name, Type::kInt32, static_cast<double>(value));
   };
@@ -73,9 +73,9 @@ void WriteHead(h5::File& file, const TraceMemory& trace, const TraceOrigin& orig
   number("cycles", shape.cycles);
 }
 
-void WriteArrays(h5::File& file, const TraceMemory& trace, std::uint64_t objects,
+void WriteArrays(hdf5::File& file, const measure::TraceMemory& trace, std::uint64_t objects,
                  std::span<const double> poses) {
-  const TraceShape& shape = trace.shape();
+  const measure::TraceShape& shape = trace.shape();
   const Type real = shape.is_double ? Type::kFloat64 : Type::kFloat32;
   AddScale(file, "cycle", shape.cycles);
   AddScale(file, "body", shape.bodies);
@@ -84,36 +84,36 @@ void WriteArrays(h5::File& file, const TraceMemory& trace, std::uint64_t objects
   AddScale(file, "filter", {"group", "mask", "fixed"});
   AddScale(file, "pose", {"x", "y", "z", "qx", "qy", "qz", "qw"});
 
-  const h5::Shape all = {shape.cycles, shape.bodies, kBoxSize};
-  h5::Dataset boxes =
+  const hdf5::Shape all = {shape.cycles, shape.bodies, measure::kBoxSize};
+  hdf5::Dataset boxes =
       file.CreateDataset({"boxes", real, all, ChunkOf(all, shape.ItemBytes()), NAN});
   boxes.SetText("units", "m");
   boxes.SetText("long_name", "as the broad phase was given them; objects, then walls");
   for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle)
-    boxes.Write({cycle, 0, 0}, {1, shape.bodies, kBoxSize}, trace.BoxBytes(cycle).data(),
-                {1, shape.bodies, kBoxSize});
+    boxes.Write({cycle, 0, 0}, {1, shape.bodies, measure::kBoxSize}, trace.BoxBytes(cycle).data(),
+                {1, shape.bodies, measure::kBoxSize});
 
-  h5::Dataset filters =
-      file.CreateDataset({"filters", Type::kFloat64, {shape.bodies, kFilterSize}, {}, NAN});
+  hdf5::Dataset filters = file.CreateDataset(
+      {"filters", Type::kFloat64, {shape.bodies, measure::kFilterSize}, {}, NAN});
   filters.SetText("long_name", "two may meet where each one's group is in the other's mask");
   std::vector<double> numbers;
-  for (const TraceFilter& filter : trace.filters())
+  for (const measure::TraceFilter& filter : trace.filters())
     numbers.insert(numbers.end(),
                    {static_cast<double>(filter.group), static_cast<double>(filter.mask),
                     static_cast<double>(filter.is_fixed)});
   filters.Write(numbers);
 
-  std::vector<h5::Group::Attachment> attachments = {{"boxes", {"cycle", "body", "bound"}},
-                                                    {"filters", {"body", "filter"}}};
+  std::vector<hdf5::Group::Attachment> attachments = {{"boxes", {"cycle", "body", "bound"}},
+                                                      {"filters", {"body", "filter"}}};
   if (objects > 0) {
-    const h5::Shape placed = {shape.cycles, objects, kPoseSize};
-    h5::Dataset dataset =
+    const hdf5::Shape placed = {shape.cycles, objects, measure::kPoseSize};
+    hdf5::Dataset dataset =
         file.CreateDataset({"poses", real, placed, ChunkOf(placed, shape.ItemBytes()), NAN});
     dataset.SetText("long_name",
                     "centre of mass, m, and orientation quaternion after the cycle; objects");
-    const std::size_t per_cycle = objects * kPoseSize;
+    const std::size_t per_cycle = objects * measure::kPoseSize;
     for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle)
-      dataset.Write({cycle, 0, 0}, {1, objects, kPoseSize},
+      dataset.Write({cycle, 0, 0}, {1, objects, measure::kPoseSize},
                     poses.subspan(cycle * per_cycle, per_cycle));
     attachments.push_back({"poses", {"cycle", "object", "pose"}});
   }
@@ -125,14 +125,14 @@ StoreError Useless(const fs::path& file, std::string_view why) {
   return StoreError(fmt::format("{}: {}; `cdb trace` makes it anew", file.string(), why));
 }
 
-h5::File OpenTrace(const fs::path& path) {
+hdf5::File OpenTrace(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error))
     throw StoreError(
         fmt::format("{}: {}", path.string(),
                     fs::exists(path, error) ? "it is no file" : "there is no such file"));
   try {
-    h5::File file = h5::File::Open(path);
+    hdf5::File file = hdf5::File::Open(path);
     const std::string schema = file.Text("schema");
     if (schema != kTraceSchema)
       throw StoreError(fmt::format("{}: it is HDF5, but no trace{}", path.string(),
@@ -141,7 +141,7 @@ h5::File OpenTrace(const fs::path& path) {
       throw Useless(path, fmt::format("it is a trace of version {}, and this cdb reads version {}",
                                       version, kTraceSchemaVersion));
     return file;
-  } catch (const h5::Error& why) {
+  } catch (const hdf5::Error& why) {
     throw StoreError(fmt::format("{}: it is no trace, or damaged: {}", path.string(), why.what()));
   }
 }
@@ -151,21 +151,21 @@ template <typename Read>
 auto Undamaged(const fs::path& path, Read read) {
   try {
     return read();
-  } catch (const h5::Error& why) {
+  } catch (const hdf5::Error& why) {
     throw Useless(path, fmt::format("it is damaged: {}", why.what()));
   } catch (const std::system_error& why) {
     throw StoreError(fmt::format("{}: {}", path.string(), why.what()));
   }
 }
 
-compiler::TraceFacts FactsOf(const h5::File& file, const fs::path& path) {
+plan::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
   const auto count = [&](const char* name) {
     const double value = file.Number(name);
     if (!(value >= 1) || value != std::floor(value))
       throw Useless(path, fmt::format("its head says nothing of {}", name));
     return static_cast<std::uint64_t>(value);
   };
-  compiler::TraceFacts facts;
+  plan::TraceFacts facts;
   facts.sha256 = file.Text("sha256");
   facts.bodies = count("bodies");
   facts.cycles = count("cycles");
@@ -176,39 +176,40 @@ compiler::TraceFacts FactsOf(const h5::File& file, const fs::path& path) {
   return facts;
 }
 
-TraceMemory ReadMemory(const h5::File& file, const compiler::TraceFacts& facts,
-                       const fs::path& path) {
-  const h5::Dataset boxes = file.OpenDataset("boxes");
-  const h5::Dataset kept_filters = file.OpenDataset("filters");
-  if (boxes.shape() != h5::Shape{facts.cycles, facts.bodies, kBoxSize} ||
-      kept_filters.shape() != h5::Shape{facts.bodies, kFilterSize})
+measure::TraceMemory ReadMemory(const hdf5::File& file, const plan::TraceFacts& facts,
+                                const fs::path& path) {
+  const hdf5::Dataset boxes = file.OpenDataset("boxes");
+  const hdf5::Dataset kept_filters = file.OpenDataset("filters");
+  if (boxes.shape() != hdf5::Shape{facts.cycles, facts.bodies, measure::kBoxSize} ||
+      kept_filters.shape() != hdf5::Shape{facts.bodies, measure::kFilterSize})
     throw Useless(path, "its arrays are not as its head says");
   const std::vector<double> filters = kept_filters.Read();
-  TraceMemory trace = TraceMemory::Create({facts.bodies, facts.cycles, facts.is_double});
+  measure::TraceMemory trace =
+      measure::TraceMemory::Create({facts.bodies, facts.cycles, facts.is_double});
   for (std::size_t i = 0; i < facts.bodies; ++i)
-    trace.filters()[i] = {static_cast<std::uint32_t>(filters[i * kFilterSize]),
-                          static_cast<std::uint32_t>(filters[i * kFilterSize + 1]),
-                          static_cast<std::uint32_t>(filters[i * kFilterSize + 2])};
+    trace.filters()[i] = {static_cast<std::uint32_t>(filters[i * measure::kFilterSize]),
+                          static_cast<std::uint32_t>(filters[i * measure::kFilterSize + 1]),
+                          static_cast<std::uint32_t>(filters[i * measure::kFilterSize + 2])};
   for (std::uint64_t cycle = 0; cycle < facts.cycles; ++cycle)
-    trace.SetBoxes(cycle, boxes.Read({cycle, 0, 0}, {1, facts.bodies, kBoxSize}));
+    trace.SetBoxes(cycle, boxes.Read({cycle, 0, 0}, {1, facts.bodies, measure::kBoxSize}));
   return trace;
 }
 
 }  // namespace
 
-void WriteTrace(const TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
+void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
                 std::span<const double> poses, const fs::path& path) {
   const fs::path temporary = TemporaryName(path);
   std::error_code ignored;
   try {
-    h5::File file = h5::File::Create(temporary);
+    hdf5::File file = hdf5::File::Create(temporary);
     WriteHead(file, trace, origin, objects);
     WriteArrays(file, trace, objects, poses);
     file.CreateDataset({"scenario_text", Type::kText, {}, {}, 0})
         .WriteText({{origin.scenario_text}});
     file.CreateDataset({"run_text", Type::kText, {}, {}, 0}).WriteText({{origin.run_text}});
     file.Close();
-  } catch (const h5::Error& error) {
+  } catch (const hdf5::Error& error) {
     fs::remove(temporary, ignored);
     throw StoreError(fmt::format("{}: cannot be written: {}; make room, or name another place (-o)",
                                  path.string(), error.what()));
@@ -216,8 +217,8 @@ void WriteTrace(const TraceMemory& trace, const TraceOrigin& origin, std::uint64
   Publish(temporary, path);
 }
 
-compiler::TraceFacts ReadTraceFacts(const fs::path& path) {
-  const h5::File file = OpenTrace(path);
+plan::TraceFacts ReadTraceFacts(const fs::path& path) {
+  const hdf5::File file = OpenTrace(path);
   return Undamaged(path, [&] { return FactsOf(file, path); });
 }
 
@@ -225,24 +226,24 @@ std::optional<std::string> TracedRun(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return std::nullopt;
   try {
-    const h5::File file = OpenTrace(path);
+    const hdf5::File file = OpenTrace(path);
     return Undamaged(path, [&] { return file.Text("run_id"); });
   } catch (const StoreError&) {
     return std::nullopt;
   }
 }
 
-TraceMemory LoadTrace(const fs::path& path, const std::string& sha256) {
-  const h5::File file = OpenTrace(path);
-  const compiler::TraceFacts facts = Undamaged(path, [&] { return FactsOf(file, path); });
+measure::TraceMemory LoadTrace(const fs::path& path, const std::string& sha256) {
+  const hdf5::File file = OpenTrace(path);
+  const plan::TraceFacts facts = Undamaged(path, [&] { return FactsOf(file, path); });
   if (facts.sha256 != sha256)
     throw StoreError(
         fmt::format("{}: it holds the trace {} and this plan is of {}; plan again, or "
                     "put the other back",
                     path.string(), facts.sha256.substr(0, 16), sha256.substr(0, 16)));
-  TraceMemory trace = Undamaged(path, [&] { return ReadMemory(file, facts, path); });
+  measure::TraceMemory trace = Undamaged(path, [&] { return ReadMemory(file, facts, path); });
   if (trace.Sha256() != sha256) throw Useless(path, "it is damaged");
   return trace;
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -8,11 +8,11 @@
 #include <span>
 #include <string>
 
-#include "compiler/trace.h"
+#include "compiler/plan/trace.h"
 #include "runtime/measure/trace_memory.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::store {
 
 inline constexpr std::string_view kTraceSchema = "cdb-trace";
 inline constexpr int kTraceSchemaVersion = 1;
@@ -30,17 +30,17 @@ struct TraceOrigin {
 /// Writes `file`: under a temporary name, closed, fsynced, renamed. `poses` of `objects` bodies,
 /// the first of the trace, as the series `poses` has them. Throws StoreError, with no file made or
 /// changed.
-void WriteTrace(const TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
+void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
                 std::span<const double> poses, const std::filesystem::path& file);
 
 /// What the head of `file` says; the boxes are not read. Throws StoreError, which says why it is of
 /// no use.
-compiler::TraceFacts ReadTraceFacts(const std::filesystem::path& file);
+plan::TraceFacts ReadTraceFacts(const std::filesystem::path& file);
 /// The run that `file` is a trace of; nullopt where it is none that can be read.
 std::optional<std::string> TracedRun(const std::filesystem::path& file);
 
 /// All of it. Throws StoreError, also where it does not hold what its hash says, or another trace
 /// than `sha256`.
-TraceMemory LoadTrace(const std::filesystem::path& file, const std::string& sha256);
+measure::TraceMemory LoadTrace(const std::filesystem::path& file, const std::string& sha256);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::store

@@ -8,10 +8,10 @@
 #include <cstdlib>
 #include <vector>
 
-#include "runtime/engine/engine.h"
-#include "runtime/engine/precision.h"
-#include "runtime/engine/probes.h"
-#include "runtime/engine/state_hash.h"
+#include "runtime/engine/probes/probes.h"
+#include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/engine/world/precision.h"
 #include "tests/bench/hand_written.h"
 #include "tests/bench/median.h"
 #include "tests/library/test_scene.h"
@@ -26,26 +26,26 @@ struct Case {
   double side;
 };
 
-compiler::Scene SceneOf(const Case& c, std::uint64_t cycles, std::uint64_t seed) {
-  compiler::Scene scene = test::DefaultScene(c.objects, c.side);
-  test::SetWorld(scene, "cycles", cycles);
-  test::SetWorld(scene, "precision", test::Word(runtime::EnginePrecision()));
-  test::SeedStreams(scene, seed);
+plan::Scene SceneOf(const Case& c, std::uint64_t cycles, std::uint64_t seed) {
+  plan::Scene scene = tests::DefaultScene(c.objects, c.side);
+  tests::SetWorld(scene, "cycles", cycles);
+  tests::SetWorld(scene, "precision", tests::Word(world::EnginePrecision()));
+  tests::SeedStreams(scene, seed);
   if (c.mixed) {
-    test::SetGroup(
-        scene, "type",
-        compiler::Distribution{compiler::DistributionKind::kAny,
-                               {test::Word("sphere"), test::Word("cuboid"), test::Word("cylinder")},
-                               {1, 1, 1}});
-    test::SetGroup(scene, "orientation", test::Word("random"));
+    tests::SetGroup(scene, "type",
+                    schema::Distribution{
+                        schema::DistributionKind::kAny,
+                        {tests::Word("sphere"), tests::Word("cuboid"), tests::Word("cylinder")},
+                        {1, 1, 1}});
+    tests::SetGroup(scene, "orientation", tests::Word("random"));
   }
   return scene;
 }
 
 /// All of Bullet, as the hand-written scene has it.
-std::unique_ptr<runtime::Engine> MakeEngine(const compiler::Scene& scene,
-                                            const library::InitialState& state) {
-  return std::make_unique<runtime::Engine>(scene, state, runtime::KeepEverything(scene));
+std::unique_ptr<world::Engine> MakeEngine(const plan::Scene& scene,
+                                          const layouts::InitialState& state) {
+  return std::make_unique<world::Engine>(scene, state, pruning::KeepEverything(scene));
 }
 
 /// Medians of one round.
@@ -54,16 +54,16 @@ struct Round {
 };
 
 Round RunRound(const Case& c, std::uint64_t cycles, std::uint64_t round) {
-  const compiler::Scene scene = SceneOf(c, cycles, round);
-  const library::InitialState state = library::MakeInitialState(scene);
-  runtime::Recording recording = runtime::Recording::Create(scene);
-  std::unique_ptr<runtime::Engine> engine;
+  const plan::Scene scene = SceneOf(c, cycles, round);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  measure::Recording recording = measure::Recording::Create(scene);
+  std::unique_ptr<world::Engine> engine;
   std::unique_ptr<HandWritten> hand;
   // Whoever comes first gets the smoother memory.
   if (round % 2 == 0) engine = MakeEngine(scene, state);
   hand = std::make_unique<HandWritten>(state, c.side);
   if (round % 2 == 1) engine = MakeEngine(scene, state);
-  runtime::Probes probes(scene, *engine, recording, -1);
+  probes::Probes probes(scene, *engine, recording, -1);
   probes.Begin();
   std::vector<double> by_hand, between;
   const double timestep = scene.world.Real("timestep");
@@ -71,17 +71,18 @@ Round RunRound(const Case& c, std::uint64_t cycles, std::uint64_t round) {
     const bool hand_first = cycle % 2 == 0;
     if (hand_first) by_hand.push_back(hand->Step(timestep));
     engine->Step();
-    const auto begin = runtime::Now();
+    const auto begin = world::Now();
     probes.Record(cycle);
-    between.push_back(static_cast<double>(runtime::Now() - begin));
+    between.push_back(static_cast<double>(world::Now() - begin));
     if (!hand_first) by_hand.push_back(hand->Step(timestep));
   }
-  if (runtime::StateHash(*engine) !=
-      runtime::StateHash(hand->objects().data(), hand->objects().size())) {
+  if (probes::StateHash(*engine) !=
+      probes::StateHash(hand->objects().data(), hand->objects().size())) {
     fmt::print(stderr, "{}: the two worlds went different ways; the times mean nothing\n", c.name);
     std::exit(1);
   }
-  const auto steps = recording.Reals("duration").subspan(runtime::kStep * cycles, cycles);
+  const auto steps =
+      recording.Reals("duration").subspan(measure::IndexOf(measure::Phase::kStep) * cycles, cycles);
   return {Median({steps.begin(), steps.end()}), Median(by_hand), Median(between)};
 }
 
@@ -104,6 +105,9 @@ void RunCase(const Case& c, std::uint64_t rounds, std::uint64_t cycles) {
 }  // namespace
 }  // namespace cdb::bench
 
+using namespace cdb;
+using namespace cdb::bench;
+
 int main(int argc, char** argv) {
   const auto argument = [&](int i, std::uint64_t otherwise) {
     return argc > i ? std::strtoull(argv[i], nullptr, 10) : otherwise;
@@ -112,14 +116,14 @@ int main(int argc, char** argv) {
   fmt::print(
       "{} precision, {} rounds of {} cycles; us, medians; ratio: median and range of the "
       "rounds\n{:<14} {:>6} {:>12} {:>12} {:>8} {:>20} {:>14}\n",
-      cdb::runtime::EnginePrecision(), rounds, cycles, "scene", "N", "runner", "by hand", "ratio",
-      "range", "between cycles");
-  const cdb::bench::Case cases[] = {
+      world::EnginePrecision(), rounds, cycles, "scene", "N", "runner", "by hand", "ratio", "range",
+      "between cycles");
+  const Case cases[] = {
       {"spheres", 100, false, 5000},      {"spheres", 1000, false, 50000},
       {"spheres", 5000, false, 250000},   {"mixed", 100, true, 5000},
       {"mixed", 1000, true, 50000},       {"mixed", 5000, true, 250000},
       {"mixed, dense", 100, true, 400},   {"mixed, dense", 1000, true, 800},
       {"mixed, dense", 5000, true, 1400},
   };
-  for (const auto& c : cases) cdb::bench::RunCase(c, rounds, cycles);
+  for (const auto& c : cases) RunCase(c, rounds, cycles);
 }

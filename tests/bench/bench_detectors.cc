@@ -25,8 +25,8 @@
 #include <string>
 #include <vector>
 
+#include "library/detectors/builtin/builtin.h"
 #include "library/detectors/exact_pairs.h"
-#include "library/detectors/own.h"
 #include "library/detectors/plugin.h"
 #include "tests/bench/median.h"
 #include "tests/library/detectors/box_scenes.h"
@@ -122,7 +122,7 @@ std::vector<Rival> MakeRivals(const Settings& settings, std::size_t bodies) {
   const auto add = [&](const DetectorEntry& entry, bool is_ours) {
     const bool is_asked =
         settings.only.empty() || std::ranges::count(settings.only, entry.name) > 0;
-    if (!is_asked || (entry.phases & kBroad) == 0) return;
+    if (!is_asked || !HasAny(entry.phases, kBroad)) return;
     if (entry.max_bodies != 0 && bodies > entry.max_bodies) return;
     rivals.push_back({.name = entry.name,
                       .is_ours = is_ours,
@@ -130,9 +130,9 @@ std::vector<Rival> MakeRivals(const Settings& settings, std::size_t bodies) {
   };
   rivals.push_back({.name = "dbvt", .detector = std::make_unique<Dbvt>(false)});
   rivals.push_back({.name = "dbvt, listed", .detector = std::make_unique<Dbvt>(true)});
-  for (const DetectorEntry& entry : library::OwnDetectors()) add(entry, true);
+  for (const DetectorEntry& entry : builtin::BuiltinDetectors()) add(entry, true);
   for (const std::string& path : settings.libraries) {
-    const Plugin& plugin = library::LoadPlugin(path);
+    const Plugin& plugin = detectors::LoadPlugin(path);
     for (std::size_t i = 0; i < plugin.count; ++i) add(plugin.entries[i], false);
   }
   return rivals;
@@ -217,7 +217,7 @@ void RunScene(const Settings& settings, std::string_view name, std::size_t objec
     const std::size_t pairs = rival.pairs.size();
     std::string wrong;
     if (rival.name != "dbvt" && rival.name != "null" && rival.note.empty()) {
-      const library::PairFaults faults = library::ComparePairs(last, std::move(rival.pairs));
+      const detectors::PairFaults faults = detectors::ComparePairs(last, std::move(rival.pairs));
       if (faults.missed + faults.phantom + faults.duplicate > 0)
         wrong = fmt::format("{} missed, {} phantom, {} twice", faults.missed, faults.phantom,
                             faults.duplicate);
@@ -279,4 +279,7 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace cdb::bench
 
-int main(int argc, char** argv) { return cdb::bench::Main(argc, argv); }
+using namespace cdb;
+using namespace cdb::bench;
+
+int main(int argc, char** argv) { return Main(argc, argv); }

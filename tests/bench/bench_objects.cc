@@ -18,9 +18,9 @@
 
 #include "library/layouts/initial_state.h"
 #include "library/layouts/placement.h"
-#include "library/objects/solid_maker.h"
-#include "runtime/engine/engine.h"
-#include "runtime/engine/precision.h"
+#include "library/objects/solid_factory.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
 #include "tests/library/own_cache.h"
 #include "tests/library/test_scene.h"
@@ -45,22 +45,22 @@ double Milliseconds(auto work) {
 }
 
 /// Objects of one type in the paper's cube, of one size or all of another.
-compiler::Scene SceneOf(std::string_view type, std::uint64_t objects, bool alike) {
-  compiler::Scene scene = test::DefaultScene(objects, 50 * static_cast<double>(objects));
-  test::SetWorld(scene, "precision", test::Word(runtime::EnginePrecision()));
-  test::SetGroup(scene, "type", test::Word(type));
-  if (!alike) test::SetGroup(scene, "size", test::Uniform(10.0, 90.0));
+plan::Scene SceneOf(std::string_view type, std::uint64_t objects, bool alike) {
+  plan::Scene scene = tests::DefaultScene(objects, 50 * static_cast<double>(objects));
+  tests::SetWorld(scene, "precision", tests::Word(world::EnginePrecision()));
+  tests::SetGroup(scene, "type", tests::Word(type));
+  if (!alike) tests::SetGroup(scene, "size", tests::Uniform(10.0, 90.0));
   return scene;
 }
 
-std::shared_ptr<const library::Form> FormOf(std::string_view type) {
-  library::SolidMaker maker;
-  maker.Make(test::Word(type), Eigen::Vector3d::Constant(50), Eigen::Vector3d::Ones());
+std::shared_ptr<const objects::ConvexDecomposition> FormOf(std::string_view type) {
+  objects::SolidFactory maker;
+  maker.Make(tests::Word(type), Eigen::Vector3d::Constant(50), Eigen::Vector3d::Ones());
   const auto forms = maker.Forms();
   return forms.empty() ? nullptr : forms.front();
 }
 
-std::size_t VertexCount(const library::Form& form) {
+std::size_t VertexCount(const objects::ConvexDecomposition& form) {
   std::size_t count = 0;
   for (const auto& piece : form.pieces) count += piece.vertices.size();
   return count;
@@ -69,13 +69,13 @@ std::size_t VertexCount(const library::Form& form) {
 /// Heap bytes of a scene, drawn and placed; of its engine, built; and of what the first cycle adds.
 using Memory = std::array<double, 3>;
 
-Memory MemoryOf(const compiler::Scene& scene) {
+Memory MemoryOf(const plan::Scene& scene) {
   Memory memory;
   double before = HeapBytes();
   const auto more = [&] { return HeapBytes() - std::exchange(before, HeapBytes()); };
-  library::InitialState state = library::MakeInitialState(scene);
+  layouts::InitialState state = layouts::MakeInitialState(scene);
   memory[0] = more();
-  runtime::Engine engine(scene, std::move(state), runtime::KeepEverything(scene));
+  world::Engine engine(scene, std::move(state), pruning::KeepEverything(scene));
   memory[1] = more();
   engine.Step();
   memory[2] = more();
@@ -108,7 +108,7 @@ void PrintMemory(int rounds) {
     double form_bytes = 0;
     if (const auto form = FormOf(type)) {
       const double before = HeapBytes();
-      const auto copy = std::make_unique<const library::Form>(*form);
+      const auto copy = std::make_unique<const objects::ConvexDecomposition>(*form);
       form_bytes = HeapBytes() - before;
       pieces = form->pieces.size();
       vertices = VertexCount(*form);
@@ -136,11 +136,11 @@ struct Start {
   std::vector<double> until_first_cycle, heap_mb;
 
   void Measure(std::uint64_t objects) {
-    compiler::Scene scene = SceneOf(type, objects, true);
-    test::SetWorld(scene, "detector", test::Word(detector));
-    library::InitialState state;
-    std::unique_ptr<runtime::Engine> engine;
-    runtime::Omissions omissions;
+    plan::Scene scene = SceneOf(type, objects, true);
+    tests::SetWorld(scene, "detector", tests::Word(detector));
+    layouts::InitialState state;
+    std::unique_ptr<world::Engine> engine;
+    pruning::Omissions omissions;
     double sum = 0;
     const double before = HeapBytes();
     const auto measure = [&](Part part, auto work) {
@@ -148,13 +148,13 @@ struct Start {
       if (part != kLoad && part != kSecondCycle) sum += parts[part].back();
     };
     measure(kLoad, [&] { FormOf(type); });
-    measure(kDraw, [&] { state = library::DrawObjects(scene); });
-    measure(kPlace, [&] { library::Place(scene, state); });
+    measure(kDraw, [&] { state = layouts::DrawObjects(scene); });
+    measure(kPlace, [&] { layouts::Place(scene, state); });
     measure(kNeeds, [&] {
-      omissions = lean ? runtime::SettleNeeds(scene, state) : runtime::KeepEverything(scene);
+      omissions = lean ? pruning::DecideOmissions(scene, state) : pruning::KeepEverything(scene);
     });
     measure(kBuild, [&] {
-      engine = std::make_unique<runtime::Engine>(scene, std::move(state), std::move(omissions));
+      engine = std::make_unique<world::Engine>(scene, std::move(state), std::move(omissions));
     });
     measure(kFirstCycle, [&] { engine->Step(); });
     measure(kSecondCycle, [&] { engine->Step(); });
@@ -196,9 +196,9 @@ void PrintCut() {
   fmt::print("\na form with an empty cache, and found in it again\n");
   fmt::print("{:<12} {:>9} {:>9} {:>6} {:>9} {:>16} {:>7}\n", "type", "cold, s", "warm, ms",
              "hulls", "vertices", "volume error, %", "IoU");
-  const test::OwnCache cache;
+  const tests::OwnCache cache;
   for (const std::string_view type : kCompounds) {
-    std::shared_ptr<const library::Form> form;
+    std::shared_ptr<const objects::ConvexDecomposition> form;
     const double cold = Milliseconds([&] { form = FormOf(type); });
     const double warm = Milliseconds([&] { form = FormOf(type); });
     fmt::print("{:<12} {:>9.2f} {:>9.2f} {:>6} {:>9} {:>16.2f} {:>7.3f}\n", type, cold / 1e3, warm,
@@ -210,12 +210,15 @@ void PrintCut() {
 }  // namespace
 }  // namespace cdb::bench
 
+using namespace cdb;
+using namespace cdb::bench;
+
 int main(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "all";
   const int rounds = argc > 2 ? std::max(1, std::atoi(argv[2])) : 5;
   const auto is_asked = [&](std::string_view name) { return part == name || part == "all"; };
-  fmt::print("{} precision, {} rounds\n", cdb::runtime::EnginePrecision(), rounds);
-  if (is_asked("memory")) cdb::bench::PrintMemory(rounds);
-  if (is_asked("start")) cdb::bench::PrintStart(rounds);
-  if (is_asked("cut")) cdb::bench::PrintCut();
+  fmt::print("{} precision, {} rounds\n", world::EnginePrecision(), rounds);
+  if (is_asked("memory")) PrintMemory(rounds);
+  if (is_asked("start")) PrintStart(rounds);
+  if (is_asked("cut")) PrintCut();
 }

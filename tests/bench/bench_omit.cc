@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "library/layouts/initial_state.h"
-#include "runtime/engine/engine.h"
-#include "runtime/engine/precision.h"
-#include "runtime/engine/state_hash.h"
-#include "runtime/engine/tripwire.h"
+#include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/engine/world/omission_guard.h"
+#include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
 #include "tests/bench/scenario_runs.h"
 
@@ -29,21 +29,21 @@ double HeapBytes() {
 
 /// One of the two worlds, and what it cost.
 struct Side {
-  std::unique_ptr<runtime::Engine> engine;
+  std::unique_ptr<world::Engine> engine;
   double build_ns = 0, heap = 0;
   std::vector<double> steps;
 
-  void Build(const compiler::Scene& scene, const library::InitialState& state, bool lean) {
+  void Build(const plan::Scene& scene, const layouts::InitialState& state, bool lean) {
     const double before = HeapBytes();
-    const auto begin = runtime::Now();
-    auto omissions = lean ? runtime::SettleNeeds(scene, state) : runtime::KeepEverything(scene);
-    engine = std::make_unique<runtime::Engine>(scene, state, std::move(omissions));
-    build_ns = static_cast<double>(runtime::Now() - begin);
+    const auto begin = world::Now();
+    auto omissions = lean ? pruning::DecideOmissions(scene, state) : pruning::KeepEverything(scene);
+    engine = std::make_unique<world::Engine>(scene, state, std::move(omissions));
+    build_ns = static_cast<double>(world::Now() - begin);
     heap = HeapBytes() - before;
   }
   void Step() {
     engine->Step();
-    steps.push_back(engine->timed_world()->Durations()[runtime::kStep]);
+    steps.push_back(engine->timed_world()->Durations()[measure::IndexOf(measure::Phase::kStep)]);
   }
 };
 
@@ -54,28 +54,28 @@ struct Result {
   std::string note;
 };
 
-Result RunRound(const compiler::Scene& scene, std::uint64_t cycles, std::uint64_t round) {
-  const library::InitialState state = library::MakeInitialState(scene);
+Result RunRound(const plan::Scene& scene, std::uint64_t cycles, std::uint64_t round) {
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   Side whole, lean;
   // Whoever comes first gets the smoother memory.
   if (round % 2 == 0) whole.Build(scene, state, false);
   lean.Build(scene, state, true);
   if (round % 2 == 1) whole.Build(scene, state, false);
-  runtime::Tripwire tripwire(*lean.engine);
-  std::string note = compiler::OmittedNames(lean.engine->omissions().needs);
+  world::OmissionGuard tripwire(*lean.engine);
+  std::string note = plan::OmittedNames(lean.engine->omissions().needs);
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
     if (cycle % 2 == 0) whole.Step();
     try {
       tripwire.BeforeStep();
       lean.Step();
       tripwire.AfterStep();
-    } catch (const runtime::Tripped& tripped) {
+    } catch (const world::OmissionGuardTripped& tripped) {
       note = fmt::format("starts again in cycle {} with all walls: {}", cycle, tripped.what());
       if (cycle % 2 == 1) whole.Step();
       break;
     }
     if (cycle % 2 == 1) whole.Step();
-    if (runtime::StateHash(*whole.engine) != runtime::StateHash(*lean.engine)) {
+    if (probes::StateHash(*whole.engine) != probes::StateHash(*lean.engine)) {
       fmt::print(stderr, "cycle {}: the two worlds went different ways\n", cycle);
       std::exit(1);
     }
@@ -85,11 +85,11 @@ Result RunRound(const compiler::Scene& scene, std::uint64_t cycles, std::uint64_
           whole.heap, lean.heap, note};
 }
 
-void RunScene(const std::string& name, compiler::Scene scene, std::uint64_t rounds,
+void RunScene(const std::string& name, plan::Scene scene, std::uint64_t rounds,
               std::uint64_t cycles) {
-  if (scene.world.WordOr("precision") != runtime::EnginePrecision()) return;
-  scene.world.values.insert_or_assign("record", compiler::WordList{"timing"});
-  scene.world.values.insert_or_assign("omit", compiler::WordList{"auto"});
+  if (scene.world.WordOr("precision") != world::EnginePrecision()) return;
+  scene.world.values.insert_or_assign("record", schema::WordList{"timing"});
+  scene.world.values.insert_or_assign("omit", schema::WordList{"auto"});
   cycles = std::min(cycles, scene.world.Count("cycles"));
   std::vector<Result> results;
   for (std::uint64_t round = 0; round < rounds; ++round)
@@ -113,17 +113,19 @@ void RunScene(const std::string& name, compiler::Scene scene, std::uint64_t roun
 }  // namespace
 }  // namespace cdb::bench
 
+using namespace cdb;
+using namespace cdb::bench;
+
 int main(int argc, char** argv) {
-  using namespace cdb;
-  const bench::ScenarioRuns runs(argc, argv, {5, 200, CDB_SOURCE_DIR "/tests/bench/omit.cdb"});
+  const ScenarioRuns runs(argc, argv, {5, 200, CDB_SOURCE_DIR "/tests/bench/omit.cdb"});
   fmt::print(
       "{} precision, {} rounds of up to {} cycles; medians; ratio: none / auto, with the "
       "range of the rounds\n",
-      runtime::EnginePrecision(), runs.rounds, runs.cycles);
+      world::EnginePrecision(), runs.rounds, runs.cycles);
   fmt::print("{:<18} {:>6} {:>9} {:>9} {:>6} {:>15} {:>8} {:>8} {:>8} {:>8}\n", "scene", "N",
              "none, us", "auto, us", "ratio", "range", "build us", "auto", "heap kB", "auto");
-  const bool good = runs.ForEach([&](const std::string& name, const compiler::Scene& scene) {
-    bench::RunScene(name, scene, runs.rounds, runs.cycles);
+  const bool good = runs.ForEach([&](const std::string& name, const plan::Scene& scene) {
+    RunScene(name, scene, runs.rounds, runs.cycles);
   });
   return good ? 0 : 1;
 }

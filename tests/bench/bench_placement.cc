@@ -24,7 +24,7 @@
 
 namespace {
 
-using cdb::test::SetGroup;
+using cdb::tests::SetGroup;
 
 /// Of this process's only thread, so that a busy machine does not count.
 double Seconds(auto work) {
@@ -49,9 +49,9 @@ double PeakMemory() {
 }
 
 /// Of every position's bits: the same number, the same places.
-std::uint64_t HashOf(const cdb::library::InitialState& state) {
+std::uint64_t HashOf(const cdb::layouts::InitialState& state) {
   std::uint64_t hash = 0xcbf29ce484222325;
-  for (const cdb::library::ObjectState& object : state.objects)
+  for (const cdb::layouts::ObjectState& object : state.objects)
     for (const double x : object.pose.position)
       hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x100000001b3;
   return hash;
@@ -61,15 +61,15 @@ struct Case {
   std::string_view name;
   enum { kSpheres, kCuboids, kMixed } type;
   double fill;  ///< of the cube; 0 for the paper's cube, 50 m along an edge for each object
-  cdb::compiler::Value layout;
+  cdb::schema::Value layout;
 };
 
 std::vector<Case> Cases() {
-  const cdb::compiler::Value uniform = cdb::test::Word("uniform");
-  const cdb::compiler::Value normal = cdb::test::Word("normal");
+  const cdb::schema::Value uniform = cdb::tests::Word("uniform");
+  const cdb::schema::Value normal = cdb::tests::Word("normal");
   const auto layout = [](std::string_view name,
-                         const std::map<std::string_view, cdb::compiler::Value>& arguments = {}) {
-    return cdb::test::Layout(name, arguments);
+                         const std::map<std::string_view, cdb::schema::Value>& arguments = {}) {
+    return cdb::tests::Layout(name, arguments);
   };
   return {
       {"spheres, paper", Case::kSpheres, 0, uniform},
@@ -98,29 +98,29 @@ constexpr double kLongEnough = 10;
 
 void Measure(const Case& scenario, std::uint64_t objects) {
   const double n = static_cast<double>(objects);
-  cdb::compiler::Scene scene = cdb::test::DefaultScene(objects, 50 * n);
+  cdb::plan::Scene scene = cdb::tests::DefaultScene(objects, 50 * n);
   if (scenario.type == Case::kMixed) {
-    SetGroup(scene, "type", cdb::test::AnyType());
-    SetGroup(scene, "size", cdb::test::Uniform(10.0, 90.0));
-    SetGroup(scene, "orientation", cdb::test::Word("random"));
+    SetGroup(scene, "type", cdb::tests::AnyType());
+    SetGroup(scene, "size", cdb::tests::Uniform(10.0, 90.0));
+    SetGroup(scene, "orientation", cdb::tests::Word("random"));
   } else if (scenario.type == Case::kCuboids) {
-    SetGroup(scene, "type", cdb::test::Word("cuboid"));
+    SetGroup(scene, "type", cdb::tests::Word("cuboid"));
   }
   SetGroup(scene, "location", scenario.layout);
   if (scenario.fill > 0) {
-    const double fill = cdb::library::DrawObjects(scene).fill_fraction;
+    const double fill = cdb::layouts::DrawObjects(scene).fill_fraction;
     const double side = 50 * n * std::cbrt(fill / scenario.fill * (1 + 1e-12));
-    cdb::test::SetWorld(scene, "world.side", side);
+    cdb::tests::SetWorld(scene, "world.side", side);
   }
-  cdb::library::InitialState state;
+  cdb::layouts::InitialState state;
   std::vector<double> draws, places;
   double memory = 0, total = 0;
   while (places.size() < kRounds && total < kLongEnough) {
-    draws.push_back(Seconds([&] { state = cdb::library::DrawObjects(scene); }));
+    draws.push_back(Seconds([&] { state = cdb::layouts::DrawObjects(scene); }));
     ForgetPeak();
     const double before = PeakMemory();
     try {
-      places.push_back(Seconds([&] { cdb::library::Place(scene, state); }));
+      places.push_back(Seconds([&] { cdb::layouts::Place(scene, state); }));
     } catch (const cdb::library::SceneError& error) {
       // A small cube is full earlier, as its walls keep a larger part of it free.
       fmt::print("{:<18} {:>9} {}\n", scenario.name, objects, error.what());

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "library/layouts/initial_state.h"
-#include "runtime/engine/engine.h"
-#include "runtime/engine/precision.h"
-#include "runtime/engine/probes.h"
-#include "runtime/engine/state_hash.h"
+#include "runtime/engine/probes/probes.h"
+#include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
 #include "tests/bench/scenario_runs.h"
 
@@ -30,33 +30,33 @@ constexpr std::uint64_t kSettle = 5;
 /// One of the two worlds, and what its cycles took.
 class Side {
  public:
-  Side(compiler::Scene scene, const library::InitialState& state, compiler::WordList record)
+  Side(plan::Scene scene, const layouts::InitialState& state, schema::WordList record)
       : scene_(With(std::move(scene), std::move(record))),
-        recording_(runtime::Recording::Create(scene_)),
-        engine_(scene_, state, runtime::KeepEverything(scene_)),
+        recording_(measure::Recording::Create(scene_)),
+        engine_(scene_, state, pruning::KeepEverything(scene_)),
         probes_(scene_, engine_, recording_, -1) {
     probes_.Begin();
   }
   void Step(std::uint64_t cycle) {
     engine_.Step();
-    const auto begin = runtime::Now();
+    const auto begin = world::Now();
     probes_.Record(cycle);
-    probe_ns.push_back(static_cast<double>(runtime::Now() - begin));
-    steps.push_back(engine_.timed_world()->Durations()[runtime::kStep]);
+    probe_ns.push_back(static_cast<double>(world::Now() - begin));
+    steps.push_back(engine_.timed_world()->Durations()[measure::IndexOf(measure::Phase::kStep)]);
   }
-  std::string Hash() const { return runtime::StateHash(engine_); }
+  std::string Hash() const { return probes::StateHash(engine_); }
 
   std::vector<double> steps, probe_ns;
 
  private:
-  static compiler::Scene With(compiler::Scene scene, compiler::WordList record) {
+  static plan::Scene With(plan::Scene scene, schema::WordList record) {
     scene.world.values.insert_or_assign("record", std::move(record));
     return scene;
   }
-  const compiler::Scene scene_;
-  runtime::Recording recording_;
-  runtime::Engine engine_;
-  runtime::Probes probes_;
+  const plan::Scene scene_;
+  measure::Recording recording_;
+  world::Engine engine_;
+  probes::Probes probes_;
 };
 
 struct Result {
@@ -64,13 +64,13 @@ struct Result {
   double change;  ///< of the median cycle
 };
 
-Result RunRound(const compiler::Scene& scene, std::uint64_t cycles, std::uint64_t round) {
-  const library::InitialState state = library::MakeInitialState(scene);
+Result RunRound(const plan::Scene& scene, std::uint64_t cycles, std::uint64_t round) {
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   std::optional<Side> alone_side, probed_side;
   // Whoever comes first gets the smoother memory.
-  if (round % 2 == 0) alone_side.emplace(scene, state, compiler::WordList{"timing"});
-  probed_side.emplace(scene, state, compiler::WordList{"timing", "counts", "stability"});
-  if (round % 2 == 1) alone_side.emplace(scene, state, compiler::WordList{"timing"});
+  if (round % 2 == 0) alone_side.emplace(scene, state, schema::WordList{"timing"});
+  probed_side.emplace(scene, state, schema::WordList{"timing", "counts", "stability"});
+  if (round % 2 == 1) alone_side.emplace(scene, state, schema::WordList{"timing"});
   Side &alone = *alone_side, &probed = *probed_side;
   std::vector<double> ratios;
   for (std::uint64_t begin = 0; begin < cycles; begin += kBlock) {
@@ -91,10 +91,10 @@ Result RunRound(const compiler::Scene& scene, std::uint64_t cycles, std::uint64_
   return {Median(alone.steps) / 1e3, Median(probed.probe_ns) / 1e3, Median(ratios) - 1};
 }
 
-void RunScene(const std::string& name, compiler::Scene scene, std::uint64_t rounds,
+void RunScene(const std::string& name, plan::Scene scene, std::uint64_t rounds,
               std::uint64_t cycles) {
   scene.world.values.insert_or_assign("precision",
-                                      compiler::Word{std::string(runtime::EnginePrecision())});
+                                      schema::Word{std::string(world::EnginePrecision())});
   cycles = std::min(cycles, scene.world.Count("cycles"));
   std::vector<double> changes, steps, probes;
   for (std::uint64_t round = 0; round < rounds; ++round) {
@@ -112,15 +112,17 @@ void RunScene(const std::string& name, compiler::Scene scene, std::uint64_t roun
 }  // namespace
 }  // namespace cdb::bench
 
+using namespace cdb;
+using namespace cdb::bench;
+
 int main(int argc, char** argv) {
-  using namespace cdb;
-  const bench::ScenarioRuns runs(argc, argv, {8, 400, CDB_SOURCE_DIR "/tests/bench/probes.cdb"});
+  const ScenarioRuns runs(argc, argv, {8, 400, CDB_SOURCE_DIR "/tests/bench/probes.cdb"});
   fmt::print("{} precision, {} rounds of up to {} cycles; medians, and the range of the rounds\n",
-             runtime::EnginePrecision(), runs.rounds, runs.cycles);
+             world::EnginePrecision(), runs.rounds, runs.cycles);
   fmt::print("{:<18} {:>6} {:>10} {:>10} {:>9} {:>17}\n", "scene", "N", "step, us", "probes, us",
              "change, %", "range");
-  const bool good = runs.ForEach([&](const std::string& name, const compiler::Scene& scene) {
-    bench::RunScene(name, scene, runs.rounds, runs.cycles);
+  const bool good = runs.ForEach([&](const std::string& name, const plan::Scene& scene) {
+    RunScene(name, scene, runs.rounds, runs.cycles);
   });
   return good ? 0 : 1;
 }

@@ -13,29 +13,28 @@
 #include <string>
 #include <vector>
 
-#include "runtime/engine/engine.h"
-#include "runtime/engine/precision.h"
-#include "runtime/engine/state_hash.h"
+#include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
 #include "tests/library/test_scene.h"
 
 namespace cdb::bench {
 namespace {
 
-using Durations = std::array<double, runtime::kPhaseCount>;
+using Durations = std::array<double, measure::kPhaseCount>;
 
-compiler::Scene MakeScene(bool is_pile, std::uint64_t quantity, const char* order) {
-  using namespace test;
-  compiler::Scene scene = DefaultScene(quantity, 2 * std::cbrt(static_cast<double>(quantity)));
-  SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
-  SetWorld(scene, "record", compiler::WordList{"timing"});
-  SetWorld(scene, "pair_order", Word(order));
-  SetWorld(scene, "timestep", 1.0 / 60);
-  SetWorld(scene, "sleeping", false);
-  SetWorld(scene, "acceleration", Eigen::Vector3d(0, is_pile ? -9.8 : 0, 0));
-  SetGroup(scene, "size", 1.2);
-  SetGroup(scene, "restitution", is_pile ? 0.2 : 1.0);
-  SetGroup(scene, "linear_velocity", Normal(0.0, 3.0));
+plan::Scene MakeScene(bool is_pile, std::uint64_t quantity, const char* order) {
+  plan::Scene scene = tests::DefaultScene(quantity, 2 * std::cbrt(static_cast<double>(quantity)));
+  tests::SetWorld(scene, "precision", tests::Word(world::EnginePrecision()));
+  tests::SetWorld(scene, "record", schema::WordList{"timing"});
+  tests::SetWorld(scene, "pair_order", tests::Word(order));
+  tests::SetWorld(scene, "timestep", 1.0 / 60);
+  tests::SetWorld(scene, "sleeping", false);
+  tests::SetWorld(scene, "acceleration", Eigen::Vector3d(0, is_pile ? -9.8 : 0, 0));
+  tests::SetGroup(scene, "size", 1.2);
+  tests::SetGroup(scene, "restitution", is_pile ? 0.2 : 1.0);
+  tests::SetGroup(scene, "linear_velocity", tests::Normal(0.0, 3.0));
   return scene;
 }
 
@@ -45,31 +44,31 @@ struct Ratios {
   double broad_us, detect_us, step_us;  ///< alone
 };
 
-Ratios RunRound(const compiler::Scene& scene, const library::InitialState& state, int warmup,
+Ratios RunRound(const plan::Scene& scene, const layouts::InitialState& state, int warmup,
                 int cycles, int round) {
-  const auto omissions = runtime::KeepEverything(scene);
-  runtime::Detectors detectors{.broad = runtime::MakeDetector("dbvt", scene), .narrow = {}};
-  std::unique_ptr<runtime::Engine> alone, through;
+  const auto omissions = pruning::KeepEverything(scene);
+  detection::Detectors detectors{.broad = detection::MakeDetector("dbvt", scene), .narrow = {}};
+  std::unique_ptr<world::Engine> alone, through;
   const auto make_alone = [&] {
-    alone = std::make_unique<runtime::Engine>(scene, state, omissions, runtime::Detectors{});
+    alone = std::make_unique<world::Engine>(scene, state, omissions, detection::Detectors{});
   };
   // Whoever comes first gets the smoother memory.
   if (round % 2 == 0) make_alone();
-  through = std::make_unique<runtime::Engine>(scene, state, omissions, detectors);
+  through = std::make_unique<world::Engine>(scene, state, omissions, detectors);
   if (round % 2 == 1) make_alone();
   const bool are_alike = scene.world.WordOr("pair_order") == "sorted";
   std::vector<double> times[2][3];
   for (int cycle = 0; cycle < warmup + cycles; ++cycle) {
     for (const int which : {cycle % 2, 1 - cycle % 2}) {
-      runtime::Engine& engine = which == 0 ? *alone : *through;
+      world::Engine& engine = which == 0 ? *alone : *through;
       engine.Step();
       if (cycle < warmup) continue;
       const Durations durations = engine.timed_world()->Durations();
-      times[which][0].push_back(durations[runtime::kBroad]);
-      times[which][1].push_back(durations[runtime::kDetect]);
-      times[which][2].push_back(durations[runtime::kStep]);
+      times[which][0].push_back(durations[measure::IndexOf(measure::Phase::kBroad)]);
+      times[which][1].push_back(durations[measure::IndexOf(measure::Phase::kDetect)]);
+      times[which][2].push_back(durations[measure::IndexOf(measure::Phase::kStep)]);
     }
-    if (are_alike && runtime::StateHash(*alone) != runtime::StateHash(*through)) {
+    if (are_alike && probes::StateHash(*alone) != probes::StateHash(*through)) {
       fmt::print(stderr, "cycle {}: the two worlds went different ways\n", cycle);
       std::exit(1);
     }
@@ -84,8 +83,8 @@ Ratios RunRound(const compiler::Scene& scene, const library::InitialState& state
 }
 
 void Run(bool is_pile, std::uint64_t quantity, const char* order, int rounds, int cycles) {
-  const compiler::Scene scene = MakeScene(is_pile, quantity, order);
-  const library::InitialState state = library::MakeInitialState(scene);
+  const plan::Scene scene = MakeScene(is_pile, quantity, order);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   std::vector<Ratios> results;
   for (int round = 0; round < rounds; ++round)
     results.push_back(RunRound(scene, state, is_pile ? 200 : 20, cycles, round));
@@ -105,6 +104,9 @@ void Run(bool is_pile, std::uint64_t quantity, const char* order, int rounds, in
 }  // namespace
 }  // namespace cdb::bench
 
+using namespace cdb;
+using namespace cdb::bench;
+
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::atoi(argv[1]) : 5;
   const int cycles = argc > 2 ? std::atoi(argv[2]) : 100;
@@ -112,11 +114,11 @@ int main(int argc, char** argv) {
   fmt::print(
       "{} precision, {} rounds of {} cycles; through the interface / alone, medians and the "
       "range of the rounds\n",
-      cdb::runtime::EnginePrecision(), rounds, cycles);
+      world::EnginePrecision(), rounds, cycles);
   fmt::print("{:<5} {:>5} {:<7} {:>8} {:>8} {:>8}  {:<25} {:<25} {}\n", "scene", "N", "pairs",
              "broad us", "detect", "step", "broad", "detect", "step");
   for (const char* order : {"listed", "sorted"})
     for (const bool is_pile : {false, true})
       for (const std::uint64_t quantity : {216, 1000, 5000})
-        if (quantity <= most) cdb::bench::Run(is_pile, quantity, order, rounds, cycles);
+        if (quantity <= most) Run(is_pile, quantity, order, rounds, cycles);
 }

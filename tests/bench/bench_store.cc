@@ -31,39 +31,40 @@ class Stopwatch {
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace cdb::runtime;
+  using namespace cdb;
   const int runs = argc > 1 ? std::atoi(argv[1]) : 1000;
   const int cycles = argc > 2 ? std::atoi(argv[2]) : 1000;
   std::vector<double> quantities;
   for (int i = 1; i <= runs / 10; ++i) quantities.push_back(i * 10);
-  const cdb::compiler::Plan plan =
-      MakePlan({NumberAxis("quantity", quantities), TextAxis("detector", {"simple", "dbvt"})}, 5,
-               {.cycles = static_cast<std::uint64_t>(cycles)});
-  const Provenance provenance = TestProvenance();
-  const TemporaryFolder folder;
+  const cdb::plan::Plan plan = tests::MakePlan(
+      {tests::NumberAxis("quantity", quantities), tests::TextAxis("detector", {"simple", "dbvt"})},
+      5, {.cycles = static_cast<std::uint64_t>(cycles)});
+  const store::Provenance provenance = tests::TestProvenance();
+  const tests::TemporaryFolder folder;
   const auto n = static_cast<double>(plan.runs.size());
-  const FakeResult fake(plan.runs.front());
+  const tests::FakeResult fake(plan.runs.front());
   {
-    const ShardWriter writer(plan, provenance);
+    const store::ShardWriter writer(plan, provenance);
     const Stopwatch watch;
     for (const auto& run : plan.runs) writer.Write(run, fake.result, folder.path());
     watch.Print("write a shard, with fsync", n);
   }
   {
     const Stopwatch watch;
-    for (const auto& run : plan.runs) ReadShardInfo(folder / (run.id + ".h5"));
+    for (const auto& run : plan.runs) store::ReadShardInfo(folder / (run.id + ".h5"));
     watch.Print("look at a shard", n);
   }
   {
     const Stopwatch watch;
-    Merge(plan, provenance, folder.path(), folder / "out.h5");
+    store::Merge(plan, provenance, folder.path(), folder / "out.h5");
     watch.Print(fmt::format("merge {} runs", plan.runs.size()), 1);
   }
   const Stopwatch watch;
-  const ResultFile result(folder / "out.h5");
+  const store::ResultFile result(folder / "out.h5");
   double sum_ns = 0;
   for (const auto& run : plan.runs)
-    for (const double ns : result.ReadDuration(kStep, {run.at, run.rep})) sum_ns += ns;
+    for (const double ns : result.ReadDuration(measure::Phase::kStep, {run.at, run.rep}))
+      sum_ns += ns;
   watch.Print("read the step times of a run", n);
   fmt::print("{} cycles a run, {} ns in all\n", cycles, sum_ns);
 }

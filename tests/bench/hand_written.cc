@@ -19,22 +19,22 @@ double NowNs() {
 
 }  // namespace
 
-HandWritten::HandWritten(const library::InitialState& state, double side) {
+HandWritten::HandWritten(const layouts::InitialState& state, double side) {
   world_.setGravity(ToBullet(state.acceleration));
   // One shape for each type, as all objects are of one size.
   btCollisionShape* by_type[4] = {};
-  for (const library::ObjectState& object : state.objects) {
+  for (const layouts::ObjectState& object : state.objects) {
     btCollisionShape*& shape = by_type[static_cast<int>(object.solid.shape)];
     if (shape == nullptr) {
       const btVector3 half = ToBullet(object.solid.HalfExtents());
       switch (object.solid.shape) {
-        case library::Shape::kEllipsoid:
+        case objects::Shape::kEllipsoid:
           shape = new btSphereShape(half.x());
           break;
-        case library::Shape::kCuboid:
+        case objects::Shape::kCuboid:
           shape = new btBoxShape(half);
           break;
-        case library::Shape::kCylinder:
+        case objects::Shape::kCylinder:
           shape = new btCylinderShape(half);
           break;
         default:

@@ -14,7 +14,7 @@ namespace cdb::bench {
 /// Spheres, cuboids and circular cylinders; `dbvt`, six planes, everything else Bullet's default.
 class HandWritten {
  public:
-  HandWritten(const library::InitialState& state, double side);
+  HandWritten(const layouts::InitialState& state, double side);
   ~HandWritten();
   HandWritten(const HandWritten&) = delete;
   HandWritten& operator=(const HandWritten&) = delete;

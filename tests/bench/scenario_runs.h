@@ -43,7 +43,7 @@ struct ScenarioRuns {
         fmt::print(stderr, "{}: has errors; see cdb check\n", file);
         return false;
       }
-      for (const compiler::Plan& plan : result.plans) run(plan.benchmark, plan.runs.back().scene);
+      for (const plan::Plan& plan : result.plans) run(plan.benchmark, plan.runs.back().scene);
     }
     return true;
   }

@@ -1,29 +1,29 @@
 // What the language means: axes, lets, cases, bases, skips, files.
 #include <gtest/gtest.h>
 
-#include "compiler/calls.h"
-#include "compiler/plan.h"
-#include "compiler/sha256.h"
+#include "compiler/plan/plan.h"
+#include "compiler/plan/sha256.h"
+#include "compiler/schema/parametrised_words.h"
 #include "dsl/render.h"
 #include "tests/compiler/memory_files.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 namespace {
 
-Plan PlanOf(const std::string& text, std::map<std::string, std::string> others = {},
-            std::size_t index = 0) {
-  Compilation result = CompileText(text, std::move(others));
+plan::Plan PlanOf(const std::string& text, std::map<std::string, std::string> others = {},
+                  std::size_t index = 0) {
+  compiler::Compilation result = CompileText(text, std::move(others));
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
-  return index < result.plans.size() ? result.plans[index] : Plan();
+  return index < result.plans.size() ? result.plans[index] : plan::Plan();
 }
 
 /// `name: 1 2 3` for each axis.
-std::string Axes(const Plan& plan) {
+std::string Axes(const plan::Plan& plan) {
   std::string text;
-  for (const Axis& axis : plan.axes) {
+  for (const plan::Axis& axis : plan.axes) {
     text += (text.empty() ? "" : "; ") + axis.name + ":";
-    for (const Coordinate& value : axis.values)
-      text += " " + (value.index() == 0 ? FormatReal(std::get<double>(value))
+    for (const plan::Coordinate& value : axis.values)
+      text += " " + (value.index() == 0 ? schema::FormatReal(std::get<double>(value))
                                         : std::get<std::string>(value));
   }
   return text;
@@ -43,7 +43,7 @@ TEST(Sweep, RangesHitTheirEnd) {
 }
 
 TEST(Sweep, EveryValueOfALongRangeIsTheNearestDouble) {
-  const Plan plan = PlanOf("benchmark b { objects.mass sweep(0.1 .. 100 step 0.1) }");
+  const plan::Plan plan = PlanOf("benchmark b { objects.mass sweep(0.1 .. 100 step 0.1) }");
   ASSERT_EQ(plan.axes[0].values.size(), 1000u);
   EXPECT_EQ(std::get<double>(plan.axes[0].values.back()), 100.0);
   for (std::size_t i = 0; i + 1 < 1000; ++i)
@@ -51,7 +51,7 @@ TEST(Sweep, EveryValueOfALongRangeIsTheNearestDouble) {
 }
 
 TEST(Sweep, TheFirstWrittenVariesSlowest) {
-  const Plan plan =
+  const plan::Plan plan =
       PlanOf("benchmark b { detector sweep(sap, dbvt); objects.quantity sweep(1, 2, 3) }");
   EXPECT_EQ(Axes(plan), "detector: sap dbvt; quantity: 1 2 3");
   ASSERT_EQ(plan.runs.size(), 6u);
@@ -70,7 +70,7 @@ TEST(Sweep, AxesTakeTheNameOfWhatTheyMove) {
 }
 
 TEST(Sweep, AnArgumentsAxisHasTheNameOfBoth) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { objects { location ring(radius: 10 * sweep(1, 2)) }\n"
       "objects rock { quantity 1; location at (0, sweep(5, 6), 0) }\n"
       "acceleration rotating((0, -9.8, sweep(0, 1)), (0, 0, 1), period: sweep(2, 4)) }");
@@ -84,10 +84,10 @@ TEST(Sweep, AnArgumentsAxisHasTheNameOfBoth) {
     EXPECT_EQ(plan.axes[i].parameter, parameters[i]);
   }
   ASSERT_EQ(plan.runs.size(), 16u);
-  const Scene& last = plan.runs.back().scene;
-  EXPECT_EQ(ToText(last.groups[0].settings.Get("location")), "ring(radius: 20)");
-  EXPECT_EQ(ToText(last.groups[1].settings.Get("location")), "at(0, 6, 0)");
-  EXPECT_EQ(ToText(last.world.Get("acceleration")), "rotating((0, -9.8, 1), (0, 0, 1), 4)");
+  const plan::Scene& last = plan.runs.back().scene;
+  EXPECT_EQ(schema::ToText(last.groups[0].settings.Get("location")), "ring(radius: 20)");
+  EXPECT_EQ(schema::ToText(last.groups[1].settings.Get("location")), "at(0, 6, 0)");
+  EXPECT_EQ(schema::ToText(last.world.Get("acceleration")), "rotating((0, -9.8, 1), (0, 0, 1), 4)");
 }
 
 TEST(Sweep, AnArgumentsAxisInALetOrUnderAName) {
@@ -100,18 +100,21 @@ TEST(Sweep, AnArgumentsAxisInALetOrUnderAName) {
   EXPECT_EQ(Axes(PlanOf("benchmark b { objects.location ring radius: sweep(1, 2) as wide }")),
             "wide: 1 2");
   // A let of the same name is one in the argument, where the layout has no such word.
-  const Plan plan = PlanOf("let ring = sweep(1, 2)\nbenchmark b { objects.location ring(ring) }");
+  const plan::Plan plan =
+      PlanOf("let ring = sweep(1, 2)\nbenchmark b { objects.location ring(ring) }");
   EXPECT_EQ(Axes(plan), "ring: 1 2");
-  EXPECT_EQ(ToText(plan.runs[1].scene.groups[0].settings.Get("location")), "ring(radius: 2)");
+  EXPECT_EQ(schema::ToText(plan.runs[1].scene.groups[0].settings.Get("location")),
+            "ring(radius: 2)");
 }
 
 TEST(Sweep, WordsWithArgumentsMayBeValues) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { objects.location sweep(uniform, grid, ring radius: 3, ring(2 * 2))\n"
       "skip when objects.location == grid or location == ring(radius: 4) }");
   EXPECT_EQ(Axes(plan), "location: uniform grid ring(radius: 3) ring(radius: 4)");
   EXPECT_EQ(plan.skipped, (std::vector<std::vector<std::size_t>>{{1}, {3}}));
-  EXPECT_EQ(plan.runs[0].scene.groups[0].settings.Get("location"), Value(Word{"uniform"}));
+  EXPECT_EQ(plan.runs[0].scene.groups[0].settings.Get("location"),
+            schema::Value(schema::Word{"uniform"}));
 }
 
 TEST(Word, HasAllArgumentsInTheOrderOfItsRow) {
@@ -121,15 +124,15 @@ TEST(Word, HasAllArgumentsInTheOrderOfItsRow) {
         .scene.groups[0]
         .settings.Get("location");
   };
-  const Value fit = Word{"fit"}, all = Word{"all"};
-  EXPECT_EQ(location("grid"), Value(Call{"grid", {fit}}));
-  EXPECT_EQ(location("grid()"), Value(Call{"grid", {fit}}));
-  EXPECT_EQ(location("grid spacing: 3"), Value(Call{"grid", {3.0}}));
-  EXPECT_EQ(location("stack"), Value(Call{"stack", {all, fit, fit}}));
+  const schema::Value fit = schema::Word{"fit"}, all = schema::Word{"all"};
+  EXPECT_EQ(location("grid"), schema::Value(schema::Call{"grid", {fit}}));
+  EXPECT_EQ(location("grid()"), schema::Value(schema::Call{"grid", {fit}}));
+  EXPECT_EQ(location("grid spacing: 3"), schema::Value(schema::Call{"grid", {3.0}}));
+  EXPECT_EQ(location("stack"), schema::Value(schema::Call{"stack", {all, fit, fit}}));
   EXPECT_EQ(location("stack(spacing: 4, height: 2)"),
-            Value(Call{"stack", {std::uint64_t{2}, fit, 4.0}}));
+            schema::Value(schema::Call{"stack", {std::uint64_t{2}, fit, 4.0}}));
   EXPECT_EQ(location("stack(2, fit, spacing: 4)"), location("stack(spacing: 4, height: 2)"));
-  EXPECT_EQ(location("ring radius: quantity / 4"), Value(Call{"ring", {2.5}}));
+  EXPECT_EQ(location("ring radius: quantity / 4"), schema::Value(schema::Call{"ring", {2.5}}));
 }
 
 TEST(Word, MeansTheSameInALetOrAnyScope) {
@@ -144,35 +147,40 @@ TEST(Word, MeansTheSameInALetOrAnyScope) {
 constexpr const char* kRock = "v 0 0 0";
 
 TEST(Model, IsNamedFromTheFileThatSaysItAndByItsBytes) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "use \"parts/stones\"\n"
       "benchmark b { objects { type any(stone, sphere, hull file: \"./parts/../rock.OBJ\" 2) } }",
       {{"parts/stones.cdb", "let stone = mesh(\"rock.obj\")"},
        {"parts/rock.obj", kRock},
        {"rock.OBJ", "v 1 1 1"}});
-  const auto& type = std::get<Distribution>(plan.runs.at(0).scene.groups[0].settings.Get("type"));
-  const Value hash = Text{Sha256Hex(kRock)};
-  EXPECT_EQ(type.arguments[0], Value(Call{"mesh", {Text{"parts/rock.obj"}, hash}}));
-  EXPECT_EQ(type.arguments[2], Value(Call{"hull", {Text{"rock.OBJ"}, Text{Sha256Hex("v 1 1 1")}}}));
+  const auto& type =
+      std::get<schema::Distribution>(plan.runs.at(0).scene.groups[0].settings.Get("type"));
+  const schema::Value hash = schema::Text{plan::Sha256Hex(kRock)};
+  EXPECT_EQ(type.arguments[0],
+            schema::Value(schema::Call{"mesh", {schema::Text{"parts/rock.obj"}, hash}}));
+  EXPECT_EQ(type.arguments[2],
+            schema::Value(schema::Call{
+                "hull", {schema::Text{"rock.OBJ"}, schema::Text{plan::Sha256Hex("v 1 1 1")}}}));
   EXPECT_EQ(type.weights, (std::vector<double>{1, 1, 2}));
 }
 
 TEST(Model, MayBeSweptAndItsHashGiven) {
   const std::map<std::string, std::string> files = {{"a.obj", kRock}, {"b.obj", "v 1 1 1"}};
-  const Plan plan = PlanOf("benchmark b { objects.type mesh(sweep(\"a.obj\", \"b.obj\")) }", files);
+  const plan::Plan plan =
+      PlanOf("benchmark b { objects.type mesh(sweep(\"a.obj\", \"b.obj\")) }", files);
   EXPECT_EQ(Axes(plan), "type_file: a.obj b.obj");
   EXPECT_NE(plan.runs[0].id, plan.runs[1].id);
   EXPECT_EQ(Axes(PlanOf("benchmark b { objects.type sweep(sphere, mesh(\"a.obj\")) }", files)),
             "type: sphere mesh(\"a.obj\")");
   const std::string given =
-      "benchmark b { objects.type mesh(\"a.obj\", sha256: \"" + Sha256Hex(kRock) + "\") }";
+      "benchmark b { objects.type mesh(\"a.obj\", sha256: \"" + plan::Sha256Hex(kRock) + "\") }";
   EXPECT_EQ(PlanOf(given, files).runs[0].id, plan.runs[0].id);
 }
 
 TEST(Model, IsReadOnce) {
   int reads = 0;
-  const Compilation result =
-      Compile("a/b.cdb", [&](const std::string& path, std::string&) -> std::optional<std::string> {
+  const compiler::Compilation result = compiler::Compile(
+      "a/b.cdb", [&](const std::string& path, std::string&) -> std::optional<std::string> {
         if (path == "a/b.cdb")
           return "benchmark b { objects { type mesh(\"r.obj\"); mass sweep(1, 2) }\n"
                  "objects c { type hull(\"x/../r.obj\") } }";
@@ -185,7 +193,7 @@ TEST(Model, IsReadOnce) {
 }
 
 TEST(Sweep, ALetIsOneAxisWhereverItIsUsed) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "let n = sweep(10, 20)\nbenchmark b { objects.quantity n; world.side 20 * n; objects.mass n "
       "/ 4 }");
   EXPECT_EQ(Axes(plan), "n: 10 20");
@@ -195,46 +203,49 @@ TEST(Sweep, ALetIsOneAxisWhereverItIsUsed) {
 }
 
 TEST(Sweep, DistributionsAndVectorsMayBeValues) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { objects { linear_velocity sweep((0, 0, 0), (1, 2, 3)); size sweep(5, "
       "uniform(1, 9))\n"
       "type any(sphere, sweep(cone, cuboid)) } }");
   EXPECT_EQ(Axes(plan),
             "linear_velocity: (0, 0, 0) (1, 2, 3); size: 5 uniform(1, 9); type: cone cuboid");
-  EXPECT_EQ(ToText(plan.runs.back().scene.groups[0].settings.Get("type")), "any(sphere, cuboid)");
+  EXPECT_EQ(schema::ToText(plan.runs.back().scene.groups[0].settings.Get("type")),
+            "any(sphere, cuboid)");
 }
 
 TEST(Sweep, SeedsOf64BitsStayExact) {
-  const Plan plan = PlanOf("benchmark b { seed sweep(1, 0xFFFFFFFFFFFFFFFF) }");
+  const plan::Plan plan = PlanOf("benchmark b { seed sweep(1, 0xFFFFFFFFFFFFFFFF) }");
   EXPECT_EQ(Axes(plan), "seed: 1 18446744073709551615");
   EXPECT_EQ(plan.runs[1].scene.world.Count("seed"), 0xFFFFFFFFFFFFFFFFu);
 }
 
 TEST(Value, ParametersMayBeUsedLikeLets) {
-  const Plan plan = PlanOf("benchmark b { objects { quantity 3 } world.side 7 * quantity }\n");
+  const plan::Plan plan =
+      PlanOf("benchmark b { objects { quantity 3 } world.side 7 * quantity }\n");
   EXPECT_EQ(plan.runs[0].scene.world.Real("world.side"), 21);
 }
 
 TEST(Value, TheCubeGrowsWithAllObjects) {
-  const Plan plan = PlanOf("benchmark b { objects { quantity 3 } objects more { quantity 4 } }");
+  const plan::Plan plan =
+      PlanOf("benchmark b { objects { quantity 3 } objects more { quantity 4 } }");
   EXPECT_EQ(plan.runs[0].scene.world.Real("world.side"), 350);
   EXPECT_EQ(PlanOf("benchmark b { objects.quantity 0 }").runs[0].scene.world.Real("world.side"),
             50);
 }
 
 TEST(Base, LaysItsOwnOver) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark a { cycles sweep(1, 2); let s = 4; objects { size s; mass 2 } }\n"
       "benchmark b from a { objects.mass 3; cycles sweep(7, 8); let s = 5; detector sap }",
       {}, 1);
   EXPECT_EQ(Axes(plan), "cycles: 7 8");
-  const Settings& objects = plan.runs[0].scene.groups[0].settings;
+  const plan::Settings& objects = plan.runs[0].scene.groups[0].settings;
   EXPECT_EQ(objects.Real("mass"), 3);
   EXPECT_EQ(objects.Real("size"), 5);
 }
 
 TEST(Cases, AreAnAxisAndMaySweep) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { objects.size 20; cases load { calm { } storm { objects.size sweep(10, 20) } } "
       "}");
   EXPECT_EQ(Axes(plan), "load: calm storm; size: 20 10");
@@ -243,7 +254,7 @@ TEST(Cases, AreAnAxisAndMaySweep) {
 }
 
 TEST(Cases, WithoutAValueForAnAxisHaveNone) {
-  const Plan plan =
+  const plan::Plan plan =
       PlanOf("benchmark b { cases { a { } b { objects grit { quantity sweep(1, 2) } } } }");
   EXPECT_EQ(Axes(plan), "case: a b; grit_quantity: none 1 2");
   EXPECT_EQ(plan.runs.size(), 3u);
@@ -253,7 +264,7 @@ TEST(Cases, WithoutAValueForAnAxisHaveNone) {
 }
 
 TEST(Cases, TwoAreTheirProduct) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { cases x { a { cycles 1 } b { cycles 2 } } cases y { c { } d { objects.size 1 "
       "} } }");
   EXPECT_EQ(Axes(plan), "x: a b; y: c d");
@@ -275,7 +286,7 @@ TEST(Cases, AnArgumentThatIsNotSweptHasItsValue) {
 }
 
 TEST(Skip, LeavesPointsOut) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "let big = 2\nbenchmark b { objects.quantity sweep(1, 2, 3); detector sweep(simple, dbvt)\n"
       "skip when quantity > big and detector == simple or not (quantity >= 2) }");
   EXPECT_EQ(plan.skipped, (std::vector<std::vector<std::size_t>>{{0, 0}, {0, 1}, {2, 0}}));
@@ -283,7 +294,7 @@ TEST(Skip, LeavesPointsOut) {
 }
 
 TEST(Skip, SavesAPointThatCouldNotBeRun) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { objects.quantity sweep(10, 20000); detector sweep(sap, dbvt)\n"
       "skip when quantity > 16378 and detector == sap }");
   EXPECT_EQ(plan.runs.size(), 3u);
@@ -291,8 +302,8 @@ TEST(Skip, SavesAPointThatCouldNotBeRun) {
 
 TEST(Use, BringsLetsAndBenchmarks) {
   const std::string used = "let side = 123\nbenchmark base { world.side side; cycles 3 }";
-  const Plan plan = PlanOf("use \"base\"\nbenchmark b from base { objects.size side / 10 }",
-                           {{"base.cdb", used}});
+  const plan::Plan plan = PlanOf("use \"base\"\nbenchmark b from base { objects.size side / 10 }",
+                                 {{"base.cdb", used}});
   EXPECT_EQ(plan.runs[0].scene.world.Real("world.side"), 123);
   EXPECT_EQ(plan.runs[0].scene.groups[0].settings.Real("size"), 12.3);
   EXPECT_EQ(PlanOf("use \"x/y\"\nbenchmark b from base { }", {{"lib/x/y.cdb", used}}).runs.size(),
@@ -302,25 +313,28 @@ TEST(Use, BringsLetsAndBenchmarks) {
 }
 
 TEST(Omit, IsAnAxisOfWordsLikeAnyOther) {
-  const Plan plan = PlanOf("benchmark b { detector sap; omit sweep(none, auto, sleeping) }");
+  const plan::Plan plan = PlanOf("benchmark b { detector sap; omit sweep(none, auto, sleeping) }");
   EXPECT_EQ(Axes(plan), "omit: none auto sleeping");
   EXPECT_EQ(plan.axes[0].parameter, "omit");
   ASSERT_EQ(plan.runs.size(), 3u);
   const char* words[] = {"none", "auto", "sleeping"};
   for (std::size_t i = 0; i < 3; ++i)
-    EXPECT_EQ(plan.runs[i].scene.world.Get("omit"), Value(WordList{words[i]})) << i;
+    EXPECT_EQ(plan.runs[i].scene.world.Get("omit"), schema::Value(schema::WordList{words[i]})) << i;
   EXPECT_EQ(Axes(PlanOf("let mode = sweep(none, auto)\nbenchmark b { omit mode }")),
             "mode: none auto");
-  const Plan lists = PlanOf("let part = walls\nbenchmark b { omit sweep(pools, solver), part }");
+  const plan::Plan lists =
+      PlanOf("let part = walls\nbenchmark b { omit sweep(pools, solver), part }");
   EXPECT_EQ(Axes(lists), "omit: pools solver");
-  EXPECT_EQ(lists.runs[1].scene.world.Get("omit"), Value(WordList{"solver", "walls"}));
+  EXPECT_EQ(lists.runs[1].scene.world.Get("omit"),
+            schema::Value(schema::WordList{"solver", "walls"}));
 }
 
 // `sleeping` is a component and a switch.
 TEST(Omit, ItsWordsComeBeforeTheNamesOfParameters) {
-  const Plan plan =
+  const plan::Plan plan =
       PlanOf("benchmark b { sleeping off; omit sleeping, walls; skip when omit == sleeping }");
-  EXPECT_EQ(plan.runs[0].scene.world.Get("omit"), Value(WordList{"sleeping", "walls"}));
+  EXPECT_EQ(plan.runs[0].scene.world.Get("omit"),
+            schema::Value(schema::WordList{"sleeping", "walls"}));
   EXPECT_EQ(
       PlanOf("benchmark b { omit sweep(sleeping, none); skip when omit == sleeping }").skipped,
       (std::vector<std::vector<std::size_t>>{{0}}));
@@ -331,7 +345,7 @@ TEST(Omit, ItsWordsComeBeforeTheNamesOfParameters) {
 }
 
 TEST(Omit, ALetMayHaveTheNameOfAComponent) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "let gravity = sweep(0, 9.8)\n"
       "benchmark b { acceleration (0, -gravity, 0); omit walls, rotation }");
   EXPECT_EQ(Axes(plan), "gravity: 0 9.8");
@@ -340,7 +354,7 @@ TEST(Omit, ALetMayHaveTheNameOfAComponent) {
             "walls: 1 2");
 }
 TEST(Omit, AListIsOneValueOfAnAxisOfCases) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { cases { a { omit sweep(none, auto) } b { omit walls, pools } c { } }\n"
       "skip when omit == none }");
   EXPECT_EQ(Axes(plan), "case: a b c; omit: none auto pools, walls");
@@ -358,21 +372,21 @@ TEST(Omit, ASkippedPointMayNeedIt) {
 }
 
 TEST(Seeds, EveryDistributionHasAStreamOfItsOwn) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { objects { size uniform(1, 2); mass uniform(1, 2) } objects p { size "
       "uniform(1, 2) }\n"
       "acceleration normal(0, 1) }");
-  const Scene& scene = plan.runs[0].scene;
+  const plan::Scene& scene = plan.runs[0].scene;
   std::string streams;
   for (const auto& [stream, seed] : scene.seeds) {
     streams += stream + " ";
-    EXPECT_EQ(seed, StreamSeed(0xAAAAAAAAAA, stream));
+    EXPECT_EQ(seed, plan::StreamSeed(0xAAAAAAAAAA, stream));
   }
   EXPECT_EQ(streams, "acceleration objects.location objects.mass objects.size p.location p.size ");
 }
 
 TEST(Seeds, AScheduleThatDrawsHasOne) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b { acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))\n"
       "objects { linear_velocity every(60, (1, 0, 0))\n"
       "angular_velocity every(60, any(0, (1, 0, 0))) } }");
@@ -382,14 +396,14 @@ TEST(Seeds, AScheduleThatDrawsHasOne) {
 }
 
 TEST(Run, IsNamedByAllThatDecidesItsResult) {
-  const compiler::Run a = PlanOf("benchmark a { cycles 5; objects.size 50 }").runs[0];
-  const compiler::Run b =
+  const plan::Run a = PlanOf("benchmark a { cycles 5; objects.size 50 }").runs[0];
+  const plan::Run b =
       PlanOf("let five = 5\nbenchmark other \"title\" { objects.quantity 10; cycles five }")
           .runs[0];
-  const compiler::Run c = PlanOf("benchmark a { cycles 5; objects.size 51 }").runs[0];
+  const plan::Run c = PlanOf("benchmark a { cycles 5; objects.size 51 }").runs[0];
   EXPECT_EQ(a.id, b.id);
   EXPECT_NE(a.id, c.id);
-  const Plan repeated = PlanOf("benchmark a { repeats 2 }");
+  const plan::Plan repeated = PlanOf("benchmark a { repeats 2 }");
   EXPECT_NE(repeated.runs[0].id, repeated.runs[1].id);
 }
 
@@ -401,7 +415,7 @@ TEST(Run, OrderOfAListHasNoMeaning) {
 }
 
 TEST(Blocks, StandInBlocks) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark b {\n"
       "  let k = 3; objects.links.stiffness 1\n"
       "  objects pebbles {\n"
@@ -415,7 +429,7 @@ TEST(Blocks, StandInBlocks) {
   EXPECT_EQ(plan.axes[0].parameter, "pebbles.links.stiffness");
   EXPECT_EQ(plan.axes[0].unit, "N/m");
   ASSERT_EQ(plan.runs.size(), 2u);
-  const std::vector<Group>& groups = plan.runs[1].scene.groups;
+  const std::vector<plan::Group>& groups = plan.runs[1].scene.groups;
   ASSERT_EQ(groups.size(), 2u);
   EXPECT_EQ(groups[0].settings.Real("links.stiffness"), 1);
   EXPECT_EQ(groups[0].settings.Real("links.end_mass"), 7);
@@ -435,7 +449,7 @@ TEST(Blocks, NameTheirAxes) {
 // The language's own promise: `benchmark b { }` is a whole benchmark, and its first example has 75
 // runs.
 TEST(Language, FirstExample) {
-  const Plan plan = PlanOf(
+  const plan::Plan plan = PlanOf(
       "benchmark aspect \"figure 4\" {\n  objects {\n    quantity  sweep(1000 .. 5000 step 1000)\n"
       "    type      any(sphere, cuboid, cylinder, cone)\n    aspect    1 : 1 : sweep(1 .. 5)\n  "
       "}\n"
@@ -446,4 +460,4 @@ TEST(Language, FirstExample) {
 }
 
 }  // namespace
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

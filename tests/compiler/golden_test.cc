@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
+#include "compiler/checks/lints.h"
 #include "compiler/compile.h"
-#include "compiler/diagnostic_kinds.h"
-#include "compiler/lints.h"
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/render.h"
 #include "tests/compiler/memory_files.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,12 +35,12 @@ std::vector<fs::path> Inputs(const char* folder) {
 }
 
 /// Compiles with names relative to the folder, so that goldens hold no path of a machine.
-Compilation CompileHere(const fs::path& input) {
+compiler::Compilation CompileHere(const fs::path& input) {
   const auto read = [&](const std::string& path, std::string& why) {
-    return ReadFromDisk((input.parent_path() / path).string(), why);
+    return compiler::ReadFromDisk((input.parent_path() / path).string(), why);
   };
-  return Compile(input.filename().string(), read,
-                 {"", std::nullopt, {{}, DescribeText(read)}, MadeUpTraces});
+  return compiler::Compile(input.filename().string(), read,
+                           {"", std::nullopt, {{}, DescribeText(read)}, MadeUpTraces});
 }
 
 void ExpectGolden(const fs::path& file, const std::string& text) {
@@ -48,7 +48,7 @@ void ExpectGolden(const fs::path& file, const std::string& text) {
   if (update != nullptr && std::string(update) == "1")
     std::ofstream(file, std::ios::binary) << text;
   std::string why;
-  const auto expected = ReadFromDisk(file.string(), why);
+  const auto expected = compiler::ReadFromDisk(file.string(), why);
   ASSERT_TRUE(expected) << file << ": " << why;
   EXPECT_EQ(text, *expected) << file;
 }
@@ -56,45 +56,45 @@ void ExpectGolden(const fs::path& file, const std::string& text) {
 TEST(Golden, ErrorsAndEveryKindOfThem) {
   std::set<std::string_view> seen;
   for (const fs::path& input : Inputs("errors")) {
-    const Compilation result = CompileHere(input);
+    const compiler::Compilation result = CompileHere(input);
     EXPECT_TRUE(result.diagnostics.has_errors()) << input;
     EXPECT_TRUE(result.plans.empty()) << input;
     fs::path expected = input;
     ExpectGolden(expected.replace_extension(".txt"), dsl::Render(result.diagnostics));
     for (const auto& diagnostic : result.diagnostics.all()) seen.insert(diagnostic.kind->id);
   }
-  for (const dsl::DiagnosticKind* kind : kDiagnosticKinds)
+  for (const dsl::DiagnosticKind* kind : scenario::kDiagnosticKinds)
     EXPECT_TRUE(seen.contains(kind->id)) << kind->id << " is in no golden file";
 }
 
 TEST(Golden, LintsAndEveryOneOfThem) {
   std::set<std::string_view> seen;
   for (const fs::path& input : Inputs("lints")) {
-    const Compilation result = CompileHere(input);
+    const compiler::Compilation result = CompileHere(input);
     EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
     EXPECT_EQ(result.plans.size(), result.benchmarks.size()) << input;
     fs::path expected = input;
     ExpectGolden(expected.replace_extension(".txt"), dsl::Render(result.diagnostics));
     for (const auto& diagnostic : result.diagnostics.all()) {
-      EXPECT_TRUE(IsLint(*diagnostic.kind)) << diagnostic.message;
+      EXPECT_TRUE(checks::IsLint(*diagnostic.kind)) << diagnostic.message;
       seen.insert(diagnostic.kind->id);
     }
   }
-  for (const LintInfo& info : Lints())
+  for (const checks::LintInfo& info : checks::Lints())
     EXPECT_TRUE(seen.contains(info.kind.id)) << info.kind.id << " is in no golden file";
 }
 
 TEST(Golden, Plans) {
   for (const fs::path& input : Inputs("plans")) {
-    const Compilation result = CompileHere(input);
+    const compiler::Compilation result = CompileHere(input);
     EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
-    for (const Plan& plan : result.plans) {
+    for (const plan::Plan& plan : result.plans) {
       const fs::path expected =
           input.parent_path() / (input.stem().string() + "." + plan.benchmark + ".yaml");
-      ExpectGolden(expected, ToYaml(plan));
+      ExpectGolden(expected, plan::ToYaml(plan));
     }
   }
 }
 
 }  // namespace
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

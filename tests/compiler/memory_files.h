@@ -9,16 +9,16 @@
 
 #include "compiler/compile.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 
 /// Stands for looking into a shared library: each line of the text is a detector, its name, its
 /// limit and its phases. A text without any is no library.
-inline DescribePlugin DescribeText(const ReadFile& read) {
+inline scenario::DescribePlugin DescribeText(const scenario::ReadFile& read) {
   return [read](const std::string& path,
-                std::string& why) -> std::optional<std::vector<PluginDetector>> {
-    std::vector<PluginDetector> detectors;
+                std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
+    std::vector<schema::PluginDetector> detectors;
     std::istringstream lines(read(path, why).value_or(""));
-    PluginDetector detector;
+    schema::PluginDetector detector;
     while (lines >> detector.name >> detector.max_bodies &&
            std::getline(lines >> std::ws, detector.phases))
       detectors.push_back(detector);
@@ -30,30 +30,30 @@ inline DescribePlugin DescribeText(const ReadFile& read) {
 
 /// Traces of a hundred cycles: a crowd of 1000 bodies in single precision, and what is too large
 /// for `sap` in double.
-inline std::optional<TraceFacts> MadeUpTraces(const std::string& path, std::string& why) {
+inline std::optional<plan::TraceFacts> MadeUpTraces(const std::string& path, std::string& why) {
   if (path.ends_with("crowd.trace.h5"))
-    return TraceFacts{std::string(64, 'c'), 1000, 100, 1.0 / 60, false};
+    return plan::TraceFacts{std::string(64, 'c'), 1000, 100, 1.0 / 60, false};
   if (path.ends_with("large.trace.h5"))
-    return TraceFacts{std::string(64, '1'), 100'000, 100, 1.0 / 240, true};
+    return plan::TraceFacts{std::string(64, '1'), 100'000, 100, 1.0 / 240, true};
   why = path.ends_with("result.h5") ? "it is HDF5, but no trace (cdb-results)"
                                     : "there is no such file";
   return std::nullopt;
 }
 
 /// Compiles `text` as `test.cdb` beside `others`; `plugins` are those of a command line.
-inline Compilation CompileText(const std::string& text,
-                               std::map<std::string, std::string> others = {},
-                               const std::vector<std::string>& plugins = {}) {
+inline compiler::Compilation CompileText(const std::string& text,
+                                         std::map<std::string, std::string> others = {},
+                                         const std::vector<std::string>& plugins = {}) {
   others["test.cdb"] = text;
-  const ReadFile read = [&](const std::string& path,
-                            std::string& why) -> std::optional<std::string> {
+  const scenario::ReadFile read = [&](const std::string& path,
+                                      std::string& why) -> std::optional<std::string> {
     const auto file = others.find(path);
     if (file != others.end()) return file->second;
     why = "No such file or directory";
     return std::nullopt;
   };
-  return Compile("test.cdb", read,
-                 {"lib", std::nullopt, {plugins, DescribeText(read)}, MadeUpTraces});
+  return compiler::Compile("test.cdb", read,
+                           {"lib", std::nullopt, {plugins, DescribeText(read)}, MadeUpTraces});
 }
 
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

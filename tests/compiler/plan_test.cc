@@ -1,16 +1,16 @@
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
 #include <gtest/gtest.h>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "dsl/render.h"
 #include "tests/compiler/memory_files.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 namespace {
 
-Plan Example() {
-  const Compilation result = CompileText(
+plan::Plan Example() {
+  const compiler::Compilation result = CompileText(
       "# a \"comment\"\t\xC3\xA4\nbenchmark b \"T: x\" { repeats 2; cycles sweep(1, 2); "
       "seed 0xFFFFFFFFFFFFFFFF\n"
       "detector sweep(simple, dbvt); timestep 1/3; objects { mass any(fixed 3, 2) } skip "
@@ -23,8 +23,8 @@ Plan Example() {
 /// The message of the error that reading `text` ends with.
 std::string ErrorOf(const std::string& text) {
   try {
-    FromYaml(text, "plan.yaml");
-  } catch (const PlanError& error) {
+    plan::FromYaml(text, "plan.yaml");
+  } catch (const plan::PlanError& error) {
     return error.what();
   }
   return "no error";
@@ -37,19 +37,20 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 }
 
 TEST(PlanYaml, ReadsBackAsItWas) {
-  const Plan plan = Example();
-  const std::string yaml = ToYaml(plan);
-  const Plan back = FromYaml(yaml, "plan.yaml");
+  const plan::Plan plan = Example();
+  const std::string yaml = plan::ToYaml(plan);
+  const plan::Plan back = plan::FromYaml(yaml, "plan.yaml");
   EXPECT_TRUE(back == plan);
   EXPECT_EQ(back.Sha256(), plan.Sha256());
-  EXPECT_EQ(ToYaml(back), yaml);
-  const compiler::Run& run = plan.runs.back();
-  EXPECT_TRUE(RunFromYaml(RunToYaml(run), "run") == run);
+  EXPECT_EQ(plan::ToYaml(back), yaml);
+  const plan::Run& run = plan.runs.back();
+  EXPECT_TRUE(plan::RunFromYaml(plan::RunToYaml(run), "run") == run);
 }
 
-Plan PluginsExample(const std::string& library = "mine 100 broad\ntouch 0 narrow\nspare 0 broad\n",
-                    const std::string& path = "lib/mi ne.so") {
-  const Compilation result =
+plan::Plan PluginsExample(
+    const std::string& library = "mine 100 broad\ntouch 0 narrow\nspare 0 broad\n",
+    const std::string& path = "lib/mi ne.so") {
+  const compiler::Compilation result =
       CompileText("use detector \"" + path +
                       "\"\nbenchmark b { detector sweep(mine, dbvt); narrow_phase touch }",
                   {{path, library}});
@@ -58,11 +59,11 @@ Plan PluginsExample(const std::string& library = "mine 100 broad\ntouch 0 narrow
 }
 
 TEST(PlanYaml, ReadsPluginsBack) {
-  const Plan plan = PluginsExample();
-  const std::string yaml = ToYaml(plan);
-  EXPECT_TRUE(FromYaml(yaml, "plan.yaml") == plan);
-  EXPECT_EQ(ToYaml(FromYaml(yaml, "plan.yaml")), yaml);
-  EXPECT_TRUE(RunFromYaml(RunToYaml(plan.runs[0]), "run") == plan.runs[0]);
+  const plan::Plan plan = PluginsExample();
+  const std::string yaml = plan::ToYaml(plan);
+  EXPECT_TRUE(plan::FromYaml(yaml, "plan.yaml") == plan);
+  EXPECT_EQ(plan::ToYaml(plan::FromYaml(yaml, "plan.yaml")), yaml);
+  EXPECT_TRUE(plan::RunFromYaml(plan::RunToYaml(plan.runs[0]), "run") == plan.runs[0]);
   // A detector that a run does not name is none of its affair.
   const auto& first = plan.runs[0].scene.plugins;
   ASSERT_EQ(first.size(), 2u);
@@ -74,7 +75,7 @@ TEST(PlanYaml, ReadsPluginsBack) {
 }
 
 TEST(PlanYaml, RefusesPluginsThatDoNotFit) {
-  const std::string yaml = ToYaml(PluginsExample());
+  const std::string yaml = plan::ToYaml(PluginsExample());
   EXPECT_NE(ErrorOf(Replaced(yaml, "phases: broad", "phases: wide")).find("no phases `wide`"),
             std::string::npos);
   EXPECT_NE(
@@ -89,19 +90,20 @@ TEST(PlanYaml, RefusesPluginsThatDoNotFit) {
 }
 
 TEST(RunId, IsOfTheLibraryToo) {
-  const Plan plan = PluginsExample();
-  const Plan again = PluginsExample();
+  const plan::Plan plan = PluginsExample();
+  const plan::Plan again = PluginsExample();
   EXPECT_EQ(plan.Sha256(), again.Sha256());
-  const Plan changed = PluginsExample("mine 100 broad\ntouch 0 narrow\nspare 7 broad\n");
-  const Plan moved = PluginsExample("mine 100 broad\ntouch 0 narrow\nspare 0 broad\n", "mine.so");
-  for (const Plan* other : {&changed, &moved}) {
+  const plan::Plan changed = PluginsExample("mine 100 broad\ntouch 0 narrow\nspare 7 broad\n");
+  const plan::Plan moved =
+      PluginsExample("mine 100 broad\ntouch 0 narrow\nspare 0 broad\n", "mine.so");
+  for (const plan::Plan* other : {&changed, &moved}) {
     EXPECT_NE(plan.runs[0].id, other->runs[0].id);
     EXPECT_NE(plan.runs[1].id, other->runs[1].id);
   }
 }
 
-Plan WordsExample() {
-  const Compilation result = CompileText(
+plan::Plan WordsExample() {
+  const compiler::Compilation result = CompileText(
       "benchmark b { acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))\n"
       "objects { location stack(height: 4, spacing: 3); type any(mesh(\"a \\\"\\n\\tb.obj\") 3, "
       "cone)\n"
@@ -112,24 +114,24 @@ Plan WordsExample() {
 }
 
 TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
-  const Plan plan = WordsExample();
-  const Plan back = FromYaml(ToYaml(plan), "plan.yaml");
+  const plan::Plan plan = WordsExample();
+  const plan::Plan back = plan::FromYaml(plan::ToYaml(plan), "plan.yaml");
   EXPECT_TRUE(back == plan);
-  EXPECT_EQ(ToYaml(back), ToYaml(plan));
+  EXPECT_EQ(plan::ToYaml(back), plan::ToYaml(plan));
   // What a plan holds means the same in a scenario.
-  const Settings& objects = plan.runs[0].scene.groups[0].settings;
+  const plan::Settings& objects = plan.runs[0].scene.groups[0].settings;
   const std::string text = "benchmark b { acceleration " +
-                           ToText(plan.runs[0].scene.world.Get("acceleration")) +
-                           "\nobjects { location " + ToText(objects.Get("location")) + "; type " +
-                           ToText(objects.Get("type")) + "; angular_velocity " +
-                           ToText(objects.Get("angular_velocity")) + " } }";
-  const Compilation again = CompileText(text, {{"a \"\n\tb.obj", "v 0 0 0"}});
+                           schema::ToText(plan.runs[0].scene.world.Get("acceleration")) +
+                           "\nobjects { location " + schema::ToText(objects.Get("location")) +
+                           "; type " + schema::ToText(objects.Get("type")) + "; angular_velocity " +
+                           schema::ToText(objects.Get("angular_velocity")) + " } }";
+  const compiler::Compilation again = CompileText(text, {{"a \"\n\tb.obj", "v 0 0 0"}});
   EXPECT_EQ(dsl::Render(again.diagnostics), "");
   EXPECT_EQ(again.plans.at(0).runs[0].id, plan.runs[0].id);
 }
 
 TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
-  const std::string yaml = ToYaml(WordsExample());
+  const std::string yaml = plan::ToYaml(WordsExample());
   const std::string stack = "{stack: {height: 4, gap: fit, spacing: 3}}";
   const auto error = [&](const std::string& location) {
     return ErrorOf(Replaced(yaml, stack, location));
@@ -161,7 +163,7 @@ TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
 }
 
 TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
-  const std::string yaml = ToYaml(Example());
+  const std::string yaml = plan::ToYaml(Example());
   EXPECT_NE(ErrorOf("").find("this is no cdb plan"), std::string::npos);
   EXPECT_NE(ErrorOf("a: [1, 2").find("plan.yaml:"), std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 5", "cdb_plan: 99")).find("format 99"),
@@ -199,18 +201,18 @@ TEST(PlanHash, IsOfWhatDecidesTheResults) {
 
 TEST(StreamSeed, IsFrozen) {
   // Golden values: changing them would change every scene.
-  EXPECT_EQ(StreamSeed(0xAAAAAAAAAA, "objects.location"), 0xe84cf39fa2a828ecu);
-  EXPECT_EQ(StreamSeed(0xAAAAAAAAAA, "objects.type"), 0x61e6a31f697a1f29u);
+  EXPECT_EQ(plan::StreamSeed(0xAAAAAAAAAA, "objects.location"), 0xe84cf39fa2a828ecu);
+  EXPECT_EQ(plan::StreamSeed(0xAAAAAAAAAA, "objects.type"), 0x61e6a31f697a1f29u);
 }
 
 TEST(Plan, KnowsItsExtents) {
-  const Plan plan = Example();
+  const plan::Plan plan = Example();
   EXPECT_EQ(plan.MaxCycles(), 2u);
   EXPECT_EQ(plan.MaxObjects(), 10u);
   EXPECT_TRUE(plan.Records("timing"));
   EXPECT_FALSE(plan.Records("poses"));
-  EXPECT_EQ(Describe(plan, plan.runs[1]), "cycles 1, detector simple, rep 1");
+  EXPECT_EQ(plan::Describe(plan, plan.runs[1]), "cycles 1, detector simple, rep 1");
 }
 
 }  // namespace
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

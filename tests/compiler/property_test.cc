@@ -6,33 +6,33 @@
 #include <random>
 #include <set>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "dsl/format.h"
 #include "dsl/render.h"
 #include "tests/compiler/memory_files.h"
 #include "tests/compiler/random_scenario.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 namespace {
 
 constexpr int kScenarios = 150;
 
-Plan PlanOf(const std::string& text) {
-  Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}});
+plan::Plan PlanOf(const std::string& text) {
+  compiler::Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}});
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics) << text;
-  return result.plans.empty() ? Plan() : std::move(result.plans[0]);
+  return result.plans.empty() ? plan::Plan() : std::move(result.plans[0]);
 }
 
 TEST(Property, AGridIsTheProductOfItsAxes) {
   std::mt19937_64 random(1);
   for (int i = 0; i < kScenarios; ++i) {
     const RandomScenario scenario = MakeRandomScenario(random);
-    const Plan plan = PlanOf(scenario.Text());
+    const plan::Plan plan = PlanOf(scenario.Text());
     EXPECT_EQ(plan.runs.size(), scenario.points * plan.repeats) << scenario.Text();
     std::set<std::pair<std::vector<std::size_t>, std::uint64_t>> places;
-    for (const compiler::Run& run : plan.runs) {
+    for (const plan::Run& run : plan.runs) {
       EXPECT_TRUE(places.insert({run.at, run.rep}).second);
-      EXPECT_EQ(run.id, RunId(run.scene, run.rep));
+      EXPECT_EQ(run.id, plan::RunId(run.scene, run.rep));
     }
   }
 }
@@ -40,8 +40,8 @@ TEST(Property, AGridIsTheProductOfItsAxes) {
 TEST(Property, YamlReadsBackAsThePlan) {
   std::mt19937_64 random(2);
   for (int i = 0; i < kScenarios / 3; ++i) {
-    const Plan plan = PlanOf(MakeRandomScenario(random).Text());
-    EXPECT_TRUE(FromYaml(ToYaml(plan), "plan") == plan) << plan.scenario_text;
+    const plan::Plan plan = PlanOf(MakeRandomScenario(random).Text());
+    EXPECT_TRUE(plan::FromYaml(plan::ToYaml(plan), "plan") == plan) << plan.scenario_text;
   }
 }
 
@@ -49,9 +49,9 @@ TEST(Property, OrderOfStatementsMovesOnlyAxes) {
   std::mt19937_64 random(3);
   for (int i = 0; i < kScenarios / 3; ++i) {
     RandomScenario scenario = MakeRandomScenario(random);
-    const auto ids = [](const Plan& plan) {
+    const auto ids = [](const plan::Plan& plan) {
       std::multiset<std::string> all;
-      for (const compiler::Run& run : plan.runs) all.insert(run.id);
+      for (const plan::Run& run : plan.runs) all.insert(run.id);
       return all;
     };
     const auto before = ids(PlanOf(scenario.Text()));
@@ -86,8 +86,8 @@ TEST(Property, ALetIsTheSameAsItsValue) {
       text += "let v" + std::to_string(s) + " = " + setting.substr(space + 1) + "\n";
       inner += setting.substr(0, space) + " v" + std::to_string(s) + "\n";
     }
-    const Plan direct = PlanOf(scenario.Text());
-    const Plan by_let = PlanOf(text + "benchmark b {\n" + inner + "}\n");
+    const plan::Plan direct = PlanOf(scenario.Text());
+    const plan::Plan by_let = PlanOf(text + "benchmark b {\n" + inner + "}\n");
     ASSERT_EQ(direct.runs.size(), by_let.runs.size()) << text;
     for (std::size_t r = 0; r < direct.runs.size(); ++r)
       EXPECT_EQ(direct.runs[r].id, by_let.runs[r].id);
@@ -95,4 +95,4 @@ TEST(Property, ALetIsTheSameAsItsValue) {
 }
 
 }  // namespace
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

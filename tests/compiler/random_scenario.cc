@@ -5,19 +5,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/calls.h"
-#include "compiler/schema.h"
-#include "compiler/value.h"
-#include "library/catalogue.h"
+#include "compiler/schema/catalogue.h"
+#include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/schema.h"
+#include "compiler/schema/value.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 namespace {
 
 /// What needs a package that was not there cannot be used.
 bool IsBuilt(std::string_view detector) {
-  const library::DetectorInfo* info = library::FindDetector(detector);
-  const library::DetectorPart* part =
-      info != nullptr ? library::FindDetectorPart(info->part) : nullptr;
+  const schema::DetectorInfo* info = schema::FindDetector(detector);
+  const schema::DetectorPart* part =
+      info != nullptr ? schema::FindDetectorPart(info->part) : nullptr;
   return part == nullptr || part->is_built;
 }
 
@@ -26,7 +26,7 @@ class Maker {
   explicit Maker(std::mt19937_64& random) : random_(random) {}
 
   RandomScenario Make() {
-    for (const Parameter& parameter : Schema()) {
+    for (const schema::Parameter& parameter : schema::Schema()) {
       // The number of runs stays small. What is said of errors hangs together.
       if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy."))
         continue;
@@ -45,17 +45,18 @@ class Maker {
         scenario_.settings, [](const auto& setting) { return setting.starts_with("timestep "); });
     if (has_timestep || Below(2) == 0) return;
     scenario_.settings.push_back("accuracy.metrics " +
-                                 Constant(*FindParameter("accuracy.metrics", false)));
+                                 Constant(*schema::FindParameter("accuracy.metrics", false)));
     scenario_.settings.emplace_back("accuracy.interval 1 / 60");
     for (const char* name : {"closed_form", "reference.contact", "reference.iterations"}) {
-      const Parameter& parameter = *FindParameter("accuracy." + std::string(name), false);
+      const schema::Parameter& parameter =
+          *schema::FindParameter("accuracy." + std::string(name), false);
       if (Below(2) == 0)
         scenario_.settings.push_back(parameter.FullName() + " " + Constant(parameter));
     }
   }
 
-  std::string Constant(const Parameter& parameter) {
-    using enum ParameterType;
+  std::string Constant(const schema::Parameter& parameter) {
+    using enum schema::ParameterType;
     std::vector<std::string> words;
     for (const std::string_view word : parameter.AllWords()) {
       if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
@@ -63,13 +64,13 @@ class Maker {
       words.emplace_back(word);
     }
     if (const auto calls = CallsOf(parameter); !calls.empty() && Below(2) == 0)
-      return CallText(*FindCall(calls[Below(calls.size())]));
+      return CallText(*schema::FindParametrisedWord(calls[Below(calls.size())]));
     switch (parameter.type) {
       case kCount:
         return fmt::format("{}", std::max<std::uint64_t>(1, Below(Below(2) == 0 ? 4 : 50)));
       case kReal:
         if (!words.empty() && Below(4) == 0) return words[Below(words.size())];
-        return FormatReal(Real(parameter));
+        return schema::FormatReal(Real(parameter));
       case kSwitch:
         return Below(2) == 0 ? "on" : "off";
       case kWord:
@@ -83,9 +84,10 @@ class Maker {
       }
       case kVector:
         if (!parameter.domain.not_zero && Below(4) == 0) return "0";
-        return fmt::format("({}, {}, {})", FormatReal(Real(parameter)), Below(9), "-1e-3 * 2");
+        return fmt::format("({}, {}, {})", schema::FormatReal(Real(parameter)), Below(9),
+                           "-1e-3 * 2");
       case kRatio:
-        return fmt::format("1 : {} : {}", 1 + Below(5), FormatReal(0.5 + Fraction()));
+        return fmt::format("1 : {} : {}", 1 + Below(5), schema::FormatReal(0.5 + Fraction()));
       case kText:
         return parameter.name == "file" ? fmt::format("\"{}\"", kModelFile) : "any";
     }
@@ -101,7 +103,7 @@ class Maker {
   }
 
   /// Those that may stand here. `at` and `pair` place so many objects and no others.
-  std::vector<std::string_view> CallsOf(const Parameter& parameter) const {
+  std::vector<std::string_view> CallsOf(const schema::Parameter& parameter) const {
     std::vector<std::string_view> calls = parameter.AllCalls();
     if (is_in_any_ && !parameter.ChoosesCalls()) calls.clear();
     std::erase_if(calls, [&](std::string_view call) {
@@ -111,10 +113,10 @@ class Maker {
   }
 
   /// Some arguments by place, then some by name; what is left out has a default.
-  std::string CallText(const CallInfo& info) {
+  std::string CallText(const schema::ParametrisedWord& info) {
     std::string text;
     bool by_place = true;
-    for (const Parameter& argument : info.arguments) {
+    for (const schema::Parameter& argument : info.arguments) {
       by_place = by_place && Below(2) == 0;
       if (!argument.default_text.empty() && Below(2) == 0) {
         by_place = false;
@@ -160,13 +162,13 @@ class Maker {
   }
 
   double Fraction() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
-  double Real(const Parameter& parameter) {
+  double Real(const schema::Parameter& parameter) {
     const double value = std::ldexp(0.5 + Fraction() / 2, -static_cast<int>(Below(4)));
     return parameter.domain.max <= 1 ? value : value * 20;
   }
 
-  std::string ValueOf(const Parameter& parameter) {
-    using enum ParameterType;
+  std::string ValueOf(const schema::Parameter& parameter) {
+    using enum schema::ParameterType;
     const bool sweepable = parameter.name != "repeats" && scenario_.points <= 16;
     if (sweepable && Below(4) == 0) {
       std::vector<std::string> values;
@@ -185,8 +187,8 @@ class Maker {
   }
 
   /// A constant or a distribution.
-  std::string Drawn(const Parameter& parameter) {
-    using enum ParameterType;
+  std::string Drawn(const schema::Parameter& parameter) {
+    using enum schema::ParameterType;
     if (!parameter.distribution || Below(2) == 0) return Constant(parameter);
     if (parameter.type == kWord || parameter.type == kSwitch || Below(4) == 0) {
       is_in_any_ = true;
@@ -200,11 +202,11 @@ class Maker {
     const double a = Real(parameter);
     switch (Below(3)) {
       case 0:
-        return fmt::format("uniform({}, {})", FormatReal(a / 2), FormatReal(a));
+        return fmt::format("uniform({}, {})", schema::FormatReal(a / 2), schema::FormatReal(a));
       case 1:
-        return fmt::format("normal({}, {})", FormatReal(a), FormatReal(a / 10));
+        return fmt::format("normal({}, {})", schema::FormatReal(a), schema::FormatReal(a / 10));
       default:
-        return fmt::format("log_uniform({}, {})", FormatReal(a / 8), FormatReal(a));
+        return fmt::format("log_uniform({}, {})", schema::FormatReal(a / 8), schema::FormatReal(a));
     }
   }
 
@@ -221,4 +223,4 @@ std::string RandomScenario::Text() const {
 
 RandomScenario MakeRandomScenario(std::mt19937_64& random) { return Maker(random).Make(); }
 
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace cdb::compiler {
+namespace cdb::tests {
 
 /// A benchmark as lines of settings, with what it should come to.
 struct RandomScenario {
@@ -22,4 +22,4 @@ inline constexpr const char* kModelFile = "rock.obj";
 /// its domain.
 RandomScenario MakeRandomScenario(std::mt19937_64& random);
 
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

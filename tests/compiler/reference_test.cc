@@ -1,20 +1,20 @@
-#include "compiler/reference.h"
+#include "compiler/plan/reference.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "compiler/calls.h"
-#include "compiler/metrics.h"
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/schema/parametrised_words.h"
 #include "dsl/render.h"
 #include "tests/compiler/memory_files.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 namespace {
 
-Plan PlanOf(const std::string& settings) {
-  const Compilation result = CompileText("benchmark b { " + settings + " }");
+plan::Plan PlanOf(const std::string& settings) {
+  const compiler::Compilation result = CompileText("benchmark b { " + settings + " }");
   EXPECT_EQ(dsl::Render(result.diagnostics), "");
   return result.plans.at(0);
 }
@@ -25,16 +25,16 @@ const char kSweep[] =
     "accuracy { metrics position; reference { contact faithful } }";
 
 TEST(Reference, IsSharedByAllThatItStandsFor) {
-  const Plan plan = PlanOf(std::string("repeats 2\n") + kSweep);
+  const plan::Plan plan = PlanOf(std::string("repeats 2\n") + kSweep);
   EXPECT_EQ(plan.runs.size(), 48u);
   ASSERT_EQ(plan.references.size(), 2u);
-  EXPECT_EQ(plan.references[0].scene.role, Role::kReference);
-  EXPECT_EQ(plan.references[1].scene.role, Role::kTwin);
-  for (const compiler::Run& run : plan.runs) {
+  EXPECT_EQ(plan.references[0].scene.role, plan::Role::kReference);
+  EXPECT_EQ(plan.references[1].scene.role, plan::Role::kTwin);
+  for (const plan::Run& run : plan.runs) {
     EXPECT_EQ(run.reference, plan.references[0].id);
     EXPECT_EQ(run.twin, plan.references[1].id);
   }
-  const Settings& world = plan.references[0].scene.world;
+  const plan::Settings& world = plan.references[0].scene.world;
   EXPECT_DOUBLE_EQ(world.Real("timestep"), 1.0 / 3840);
   EXPECT_EQ(world.Count("cycles"), 7680u);
   EXPECT_EQ(world.WordOr("precision"), "double");
@@ -52,16 +52,17 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
 
 TEST(Reference, HasThePluginsOfItsOwnDetectorAlone) {
   const auto plan_of = [](const std::string& accuracy) {
-    const Compilation result = CompileText(
+    const compiler::Compilation result = CompileText(
         "use detector \"mine.so\"\nbenchmark b { detector sweep(mine, other)\n" + accuracy + " }",
         {{"mine.so", "mine 0 broad\nother 0 broad\ntruth 0 broad"}});
     EXPECT_EQ(dsl::Render(result.diagnostics), "");
     return result.plans.at(0);
   };
-  const Plan with_dbvt = plan_of("accuracy.metrics position");
+  const plan::Plan with_dbvt = plan_of("accuracy.metrics position");
   ASSERT_EQ(with_dbvt.references.size(), 2u);
   EXPECT_TRUE(with_dbvt.references[0].scene.plugins.empty());
-  const Plan with_truth = plan_of("accuracy { metrics position; reference { detector truth } }");
+  const plan::Plan with_truth =
+      plan_of("accuracy { metrics position; reference { detector truth } }");
   ASSERT_EQ(with_truth.references.size(), 2u);
   ASSERT_EQ(with_truth.references[0].scene.plugins.size(), 1u);
   EXPECT_EQ(with_truth.references[0].scene.plugins[0].name, "truth");
@@ -87,40 +88,40 @@ TEST(Reference, IsMadeOnlyWhereErrorsNeedTheTruth) {
 }
 
 TEST(Reference, GoesIntoYamlAndBack) {
-  const Plan plan = PlanOf(kSweep);
-  EXPECT_TRUE(FromYaml(ToYaml(plan), "plan") == plan);
-  for (const compiler::Run& run : plan.references)
-    EXPECT_TRUE(RunFromYaml(RunToYaml(run), "run") == run);
+  const plan::Plan plan = PlanOf(kSweep);
+  EXPECT_TRUE(plan::FromYaml(plan::ToYaml(plan), "plan") == plan);
+  for (const plan::Run& run : plan.references)
+    EXPECT_TRUE(plan::RunFromYaml(plan::RunToYaml(run), "run") == run);
 }
 
 TEST(Reference, StretchesSchedulesThatCountCycles) {
-  const Plan plan =
+  const plan::Plan plan =
       PlanOf("acceleration every(30, uniform((-1, -1, -1), (1, 1, 1))); accuracy.metrics position");
-  const Call* call = AsCall(plan.references.at(0).scene.world.Get("acceleration"));
+  const schema::Call* call = schema::AsCall(plan.references.at(0).scene.world.Get("acceleration"));
   ASSERT_NE(call, nullptr);
-  EXPECT_EQ(std::get<std::uint64_t>(ArgumentOf(*call, "cycles")), 30u * 64);
+  EXPECT_EQ(std::get<std::uint64_t>(schema::ArgumentOf(*call, "cycles")), 30u * 64);
 }
 
 TEST(Sampling, CountsCyclesFromTheStart) {
-  const Plan plan = PlanOf("warmup 6; cycles 60; accuracy.metrics pairs");
-  const auto sampling = SamplingOf(plan.runs[0].scene);
+  const plan::Plan plan = PlanOf("warmup 6; cycles 60; accuracy.metrics pairs");
+  const auto sampling = plan::SamplingOf(plan.runs[0].scene);
   ASSERT_TRUE(sampling);
   EXPECT_EQ(sampling->cycles, 4u);
   EXPECT_EQ(sampling->count, 17u);  // 66 cycles hold 16 intervals
-  EXPECT_FALSE(SamplingOf(PlanOf("cycles 60").runs[0].scene));
+  EXPECT_FALSE(plan::SamplingOf(PlanOf("cycles 60").runs[0].scene));
 }
 
 TEST(Sampling, TakesWholeSteps) {
-  EXPECT_EQ(WholeSteps(1.0 / 15, 1.0 / 60), 4u);
-  EXPECT_EQ(WholeSteps(1.0 / 15, 1.0 / 3840), 256u);
-  EXPECT_EQ(WholeSteps(1.0 / 3, 1.0 / 999), 333u);
-  EXPECT_FALSE(WholeSteps(1.0 / 15, 1.0 / 100));
-  EXPECT_FALSE(WholeSteps(1.0 / 15, 1.0 / 10));
+  EXPECT_EQ(plan::WholeSteps(1.0 / 15, 1.0 / 60), 4u);
+  EXPECT_EQ(plan::WholeSteps(1.0 / 15, 1.0 / 3840), 256u);
+  EXPECT_EQ(plan::WholeSteps(1.0 / 3, 1.0 / 999), 333u);
+  EXPECT_FALSE(plan::WholeSteps(1.0 / 15, 1.0 / 100));
+  EXPECT_FALSE(plan::WholeSteps(1.0 / 15, 1.0 / 10));
 }
 
 TEST(Errors, HaveANameAndAWordEach) {
   std::set<std::string_view> names;
-  for (const ErrorInfo& error : Errors()) {
+  for (const schema::ErrorInfo& error : schema::Errors()) {
     EXPECT_TRUE(names.insert(error.name).second) << error.name;
     EXPECT_EQ(error.series, "accuracy/" + std::string(error.name) + "_series");
     EXPECT_FALSE(error.doc.empty());
@@ -128,8 +129,9 @@ TEST(Errors, HaveANameAndAWordEach) {
     EXPECT_FALSE(error.name.ends_with("_floor") || error.name.ends_with("_series"));
   }
   std::set<std::string_view> words;
-  for (const Metric& metric : Metrics()) EXPECT_TRUE(words.insert(metric.name).second);
+  for (const schema::Metric& metric : schema::Metrics())
+    EXPECT_TRUE(words.insert(metric.name).second);
 }
 
 }  // namespace
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

@@ -1,17 +1,17 @@
-#include "compiler/term.h"
+#include "compiler/evaluate/term.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 
-#include "compiler/sha256.h"
-#include "compiler/value.h"
+#include "compiler/plan/sha256.h"
+#include "compiler/schema/value.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 namespace {
 
-Number N(std::string_view literal) { return *Number::FromLiteral(literal); }
+evaluate::Number N(std::string_view literal) { return *evaluate::Number::FromLiteral(literal); }
 
 TEST(Number, WholeNumbersStayExact) {
   EXPECT_EQ((N("9007199254740993") + N("1")).Text(), "9007199254740994");
@@ -25,7 +25,7 @@ TEST(Number, WholeNumbersStayExact) {
 }
 
 TEST(Number, GoesOnAsARealPast64Bits) {
-  const Number big = N("0xFFFFFFFFFFFFFFFF") * N("0xFFFFFFFFFFFFFFFF");
+  const evaluate::Number big = N("0xFFFFFFFFFFFFFFFF") * N("0xFFFFFFFFFFFFFFFF");
   EXPECT_FALSE(big.is_whole());
   EXPECT_DOUBLE_EQ(big.AsReal(), std::ldexp(1.0, 128));
   EXPECT_FALSE(Power(N("10"), N("60")).is_whole());
@@ -39,7 +39,7 @@ TEST(Number, ComparesExactly) {
 }
 
 TEST(Number, RealsThatAreWholeAreCounts) {
-  EXPECT_EQ(N("1e6").AsWhole(), Integer{1000000});
+  EXPECT_EQ(N("1e6").AsWhole(), evaluate::Integer{1000000});
   EXPECT_FALSE(N("1.5").AsWhole());
   EXPECT_FALSE(N("1e17").AsWhole()) << "past 2^53 a real has no last digit";
 }
@@ -47,13 +47,13 @@ TEST(Number, RealsThatAreWholeAreCounts) {
 TEST(Number, Literals) {
   EXPECT_EQ(N("1_000_000").Text(), "1000000");
   EXPECT_EQ(N("0xAA").Text(), "170");
-  EXPECT_FALSE(Number::FromLiteral("1e999"));
-  EXPECT_FALSE(Number::FromLiteral("0x1FFFFFFFFFFFFFFFF"));
+  EXPECT_FALSE(evaluate::Number::FromLiteral("1e999"));
+  EXPECT_FALSE(evaluate::Number::FromLiteral("0x1FFFFFFFFFFFFFFFF"));
 }
 
 TEST(Value, RealsReadBackAsTheSameBits) {
   for (const double value : {0.1, 1.0 / 60, 1e-300, -0.0, 250.0, 1e22, 5e-324}) {
-    const std::string text = FormatReal(value);
+    const std::string text = schema::FormatReal(value);
     const double back = std::strtod(text.c_str(), nullptr);
     EXPECT_EQ(std::signbit(back), std::signbit(value));
     EXPECT_EQ(back, value) << text;
@@ -62,13 +62,15 @@ TEST(Value, RealsReadBackAsTheSameBits) {
 
 // The examples of FIPS 180-4's test vectors.
 TEST(Sha256, KnownAnswers) {
-  EXPECT_EQ(Sha256Hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(Sha256Hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(Sha256Hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+  EXPECT_EQ(plan::Sha256Hex(""),
+            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(plan::Sha256Hex("abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(plan::Sha256Hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
             "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
-  EXPECT_EQ(Sha256Hex(std::string(1'000'000, 'a')),
+  EXPECT_EQ(plan::Sha256Hex(std::string(1'000'000, 'a')),
             "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
 }  // namespace
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

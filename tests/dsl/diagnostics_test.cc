@@ -7,40 +7,42 @@
 
 #include "dsl/render.h"
 
-namespace cdb::dsl {
+namespace cdb::tests {
+using namespace dsl;
+
 namespace {
 
-constexpr DiagnosticKind kError{"some-error"};
-constexpr DiagnosticKind kWarning{"some-warning", Severity::kWarning};
+constexpr dsl::DiagnosticKind kError{"some-error"};
+constexpr dsl::DiagnosticKind kWarning{"some-warning", dsl::Severity::kWarning};
 
 TEST(DidYouMean, SlipsOfTheHand) {
   const std::vector<std::string_view> types{"sphere", "cuboid", "cylinder", "cone", "bunny"};
-  EXPECT_EQ(DidYouMean("cuboyd", types), "cuboid");
-  EXPECT_EQ(DidYouMean("cuobid", types), "cuboid");
-  EXPECT_EQ(DidYouMean("Sphere", types), "sphere");
-  EXPECT_EQ(DidYouMean("sphre", types), "sphere");
-  EXPECT_EQ(DidYouMean("cylindr", types), "cylinder");
-  EXPECT_EQ(DidYouMean("con", types), "cone");
-  EXPECT_EQ(DidYouMean("linearvelocity", {"linear_velocity"}), "linear_velocity");
+  EXPECT_EQ(dsl::DidYouMean("cuboyd", types), "cuboid");
+  EXPECT_EQ(dsl::DidYouMean("cuobid", types), "cuboid");
+  EXPECT_EQ(dsl::DidYouMean("Sphere", types), "sphere");
+  EXPECT_EQ(dsl::DidYouMean("sphre", types), "sphere");
+  EXPECT_EQ(dsl::DidYouMean("cylindr", types), "cylinder");
+  EXPECT_EQ(dsl::DidYouMean("con", types), "cone");
+  EXPECT_EQ(dsl::DidYouMean("linearvelocity", {"linear_velocity"}), "linear_velocity");
 }
 
 TEST(DidYouMean, SaysNothingWhereNothingIsNear) {
-  EXPECT_EQ(DidYouMean("torus", {"sphere", "cone"}), "");
-  EXPECT_EQ(DidYouMean("x", {"y", "xy"}), "");
-  EXPECT_EQ(DidYouMean("ab", {"cd"}), "");
-  EXPECT_EQ(DidYouMean("", {"a"}), "");
-  EXPECT_EQ(DidYouMean("cone", {"cone"}), "");
-  EXPECT_EQ(DidYouMean(std::string(1000, 'a'), {"a"}), "");
-  EXPECT_EQ(DidYouMean("a", {}), "");
+  EXPECT_EQ(dsl::DidYouMean("torus", {"sphere", "cone"}), "");
+  EXPECT_EQ(dsl::DidYouMean("x", {"y", "xy"}), "");
+  EXPECT_EQ(dsl::DidYouMean("ab", {"cd"}), "");
+  EXPECT_EQ(dsl::DidYouMean("", {"a"}), "");
+  EXPECT_EQ(dsl::DidYouMean("cone", {"cone"}), "");
+  EXPECT_EQ(dsl::DidYouMean(std::string(1000, 'a'), {"a"}), "");
+  EXPECT_EQ(dsl::DidYouMean("a", {}), "");
 }
 
 TEST(DidYouMean, TakesTheNearest) {
-  EXPECT_EQ(DidYouMean("quantitty", {"quality", "quantity"}), "quantity");
+  EXPECT_EQ(dsl::DidYouMean("quantitty", {"quality", "quantity"}), "quantity");
 }
 
 TEST(Diagnostics, TheSameIsKeptOnce) {
-  const Source source("t", "abc");
-  Diagnostics diagnostics;
+  const dsl::Source source("t", "abc");
+  dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, 0, 1}, "wrong");
   diagnostics.Report(kError, {&source, 0, 1}, "wrong");
   diagnostics.Report(kError, {&source, 1, 2}, "wrong");
@@ -52,11 +54,11 @@ TEST(Diagnostics, TheSameIsKeptOnce) {
 }
 
 TEST(Render, AsTheHeaderShows) {
-  const Source source("examples/first.cdb", "a\nb\nc\n  type      cuboyd\n");
-  Diagnostics diagnostics;
+  const dsl::Source source("examples/first.cdb", "a\nb\nc\n  type      cuboyd\n");
+  dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, 18, 24}, "no object type is called 'cuboyd'",
                      "did you mean 'cuboid'?", {{{&source, 2, 3}, "it was set here before"}});
-  EXPECT_EQ(Render(diagnostics),
+  EXPECT_EQ(dsl::Render(diagnostics),
             "examples/first.cdb:4:13: error: no object type is called 'cuboyd' [some-error]\n"
             "  4 |   type      cuboyd\n"
             "    |             ^^^^^^ did you mean 'cuboid'?\n"
@@ -66,13 +68,13 @@ TEST(Render, AsTheHeaderShows) {
 }
 
 TEST(Render, ByFileAndPlace) {
-  const Source one("one", "abc\ndef\n"), two("two", "abc\n");
-  Diagnostics diagnostics;
+  const dsl::Source one("one", "abc\ndef\n"), two("two", "abc\n");
+  dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&one, 4, 5}, "third");
   diagnostics.Report(kError, {&two, 0, 1}, "fourth");
   diagnostics.Report(kWarning, {&one, 0, 1}, "second");
   diagnostics.Report(kError, {}, "first", "and help");
-  EXPECT_EQ(Render(diagnostics),
+  EXPECT_EQ(dsl::Render(diagnostics),
             "error: first [some-error]\n"
             "  and help\n"
             "one:1:1: warning: second [some-warning]\n"
@@ -84,45 +86,45 @@ TEST(Render, ByFileAndPlace) {
             "two:1:1: error: fourth [some-error]\n"
             "  1 | abc\n"
             "    | ^\n");
-  EXPECT_EQ(Render(Diagnostics()), "");
+  EXPECT_EQ(dsl::Render(dsl::Diagnostics()), "");
 }
 
-std::string RenderOne(const Source& source, std::uint32_t begin, std::uint32_t end) {
-  Diagnostics diagnostics;
+std::string RenderOne(const dsl::Source& source, std::uint32_t begin, std::uint32_t end) {
+  dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, begin, end}, "m");
-  const std::string text = Render(diagnostics);
+  const std::string text = dsl::Render(diagnostics);
   return text.substr(text.find('\n') + 1);
 }
 
 TEST(Render, SeveralLinesShowTheFirst) {
-  const Source source("t", "ab {  \n  c\n}\n");
+  const dsl::Source source("t", "ab {  \n  c\n}\n");
   EXPECT_EQ(RenderOne(source, 3, 12), "  1 | ab {  \n    |    ^\n");
 }
 
 TEST(Render, TabsStayInStepAndPlacesPastTheEndAreShown) {
-  const Source source("t", "\ta\tb");
+  const dsl::Source source("t", "\ta\tb");
   EXPECT_EQ(RenderOne(source, 3, 4), "  1 | \ta\tb\n    | \t \t^\n");
   EXPECT_EQ(RenderOne(source, 4, 4), "  1 | \ta\tb\n    | \t \t ^\n");
   EXPECT_EQ(RenderOne(source, 100, 100), "  1 | \ta\tb\n    | \t \t ^\n");
 }
 
 TEST(Render, WideAndCombiningCharacters) {
-  const Source source("t", "\u7530e\u0301x");
+  const dsl::Source source("t", "\u7530e\u0301x");
   EXPECT_EQ(RenderOne(source, 6, 7), "  1 | \u7530e\u0301x\n    |    ^\n");
   EXPECT_EQ(RenderOne(source, 0, 3), "  1 | \u7530e\u0301x\n    | ^^\n");
 }
 
 TEST(Render, NothingReachesTheTerminalThatItWouldObey) {
-  const Source source("t\x1b[2J", "a\x1b[31m\u202eb\x07");
-  Diagnostics diagnostics;
+  const dsl::Source source("t\x1b[2J", "a\x1b[31m\u202eb\x07");
+  dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, 0, 1}, "m \x1b", "h \x1b");
-  EXPECT_EQ(Render(diagnostics).find('\x1b'), std::string::npos);
-  EXPECT_EQ(Render(diagnostics).find("\u202e"), std::string::npos);
-  EXPECT_NE(Render(diagnostics, {.color = true}).find("\x1b["), std::string::npos);
+  EXPECT_EQ(dsl::Render(diagnostics).find('\x1b'), std::string::npos);
+  EXPECT_EQ(dsl::Render(diagnostics).find("\u202e"), std::string::npos);
+  EXPECT_NE(dsl::Render(diagnostics, {.color = true}).find("\x1b["), std::string::npos);
 }
 
 TEST(Render, LongLinesAreCutAroundTheFault) {
-  const Source source("t", std::string(500, 'a') + "XYZ" + std::string(500, 'b'));
+  const dsl::Source source("t", std::string(500, 'a') + "XYZ" + std::string(500, 'b'));
   const std::string text = RenderOne(source, 500, 503);
   const std::string line = text.substr(0, text.find('\n'));
   EXPECT_LT(line.size(), 120u);
@@ -135,10 +137,10 @@ TEST(Render, LongLinesAreCutAroundTheFault) {
 }
 
 TEST(Render, AVeryWideFaultIsCutToo) {
-  const Source source("t", std::string(5000, 'a'));
+  const dsl::Source source("t", std::string(5000, 'a'));
   EXPECT_LT(RenderOne(source, 0, 5000).size(), 250u);
   EXPECT_LT(RenderOne(source, 2000, 5000).size(), 250u);
 }
 
 }  // namespace
-}  // namespace cdb::dsl
+}  // namespace cdb::tests

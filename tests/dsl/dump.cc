@@ -2,7 +2,7 @@
 
 #include <variant>
 
-namespace cdb::dsl::testing {
+namespace cdb::tests {
 namespace {
 
 std::string Quoted(const std::string& text) {
@@ -24,20 +24,20 @@ class Dumper {
  public:
   std::string Take() { return std::move(out_); }
 
-  void Add(const File& file) {
+  void Add(const dsl::File& file) {
     for (const auto& item : file.items) std::visit([this](const auto& what) { Line(what); }, item);
   }
 
  private:
   void Start() { out_.append(2 * level_, ' '); }
 
-  void Line(const Use& use) {
+  void Line(const dsl::Use& use) {
     Start();
     out_ += use.detector ? "use detector " : "use ";
     out_ += Quoted(use.path);
     out_ += '\n';
   }
-  void Line(const Let& let) {
+  void Line(const dsl::Let& let) {
     Start();
     out_ += "let ";
     out_ += let.name.text;
@@ -45,7 +45,7 @@ class Dumper {
     out_ += Dump(*let.value);
     out_ += '\n';
   }
-  void Line(const Benchmark& benchmark) {
+  void Line(const dsl::Benchmark& benchmark) {
     Start();
     out_ += "benchmark ";
     out_ += benchmark.name.text;
@@ -56,7 +56,7 @@ class Dumper {
     Title(benchmark.title);
     Inside(benchmark.block);
   }
-  void Line(const Cases& cases) {
+  void Line(const dsl::Cases& cases) {
     Start();
     out_ += "cases";
     if (cases.name) {
@@ -65,7 +65,7 @@ class Dumper {
     }
     out_ += '\n';
     ++level_;
-    for (const Case& one : cases.cases) {
+    for (const dsl::Case& one : cases.cases) {
       Start();
       out_ += "case ";
       out_ += one.name.text;
@@ -74,13 +74,13 @@ class Dumper {
     }
     --level_;
   }
-  void Line(const Skip& skip) {
+  void Line(const dsl::Skip& skip) {
     Start();
     out_ += "skip ";
     out_ += Dump(*skip.when);
     out_ += '\n';
   }
-  void Line(const Group& group) {
+  void Line(const dsl::Group& group) {
     Start();
     out_ += "group ";
     out_ += group.kind.text;
@@ -90,11 +90,11 @@ class Dumper {
     }
     Inside(group.block);
   }
-  void Line(const Setting& setting) {
+  void Line(const dsl::Setting& setting) {
     Start();
     out_ += "set ";
     out_ += setting.path.text;
-    for (const ExprPtr& value : setting.values) {
+    for (const dsl::ExprPtr& value : setting.values) {
       out_ += ' ';
       out_ += Dump(*value);
     }
@@ -105,10 +105,10 @@ class Dumper {
     out_ += ' ';
     out_ += Quoted(title);
   }
-  void Inside(const Block& block) {
+  void Inside(const dsl::Block& block) {
     out_ += '\n';
     ++level_;
-    for (const Statement& statement : block.statements)
+    for (const dsl::Statement& statement : block.statements)
       std::visit([this](const auto& what) { Line(what); }, statement.what);
     --level_;
   }
@@ -117,10 +117,10 @@ class Dumper {
   std::size_t level_ = 0;
 };
 
-std::string List(std::string head, const std::vector<ExprPtr>& items) {
+std::string List(std::string head, const std::vector<dsl::ExprPtr>& items) {
   std::string out(1, '(');
   out += head;
-  for (const ExprPtr& item : items) {
+  for (const dsl::ExprPtr& item : items) {
     out += ' ';
     out += Dump(*item);
   }
@@ -129,38 +129,38 @@ std::string List(std::string head, const std::vector<ExprPtr>& items) {
 
 }  // namespace
 
-std::string Dump(const File& file) {
+std::string Dump(const dsl::File& file) {
   Dumper dumper;
   dumper.Add(file);
   return dumper.Take();
 }
 
-std::string Dump(const Expr& expr) {
+std::string Dump(const dsl::Expr& expr) {
   std::string out;
   switch (expr.kind) {
-    case ExprKind::kNumber:
-    case ExprKind::kPath:
+    case dsl::ExprKind::kNumber:
+    case dsl::ExprKind::kPath:
       return expr.text;
-    case ExprKind::kText:
+    case dsl::ExprKind::kText:
       return Quoted(expr.text);
-    case ExprKind::kVector:
+    case dsl::ExprKind::kVector:
       return List("vector", expr.items) + ')';
-    case ExprKind::kRatio:
+    case dsl::ExprKind::kRatio:
       return List("ratio", expr.items) + ')';
-    case ExprKind::kNegate:
+    case dsl::ExprKind::kNegate:
       return List("neg", expr.items) + ')';
-    case ExprKind::kBinary:
+    case dsl::ExprKind::kBinary:
       return List(std::string(1, expr.op), expr.items) + ')';
-    case ExprKind::kRange: {
+    case dsl::ExprKind::kRange: {
       const char* words[] = {"range", "range-step", "range-count", "range-log"};
       return List(words[static_cast<int>(expr.range)], expr.items) + ')';
     }
-    case ExprKind::kCall:
+    case dsl::ExprKind::kCall:
       break;
   }
   out = "(call ";
   out += expr.text;
-  for (const Argument& argument : expr.arguments) {
+  for (const dsl::Argument& argument : expr.arguments) {
     out += ' ';
     if (argument.name) {
       out += argument.name->text;
@@ -182,27 +182,27 @@ std::string Dump(const Expr& expr) {
   return out;
 }
 
-std::string Dump(const Condition& condition) {
+std::string Dump(const dsl::Condition& condition) {
   std::string out(1, '(');
   switch (condition.kind) {
-    case ConditionKind::kCompare:
+    case dsl::ConditionKind::kCompare:
       out += condition.op;
       out += ' ';
       out += Dump(*condition.left);
       out += ' ';
       out += Dump(*condition.right);
       break;
-    case ConditionKind::kAnd:
+    case dsl::ConditionKind::kAnd:
       out += "and";
       break;
-    case ConditionKind::kOr:
+    case dsl::ConditionKind::kOr:
       out += "or";
       break;
-    case ConditionKind::kNot:
+    case dsl::ConditionKind::kNot:
       out += "not";
       break;
   }
-  for (const ConditionPtr& item : condition.items) {
+  for (const dsl::ConditionPtr& item : condition.items) {
     out += ' ';
     out += Dump(*item);
   }
@@ -210,4 +210,4 @@ std::string Dump(const Condition& condition) {
   return out;
 }
 
-}  // namespace cdb::dsl::testing
+}  // namespace cdb::tests

@@ -5,11 +5,11 @@
 
 #include "dsl/syntax.h"
 
-namespace cdb::dsl::testing {
+namespace cdb::tests {
 
 /// `(range 1 5 step 2)`, `(call any (* sphere 3) cone as z)`, one statement a line.
-std::string Dump(const File& file);
-std::string Dump(const Expr& expr);
-std::string Dump(const Condition& condition);
+std::string Dump(const dsl::File& file);
+std::string Dump(const dsl::Expr& expr);
+std::string Dump(const dsl::Condition& condition);
 
-}  // namespace cdb::dsl::testing
+}  // namespace cdb::tests

@@ -10,10 +10,10 @@
 #include "tests/dsl/invariants.h"
 #include "tests/dsl/random_text.h"
 
-namespace cdb::dsl {
+namespace cdb::tests {
 namespace {
 
-std::string Formatted(const std::string& text) { return Format(Source("t.cdb", text)); }
+std::string Formatted(const std::string& text) { return dsl::Format(dsl::Source("t.cdb", text)); }
 
 TEST(Format, TheExampleOfTheReferenceIsLaidOutAlready) {
   const std::string text = R"(# Does a long, thin shape slow the broad phase down?
@@ -112,13 +112,14 @@ TEST(Format, EmptyAndComments) {
 
 TEST(FormatProperty, RandomTreesStayTheSame) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-    const testing::RandomText::Sample sample = testing::RandomText(seed).File();
-    const auto formatted = std::make_shared<const Source>("t.cdb", Formatted(sample.text));
-    Diagnostics diagnostics;
-    const File file = Parse(formatted, diagnostics);
+    const RandomText::Sample sample = RandomText(seed).File();
+    const auto formatted = std::make_shared<const dsl::Source>("t.cdb", Formatted(sample.text));
+    dsl::Diagnostics diagnostics;
+    const dsl::File file = dsl::Parse(formatted, diagnostics);
     ASSERT_FALSE(diagnostics.has_errors()) << "seed " << seed << "\n" << formatted->text();
-    ASSERT_TRUE(testing::Dump(file) == sample.dump) << "seed " << seed << "\n" << sample.text;
-    ASSERT_TRUE(Format(*formatted) == formatted->text()) << "seed " << seed << "\n" << sample.text;
+    ASSERT_TRUE(Dump(file) == sample.dump) << "seed " << seed << "\n" << sample.text;
+    ASSERT_TRUE(dsl::Format(*formatted) == formatted->text()) << "seed " << seed << "\n"
+                                                              << sample.text;
   }
 }
 
@@ -135,11 +136,11 @@ TEST(FormatProperty, CommentsAreKept) {
     return all;
   };
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
-    const std::string text = testing::RandomText(seed).File().text;
+    const std::string text = RandomText(seed).File().text;
     if (text.find("a # b") != std::string::npos) continue;  // a text, no comment
     ASSERT_TRUE(comments(Formatted(text)) == comments(text)) << "seed " << seed;
   }
 }
 
 }  // namespace
-}  // namespace cdb::dsl
+}  // namespace cdb::tests

@@ -16,7 +16,9 @@
 #include "dsl/parser.h"
 #include "dsl/render.h"
 
-namespace cdb::dsl {
+namespace cdb::tests {
+using namespace dsl;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,11 +38,11 @@ std::vector<fs::path> Inputs() {
   return inputs;
 }
 
-Diagnostics DiagnosticsOf(const fs::path& input, std::string* rendered) {
-  Diagnostics diagnostics;
-  const auto source = std::make_shared<const Source>(input.filename().string(), Read(input));
-  Parse(source, diagnostics);
-  *rendered = Render(diagnostics);
+dsl::Diagnostics DiagnosticsOf(const fs::path& input, std::string* rendered) {
+  dsl::Diagnostics diagnostics;
+  const auto source = std::make_shared<const dsl::Source>(input.filename().string(), Read(input));
+  dsl::Parse(source, diagnostics);
+  *rendered = dsl::Render(diagnostics);
   return diagnostics;
 }
 
@@ -62,14 +64,14 @@ TEST(Golden, RenderedDiagnostics) {
 // Every kind has a golden file that bears its name.
 TEST(Golden, EveryKindIsShown) {
   std::set<std::string_view> ids;
-  for (const DiagnosticKind* kind : kDiagnosticKinds) {
+  for (const dsl::DiagnosticKind* kind : kDiagnosticKinds) {
     EXPECT_TRUE(ids.insert(kind->id).second) << kind->id << " is listed twice";
     const fs::path input = kFolder / (std::string(kind->id) + ".cdb");
     ASSERT_TRUE(fs::exists(input)) << input;
     std::string rendered;
-    const Diagnostics diagnostics = DiagnosticsOf(input, &rendered);
+    const dsl::Diagnostics diagnostics = DiagnosticsOf(input, &rendered);
     EXPECT_TRUE(std::any_of(diagnostics.all().begin(), diagnostics.all().end(),
-                            [&](const Diagnostic& d) { return d.kind == kind; }))
+                            [&](const dsl::Diagnostic& d) { return d.kind == kind; }))
         << kind->id;
   }
 }
@@ -83,4 +85,4 @@ TEST(Golden, NoExpectationIsLeftOver) {
 }
 
 }  // namespace
-}  // namespace cdb::dsl
+}  // namespace cdb::tests

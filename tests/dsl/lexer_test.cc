@@ -7,29 +7,31 @@
 
 #include "dsl/diagnostic_kinds.h"
 
-namespace cdb::dsl {
+namespace cdb::tests {
+using namespace dsl;
+
 namespace {
 
 struct Lexed {
   explicit Lexed(const std::string& text) : source("t.cdb", text) {
-    list = Lex(source, diagnostics);
+    list = dsl::Lex(source, diagnostics);
   }
   std::vector<std::string> Words() const {
     std::vector<std::string> words;
-    for (const Token& token : list.tokens)
-      words.emplace_back(token.kind == TokenKind::kNewline
+    for (const dsl::Token& token : list.tokens)
+      words.emplace_back(token.kind == dsl::TokenKind::kNewline
                              ? "\n"
                              : source.text().substr(token.begin, token.end - token.begin));
     return words;
   }
-  bool HasOnly(const DiagnosticKind& kind) const {
-    for (const Diagnostic& diagnostic : diagnostics.all())
+  bool HasOnly(const dsl::DiagnosticKind& kind) const {
+    for (const dsl::Diagnostic& diagnostic : diagnostics.all())
       if (diagnostic.kind != &kind) return false;
     return diagnostics.error_count() == 1;
   }
-  Source source;
-  Diagnostics diagnostics;
-  TokenList list;
+  dsl::Source source;
+  dsl::Diagnostics diagnostics;
+  dsl::TokenList list;
 };
 
 using Words = std::vector<std::string>;
@@ -78,8 +80,8 @@ TEST(Lexer, TextsAndEscapes) {
   const Lexed lexed(R"("a \"b\" \\ \n\t" "")");
   EXPECT_EQ(lexed.diagnostics.error_count(), 0);
   ASSERT_EQ(lexed.list.tokens.size(), 3u);
-  EXPECT_EQ(TextContents(lexed.Words()[0]), "a \"b\" \\ \n\t");
-  EXPECT_EQ(TextContents(lexed.Words()[1]), "");
+  EXPECT_EQ(dsl::TextContents(lexed.Words()[0]), "a \"b\" \\ \n\t");
+  EXPECT_EQ(dsl::TextContents(lexed.Words()[1]), "");
   EXPECT_TRUE(Lexed("\"\\x\"").HasOnly(kBadEscape));
   EXPECT_TRUE(Lexed("\"abc\\\"").HasOnly(kUnclosedText));
   EXPECT_TRUE(Lexed("\"abc\n\"").diagnostics.has_errors());
@@ -101,7 +103,7 @@ TEST(Lexer, CommentsKeepTheirPlaceWithoutTrailingSpaces) {
   const Lexed lexed("a # one  \r\n#two\nb#three");
   ASSERT_EQ(lexed.list.comments.size(), 3u);
   const auto text = [&](std::size_t i) {
-    const Span& span = lexed.list.comments[i];
+    const dsl::Span& span = lexed.list.comments[i];
     return std::string(lexed.source.text().substr(span.begin, span.end - span.begin));
   };
   EXPECT_EQ(text(0), "# one");
@@ -135,27 +137,27 @@ TEST(Lexer, EncodingIsRefusedAtTheByte) {
 TEST(Lexer, ForeignOperatorsStandForOurs) {
   const Lexed lexed("a && b || !c <> d => e =< f ** g");
   EXPECT_EQ(lexed.diagnostics.error_count(), 7);
-  std::vector<TokenKind> kinds;
-  for (const Token& token : lexed.list.tokens)
-    if (token.kind != TokenKind::kPath) kinds.push_back(token.kind);
-  EXPECT_EQ(kinds,
-            (std::vector<TokenKind>{TokenKind::kAnd, TokenKind::kOr, TokenKind::kNot,
-                                    TokenKind::kNotEqual, TokenKind::kGreaterEqual,
-                                    TokenKind::kLessEqual, TokenKind::kCaret, TokenKind::kEnd}));
+  std::vector<dsl::TokenKind> kinds;
+  for (const dsl::Token& token : lexed.list.tokens)
+    if (token.kind != dsl::TokenKind::kPath) kinds.push_back(token.kind);
+  EXPECT_EQ(kinds, (std::vector<dsl::TokenKind>{
+                       dsl::TokenKind::kAnd, dsl::TokenKind::kOr, dsl::TokenKind::kNot,
+                       dsl::TokenKind::kNotEqual, dsl::TokenKind::kGreaterEqual,
+                       dsl::TokenKind::kLessEqual, dsl::TokenKind::kCaret, dsl::TokenKind::kEnd}));
 }
 
 TEST(Source, PositionsCountCodePoints) {
-  const Source source("t", "a\r\n\u00e9\u7530b\n");
+  const dsl::Source source("t", "a\r\n\u00e9\u7530b\n");
   EXPECT_EQ(source.LineCount(), 3);
   EXPECT_EQ(source.Line(1), "a");
   EXPECT_EQ(source.Line(2), "\u00e9\u7530b");
   EXPECT_EQ(source.Line(3), "");
   EXPECT_EQ(source.Line(0), "");
   EXPECT_EQ(source.Line(4), "");
-  const Position b = source.PositionAt(8);
+  const dsl::Position b = source.PositionAt(8);
   EXPECT_EQ(b.line, 2);
   EXPECT_EQ(b.column, 3);
-  const Position past = source.PositionAt(1000);
+  const dsl::Position past = source.PositionAt(1000);
   EXPECT_EQ(past.line, 3);
   EXPECT_EQ(past.column, 1);
 }
@@ -163,13 +165,13 @@ TEST(Source, PositionsCountCodePoints) {
 TEST(Source, ColumnsOfAVeryLongLine) {
   std::string text = "x\n";
   for (int i = 0; i < 5000; ++i) text += "\u00e9";
-  const Source source("t", text);
+  const dsl::Source source("t", text);
   for (const std::uint32_t i : {0u, 1u, 511u, 512u, 1023u, 2048u, 4999u, 5000u}) {
-    const Position position = source.PositionAt(2 + 2 * i);
+    const dsl::Position position = source.PositionAt(2 + 2 * i);
     EXPECT_EQ(position.line, 2);
     EXPECT_EQ(position.column, static_cast<int>(i) + 1);
   }
 }
 
 }  // namespace
-}  // namespace cdb::dsl
+}  // namespace cdb::tests

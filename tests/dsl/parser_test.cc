@@ -11,26 +11,24 @@
 #include "tests/dsl/invariants.h"
 #include "tests/dsl/random_text.h"
 
-namespace cdb::dsl {
-namespace {
+namespace cdb::tests {
+using namespace dsl;
 
-using testing::BrokenInvariant;
-using testing::Dump;
-using testing::RandomText;
+namespace {
 
 struct Parsed {
   explicit Parsed(std::string text)
-      : source(std::make_shared<const Source>("t.cdb", std::move(text))),
-        file(Parse(source, diagnostics)) {}
-  std::shared_ptr<const Source> source;
-  Diagnostics diagnostics;
-  File file;
+      : source(std::make_shared<const dsl::Source>("t.cdb", std::move(text))),
+        file(dsl::Parse(source, diagnostics)) {}
+  std::shared_ptr<const dsl::Source> source;
+  dsl::Diagnostics diagnostics;
+  dsl::File file;
 };
 
 // The dump of a text that has to parse.
 std::string Tree(const std::string& text) {
   const Parsed parsed(text);
-  EXPECT_FALSE(parsed.diagnostics.has_errors()) << Render(parsed.diagnostics);
+  EXPECT_FALSE(parsed.diagnostics.has_errors()) << dsl::Render(parsed.diagnostics);
   return Dump(parsed.file);
 }
 
@@ -52,7 +50,7 @@ std::string When(const std::string& text) {
 std::string Errors(const std::string& text) {
   std::string ids;
   const Parsed parsed(text);
-  for (const Diagnostic& diagnostic : parsed.diagnostics.all()) {
+  for (const dsl::Diagnostic& diagnostic : parsed.diagnostics.all()) {
     if (!ids.empty()) ids += ' ';
     ids += diagnostic.kind->id;
   }
@@ -213,8 +211,8 @@ TEST(Parser, Conditions) {
 TEST(Parser, SpansHoldWhatWasWritten) {
   const Parsed parsed("let v = ( a + f(1) as z ) * 2 # c\n");
   ASSERT_FALSE(parsed.diagnostics.has_errors());
-  const auto& let = std::get<Let>(parsed.file.items[0]);
-  const auto text = [&](const Span& span) {
+  const auto& let = std::get<dsl::Let>(parsed.file.items[0]);
+  const auto text = [&](const dsl::Span& span) {
     return std::string(parsed.source->text().substr(span.begin, span.end - span.begin));
   };
   EXPECT_EQ(text(let.value->span), "( a + f(1) as z ) * 2");
@@ -223,8 +221,8 @@ TEST(Parser, SpansHoldWhatWasWritten) {
   EXPECT_EQ(text(let.value->items[0]->items[1]->axis->span), "z");
 
   const Parsed bare("let v = pair distance: (a + 1) # c\n");
-  const Expr& call = *std::get<Let>(bare.file.items[0]).value;
-  const auto bare_text = [&](const Span& span) {
+  const dsl::Expr& call = *std::get<dsl::Let>(bare.file.items[0]).value;
+  const auto bare_text = [&](const dsl::Span& span) {
     return std::string(bare.source->text().substr(span.begin, span.end - span.begin));
   };
   EXPECT_EQ(bare_text(call.span), "pair distance: (a + 1)");
@@ -255,7 +253,7 @@ TEST(Parser, NoErrorMakesAnother) {
 TEST(Parser, UnclosedBlockPointsAtItsBrace) {
   const Parsed parsed("benchmark a {\n  objects {\n    size 5\n}\n");
   ASSERT_EQ(parsed.diagnostics.error_count(), 1);
-  const Diagnostic& diagnostic = parsed.diagnostics.all()[0];
+  const dsl::Diagnostic& diagnostic = parsed.diagnostics.all()[0];
   EXPECT_EQ(diagnostic.kind, &kUnclosedBlock);
   // The indentation says which of the two it is.
   EXPECT_EQ(parsed.source->PositionAt(diagnostic.span.begin).line, 2);
@@ -305,13 +303,13 @@ TEST(Parser, UnclosedNestingIsBoundedToo) {
 
 TEST(Parser, LimitItself) {
   const auto sum = [](int terms) { return "let v = 1" + Repeat(" + 1", terms - 1); };
-  EXPECT_EQ(Errors(sum(kMaxDepth)), "");
-  EXPECT_EQ(Errors(sum(kMaxDepth + 1)), "too-deep");
+  EXPECT_EQ(Errors(sum(dsl::kMaxDepth)), "");
+  EXPECT_EQ(Errors(sum(dsl::kMaxDepth + 1)), "too-deep");
   const auto blocks = [](int count) {
     return "benchmark b {" + Repeat("a {", count - 1) + Repeat("}", count);
   };
-  EXPECT_EQ(Errors(blocks(kMaxDepth)), "");
-  EXPECT_EQ(Errors(blocks(kMaxDepth + 1)), "too-deep");
+  EXPECT_EQ(Errors(blocks(dsl::kMaxDepth)), "");
+  EXPECT_EQ(Errors(blocks(dsl::kMaxDepth + 1)), "too-deep");
 }
 
 TEST(ParserProperty, RandomTreesAreReadBack) {
@@ -319,7 +317,7 @@ TEST(ParserProperty, RandomTreesAreReadBack) {
     const RandomText::Sample sample = RandomText(seed).File();
     const Parsed parsed(sample.text);
     ASSERT_FALSE(parsed.diagnostics.has_errors()) << "seed " << seed << "\n"
-                                                  << sample.text << Render(parsed.diagnostics);
+                                                  << sample.text << dsl::Render(parsed.diagnostics);
     ASSERT_TRUE(Dump(parsed.file) == sample.dump) << "seed " << seed << "\n" << sample.text;
   }
 }
@@ -349,4 +347,4 @@ cases c { d { e sweep(1 .. 5 count 3 log) as f } } g (1, -2, 3 ^ 4) })";
 }
 
 }  // namespace
-}  // namespace cdb::dsl
+}  // namespace cdb::tests

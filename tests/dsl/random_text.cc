@@ -4,7 +4,7 @@
 #include <iterator>
 #include <vector>
 
-namespace cdb::dsl::testing {
+namespace cdb::tests {
 namespace {
 
 // Pieces joined without operator+ on temporaries, which GCC 12 warns about for no reason.
@@ -385,4 +385,4 @@ std::string RandomText::Mutate(std::string text) {
   return text;
 }
 
-}  // namespace cdb::dsl::testing
+}  // namespace cdb::tests

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace cdb::dsl::testing {
+namespace cdb::tests {
 
 class RandomText {
  public:
@@ -57,4 +57,4 @@ class RandomText {
   std::mt19937_64 engine_;
 };
 
-}  // namespace cdb::dsl::testing
+}  // namespace cdb::tests

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "compiler/compile.h"
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
 #include "dsl/render.h"
 
@@ -17,22 +17,22 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return text;
   };
   const auto describe = [](const std::string&, std::string&) {
-    return std::vector<compiler::PluginDetector>{{"mine", "broad narrow", 100, "", ""},
-                                                 {"touch", "narrow", 0, "", ""}};
+    return std::vector<cdb::schema::PluginDetector>{{"mine", "broad narrow", 100, "", ""},
+                                                    {"touch", "narrow", 0, "", ""}};
   };
-  const compiler::Compilation result =
-      compiler::Compile("fuzz.cdb", read, {"", std::nullopt, {{}, describe}});
+  const cdb::compiler::Compilation result =
+      cdb::compiler::Compile("fuzz.cdb", read, {"", std::nullopt, {{}, describe}});
   for (const auto& diagnostic : result.diagnostics.all())
     CDB_CHECK(diagnostic.kind != nullptr && diagnostic.span.source != nullptr &&
               diagnostic.span.begin <= diagnostic.span.end &&
               diagnostic.span.end <= diagnostic.span.source->text().size());
-  dsl::Render(result.diagnostics);
+  cdb::dsl::Render(result.diagnostics);
   CDB_CHECK(result.plans.empty() || !result.diagnostics.has_errors());
-  for (const compiler::Plan& plan : result.plans) {
+  for (const cdb::plan::Plan& plan : result.plans) {
     CDB_CHECK(!plan.runs.empty());
     // Large grids say no more than small ones, and take long.
     if (plan.runs.size() < 50)
-      CDB_CHECK(compiler::FromYaml(compiler::ToYaml(plan), "plan") == plan);
+      CDB_CHECK(cdb::plan::FromYaml(cdb::plan::ToYaml(plan), "plan") == plan);
   }
   return 0;
 }

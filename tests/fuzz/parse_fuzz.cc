@@ -9,7 +9,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const std::string problem = cdb::dsl::testing::BrokenInvariant(text);
+  const std::string problem = cdb::tests::BrokenInvariant(text);
   if (problem.empty()) return 0;
   std::fprintf(stderr, "%s, in:\n%s\n", problem.c_str(), text.c_str());
   std::abort();

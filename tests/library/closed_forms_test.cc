@@ -7,13 +7,12 @@
 #include <functional>
 #include <numbers>
 
-#include "library/catalogue.h"
+#include "compiler/schema/catalogue.h"
 #include "tests/library/form_scenes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
-using namespace test;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -21,16 +20,16 @@ using Eigen::Vector3d;
 constexpr double kExact = 1e-12;  // a few thousand roundings of numbers about 1
 
 TEST(ClosedForms, FlightStartsAsTheSceneAndHasItsAcceleration) {
-  compiler::Scene scene = FlightScene();
+  plan::Scene scene = FlightScene();
   SetGroup(scene, "type", Word("cuboid"));
-  SetGroup(scene, "aspect", compiler::Ratio{{1, 2, 3}});
+  SetGroup(scene, "aspect", schema::Ratio{{1, 2, 3}});
   SetGroup(scene, "angular_velocity", Vector3d(1, 2, 3));
   SetGroup(scene, "location", At(1, 2, 3));
   SetGroup(scene, "mass", 2.0);
   AddGroup(scene, "other", 1, At(-3, -2, 2));
-  const InitialState state = MakeInitialState(scene);
-  const auto form = MakeClosedForm("flight", scene, state);
-  const Truth start = form->At(0);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  const auto form = closed_forms::MakeClosedForm("flight", scene, state);
+  const closed_forms::Truth start = form->At(0);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(start.positions[i], state.objects[i].pose.position);
     EXPECT_EQ(start.velocities[i], state.objects[i].linear_velocity);
@@ -38,7 +37,7 @@ TEST(ClosedForms, FlightStartsAsTheSceneAndHasItsAcceleration) {
   // Differences of a parabola are exact but for rounding.
   const double h = 1.0 / 8;
   for (double t = h; t < 1; t += h) {
-    const Truth before = form->At(t - h), now = form->At(t), after = form->At(t + h);
+    const closed_forms::Truth before = form->At(t - h), now = form->At(t), after = form->At(t + h);
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_LT(((after.positions[i] - before.positions[i]) / (2 * h) - now.velocities[i]).norm(),
                 kExact);
@@ -94,7 +93,7 @@ TEST(ClosedForms, BounceAgreesWithSteps) {
   for (const double restitution : {1.0, 0.8}) {
     for (const double g : {-9.8, 0.0, 3.0}) {
       for (const double speed : {-7.0, 12.0}) {
-        compiler::Scene scene = BounceScene(restitution);
+        plan::Scene scene = BounceScene(restitution);
         SetWorld(scene, "world.walls", Word("all"));
         SetWorld(scene, "acceleration", Vector3d(0, g, 0));
         SetGroup(scene, "linear_velocity", Vector3d(0, speed, 0));
@@ -135,7 +134,7 @@ TEST(ClosedForms, SlideIsWhatIsLeftOfTheSlopeAfterFriction) {
   const auto form = FormOf("slide", SlopeScene(0.5, 0.4));
   const double along = 9.8 * (std::sin(0.5) - 0.4 * 0.5 * std::cos(0.5));
   for (const double t : {0.0, 0.3, 1.0}) {
-    const Truth truth = form->At(t);
+    const closed_forms::Truth truth = form->At(t);
     EXPECT_LT((truth.positions[0] - Vector3d(along * t * t / 2, -4.75, 0)).norm(), kExact);
     EXPECT_LT((truth.velocities[0] - Vector3d(along * t, 0, 0)).norm(), kExact);
     // What friction takes, and the hair that it settles by.
@@ -177,18 +176,19 @@ Quaterniond TurnBySteps(Quaterniond turn, const Vector3d& inertia, const Vector3
 }
 
 TEST(ClosedForms, SpinAgreesWithStepsAndKeepsEnergyAndAngularMomentum) {
-  compiler::Scene scene = SpinScene();
+  plan::Scene scene = SpinScene();
   const Vector3d orientation(0.3, -0.4, 1);
   SetGroup(scene, "orientation", orientation);
-  SetGroup(scene, "angular_velocity", Vector3d(TurnAbout(orientation) * Vector3d(0.2, 3, 0.1)));
+  SetGroup(scene, "angular_velocity",
+           Vector3d(layouts::TurnAbout(orientation) * Vector3d(0.2, 3, 0.1)));
   SetGroup(scene, "mass", 3.0);
-  const InitialState state = MakeInitialState(scene);
-  const auto form = MakeClosedForm("spin", scene, state);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  const auto form = closed_forms::MakeClosedForm("spin", scene, state);
   const Vector3d inertia = 3 * state.objects[0].solid.InertiaPerMass();
   const Vector3d momentum = *form->At(0).angular_momentum;
   // The last time goes back.
   for (const double t : {0.0, 0.5, 3.0, 20.0, 1.0}) {
-    const Truth truth = form->At(t);
+    const closed_forms::Truth truth = form->At(t);
     const Quaterniond stepped = TurnBySteps(state.objects[0].pose.orientation, inertia, momentum, t,
                                             1 + static_cast<int>(2000 * t));
     // h^4 of steps of 1.5e-3 rad, over 60 rad near the unstable axis, which spreads errors.
@@ -202,15 +202,15 @@ TEST(ClosedForms, SpinAgreesWithStepsAndKeepsEnergyAndAngularMomentum) {
   // It tumbles: the unstable axis has turned over on the way.
   bool turned_over = false;
   for (double t = 0; t < 20; t += 0.1) {
-    const Truth truth = form->At(t);
+    const closed_forms::Truth truth = form->At(t);
     turned_over |= (truth.orientations[0].conjugate() * truth.spins[0]).y() < -2.5;
   }
   EXPECT_TRUE(turned_over);
 }
 
 TEST(ClosedForms, SpinOfASymmetricTopPrecessesSteadily) {
-  compiler::Scene scene = SpinScene();
-  SetGroup(scene, "aspect", compiler::Ratio{{1, 3, 1}});
+  plan::Scene scene = SpinScene();
+  SetGroup(scene, "aspect", schema::Ratio{{1, 3, 1}});
   SetGroup(scene, "angular_velocity", Vector3d(1, 2, 0));
   const auto form = FormOf("spin", scene);
   // About its axis of symmetry y: I = (10, 2, 10)/12; the spin goes round in the body at
@@ -218,11 +218,11 @@ TEST(ClosedForms, SpinOfASymmetricTopPrecessesSteadily) {
   const double slip = (10.0 - 2) / 10 * 2;
   const Vector3d momentum(10.0 / 12, 2 * 2.0 / 12, 0);
   const double t = 1.7;
-  const Truth truth = form->At(t);
+  const closed_forms::Truth truth = form->At(t);
   const Vector3d body = truth.orientations[0].conjugate() * truth.spins[0];
   EXPECT_LT((body - Vector3d(std::cos(slip * t), 2, std::sin(slip * t))).norm(), kExact);
   const Vector3d axis = truth.orientations[0] * Vector3d::UnitY();
-  const Vector3d round = TurnAbout(momentum * (12.0 / 10) * t) * Vector3d::UnitY();
+  const Vector3d round = layouts::TurnAbout(momentum * (12.0 / 10) * t) * Vector3d::UnitY();
   EXPECT_LT((axis - round).norm(), kExact);
 }
 
@@ -230,13 +230,14 @@ TEST(ClosedForms, HeadOnKeepsMomentumAndTheRestitutionsPartOfTheSpeed) {
   for (const double mass : {1.0, 5.0}) {
     for (const double restitution : {1.0, 0.5}) {
       const auto form = FormOf("head_on", HeadOnScene(mass, restitution));
-      const Truth before = form->At(0.499), after = form->At(0.75);  // they meet at 0.5 s
+      const closed_forms::Truth before = form->At(0.499),
+                                after = form->At(0.75);  // they meet at 0.5 s
       EXPECT_EQ(before.velocities[0].x(), 3);
       EXPECT_NEAR(after.velocities[1].x() - after.velocities[0].x(), restitution * 4, kExact);
       EXPECT_NEAR(after.velocities[0].x() + mass * after.velocities[1].x(), 3 - mass, kExact);
       EXPECT_NEAR(after.positions[0].x(), 0 + 0.25 * after.velocities[0].x(), kExact);
       EXPECT_NEAR(after.positions[1].x(), 1 + 0.25 * after.velocities[1].x(), kExact);
-      const auto kinetic = [&](const Truth& truth) {
+      const auto kinetic = [&](const closed_forms::Truth& truth) {
         return truth.velocities[0].squaredNorm() / 2 + mass * truth.velocities[1].squaredNorm() / 2;
       };
       EXPECT_NEAR(*after.energy, kinetic(after) - kinetic(before), kExact);
@@ -264,7 +265,7 @@ TEST(ClosedForms, RollingSolvesTheEquationsOfEachBody) {
   right << plate * ax, m * ax, 0, 0, 0;
   const Eigen::Matrix<double, 5, 1> solved = equations.fullPivLu().solve(right);
   const double t = 0.8;
-  const Truth truth = form->At(t), start = form->At(0);
+  const closed_forms::Truth truth = form->At(t), start = form->At(0);
   EXPECT_NEAR(truth.velocities[25].x(), solved[0] * t, kExact);
   EXPECT_NEAR(truth.positions[25].x(), solved[0] * t * t / 2, kExact);
   for (std::size_t i = 0; i < 25; ++i) {
@@ -283,7 +284,7 @@ TEST(ClosedForms, RollingSolvesTheEquationsOfEachBody) {
 }
 
 TEST(ClosedForms, RollingUnderALightPlateIsThatOfBalls) {
-  compiler::Scene scene = RollingScene(0.1);
+  plan::Scene scene = RollingScene(0.1);
   SetGroup(scene, "mass", 1e-9, 1);
   const double t = 0.5, way = 9.8 * std::sin(0.1) * t * t / 2;
   EXPECT_NEAR(FormOf("rolling", scene)->At(t).positions[25].x(), 2 * way * 5 / 7, 1e-9);
@@ -293,7 +294,7 @@ TEST(ClosedForms, RollingUnderALightPlateIsThatOfBalls) {
 
 TEST(ClosedForms, StackIsAsHighAsItsBoxes) {
   const auto form = FormOf("stack", StackScene(20));
-  const Truth truth = form->At(5);
+  const closed_forms::Truth truth = form->At(5);
   for (std::size_t i = 0; i < 20; ++i) {
     EXPECT_NEAR(truth.positions[i].y(), -20 + static_cast<double>(i) + 0.5, kExact);
     EXPECT_EQ(truth.velocities[i], Vector3d::Zero());
@@ -304,24 +305,24 @@ TEST(ClosedForms, StackIsAsHighAsItsBoxes) {
 
 struct Refusal {
   const char* form;
-  compiler::Scene scene;
-  std::function<void(compiler::Scene&)> change;
+  plan::Scene scene;
+  std::function<void(plan::Scene&)> change;
   const char* message;
 };
 
 TEST(ClosedForms, RefuseWhatIsNotOfThem) {
-  const auto group = [](const char* name, compiler::Value value, std::size_t at = 0) {
-    return [=](compiler::Scene& scene) { SetGroup(scene, name, value, at); };
+  const auto group = [](const char* name, schema::Value value, std::size_t at = 0) {
+    return [=](plan::Scene& scene) { SetGroup(scene, name, value, at); };
   };
-  const auto world = [](const char* name, compiler::Value value) {
-    return [=](compiler::Scene& scene) { SetWorld(scene, name, value); };
+  const auto world = [](const char* name, schema::Value value) {
+    return [=](plan::Scene& scene) { SetWorld(scene, name, value); };
   };
-  const compiler::Value up = Vector3d(0, 9.8, 0), none = Vector3d(0, 0, 0), x = Vector3d(1, 0, 0);
-  const compiler::Value oblique = Vector3d(1, 1, 0);
-  const compiler::Value every =
-      compiler::Call{"every", {compiler::Value(std::uint64_t{5}), Vector3d(0, -9.8, 0)}};
+  const schema::Value up = Vector3d(0, 9.8, 0), none = Vector3d(0, 0, 0), x = Vector3d(1, 0, 0);
+  const schema::Value oblique = Vector3d(1, 1, 0);
+  const schema::Value every =
+      schema::Call{"every", {schema::Value(std::uint64_t{5}), Vector3d(0, -9.8, 0)}};
   const auto slope = [](double angle) {
-    return [angle](compiler::Scene& scene) {
+    return [angle](plan::Scene& scene) {
       SetWorld(scene, "acceleration", Vector3d(9.8 * std::sin(angle), -9.8 * std::cos(angle), 0));
     };
   };
@@ -333,13 +334,13 @@ TEST(ClosedForms, RefuseWhatIsNotOfThem) {
       {"flight", FlightScene(), group("linear_damping", 0.1), "is damped"},
       {"flight", FlightScene(), group("contact_stiffness", 100.0), "has soft contacts"},
       {"flight", FlightScene(),
-       [](compiler::Scene& scene) {
+       [](plan::Scene& scene) {
          SetWorld(scene, "world.walls", Word("floor"));
          SetTime(scene, 1.0 / 60, 3);
        },
        "object 1 of 1 (group `objects`) reaches the wall -y before the end; make the run shorter"},
       {"flight", FlightScene(),
-       [](compiler::Scene& scene) {
+       [](plan::Scene& scene) {
          SetGroup(scene, "location", At(-3, 0, 0));
          SetGroup(scene, "linear_velocity", Vector3d(0, 0, 0),
                   AddGroup(scene, "other", 1, At(-1.2, 2, 0)));
@@ -347,13 +348,13 @@ TEST(ClosedForms, RefuseWhatIsNotOfThem) {
        "object 2 of 2 (group `other`) comes so near to object 1 of 2 (group `objects`) that they "
        "may touch"},
       {"flight", FlightScene(),
-       [&](compiler::Scene& scene) {
+       [&](plan::Scene& scene) {
          SetWorld(scene, "acceleration", none);
          SetGroup(scene, "linear_velocity", none);
        },
        "nothing moves"},
       {"bounce", BounceScene(), group("type", Word("cuboid")), "is not a ball"},
-      {"bounce", BounceScene(), group("aspect", compiler::Ratio{{1, 2, 1}}), "is not a ball"},
+      {"bounce", BounceScene(), group("aspect", schema::Ratio{{1, 2, 1}}), "is not a ball"},
       {"bounce", BounceScene(), group("angular_velocity", x), "spins"},
       {"bounce", BounceScene(), group("linear_velocity", x), "not both along one axis"},
       {"bounce", BounceScene(), world("acceleration", oblique), "not both along one axis"},
@@ -361,7 +362,7 @@ TEST(ClosedForms, RefuseWhatIsNotOfThem) {
       {"bounce", BounceScene(), world("acceleration", up), "falls to where no wall stands"},
       {"bounce", BounceScene(), world("acceleration", none), "nothing moves"},
       {"bounce", BounceScene(),
-       [](compiler::Scene& scene) { AddGroup(scene, "other", 1, At(3, 0, 0)); },
+       [](plan::Scene& scene) { AddGroup(scene, "other", 1, At(3, 0, 0)); },
        "there are 2 objects; it is of one"},
       {"slide", SlopeScene(0.5, 0.4), world("world.walls", Word("none")), "there is no floor"},
       {"slide", SlopeScene(0.5, 0.4), world("acceleration", up), "does not press onto the floor"},
@@ -373,15 +374,15 @@ TEST(ClosedForms, RefuseWhatIsNotOfThem) {
       {"slide", SlopeScene(0.5, 0.4), slope(0.1), "take `stick`"},
       {"stick", SlopeScene(0.3, 1), slope(0.6), "take `slide`"},
       {"stick", SlopeScene(0.3, 10),
-       [&](compiler::Scene& scene) {
+       [&](plan::Scene& scene) {
          slope(0.6)(scene);
-         SetGroup(scene, "aspect", compiler::Ratio{{1, 3, 1}});
+         SetGroup(scene, "aspect", schema::Ratio{{1, 3, 1}});
        },
        "would tip over"},
       {"spin", SpinScene(), world("acceleration", up), "there is an acceleration; make it 0"},
       {"spin", SpinScene(), group("angular_velocity", none), "does not spin"},
       {"spin", SpinScene(),
-       [](compiler::Scene& scene) {
+       [](plan::Scene& scene) {
          SetWorld(scene, "world.walls", Word("all"));
          SetGroup(scene, "linear_velocity", Vector3d(0, 0, 9));
        },
@@ -391,10 +392,10 @@ TEST(ClosedForms, RefuseWhatIsNotOfThem) {
       {"head_on", HeadOnScene(1, 1), group("linear_velocity", oblique), "along the line of their"},
       {"head_on", HeadOnScene(1, 1), group("linear_velocity", Vector3d(-2, 0, 0)),
        "do not come towards each other"},
-      {"head_on", HeadOnScene(1, 1), [](compiler::Scene& scene) { SetTime(scene, 0.1, 0.4); },
+      {"head_on", HeadOnScene(1, 1), [](plan::Scene& scene) { SetTime(scene, 0.1, 0.4); },
        "they meet after 0.5 s, and the run ends after 0.4 s"},
       {"head_on", HeadOnScene(1, 1),
-       [](compiler::Scene& scene) {
+       [](plan::Scene& scene) {
          SetWorld(scene, "world.walls", Word("all"));
          SetTime(scene, 1.0 / 60, 4);
        },
@@ -408,16 +409,16 @@ TEST(ClosedForms, RefuseWhatIsNotOfThem) {
       {"rolling", RollingScene(0.1), group("friction", 0.0), "slip on the plate"},
       {"rolling", RollingScene(0.1), group("friction", 0.01), "slip on the plate"},
       {"rolling", RollingScene(0.1),
-       [&](compiler::Scene& scene) {
+       [&](plan::Scene& scene) {
          SetGroup(scene, "friction", 0.05);
          SetGroup(scene, "friction", 100.0, 1);
          slope(0.2)(scene);
        },
        "slip on the floor"},
-      {"rolling", RollingScene(0.1), [](compiler::Scene& scene) { SetTime(scene, 1.0 / 60, 10); },
+      {"rolling", RollingScene(0.1), [](plan::Scene& scene) { SetTime(scene, 1.0 / 60, 10); },
        "is not under the plate from start to end"},
       {"rolling", RollingScene(0.1),
-       [](compiler::Scene& scene) {
+       [](plan::Scene& scene) {
          SetGroup(scene, "location", At(-5, -19.5 + kHair, 0));
          SetGroup(scene, "quantity", std::uint64_t{1});
        },
@@ -432,12 +433,12 @@ TEST(ClosedForms, RefuseWhatIsNotOfThem) {
   };
   for (const Refusal& refusal : refusals) {
     EXPECT_NO_THROW(FormOf(refusal.form, refusal.scene)) << refusal.form;
-    compiler::Scene scene = refusal.scene;
+    plan::Scene scene = refusal.scene;
     refusal.change(scene);
     try {
       FormOf(refusal.form, scene);
       ADD_FAILURE() << refusal.form << " takes: " << refusal.message;
-    } catch (const SceneError& error) {
+    } catch (const library::SceneError& error) {
       const std::string text = error.what();
       EXPECT_EQ(text.find(std::string("closed form `") + refusal.form + "`"), 0u) << text;
       EXPECT_NE(text.find(refusal.message), std::string::npos)
@@ -447,17 +448,17 @@ TEST(ClosedForms, RefuseWhatIsNotOfThem) {
 }
 
 TEST(ClosedForms, AreAllInTheCatalogue) {
-  const std::map<std::string_view, compiler::Scene> scenes = {
+  const std::map<std::string_view, plan::Scene> scenes = {
       {"flight", FlightScene()},      {"bounce", BounceScene()}, {"slide", SlopeScene(0.5, 0.4)},
       {"stick", SlopeScene(0.3, 1)},  {"spin", SpinScene()},     {"head_on", HeadOnScene(2, 0.5)},
       {"rolling", RollingScene(0.1)}, {"stack", StackScene(5)},
   };
-  EXPECT_EQ(ClosedForms().size(), scenes.size());
-  for (const ClosedFormInfo& info : ClosedForms()) {
+  EXPECT_EQ(schema::ClosedForms().size(), scenes.size());
+  for (const schema::ClosedFormInfo& info : schema::ClosedForms()) {
     const auto form = FormOf(info.name, scenes.at(info.name));
     EXPECT_GT(form->energy_scale(), 0) << info.name;
   }
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

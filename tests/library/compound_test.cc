@@ -6,53 +6,54 @@
 #include <memory>
 #include <numbers>
 
-#include "compiler/calls.h"
-#include "compiler/sha256.h"
+#include "compiler/plan/sha256.h"
+#include "compiler/schema/parametrised_words.h"
 #include "library/distributions/stream.h"
 #include "library/meshes/models.h"
 #include "library/meshes/primitives.h"
-#include "library/objects/solid_maker.h"
+#include "library/objects/solid_factory.h"
 #include "tests/library/meshes/test_meshes.h"
 #include "tests/library/own_cache.h"
 #include "tests/library/test_scene.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using namespace testing;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using test::Word;
 
-std::shared_ptr<const Form> FormOfHulls(const Mesh& mesh, std::vector<Hull> hulls) {
-  return std::make_shared<const Form>(
-      MakeForm("test", mesh, MassPropertiesOf(mesh), {std::move(hulls), 0, 1}));
+std::shared_ptr<const objects::ConvexDecomposition> FormOfHulls(const meshes::Mesh& mesh,
+                                                                std::vector<meshes::Hull> hulls) {
+  return std::make_shared<const objects::ConvexDecomposition>(objects::MakeDecomposition(
+      "test", mesh, meshes::MassPropertiesOf(mesh), {std::move(hulls), 0, 1}));
 }
 
 /// AngleMesh as its two boxes.
-std::shared_ptr<const Form> AngleForm() {
-  return FormOfHulls(AngleMesh(), {ConvexHull(BoxMesh({0, 0, 0}, {2, 1, 1}), "a"),
-                                   ConvexHull(BoxMesh({0, 1, 0}, {1, 2, 1}), "b")});
+std::shared_ptr<const objects::ConvexDecomposition> AngleForm() {
+  return FormOfHulls(AngleMesh(), {meshes::ConvexHull(BoxMesh({0, 0, 0}, {2, 1, 1}), "a"),
+                                   meshes::ConvexHull(BoxMesh({0, 1, 0}, {1, 2, 1}), "b")});
 }
 
-Solid SolidOf(const std::shared_ptr<const Form>& form, const Vector3d& sides) {
-  Solid solid{Shape::kCompound, sides};
-  solid.compound = std::make_shared<const Compound>(form, sides);
+objects::Solid SolidOf(const std::shared_ptr<const objects::ConvexDecomposition>& form,
+                       const Vector3d& sides) {
+  objects::Solid solid{objects::Shape::kCompound, sides};
+  solid.compound = std::make_shared<const objects::Compound>(form, sides);
   return solid;
 }
 
 TEST(Compound, OfABoxIsTheBox) {
-  const Mesh mesh = BoxMesh({-3, 1, 5}, {7, 2, 6});
+  const meshes::Mesh mesh = BoxMesh({-3, 1, 5}, {7, 2, 6});
   const Vector3d sides(2, 3, 5);
-  const Solid solid = SolidOf(FormOfHulls(mesh, {ConvexHull(mesh, "box")}), sides);
-  const Solid box{Shape::kCuboid, sides};
+  const objects::Solid solid = SolidOf(FormOfHulls(mesh, {meshes::ConvexHull(mesh, "box")}), sides);
+  const objects::Solid box{objects::Shape::kCuboid, sides};
   EXPECT_NEAR(solid.Volume(), box.Volume(), 1e-12);
   EXPECT_LE((solid.InertiaPerMass() - box.InertiaPerMass()).norm(), 1e-12);
   EXPECT_EQ(solid.compound->from_mesh(), Matrix3d::Identity());
   EXPECT_NEAR(solid.InnerRadius(), 1, 1e-12);
   EXPECT_NEAR(solid.OuterRadius(), box.OuterRadius(), 1e-12);
   EXPECT_NEAR(solid.LeastHalfExtent(), 1, 1e-12);
-  Stream stream(1);
+  distributions::Stream stream(1);
   for (int i = 0; i < 100; ++i) {
     const Vector3d d(stream.Normal(), stream.Normal(), stream.Normal());
     EXPECT_LE((solid.Support(d) - box.Support(d)).norm(), 1e-12);
@@ -61,13 +62,13 @@ TEST(Compound, OfABoxIsTheBox) {
 
 TEST(Compound, ItsFrameIsThatOfTheStretchedMesh) {
   // Whatever the sides, the same as stretching the mesh first.
-  Stream stream(2);
+  distributions::Stream stream(2);
   for (int i = 0; i < 50; ++i) {
     const Vector3d sides(stream.Uniform(1, 9), stream.Uniform(1, 9), stream.Uniform(1, 9));
-    const Solid solid = SolidOf(AngleForm(), sides);
+    const objects::Solid solid = SolidOf(AngleForm(), sides);
     const Vector3d factor = sides.cwiseQuotient(Vector3d(2, 2, 1));
-    const Mesh stretched = Moved(AngleMesh(), factor.asDiagonal(), Vector3d::Zero());
-    const MassProperties properties = MassPropertiesOf(stretched);
+    const meshes::Mesh stretched = Moved(AngleMesh(), factor.asDiagonal(), Vector3d::Zero());
+    const meshes::MassProperties properties = meshes::MassPropertiesOf(stretched);
     EXPECT_NEAR(solid.Volume(), properties.volume, 1e-12 * properties.volume);
     const Matrix3d& turn = solid.compound->from_mesh();
     EXPECT_NEAR(turn.determinant(), 1, 1e-12);
@@ -90,7 +91,7 @@ TEST(Compound, ItsFrameIsThatOfTheStretchedMesh) {
 }
 
 TEST(Compound, PiecesTogetherHaveTheSides) {
-  const Solid solid = SolidOf(AngleForm(), {4, 5, 6});
+  const objects::Solid solid = SolidOf(AngleForm(), {4, 5, 6});
   const Matrix3d& turn = solid.compound->from_mesh();
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3d d = turn.col(axis);
@@ -103,11 +104,11 @@ TEST(Compound, PiecesTogetherHaveTheSides) {
 }
 
 TEST(Compound, FarthestPointIsThatOfThePiecesOneByOne) {
-  const Mesh mesh = TorusMesh(3, 1, 16, kTorusCorners);
-  const auto form = FormOfHulls(mesh, TorusHulls(3, 1, 16).hulls);
-  Stream stream(3);
+  const meshes::Mesh mesh = meshes::TorusMesh(3, 1, 16, meshes::kTorusCorners);
+  const auto form = FormOfHulls(mesh, meshes::TorusHulls(3, 1, 16).hulls);
+  distributions::Stream stream(3);
   for (const Vector3d& sides : {Vector3d(8, 2, 8), Vector3d(1e-3, 5, 900)}) {
-    const Solid solid = SolidOf(form, sides);
+    const objects::Solid solid = SolidOf(form, sides);
     for (int i = 0; i < 1000; ++i) {
       // Along the axes too, where several are as far.
       Vector3d d(stream.Normal(), stream.Normal(), stream.Normal());
@@ -124,15 +125,15 @@ TEST(Compound, FarthestPointIsThatOfThePiecesOneByOne) {
 
 TEST(Compound, InnerBallIsInAPieceOrNone) {
   // The centre of mass is in the first box, 1/6 below its top and as far from the second's side.
-  const Solid angle = SolidOf(AngleForm(), {2, 2, 1});
+  const objects::Solid angle = SolidOf(AngleForm(), {2, 2, 1});
   EXPECT_NEAR(angle.InnerRadius(), 1.0 / 6, 1e-12);
-  SolidMaker maker;
+  objects::SolidFactory maker;
   EXPECT_EQ(maker.Make(Word("torus"), Vector3d::Constant(8), Vector3d::Ones()).InnerRadius(), 0);
 }
 
-TEST(SolidMaker, TorusHasItsClosedForms) {
-  SolidMaker maker;
-  const Solid torus = maker.Make(Word("torus"), Vector3d::Constant(8), Vector3d::Ones());
+TEST(SolidFactory, TorusHasItsClosedForms) {
+  objects::SolidFactory maker;
+  const objects::Solid torus = maker.Make(Word("torus"), Vector3d::Constant(8), Vector3d::Ones());
   EXPECT_EQ(torus.sides, Vector3d(8, 2, 8));
   const double major = 3, minor = 1, pi = std::numbers::pi;
   EXPECT_NEAR(torus.Volume(), 2 * pi * pi * major * minor * minor, 1e-12);
@@ -140,43 +141,43 @@ TEST(SolidMaker, TorusHasItsClosedForms) {
   const double along = major * major + 3 * minor * minor / 4;
   EXPECT_LE((torus.InertiaPerMass() - Vector3d(across, along, across)).norm(), 1e-12);
   // And those of a fine mesh, stretched.
-  const Solid stretched = maker.Make(Word("torus"), Vector3d::Ones(), {5, 3, 7});
+  const objects::Solid stretched = maker.Make(Word("torus"), Vector3d::Ones(), {5, 3, 7});
   EXPECT_EQ(stretched.sides, Vector3d(5, 3, 7));
   const Vector3d factor = Vector3d(5, 3, 7).cwiseQuotient(Vector3d(8, 2, 8));
-  const MassProperties fine =
-      MassPropertiesOf(Moved(TorusMesh(3, 1, 512, 512), factor.asDiagonal(), Vector3d::Zero()));
+  const meshes::MassProperties fine = meshes::MassPropertiesOf(
+      Moved(meshes::TorusMesh(3, 1, 512, 512), factor.asDiagonal(), Vector3d::Zero()));
   EXPECT_NEAR(stretched.Volume(), fine.volume, 1e-4 * fine.volume);
   EXPECT_LE((stretched.InertiaPerMass() - fine.inertia.diagonal()).norm(),
             1e-4 * fine.inertia.norm());
 }
 
-TEST(SolidMaker, EqualOnesAreSharedAndFormsAlways) {
-  SolidMaker maker;
+TEST(SolidFactory, EqualOnesAreSharedAndFormsAlways) {
+  objects::SolidFactory maker;
   const Vector3d ones = Vector3d::Ones();
-  const Solid a = maker.Make(Word("torus"), Vector3d::Constant(8), ones);
-  const Solid b = maker.Make(Word("torus"), Vector3d::Constant(8), ones);
-  const Solid c = maker.Make(Word("torus"), Vector3d::Constant(9), ones);
+  const objects::Solid a = maker.Make(Word("torus"), Vector3d::Constant(8), ones);
+  const objects::Solid b = maker.Make(Word("torus"), Vector3d::Constant(8), ones);
+  const objects::Solid c = maker.Make(Word("torus"), Vector3d::Constant(9), ones);
   EXPECT_EQ(a, b);
   EXPECT_EQ(a.compound, b.compound);
   EXPECT_NE(a.compound, c.compound);
   EXPECT_EQ(&a.compound->form(), &c.compound->form());
   EXPECT_EQ(maker.Forms().size(), 1u);
-  EXPECT_EQ(maker.Make(Word("cone"), {1, 2, 3}, {3, 2, 1}), (Solid{Shape::kCone, {3, 4, 3}}));
+  EXPECT_EQ(maker.Make(Word("cone"), {1, 2, 3}, {3, 2, 1}),
+            (objects::Solid{objects::Shape::kCone, {3, 4, 3}}));
   EXPECT_EQ(maker.Forms().size(), 1u) << "closed forms have none";
 }
 
-TEST(SolidMaker, AFormIsTheSameMadeOrFound) {
-  const test::OwnCache cache;
+TEST(SolidFactory, AFormIsTheSameMadeOrFound) {
+  const OwnCache cache;
   const std::string file = (cache.folder() / "angle.off").string();
   std::ofstream(file) << ToOff(AngleMesh());
   const auto call = [&](const char* name) {
-    return compiler::Call{name, {compiler::Text{file}, Word("any")}};
+    return schema::Call{name, {schema::Text{file}, Word("any")}};
   };
   std::ptrdiff_t made = 0;
-  for (const compiler::Value& type :
-       {Word("torus"), compiler::Value(call("mesh")), {call("hull")}}) {
+  for (const schema::Value& type : {Word("torus"), schema::Value(call("mesh")), {call("hull")}}) {
     const auto form = [&] {
-      SolidMaker maker;
+      objects::SolidFactory maker;
       maker.Make(type, Vector3d::Ones(), Vector3d::Ones());
       return *maker.Forms().at(0);
     };
@@ -190,66 +191,67 @@ TEST(SolidMaker, AFormIsTheSameMadeOrFound) {
 class MeshFile : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    cache_ = std::make_unique<test::OwnCache>();
+    cache_ = std::make_unique<OwnCache>();
     std::ofstream(file()) << ToOff(AngleMesh());
   }
   static void TearDownTestSuite() { cache_.reset(); }
   static std::string file() { return (cache_->folder() / "angle.off").string(); }
-  static compiler::Value Call(const char* name, compiler::Value sha256 = Word("any")) {
-    return compiler::Call{name, {compiler::Text{file()}, std::move(sha256)}};
+  static schema::Value Call(const char* name, schema::Value sha256 = Word("any")) {
+    return schema::Call{name, {schema::Text{file()}, std::move(sha256)}};
   }
 
-  static inline std::unique_ptr<test::OwnCache> cache_;
+  static inline std::unique_ptr<OwnCache> cache_;
 };
 
 TEST_F(MeshFile, MeshIsACompoundOfItsPieces) {
-  SolidMaker maker;
-  const Solid solid = maker.Make(Call("mesh"), Vector3d::Constant(4), Vector3d::Ones());
+  objects::SolidFactory maker;
+  const objects::Solid solid = maker.Make(Call("mesh"), Vector3d::Constant(4), Vector3d::Ones());
   EXPECT_EQ(solid.sides, Vector3d(4, 4, 2)) << "its own proportions";
   EXPECT_NEAR(solid.Volume(), 24, 1e-9);
   EXPECT_GE(solid.PieceCount(), 2u);
   EXPECT_EQ(maker.Make(Call("mesh"), Vector3d::Constant(4), {1, 1, 2}).sides, Vector3d(4, 4, 8));
-  EXPECT_TRUE(FormsText(maker.Forms()).starts_with("mesh(\"" + file() + "\"): "));
+  EXPECT_TRUE(objects::ModelsText(maker.Forms()).starts_with("mesh(\"" + file() + "\"): "));
 }
 
 TEST_F(MeshFile, HullIsOnePiece) {
-  SolidMaker maker;
-  const Solid solid = maker.Make(Call("hull"), Vector3d::Constant(2), Vector3d::Ones());
+  objects::SolidFactory maker;
+  const objects::Solid solid = maker.Make(Call("hull"), Vector3d::Constant(2), Vector3d::Ones());
   EXPECT_EQ(solid.PieceCount(), 1u);
   EXPECT_NEAR(solid.Volume(), 3.5, 1e-12);  // the quarter's half as well
-  EXPECT_NE(FormsText(maker.Forms()).find("1 hull, volume error 0 %, IoU 1.000"),
+  EXPECT_NE(objects::ModelsText(maker.Forms()).find("1 hull, volume error 0 %, IoU 1.000"),
             std::string::npos);
 }
 
 TEST_F(MeshFile, AnotherFileThanPlannedIsRefused) {
-  SolidMaker maker;
+  objects::SolidFactory maker;
   const auto make = [&](const std::string& sha256) {
-    return maker.Make(Call("mesh", compiler::Text{sha256}), Vector3d::Ones(), Vector3d::Ones());
+    return maker.Make(Call("mesh", schema::Text{sha256}), Vector3d::Ones(), Vector3d::Ones());
   };
-  EXPECT_EQ(make(compiler::Sha256Hex(ToOff(AngleMesh()))).sides, Vector3d(1, 1, 0.5));
+  EXPECT_EQ(make(plan::Sha256Hex(ToOff(AngleMesh()))).sides, Vector3d(1, 1, 0.5));
   EXPECT_EQ(Refusal([&] { make("0123"); }),
             file() + ": it is not the file that was planned with; plan again");
 }
 
-TEST(SolidMaker, ModelsAreTheirMeshes) {
-  for (const Model& model : Models()) {
-    Mesh mesh;
+TEST(SolidFactory, ModelsAreTheirMeshes) {
+  for (const meshes::Model& model : meshes::Models()) {
+    meshes::Mesh mesh;
     try {
-      mesh = LoadModel(model, ModelFolders());
-    } catch (const SceneError&) {
+      mesh = meshes::LoadModel(model, meshes::ModelFolders());
+    } catch (const library::SceneError&) {
       GTEST_SKIP() << "no models here: library/meshes/fetch-models gets them";
     }
-    SolidMaker maker;
-    const Solid solid = maker.Make(Word(model.name), Vector3d::Constant(50), Vector3d::Ones());
-    const MassProperties properties = MassPropertiesOf(mesh);
+    objects::SolidFactory maker;
+    const objects::Solid solid =
+        maker.Make(Word(model.name), Vector3d::Constant(50), Vector3d::Ones());
+    const meshes::MassProperties properties = meshes::MassPropertiesOf(mesh);
     Eigen::AlignedBox3d box;
     for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
     const double scale = 50 / box.sizes().maxCoeff();
     EXPECT_NEAR(solid.Volume(), properties.volume * std::pow(scale, 3), 1e-9 * solid.Volume());
-    const PrincipalAxes axes = PrincipalAxesOf(properties.inertia * scale * scale);
+    const meshes::PrincipalAxes axes = meshes::PrincipalAxesOf(properties.inertia * scale * scale);
     EXPECT_LE((solid.InertiaPerMass() - axes.moments).norm(), 1e-9 * axes.moments.norm());
     EXPECT_GT(solid.InnerRadius(), 0);
-    const Form& form = *maker.Forms()[0];
+    const objects::ConvexDecomposition& form = *maker.Forms()[0];
     EXPECT_LE(form.volume_error, 0.1);
     EXPECT_GE(form.iou, 0.88);
     EXPECT_GE(form.pieces.size(), 5u);
@@ -258,4 +260,4 @@ TEST(SolidMaker, ModelsAreTheirMeshes) {
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -1,4 +1,4 @@
-#include "library/objects/form_cache.h"
+#include "library/objects/decomposition_cache.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -10,7 +10,7 @@
 
 #include "tests/library/meshes/test_meshes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using namespace testing;
@@ -27,20 +27,21 @@ class FormCache : public ::testing::Test {
     std::string name = (fs::temp_directory_path() / "cdb-forms-XXXXXX").string();
     folder_ = mkdtemp(name.data());
     cache_ = folder_ / "new" / "cache";
-    DecomposeOptions options;
+    meshes::DecomposeOptions options;
     options.faces = 100;
-    const Mesh mesh = AngleMesh();
-    form_ = MakeForm("m", mesh, MassPropertiesOf(mesh), Decompose(mesh, "m", options));
+    const meshes::Mesh mesh = AngleMesh();
+    form_ = objects::MakeDecomposition("m", mesh, meshes::MassPropertiesOf(mesh),
+                                       meshes::Decompose(mesh, "m", options));
     form_.centre.x() = -0.0;
   }
   ~FormCache() override { fs::remove_all(folder_); }
 
-  Form Once(const fs::path& folder, const std::string& source = "angle") {
+  objects::ConvexDecomposition Once(const fs::path& folder, const std::string& source = "angle") {
     const auto make = [&] {
       ++made_;
       return form_;
     };
-    return FormOnce("m", source, make, folder);
+    return objects::DecomposeOnce("m", source, make, folder);
   }
   std::vector<fs::path> Files() const {
     std::vector<fs::path> files;
@@ -49,27 +50,27 @@ class FormCache : public ::testing::Test {
   }
 
   fs::path folder_, cache_;
-  Form form_;
+  objects::ConvexDecomposition form_;
   int made_ = 0;
 };
 
 TEST_F(FormCache, MakesOnce) {
   ASSERT_GE(form_.pieces.size(), 2u);
   EXPECT_EQ(Once(cache_), form_);
-  const Form found = Once(cache_);
+  const objects::ConvexDecomposition found = Once(cache_);
   EXPECT_EQ(found, form_);
   EXPECT_EQ(made_, 1);
-  ASSERT_EQ(Files(), std::vector{cache_ / (FormKey("angle") + ".form")});
+  ASSERT_EQ(Files(), std::vector{cache_ / (objects::DecompositionKey("angle") + ".form")});
   // To the last bit: kept again, it is the same file.
-  FormOnce(
+  objects::DecomposeOnce(
       "m", "angle", [&] { return found; }, folder_ / "other");
   EXPECT_EQ(BytesOf(folder_ / "other" / Files()[0].filename()), BytesOf(Files()[0]));
 }
 
 TEST_F(FormCache, NamesAreNotKept) {
   Once(cache_);
-  const Form other = FormOnce(
-      "n", "angle", [] { return Form(); }, cache_);
+  const objects::ConvexDecomposition other = objects::DecomposeOnce(
+      "n", "angle", [] { return objects::ConvexDecomposition(); }, cache_);
   EXPECT_EQ(other.name, "n");
   EXPECT_EQ(other.pieces, form_.pieces);
 }
@@ -98,7 +99,7 @@ TEST_F(FormCache, ContentsOfAnotherShapeAreNotThere) {
   // With a right digest, as a mistake of our own would have it.
   for (const std::string& contents : {std::string(), std::string(8, '\xff'), std::string(160, '\0'),
                                       std::string(168, '\1'), std::string(4096, '\xff')}) {
-    ASSERT_TRUE(StoreCached(cache_, "form", FormKey("angle"), contents));
+    ASSERT_TRUE(library::StoreCached(cache_, "form", objects::DecompositionKey("angle"), contents));
     made_ = 0;
     EXPECT_EQ(Once(cache_), form_);
     EXPECT_EQ(made_, 1);
@@ -110,7 +111,7 @@ TEST_F(FormCache, AFolderThatCannotBeWrittenIsNoError) {
   EXPECT_EQ(Once(folder_ / "file" / "cache"), form_);
   EXPECT_EQ(Once({}), form_);
   // The name of the entry is taken by a folder that is not empty, so that the rename fails.
-  fs::create_directories(cache_ / (FormKey("angle") + ".form") / "x");
+  fs::create_directories(cache_ / (objects::DecompositionKey("angle") + ".form") / "x");
   EXPECT_EQ(Once(cache_), form_);
   EXPECT_EQ(made_, 3);
   EXPECT_EQ(Files().size(), 1u);  // nothing temporary is left
@@ -118,8 +119,9 @@ TEST_F(FormCache, AFolderThatCannotBeWrittenIsNoError) {
 
 TEST_F(FormCache, WhatFailsIsNotKept) {
   const auto fail = [&] {
-    FormOnce(
-        "m", "angle", []() -> Form { throw SceneError("no solid"); }, cache_);
+    objects::DecomposeOnce(
+        "m", "angle",
+        []() -> objects::ConvexDecomposition { throw library::SceneError("no solid"); }, cache_);
   };
   EXPECT_EQ(Refusal(fail), "no solid");
   EXPECT_EQ(Refusal(fail), "no solid");
@@ -132,7 +134,7 @@ TEST_F(FormCache, SourcesAreToldApart) {
   Once(cache_, "a");
   EXPECT_EQ(made_, 2);
   EXPECT_EQ(Files().size(), 2u);
-  EXPECT_EQ(FormKey("a").size(), 64u);
+  EXPECT_EQ(objects::DecompositionKey("a").size(), 64u);
 }
 
 TEST_F(FormCache, ProcessesAtOnceAllGetTheSame) {
@@ -160,16 +162,16 @@ TEST_F(FormCache, FolderComesFromTheEnvironment) {
   setenv("CDB_CACHE", "/a", 1);
   setenv("XDG_CACHE_HOME", "/b", 1);
   setenv("HOME", "/c", 1);
-  EXPECT_EQ(CacheFolder(), "/a");
+  EXPECT_EQ(library::CacheFolder(), "/a");
   unsetenv("CDB_CACHE");
-  EXPECT_EQ(CacheFolder(), "/b/cdb");
+  EXPECT_EQ(library::CacheFolder(), "/b/cdb");
   setenv("XDG_CACHE_HOME", "relative", 1);
-  EXPECT_EQ(CacheFolder(), "/c/.cache/cdb");
+  EXPECT_EQ(library::CacheFolder(), "/c/.cache/cdb");
   unsetenv("XDG_CACHE_HOME");
   unsetenv("HOME");
-  EXPECT_EQ(CacheFolder(), "");
+  EXPECT_EQ(library::CacheFolder(), "");
   for (const auto& [name, value] : before) setenv(name, value.c_str(), 1);
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

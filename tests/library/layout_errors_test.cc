@@ -8,24 +8,19 @@
 #include "library/layouts/initial_state.h"
 #include "tests/library/layout_scene.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using test::AddGroup;
-using test::FailureOf;
-using test::Layout;
-using test::LayoutScene;
-using test::SetGroup;
 
-compiler::Value At(double x, double y, double z) {
+schema::Value At(double x, double y, double z) {
   return Layout("at", {{"x", x}, {"y", y}, {"z", z}});
 }
 
-void SetFixedCuboid(compiler::Scene& scene, const Vector3d& sides, std::size_t group) {
-  SetGroup(scene, "type", test::Word("cuboid"), group);
-  SetGroup(scene, "mass", test::Word("fixed"), group);
-  SetGroup(scene, "aspect", compiler::Ratio{sides}, group);
+void SetFixedCuboid(plan::Scene& scene, const Vector3d& sides, std::size_t group) {
+  SetGroup(scene, "type", Word("cuboid"), group);
+  SetGroup(scene, "mass", Word("fixed"), group);
+  SetGroup(scene, "aspect", schema::Ratio{sides}, group);
 }
 
 TEST(LayoutErrors, ObjectsOfOneGroup) {
@@ -47,7 +42,7 @@ TEST(LayoutErrors, ObjectsOfOneGroup) {
 }
 
 TEST(LayoutErrors, ObjectsOfTwoGroups) {
-  compiler::Scene scene = LayoutScene(1, 50, At(1, 2, 3));
+  plan::Scene scene = LayoutScene(1, 50, At(1, 2, 3));
   AddGroup(scene, "probe", 1, At(1, 2, 3.5));
   EXPECT_EQ(FailureOf(scene),
             "object 2 of 2 (group `probe`) overlaps object 1 of 2 (group `objects`) by 0.5 m along "
@@ -72,8 +67,8 @@ TEST(LayoutErrors, Walls) {
   EXPECT_NE(FailureOf(LayoutScene(1, 10, Layout("stack", {{"gap", 0.0}})))
                 .find("touches the cube's wall -y; make "),
             std::string::npos);
-  compiler::Scene open = LayoutScene(1, 10, At(0, 0, 4.75));
-  test::SetWorld(open, "world.walls", test::Word("none"));
+  plan::Scene open = LayoutScene(1, 10, At(0, 0, 4.75));
+  SetWorld(open, "world.walls", Word("none"));
   EXPECT_NE(FailureOf(open), "");
 }
 
@@ -81,7 +76,7 @@ TEST(LayoutErrors, Quantities) {
   EXPECT_EQ(FailureOf(LayoutScene(3, 10, At(0, 0, 0))),
             "group `objects` has 3 objects, but `at` gives one object its place; make the quantity "
             "1, and write a group for each object");
-  const compiler::Value pair = Layout("pair", {{"distance", 1.0}});
+  const schema::Value pair = Layout("pair", {{"distance", 1.0}});
   for (const std::uint64_t quantity : {1, 3})
     EXPECT_NE(FailureOf(LayoutScene(quantity, 10, pair)).find("`pair` takes two objects"),
               std::string::npos);
@@ -109,7 +104,7 @@ TEST(LayoutErrors, PairThatNeverComesSoNear) {
 }
 
 TEST(LayoutErrors, FixedObjectsMayOverlapAndLeaveTheCube) {
-  compiler::Scene scene = LayoutScene(27, 3, Layout("grid", {{"spacing", 1.0}}));
+  plan::Scene scene = LayoutScene(27, 3, Layout("grid", {{"spacing", 1.0}}));
   SetFixedCuboid(scene, Vector3d::Ones(), 0);
   EXPECT_EQ(FailureOf(scene), "");
   AddGroup(scene, "far", 1, At(1e6, 0.5, 0));
@@ -126,7 +121,7 @@ TEST(LayoutErrors, FixedObjectsMayOverlapAndLeaveTheCube) {
 }
 
 TEST(LayoutErrors, ObjectsMayOverlapWhereBothSaySo) {
-  compiler::Scene scene = LayoutScene(2, 50, Layout("line", {{"gap", -0.25}}));
+  plan::Scene scene = LayoutScene(2, 50, Layout("line", {{"gap", -0.25}}));
   EXPECT_EQ(FailureOf(scene),
             "object 2 of 2 (group `objects`) overlaps object 1 of 2 (group `objects`) by 0.25 m "
             "along the line between their centres of mass; make gap larger, or say overlap on");
@@ -140,14 +135,14 @@ TEST(LayoutErrors, ObjectsMayOverlapWhereBothSaySo) {
   SetGroup(scene, "overlap", false, other);
   EXPECT_NE(FailureOf(scene).find("give one of the two groups another place"), std::string::npos);
   // What is drawn finds a free place all the same, and walls are walls.
-  SetGroup(scene, "location", test::Word("uniform"), other);
+  SetGroup(scene, "location", Word("uniform"), other);
   EXPECT_EQ(FailureOf(scene), "");
   SetGroup(scene, "location", Layout("line", {{"gap", 60.0}}));
   EXPECT_NE(FailureOf(scene).find("through the cube's wall"), std::string::npos);
 }
 
 TEST(LayoutErrors, AFixedGroupThatIsDrawnStaysInside) {
-  compiler::Scene scene = LayoutScene(1, 10, test::Word("uniform"));
+  plan::Scene scene = LayoutScene(1, 10, Word("uniform"));
   SetFixedCuboid(scene, {11, 1, 1}, 0);
   EXPECT_NE(FailureOf(scene).find("does not fit between walls"), std::string::npos);
 }
@@ -155,7 +150,7 @@ TEST(LayoutErrors, AFixedGroupThatIsDrawnStaysInside) {
 TEST(LayoutErrors, LargeAmongSmallIsFound) {
   // A plate of 100 m through a lattice of 1000 balls, whichever comes first.
   for (const bool plate_first : {false, true}) {
-    compiler::Scene scene = LayoutScene(1000, 50, Layout("grid"));
+    plan::Scene scene = LayoutScene(1000, 50, Layout("grid"));
     AddGroup(scene, "plate", 1, At(0, 2.5, 0));
     SetFixedCuboid(scene, {100, 0.1, 100}, 1);
     if (plate_first) std::swap(scene.groups[0], scene.groups[1]);
@@ -166,11 +161,11 @@ TEST(LayoutErrors, LargeAmongSmallIsFound) {
 }
 
 TEST(LayoutErrors, WhatIsInAHoleIsFree) {
-  compiler::Scene scene = LayoutScene(1, 50, At(1, 2, 3));
-  SetGroup(scene, "type", test::Word("torus"));
+  plan::Scene scene = LayoutScene(1, 50, At(1, 2, 3));
+  SetGroup(scene, "type", Word("torus"));
   SetGroup(scene, "size", 10.0);
   AddGroup(scene, "ball", 1, At(1, 2, 3));
-  SetGroup(scene, "type", test::Word("sphere"), 1);
+  SetGroup(scene, "type", Word("sphere"), 1);
   SetGroup(scene, "size", 4.0, 1);
   EXPECT_EQ(FailureOf(scene), "");
   SetGroup(scene, "size", 5.5, 1);
@@ -178,16 +173,16 @@ TEST(LayoutErrors, WhatIsInAHoleIsFree) {
 }
 
 TEST(HashGrid, FindsWhatTouches) {
-  Stream stream(3);
-  std::vector<Box> boxes;
+  distributions::Stream stream(3);
+  std::vector<objects::Box> boxes;
   for (int i = 0; i < 2000; ++i) {
     const Vector3d half(stream.LogUniform(1e-2, 20), stream.LogUniform(1e-2, 20), 0.1);
     const Vector3d at(stream.Uniform(-50, 50), stream.Uniform(-50, 50), stream.Uniform(-5, 5));
     boxes.push_back({at - half, at + half});
   }
-  const auto extent = [](const Box& box) { return (box.upper - box.lower).maxCoeff(); };
+  const auto extent = [](const objects::Box& box) { return (box.upper - box.lower).maxCoeff(); };
   std::ranges::sort(boxes, std::greater<>(), extent);
-  HashGrid grid(boxes.size());
+  layouts::HashGrid grid(boxes.size());
   std::size_t found_in_all = 0, visits = 0;
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     std::vector<std::uint32_t> expected, found;
@@ -207,18 +202,18 @@ TEST(HashGrid, FindsWhatTouches) {
     found.erase(first, last);
     ASSERT_EQ(found, expected);
     found_in_all += found.size();
-    grid.Add(i, HashGrid::LevelOf(extent(boxes[i])), boxes[i]);
+    grid.Add(i, layouts::HashGrid::LevelOf(extent(boxes[i])), boxes[i]);
   }
   EXPECT_GT(found_in_all, 500u);
   EXPECT_LT(visits, 2000 * 2000 / 2);
 }
 
 TEST(HashGrid, WorksFarAway) {
-  HashGrid grid(2);
-  const Box far{Vector3d::Constant(1e300), Vector3d::Constant(1e300)};
-  grid.Add(0, HashGrid::LevelOf(1e-3), far);
+  layouts::HashGrid grid(2);
+  const objects::Box far{Vector3d::Constant(1e300), Vector3d::Constant(1e300)};
+  grid.Add(0, layouts::HashGrid::LevelOf(1e-3), far);
   EXPECT_TRUE(grid.AnyOf(far, [](std::uint32_t id) { return id == 0; }));
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -8,30 +8,33 @@
 
 #include "library/distributions/stream.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr Shape kShapes[] = {Shape::kEllipsoid, Shape::kCuboid,  Shape::kCylinder,
-                             Shape::kCone,      Shape::kCapsule, Shape::kTetrahedron};
+constexpr objects::Shape kShapes[] = {objects::Shape::kEllipsoid, objects::Shape::kCuboid,
+                                      objects::Shape::kCylinder,  objects::Shape::kCone,
+                                      objects::Shape::kCapsule,   objects::Shape::kTetrahedron};
 
-Vector3d Direction(Stream& stream) {
+Vector3d Direction(distributions::Stream& stream) {
   return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
 }
 
-Solid RandomSolid(Stream& stream, double most = 10) {
+objects::Solid RandomSolid(distributions::Stream& stream, double most = 10) {
   const auto shape = kShapes[static_cast<std::size_t>(stream.Uniform(0, std::size(kShapes)))];
   return {shape,
           {stream.LogUniform(1, most), stream.LogUniform(1, most), stream.LogUniform(1, most)}};
 }
 
-Vector3d WorldSupport(const Solid& solid, const Pose& pose, const Vector3d& direction) {
+Vector3d WorldSupport(const objects::Solid& solid, const objects::Pose& pose,
+                      const Vector3d& direction) {
   return pose.position + pose.orientation * solid.Support(pose.orientation.conjugate() * direction);
 }
 
 /// Separating axes of two boxes (S. Gottschalk et al., OBBTree, 1996): exact.
-bool BoxesOverlap(const Solid& a, const Pose& pa, const Solid& b, const Pose& pb) {
+bool BoxesOverlap(const objects::Solid& a, const objects::Pose& pa, const objects::Solid& b,
+                  const objects::Pose& pb) {
   const Eigen::Matrix3d ra = pa.orientation.toRotationMatrix();
   const Eigen::Matrix3d rb = pb.orientation.toRotationMatrix();
   std::vector<Vector3d> axes;
@@ -49,89 +52,96 @@ bool BoxesOverlap(const Solid& a, const Pose& pa, const Solid& b, const Pose& pb
 }
 
 TEST(Overlap, BoxesAsTheirSeparatingAxesSay) {
-  Stream stream(1);
+  distributions::Stream stream(1);
   int overlapping = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Solid a{Shape::kCuboid, {stream.Uniform(1, 5), stream.Uniform(1, 5), 2}};
-    const Solid b{Shape::kCuboid, {stream.Uniform(1, 5), 3, stream.Uniform(1, 5)}};
-    const Pose pa{Vector3d::Zero(), stream.Turn()};
-    const Pose pb{Direction(stream) * stream.Uniform(1, 6), stream.Turn()};
+    const objects::Solid a{objects::Shape::kCuboid,
+                           {stream.Uniform(1, 5), stream.Uniform(1, 5), 2}};
+    const objects::Solid b{objects::Shape::kCuboid,
+                           {stream.Uniform(1, 5), 3, stream.Uniform(1, 5)}};
+    const objects::Pose pa{Vector3d::Zero(), stream.Turn()};
+    const objects::Pose pb{Direction(stream) * stream.Uniform(1, 6), stream.Turn()};
     const bool expected = BoxesOverlap(a, pa, b, pb);
     overlapping += expected;
-    ASSERT_EQ(Overlap(a, pa, b, pb), expected) << i;
-    ASSERT_EQ(Overlap(b, pb, a, pa), expected) << i;
+    ASSERT_EQ(objects::Overlap(a, pa, b, pb), expected) << i;
+    ASSERT_EQ(objects::Overlap(b, pb, a, pa), expected) << i;
   }
   EXPECT_GT(overlapping, 2000);
   EXPECT_LT(overlapping, 18000);
 }
 
 TEST(Overlap, BallAndBoxAsTheirDistanceSays) {
-  Stream stream(2);
+  distributions::Stream stream(2);
   for (int i = 0; i < 20000; ++i) {
-    const Solid box{Shape::kCuboid, {stream.Uniform(1, 5), stream.Uniform(1, 5), 2}};
+    const objects::Solid box{objects::Shape::kCuboid,
+                             {stream.Uniform(1, 5), stream.Uniform(1, 5), 2}};
     const double radius = stream.Uniform(0.5, 3);
-    const Solid ball{Shape::kEllipsoid, Vector3d::Constant(2 * radius)};
-    const Pose at_box{Vector3d(1, 2, 3), stream.Turn()};
-    const Pose at_ball{Vector3d(1, 2, 3) + Direction(stream) * stream.Uniform(0, 6), stream.Turn()};
+    const objects::Solid ball{objects::Shape::kEllipsoid, Vector3d::Constant(2 * radius)};
+    const objects::Pose at_box{Vector3d(1, 2, 3), stream.Turn()};
+    const objects::Pose at_ball{Vector3d(1, 2, 3) + Direction(stream) * stream.Uniform(0, 6),
+                                stream.Turn()};
     const Vector3d centre = at_box.orientation.conjugate() * (at_ball.position - at_box.position);
     const Vector3d nearest = centre.cwiseMin(box.sides / 2).cwiseMax(-box.sides / 2);
     const double gap = (centre - nearest).norm() - radius;
     if (std::abs(gap) < 1e-9) continue;
-    ASSERT_EQ(Overlap(box, at_box, ball, at_ball), gap < 0) << i << " gap " << gap;
+    ASSERT_EQ(objects::Overlap(box, at_box, ball, at_ball), gap < 0) << i << " gap " << gap;
   }
 }
 
 TEST(Overlap, SolidsWithACommonPointOverlap) {
-  Stream stream(3);
+  distributions::Stream stream(3);
   for (int i = 0; i < 20000; ++i) {
-    const Solid a = RandomSolid(stream, 50), b = RandomSolid(stream, 50);
-    const Pose pa{Direction(stream) * 100, stream.Turn()};
+    const objects::Solid a = RandomSolid(stream, 50), b = RandomSolid(stream, 50);
+    const objects::Pose pa{Direction(stream) * 100, stream.Turn()};
     // A point of a's surface is put on a point of b between its centre of mass and its surface.
     const Vector3d common = WorldSupport(a, pa, Direction(stream));
-    Pose pb{Vector3d::Zero(), stream.Turn()};
+    objects::Pose pb{Vector3d::Zero(), stream.Turn()};
     pb.position = common - stream.Uniform(0, 1) * WorldSupport(b, pb, Direction(stream));
-    ASSERT_TRUE(Overlap(a, pa, b, pb)) << i;
+    ASSERT_TRUE(objects::Overlap(a, pa, b, pb)) << i;
   }
 }
 
 TEST(Overlap, SolidsWithAPlaneBetweenThemAreApart) {
-  Stream stream(4);
+  distributions::Stream stream(4);
   for (int i = 0; i < 20000; ++i) {
-    const Solid a = RandomSolid(stream, 50), b = RandomSolid(stream, 50);
-    const Pose pa{Direction(stream) * 100, stream.Turn()};
+    const objects::Solid a = RandomSolid(stream, 50), b = RandomSolid(stream, 50);
+    const objects::Pose pa{Direction(stream) * 100, stream.Turn()};
     const Vector3d normal = Direction(stream);
     const double gap = stream.LogUniform(1e-9, 10);
     // b touches the plane `gap` above a's highest point, anywhere along it.
-    Pose pb{Vector3d::Zero(), stream.Turn()};
+    objects::Pose pb{Vector3d::Zero(), stream.Turn()};
     const double height = normal.dot(WorldSupport(a, pa, normal)) + gap;
     const Vector3d along = normal.cross(Direction(stream)) * stream.Uniform(0, 30);
     pb.position = along + pa.position - normal * normal.dot(pa.position);
     pb.position += normal * (height - normal.dot(WorldSupport(b, pb, -normal)));
-    ASSERT_FALSE(Overlap(a, pa, b, pb)) << i << " gap " << gap;
-    ASSERT_FALSE(Overlap(b, pb, a, pa)) << i << " gap " << gap;
+    ASSERT_FALSE(objects::Overlap(a, pa, b, pb)) << i << " gap " << gap;
+    ASSERT_FALSE(objects::Overlap(b, pb, a, pa)) << i << " gap " << gap;
   }
 }
 
 TEST(Overlap, TouchingCounts) {
-  const Solid ball{Shape::kEllipsoid, {2, 2, 2}};
-  EXPECT_TRUE(Overlap(ball, {}, ball, {{2, 0, 0}, Eigen::Quaterniond::Identity()}));
-  EXPECT_FALSE(Overlap(ball, {}, ball, {{2 + 1e-12, 0, 0}, Eigen::Quaterniond::Identity()}));
-  const Solid box{Shape::kCuboid, {2, 2, 2}};
-  EXPECT_TRUE(Overlap(box, {}, box, {{2, 0, 0}, Eigen::Quaterniond::Identity()}));
-  EXPECT_FALSE(Overlap(box, {}, box, {{2 + 1e-9, 0, 0}, Eigen::Quaterniond::Identity()}));
-  EXPECT_TRUE(Overlap(box, {}, box, {}));
+  const objects::Solid ball{objects::Shape::kEllipsoid, {2, 2, 2}};
+  EXPECT_TRUE(objects::Overlap(ball, {}, ball, {{2, 0, 0}, Eigen::Quaterniond::Identity()}));
+  EXPECT_FALSE(
+      objects::Overlap(ball, {}, ball, {{2 + 1e-12, 0, 0}, Eigen::Quaterniond::Identity()}));
+  const objects::Solid box{objects::Shape::kCuboid, {2, 2, 2}};
+  EXPECT_TRUE(objects::Overlap(box, {}, box, {{2, 0, 0}, Eigen::Quaterniond::Identity()}));
+  EXPECT_FALSE(objects::Overlap(box, {}, box, {{2 + 1e-9, 0, 0}, Eigen::Quaterniond::Identity()}));
+  EXPECT_TRUE(objects::Overlap(box, {}, box, {}));
 }
 
 TEST(Overlap, LongThinSolids) {
   // Two rods of 1 x 1 x 1000 crossing at a distance of 2, axes 2 apart: 1 between them.
-  const Solid rod{Shape::kCuboid, {1, 1, 1000}};
+  const objects::Solid rod{objects::Shape::kCuboid, {1, 1, 1000}};
   const Eigen::Quaterniond across(Eigen::AngleAxisd(std::acos(0.0), Vector3d::UnitY()));
-  EXPECT_FALSE(Overlap(rod, {}, rod, {{0, 2, 0}, across}));
-  EXPECT_TRUE(Overlap(rod, {}, rod, {{0, 0.999, 0}, across}));
-  const Solid needle{Shape::kCone, {1, 1000, 1}};
-  EXPECT_FALSE(Overlap(needle, {}, needle, {{1.001, 0, 0}, Eigen::Quaterniond::Identity()}));
-  EXPECT_TRUE(Overlap(needle, {}, needle, {{0.999, 0, 0}, Eigen::Quaterniond::Identity()}));
+  EXPECT_FALSE(objects::Overlap(rod, {}, rod, {{0, 2, 0}, across}));
+  EXPECT_TRUE(objects::Overlap(rod, {}, rod, {{0, 0.999, 0}, across}));
+  const objects::Solid needle{objects::Shape::kCone, {1, 1000, 1}};
+  EXPECT_FALSE(
+      objects::Overlap(needle, {}, needle, {{1.001, 0, 0}, Eigen::Quaterniond::Identity()}));
+  EXPECT_TRUE(
+      objects::Overlap(needle, {}, needle, {{0.999, 0, 0}, Eigen::Quaterniond::Identity()}));
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace cdb::test {
+namespace cdb::tests {
 
 /// An empty folder, named by CDB_CACHE while it lives. One at a time.
 class OwnCache {
@@ -35,4 +35,4 @@ class OwnCache {
   std::string before_;
 };
 
-}  // namespace cdb::test
+}  // namespace cdb::tests

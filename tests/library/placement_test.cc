@@ -13,41 +13,38 @@
 #include "library/scene_error.h"
 #include "tests/library/test_scene.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using test::DefaultScene;
-using test::SetGroup;
-using test::SetWorld;
 
 /// A cube in which `quantity` equal objects of 50 m fill so much.
-compiler::Scene FilledScene(std::uint64_t quantity, double fill, const char* type) {
-  compiler::Scene scene = DefaultScene(quantity, 1e6);
-  SetGroup(scene, "type", test::Word(type));
-  SetWorld(scene, "world.side", 1e6 * std::cbrt(DrawObjects(scene).fill_fraction / fill));
+plan::Scene FilledScene(std::uint64_t quantity, double fill, const char* type) {
+  plan::Scene scene = DefaultScene(quantity, 1e6);
+  SetGroup(scene, "type", Word(type));
+  SetWorld(scene, "world.side", 1e6 * std::cbrt(layouts::DrawObjects(scene).fill_fraction / fill));
   return scene;
 }
 
 /// Nothing touches anything, tested pair by pair.
-void ExpectFree(const compiler::Scene& scene, const InitialState& state) {
+void ExpectFree(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
-    const ObjectState& a = state.objects[i];
-    const Box box = Bounds(a.solid, a.pose.orientation);
+    const layouts::ObjectState& a = state.objects[i];
+    const objects::Box box = objects::Bounds(a.solid, a.pose.orientation);
     EXPECT_LT((a.pose.position + box.upper).maxCoeff(), half);
     EXPECT_GT((a.pose.position + box.lower).minCoeff(), -half);
     for (std::size_t j = 0; j < i; ++j) {
-      const ObjectState& b = state.objects[j];
-      ASSERT_FALSE(Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << j;
+      const layouts::ObjectState& b = state.objects[j];
+      ASSERT_FALSE(objects::Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << j;
     }
   }
 }
 
-std::string FailureOf(const compiler::Scene& scene) {
+std::string FailureOf(const plan::Scene& scene) {
   try {
-    MakeInitialState(scene);
-  } catch (const SceneError& error) {
+    layouts::MakeInitialState(scene);
+  } catch (const library::SceneError& error) {
     return error.what();
   }
   return "";
@@ -55,34 +52,34 @@ std::string FailureOf(const compiler::Scene& scene) {
 
 TEST(Placement, NothingTouches) {
   for (const char* layout : {"uniform", "normal"}) {
-    compiler::Scene scene = DefaultScene(300, 700);
-    SetGroup(scene, "type", test::AnyType());
-    SetGroup(scene, "size", test::Uniform(10.0, 90.0));
-    SetGroup(scene, "orientation", test::Word("random"));
-    SetGroup(scene, "location", test::Word(layout));
-    ExpectFree(scene, MakeInitialState(scene));
+    plan::Scene scene = DefaultScene(300, 700);
+    SetGroup(scene, "type", AnyType());
+    SetGroup(scene, "size", Uniform(10.0, 90.0));
+    SetGroup(scene, "orientation", Word("random"));
+    SetGroup(scene, "location", Word(layout));
+    ExpectFree(scene, layouts::MakeInitialState(scene));
   }
 }
 
 TEST(Placement, LongThinObjects) {
-  compiler::Scene scene = DefaultScene(400, 500);
-  SetGroup(scene, "type", test::AnyType());
+  plan::Scene scene = DefaultScene(400, 500);
+  SetGroup(scene, "type", AnyType());
   SetGroup(scene, "size", 4.0);
-  SetGroup(scene, "aspect", compiler::Ratio{Vector3d(1, 1, 50)});
-  SetGroup(scene, "orientation", test::Word("random"));
-  ExpectFree(scene, MakeInitialState(scene));
+  SetGroup(scene, "aspect", schema::Ratio{Vector3d(1, 1, 50)});
+  SetGroup(scene, "orientation", Word("random"));
+  ExpectFree(scene, layouts::MakeInitialState(scene));
 }
 
 TEST(Placement, GroupsKeepClearOfEachOther) {
-  compiler::Scene scene = DefaultScene(20, 600);
+  plan::Scene scene = DefaultScene(20, 600);
   scene.groups.push_back(scene.groups[0]);
   scene.groups[1].name = "pebbles";
-  test::SeedStreams(scene);
+  SeedStreams(scene);
   SetGroup(scene, "size", 120.0, 0);
   SetGroup(scene, "size", 10.0, 1);
   SetGroup(scene, "quantity", std::uint64_t{400}, 1);
-  SetGroup(scene, "type", test::Word("cuboid"), 1);
-  const InitialState state = MakeInitialState(scene);
+  SetGroup(scene, "type", Word("cuboid"), 1);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   ASSERT_EQ(state.objects.size(), 420u);
   EXPECT_EQ(state.objects[0].group, 0u);
   EXPECT_EQ(state.objects[419].group, 1u);
@@ -91,28 +88,28 @@ TEST(Placement, GroupsKeepClearOfEachOther) {
 
 TEST(Placement, InsideTheCubeAlsoWithoutWallsAndForFixedObjects) {
   for (const char* walls : {"none", "floor"}) {
-    compiler::Scene scene = DefaultScene(50, 300);
-    SetWorld(scene, "world.walls", test::Word(walls));
-    SetGroup(scene, "mass", test::Word("fixed"));
-    ExpectFree(scene, MakeInitialState(scene));
+    plan::Scene scene = DefaultScene(50, 300);
+    SetWorld(scene, "world.walls", Word(walls));
+    SetGroup(scene, "mass", Word("fixed"));
+    ExpectFree(scene, layouts::MakeInitialState(scene));
   }
 }
 
 TEST(Placement, NoObjects) {
-  const InitialState state = MakeInitialState(DefaultScene(0, 500));
+  const layouts::InitialState state = layouts::MakeInitialState(DefaultScene(0, 500));
   EXPECT_TRUE(state.objects.empty());
   EXPECT_EQ(state.fill_fraction, 0);
 }
 
 TEST(Placement, UniformIsUniformWhereTheObjectFits) {
-  const compiler::Scene scene = DefaultScene(20000, 1e6);
-  const InitialState state = MakeInitialState(scene);
+  const plan::Scene scene = DefaultScene(20000, 1e6);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   const double reach = 1e6 / 2 - 25;
   for (int axis = 0; axis < 3; ++axis) {
     // The mean of n has the standard deviation reach sqrt(1/(3 n)); x^2 has the mean reach^2/3 and
     // the variance reach^4 4/45. Five standard deviations.
     double mean = 0, square = 0;
-    for (const ObjectState& object : state.objects) {
+    for (const layouts::ObjectState& object : state.objects) {
       mean += object.pose.position[axis] / reach / 20000;
       square += std::pow(object.pose.position[axis] / reach, 2) / 20000;
     }
@@ -122,16 +119,16 @@ TEST(Placement, UniformIsUniformWhereTheObjectFits) {
 }
 
 TEST(Placement, NormalHasAThirdOfTheWallsCoordinate) {
-  compiler::Scene scene = DefaultScene(20000, 1e6);
-  SetGroup(scene, "location", test::Word("normal"));
-  const InitialState state = MakeInitialState(scene);
+  plan::Scene scene = DefaultScene(20000, 1e6);
+  SetGroup(scene, "location", Word("normal"));
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   const double deviation = 1e6 / 2 / 3;
   // Cut at three standard deviations: variance 1 - 2 * 3 phi(3)/(2 Phi(3) - 1).
   const double phi = std::exp(-4.5) / std::sqrt(2 * std::numbers::pi);
   const double variance = 1 - 6 * phi / std::erf(3 / std::numbers::sqrt2);
   for (int axis = 0; axis < 3; ++axis) {
     double mean = 0, square = 0;
-    for (const ObjectState& object : state.objects) {
+    for (const layouts::ObjectState& object : state.objects) {
       mean += object.pose.position[axis] / deviation / 20000;
       square += std::pow(object.pose.position[axis] / deviation, 2) / 20000;
     }
@@ -158,12 +155,12 @@ TEST(Placement, TheSideThatItProposesWorks) {
 }
 
 TEST(Placement, LargerThanTheCube) {
-  compiler::Scene scene = DefaultScene(1, 500);
+  plan::Scene scene = DefaultScene(1, 500);
   SetGroup(scene, "size", 501.0);
   for (const char* layout : {"uniform", "normal"}) {
     for (const char* walls : {"all", "none"}) {
-      SetGroup(scene, "location", test::Word(layout));
-      SetWorld(scene, "world.walls", test::Word(walls));
+      SetGroup(scene, "location", Word(layout));
+      SetWorld(scene, "world.walls", Word(walls));
       const std::string message = FailureOf(scene);
       EXPECT_NE(message.find("is 501 m long along x and does not fit"), std::string::npos)
           << message;
@@ -174,9 +171,9 @@ TEST(Placement, LargerThanTheCube) {
 }
 
 TEST(Placement, ATinyGapForANormalLayoutEnds) {
-  compiler::Scene scene = DefaultScene(1, 500);
+  plan::Scene scene = DefaultScene(1, 500);
   SetGroup(scene, "size", 500 - 1e-9);
-  SetGroup(scene, "location", test::Word("normal"));
+  SetGroup(scene, "location", Word("normal"));
   EXPECT_NE(FailureOf(scene), "");
 }
 
@@ -187,11 +184,11 @@ TEST(Placement, DenseFills) {
     const char* type;
   } const cases[] = {{2000, .30, "sphere"}, {4000, .35, "sphere"}, {2000, .38, "cuboid"}};
   for (const auto& [quantity, fill, type] : cases) {
-    const compiler::Scene scene = FilledScene(quantity, fill, type);
-    const InitialState state = MakeInitialState(scene);
+    const plan::Scene scene = FilledScene(quantity, fill, type);
+    const layouts::InitialState state = layouts::MakeInitialState(scene);
     EXPECT_NEAR(state.fill_fraction, fill, 1e-9);
     ExpectFree(scene, state);
-    const InitialState again = MakeInitialState(scene);
+    const layouts::InitialState again = layouts::MakeInitialState(scene);
     for (std::size_t i = 0; i < quantity; ++i)
       ASSERT_EQ(state.objects[i].pose.position, again.objects[i].pose.position);
   }
@@ -199,22 +196,22 @@ TEST(Placement, DenseFills) {
 
 TEST(Placement, DenseAndMixed) {
   // Above what plain redrawing keeps to itself, with boxes of all sizes and turns.
-  compiler::Scene scene = DefaultScene(300, 1);
-  SetGroup(scene, "type", test::AnyType());
-  SetGroup(scene, "size", test::Uniform(10.0, 40.0));
-  SetGroup(scene, "orientation", test::Word("random"));
-  SetWorld(scene, "world.side", std::cbrt(DrawObjects(scene).fill_fraction / .15));
-  ExpectFree(scene, MakeInitialState(scene));
+  plan::Scene scene = DefaultScene(300, 1);
+  SetGroup(scene, "type", AnyType());
+  SetGroup(scene, "size", Uniform(10.0, 40.0));
+  SetGroup(scene, "orientation", Word("random"));
+  SetWorld(scene, "world.side", std::cbrt(layouts::DrawObjects(scene).fill_fraction / .15));
+  ExpectFree(scene, layouts::MakeInitialState(scene));
 }
 
 TEST(Placement, SaturationIsProvenAndSaysHowFullItGot) {
   for (const char* type : {"sphere", "cuboid"}) {
-    const compiler::Scene scene = FilledScene(900, .42, type);
-    InitialState state = DrawObjects(scene);
+    const plan::Scene scene = FilledScene(900, .42, type);
+    layouts::InitialState state = layouts::DrawObjects(scene);
     std::string message;
     try {
-      Place(scene, state);
-    } catch (const SceneError& error) {
+      layouts::Place(scene, state);
+    } catch (const library::SceneError& error) {
       message = error.what();
     }
     const std::size_t at = message.find(" % was filled when no free place was left");
@@ -226,20 +223,21 @@ TEST(Placement, SaturationIsProvenAndSaysHowFullItGot) {
     const std::size_t stand =
         std::stoul(message.substr(message.find("object ") + std::string("object ").size())) - 1;
     const double side = scene.world.Real("world.side");
-    const Box bounds = Bounds(state.objects[0].solid, state.objects[0].pose.orientation);
-    BoxGrid grid(side, std::vector<double>(stand, 50));
+    const objects::Box bounds =
+        objects::Bounds(state.objects[0].solid, state.objects[0].pose.orientation);
+    layouts::BoxGrid grid(side, std::vector<double>(stand, 50));
     const auto box_at = [&](const Vector3d& place) {
-      return Box{place + bounds.lower, place + bounds.upper};
+      return objects::Box{place + bounds.lower, place + bounds.upper};
     };
     for (std::uint32_t i = 0; i < stand; ++i) grid.Add(i, box_at(state.objects[i].pose.position));
-    Stream stream(8);
+    distributions::Stream stream(8);
     const double reach = side / 2 - 25;
     for (int i = 0; i < 300000; ++i) {
-      Pose pose;
+      objects::Pose pose;
       for (double& x : pose.position) x = stream.Uniform(-reach, reach);
       ASSERT_TRUE(grid.AnyOf(box_at(pose.position), [&](std::uint32_t j) {
-        const ObjectState& other = state.objects[j];
-        return Overlap(other.solid, pose, other.solid, other.pose);
+        const layouts::ObjectState& other = state.objects[j];
+        return objects::Overlap(other.solid, pose, other.solid, other.pose);
       }));
     }
   }
@@ -261,23 +259,24 @@ TEST(Placement, WhatCanNeverFitIsRefusedBeforeTheFirstDraw) {
 
 TEST(Placement, LongObjectsMayFillMoreThanCompactOnes) {
   // As long as the cube, so that they leave no gap along z: the limit for many does not hold.
-  compiler::Scene scene = DefaultScene(1000, 500);
-  SetGroup(scene, "type", test::Word("cuboid"));
+  plan::Scene scene = DefaultScene(1000, 500);
+  SetGroup(scene, "type", Word("cuboid"));
   SetGroup(scene, "size", 10.0);
-  SetGroup(scene, "aspect", compiler::Ratio{Vector3d(1, 1, 49.9)});
+  SetGroup(scene, "aspect", schema::Ratio{Vector3d(1, 1, 49.9)});
   SetWorld(scene, "world.side", 500.0 * std::sqrt(.8));
   EXPECT_NE(FailureOf(scene).find("does not fit"), std::string::npos);
   SetWorld(scene, "world.side", 500.0);
-  const InitialState state = MakeInitialState(scene);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   EXPECT_GT(state.fill_fraction, .39);
   ExpectFree(scene, state);
 }
 
 TEST(Placement, SameSceneSamePlaces) {
-  compiler::Scene scene = DefaultScene(100, 700);
-  const InitialState a = MakeInitialState(scene), b = MakeInitialState(scene);
-  test::SeedStreams(scene, 5);
-  const InitialState c = MakeInitialState(scene);
+  plan::Scene scene = DefaultScene(100, 700);
+  const layouts::InitialState a = layouts::MakeInitialState(scene),
+                              b = layouts::MakeInitialState(scene);
+  SeedStreams(scene, 5);
+  const layouts::InitialState c = layouts::MakeInitialState(scene);
   for (std::size_t i = 0; i < 100; ++i) {
     EXPECT_EQ(a.objects[i].pose.position, b.objects[i].pose.position);
     EXPECT_NE(a.objects[i].pose.position, c.objects[i].pose.position);
@@ -286,21 +285,21 @@ TEST(Placement, SameSceneSamePlaces) {
 
 TEST(Placement, FillFractionIsTheObjectsVolume) {
   const double expected = 10 * std::numbers::pi / 6 * std::pow(50, 3) / std::pow(500, 3);
-  EXPECT_NEAR(MakeInitialState(DefaultScene(10, 500)).fill_fraction, expected, 1e-15);
+  EXPECT_NEAR(layouts::MakeInitialState(DefaultScene(10, 500)).fill_fraction, expected, 1e-15);
 }
 
 TEST(FreeVoxels, HoldWhatIsNotCoveredAndEndEmpty) {
   // One ball of radius 1 about the origin covers all of the cube of half side 1 but its corners.
-  const auto in_ball = [](const Box& box) {
+  const auto in_ball = [](const objects::Box& box) {
     return box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).norm() <= 1;
   };
-  FreeVoxels voxels(Vector3d::Constant(-1), Vector3d::Constant(1), 0.25, 1000, in_ball);
+  layouts::FreeVoxels voxels(Vector3d::Constant(-1), Vector3d::Constant(1), 0.25, 1000, in_ball);
   double before = 8;
   for (int level = 0; level < 4; ++level) {
     double volume = 0;
     Vector3d lowest = Vector3d::Ones(), highest = -lowest;
     for (std::size_t i = 0; i < voxels.size(); ++i) {
-      const Box box = voxels.BoxOf(i);
+      const objects::Box box = voxels.BoxOf(i);
       EXPECT_FALSE(in_ball(box));
       volume += (box.upper - box.lower).prod();
       lowest = lowest.cwiseMin(box.lower);
@@ -316,17 +315,17 @@ TEST(FreeVoxels, HoldWhatIsNotCoveredAndEndEmpty) {
   }
   EXPECT_NEAR(before, 8 - 4 * std::numbers::pi / 3, 0.5);
   const std::size_t size = voxels.size();
-  const Box last = voxels.BoxOf(size - 1);
+  const objects::Box last = voxels.BoxOf(size - 1);
   voxels.Remove(0);
   EXPECT_EQ(voxels.size(), size - 1);
   EXPECT_EQ(voxels.BoxOf(0).lower, last.lower);
-  voxels.Split([](const Box&) { return true; });
+  voxels.Split([](const objects::Box&) { return true; });
   EXPECT_TRUE(voxels.empty());
 }
 
 TEST(BoxGrid, FindsWhatOverlapsAndNothingElse) {
-  Stream stream(3);
-  std::vector<Box> boxes;
+  distributions::Stream stream(3);
+  std::vector<objects::Box> boxes;
   std::vector<double> extents;
   for (int i = 0; i < 2000; ++i) {
     const Vector3d half(stream.LogUniform(0.1, 20), stream.LogUniform(0.1, 20), 1);
@@ -334,7 +333,7 @@ TEST(BoxGrid, FindsWhatOverlapsAndNothingElse) {
     boxes.push_back({at - half, at + half});
     extents.push_back(2 * half.maxCoeff());
   }
-  BoxGrid grid(100, extents);
+  layouts::BoxGrid grid(100, extents);
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     std::vector<std::uint32_t> expected, found;
     for (std::uint32_t j = 0; j < i; ++j)
@@ -358,4 +357,4 @@ TEST(BoxGrid, FindsWhatOverlapsAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -8,32 +8,33 @@
 #include "library/meshes/primitives.h"
 #include "library/objects/solid.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 
-inline constexpr library::Shape kConvexShapes[] = {
-    library::Shape::kEllipsoid, library::Shape::kCuboid,  library::Shape::kCylinder,
-    library::Shape::kCone,      library::Shape::kCapsule, library::Shape::kTetrahedron};
+inline constexpr objects::Shape kConvexShapes[] = {
+    objects::Shape::kEllipsoid, objects::Shape::kCuboid,  objects::Shape::kCylinder,
+    objects::Shape::kCone,      objects::Shape::kCapsule, objects::Shape::kTetrahedron};
 
 /// 4 wide and 1 high, with a hole 2 wide along y, but for its corners.
-inline library::Solid Torus() {
-  const library::Mesh mesh = library::TorusMesh(1.5, 0.5, 32, library::kTorusCorners);
-  const auto form = std::make_shared<const library::Form>(library::MakeForm(
-      "ring", mesh, library::MassPropertiesOf(mesh), library::TorusHulls(1.5, 0.5, 8)));
-  library::Solid solid{library::Shape::kCompound, {4, 1, 4}};
-  solid.compound = std::make_shared<const library::Compound>(form, solid.sides);
+inline objects::Solid Torus() {
+  const meshes::Mesh mesh = meshes::TorusMesh(1.5, 0.5, 32, meshes::kTorusCorners);
+  const auto form = std::make_shared<const objects::ConvexDecomposition>(objects::MakeDecomposition(
+      "ring", mesh, meshes::MassPropertiesOf(mesh), meshes::TorusHulls(1.5, 0.5, 8)));
+  objects::Solid solid{objects::Shape::kCompound, {4, 1, 4}};
+  solid.compound = std::make_shared<const objects::Compound>(form, solid.sides);
   return solid;
 }
 
-inline Eigen::Vector3d RandomDirection(library::Stream& stream) {
+inline Eigen::Vector3d RandomDirection(distributions::Stream& stream) {
   const double x = stream.Normal(), y = stream.Normal();
   return Eigen::Vector3d(x, y, stream.Normal()).normalized();
 }
 
 /// Sides between 1 and `most`.
-inline library::Solid RandomSolid(library::Stream& stream, library::Shape shape, double most) {
-  library::Solid solid{shape};
+inline objects::Solid RandomSolid(distributions::Stream& stream, objects::Shape shape,
+                                  double most) {
+  objects::Solid solid{shape};
   for (double& side : solid.sides) side = stream.LogUniform(1, most);
   return solid;
 }
 
-}  // namespace cdb::test
+}  // namespace cdb::tests

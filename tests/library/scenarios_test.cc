@@ -13,14 +13,14 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "compiler/schema.h"
+#include "compiler/schema/catalogue.h"
+#include "compiler/schema/schema.h"
 #include "dsl/format.h"
 #include "dsl/render.h"
-#include "library/catalogue.h"
 #include "library/closed_forms/closed_form.h"
 #include "library/layouts/initial_state.h"
 
-namespace cdb::compiler {
+namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -38,15 +38,17 @@ std::vector<fs::path> Files() {
 
 std::string Text(const fs::path& file) {
   std::string why;
-  const auto text = ReadFromDisk(file.string(), why);
+  const auto text = compiler::ReadFromDisk(file.string(), why);
   EXPECT_TRUE(text) << file << ": " << why;
   return text.value_or("");
 }
 
 /// Fails and is empty where the file has errors. Lints may warn: of what a paper did, and of what a
 /// suite does on purpose.
-std::vector<Plan> Plans(const fs::path& file, const ReadFile& read = ReadFromDisk) {
-  Compilation result = Compile(file.string(), read, {kLibrary.string(), std::nullopt});
+std::vector<plan::Plan> Plans(const fs::path& file,
+                              const scenario::ReadFile& read = compiler::ReadFromDisk) {
+  compiler::Compilation result =
+      compiler::Compile(file.string(), read, {kLibrary.string(), std::nullopt});
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   return std::move(result.plans);
 }
@@ -55,9 +57,9 @@ TEST(Scenarios, EachCompilesToBenchmarksOfNamesThatNoOtherHas) {
   std::map<std::string, fs::path> names;
   for (const fs::path& file : Files()) {
     SCOPED_TRACE(file);
-    const std::vector<Plan> plans = Plans(file);
+    const std::vector<plan::Plan> plans = Plans(file);
     EXPECT_FALSE(plans.empty());
-    for (const Plan& plan : plans) {
+    for (const plan::Plan& plan : plans) {
       const auto [other, is_new] = names.emplace(plan.benchmark, file);
       EXPECT_TRUE(is_new) << plan.benchmark << " is in " << other->second << " too";
       EXPECT_FALSE(plan.title.empty()) << plan.benchmark;
@@ -97,7 +99,7 @@ TEST(Scenarios, AreFoundFromAnywhereAndLaidOver) {
       "use \"paper/experiment2\"\n"
       "benchmark mine from paper_experiment2 { cycles 10; detector dbvt }\n";
   const auto plans = Plans(mine, [&](const std::string& path, std::string& why) {
-    return path == mine ? std::optional(text) : ReadFromDisk(path, why);
+    return path == mine ? std::optional(text) : compiler::ReadFromDisk(path, why);
   });
   ASSERT_EQ(plans.size(), 1u);
   EXPECT_EQ(plans[0].runs.size(), 25u);
@@ -108,69 +110,73 @@ TEST(Accuracy, ScenariosAreOfTheClosedFormsThatTheyName) {
   std::set<std::string> named;
   for (const fs::path& file : Files()) {
     if (file.parent_path().filename() != "accuracy") continue;
-    for (const Plan& plan : Plans(file))
-      for (const compiler::Run& run : plan.runs) {
+    for (const plan::Plan& plan : Plans(file))
+      for (const plan::Run& run : plan.runs) {
         const std::string form(run.scene.world.WordOr("accuracy.closed_form"));
         if (form == "none") continue;
         named.insert(form);
         EXPECT_NO_THROW(
-            library::MakeClosedForm(form, run.scene, library::MakeInitialState(run.scene)))
-            << file << ": " << Describe(plan, run);
+            closed_forms::MakeClosedForm(form, run.scene, layouts::MakeInitialState(run.scene)))
+            << file << ": " << plan::Describe(plan, run);
       }
   }
-  EXPECT_EQ(named.size(), library::ClosedForms().size());
+  EXPECT_EQ(named.size(), schema::ClosedForms().size());
 }
 
 // What follows is written from the paper, not from the files.
 
-Value AllSix() {
-  Distribution any{DistributionKind::kAny, {}, {1, 1, 1, 1, 1, 1}};
+schema::Value AllSix() {
+  schema::Distribution any{schema::DistributionKind::kAny, {}, {1, 1, 1, 1, 1, 1}};
   for (const char* type : {"sphere", "cuboid", "cylinder", "cone", "bunny", "armadillo"})
-    any.arguments.emplace_back(Word{type});
+    any.arguments.emplace_back(schema::Word{type});
   return any;
 }
 
-Value Between(double a, double b) { return Distribution{DistributionKind::kUniform, {a, b}, {}}; }
-Value Bell(double mean, double deviation) {
-  return Distribution{DistributionKind::kNormal, {mean, deviation}, {}};
+schema::Value Between(double a, double b) {
+  return schema::Distribution{schema::DistributionKind::kUniform, {a, b}, {}};
+}
+schema::Value Bell(double mean, double deviation) {
+  return schema::Distribution{schema::DistributionKind::kNormal, {mean, deviation}, {}};
 }
 /// The same along x, y and z.
-Value BoxOf(DistributionKind kind, double a, double b) {
+schema::Value BoxOf(schema::DistributionKind kind, double a, double b) {
   const Eigen::Vector3d first = Eigen::Vector3d::Constant(a), second = Eigen::Vector3d::Constant(b);
-  return Distribution{kind, {first, second}, {}};
+  return schema::Distribution{kind, {first, second}, {}};
 }
-Value BoxBetween(double a, double b) { return BoxOf(DistributionKind::kUniform, a, b); }
-Value BoxBell(double mean, double deviation) {
-  return BoxOf(DistributionKind::kNormal, mean, deviation);
+schema::Value BoxBetween(double a, double b) {
+  return BoxOf(schema::DistributionKind::kUniform, a, b);
+}
+schema::Value BoxBell(double mean, double deviation) {
+  return BoxOf(schema::DistributionKind::kNormal, mean, deviation);
 }
 
 /// Section 3.1: the ten parameters and their defaults, the seed, the side of the cube.
 struct PaperScene {
   std::uint64_t cycles = 1000;
   std::uint64_t quantity = 10;
-  Value type = Word{"sphere"};
-  Value aspect = Ratio{{1, 1, 1}};
-  Value location = Word{"uniform"};
-  Value size = 50.0;
-  Value mass = 1.0;
-  Value acceleration = Eigen::Vector3d(0, -9.8, 0);
-  Value linear_velocity = Eigen::Vector3d(0, 0, 0);
-  Value angular_velocity = Eigen::Vector3d(0, 0, 0);
+  schema::Value type = schema::Word{"sphere"};
+  schema::Value aspect = schema::Ratio{{1, 1, 1}};
+  schema::Value location = schema::Word{"uniform"};
+  schema::Value size = 50.0;
+  schema::Value mass = 1.0;
+  schema::Value acceleration = Eigen::Vector3d(0, -9.8, 0);
+  schema::Value linear_velocity = Eigen::Vector3d(0, 0, 0);
+  schema::Value angular_velocity = Eigen::Vector3d(0, 0, 0);
 
   /// Every setting of a scene that has these and, where the paper is silent, the schema's default.
-  Scene With(const std::string& detector) const {
-    static const Plan defaults = Compile("d.cdb", [](auto&&...) {
-                                   return std::optional<std::string>("benchmark d { }");
-                                 }).plans.at(0);
-    Scene scene = defaults.runs[0].scene;
+  plan::Scene With(const std::string& detector) const {
+    static const plan::Plan defaults = compiler::Compile("d.cdb", [](auto&&...) {
+                                         return std::optional<std::string>("benchmark d { }");
+                                       }).plans.at(0);
+    plan::Scene scene = defaults.runs[0].scene;
     scene.world.values.insert_or_assign("cycles", cycles);
     scene.world.values.insert_or_assign("acceleration", acceleration);
     scene.world.values.insert_or_assign("seed", std::uint64_t{0xAAAAAAAAAA});
     scene.world.values.insert_or_assign("world.side", 50.0 * static_cast<double>(quantity));
-    scene.world.values.insert_or_assign("world.walls", Word{"all"});
-    scene.world.values.insert_or_assign("precision", Word{"single"});
-    scene.world.values.insert_or_assign("detector", Word{detector});
-    scene.world.values.insert_or_assign("omit", WordList{"none"});
+    scene.world.values.insert_or_assign("world.walls", schema::Word{"all"});
+    scene.world.values.insert_or_assign("precision", schema::Word{"single"});
+    scene.world.values.insert_or_assign("detector", schema::Word{detector});
+    scene.world.values.insert_or_assign("omit", schema::WordList{"none"});
     auto& objects = scene.groups[0].settings.values;
     objects.insert_or_assign("quantity", quantity);
     objects.insert_or_assign("type", type);
@@ -184,13 +190,13 @@ struct PaperScene {
   }
 };
 
-void ExpectSettings(const Settings& settings, const Settings& expected) {
+void ExpectSettings(const plan::Settings& settings, const plan::Settings& expected) {
   for (const auto& [name, value] : expected.values)
-    EXPECT_EQ(ToText(settings.Get(name)), ToText(value)) << name;
+    EXPECT_EQ(schema::ToText(settings.Get(name)), schema::ToText(value)) << name;
   EXPECT_TRUE(settings == expected);
 }
 
-void ExpectScene(const Scene& scene, const Scene& expected) {
+void ExpectScene(const plan::Scene& scene, const plan::Scene& expected) {
   ExpectSettings(scene.world, expected.world);
   ASSERT_EQ(scene.groups.size(), 1u);
   EXPECT_EQ(scene.groups[0].name, "objects");
@@ -204,13 +210,13 @@ std::vector<PaperScene> Table1() {
   std::vector<PaperScene> rows(22);
   for (std::size_t i = 0; i < 5; ++i) rows[i].quantity = 1000 * (i + 1);
   for (std::size_t i = 5; i < 22; ++i) rows[i].quantity = 5000;
-  rows[5].type = Word{"cuboid"};
-  rows[6].type = Word{"cylinder"};
-  rows[7].type = Word{"cone"};
-  rows[8].type = Word{"bunny"};
-  rows[9].type = Word{"armadillo"};
+  rows[5].type = schema::Word{"cuboid"};
+  rows[6].type = schema::Word{"cylinder"};
+  rows[7].type = schema::Word{"cone"};
+  rows[8].type = schema::Word{"bunny"};
+  rows[9].type = schema::Word{"armadillo"};
   for (std::size_t i = 10; i < 22; ++i) rows[i].type = AllSix();
-  rows[11].location = Word{"normal"};
+  rows[11].location = schema::Word{"normal"};
   rows[12].size = Between(50, 500);
   rows[13].size = Bell(275, 75);
   rows[14].mass = Between(1, 500);
@@ -228,9 +234,9 @@ TEST(Paper, TimesEverything) {
   int runs = 0;
   for (const fs::path& file : Files()) {
     if (file.parent_path().filename() != "paper") continue;
-    for (const Plan& plan : Plans(file))
-      for (const compiler::Run& run : plan.runs) {
-        EXPECT_EQ(run.scene.world.Get("omit"), Value(WordList{"none"})) << file;
+    for (const plan::Plan& plan : Plans(file))
+      for (const plan::Run& run : plan.runs) {
+        EXPECT_EQ(run.scene.world.Get("omit"), schema::Value(schema::WordList{"none"})) << file;
         ++runs;
       }
   }
@@ -257,7 +263,7 @@ TEST(Paper, Experiment2) {
   for (expected.quantity = 1000; expected.quantity <= 5000; expected.quantity += 1000)
     for (double z = 1; z <= 5; ++z)
       for (const char* detector : kThreeDetectors) {
-        expected.aspect = Ratio{{1, 1, z}};
+        expected.aspect = schema::Ratio{{1, 1, z}};
         ExpectScene(plans[0].runs[run++].scene, expected.With(detector));
       }
 }
@@ -290,4 +296,4 @@ TEST(Paper, Table1) {
 }
 
 }  // namespace
-}  // namespace cdb::compiler
+}  // namespace cdb::tests

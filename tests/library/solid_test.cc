@@ -7,7 +7,7 @@
 
 #include "library/distributions/stream.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
@@ -15,50 +15,51 @@ using Eigen::Vector3d;
 const Vector3d kSides(3, 5, 2);
 
 /// Membership written out from the definitions, with the origin at the centre of mass.
-bool Inside(const Solid& solid, const Vector3d& p) {
+bool Inside(const objects::Solid& solid, const Vector3d& p) {
   const Vector3d half = solid.sides / 2;
   const double across = std::pow(p.x() / half.x(), 2) + std::pow(p.z() / half.z(), 2);
   switch (solid.shape) {
-    case Shape::kEllipsoid:
+    case objects::Shape::kEllipsoid:
       return across + std::pow(p.y() / half.y(), 2) <= 1;
-    case Shape::kCuboid:
+    case objects::Shape::kCuboid:
       return std::abs(p.x()) <= half.x() && std::abs(p.y()) <= half.y() &&
              std::abs(p.z()) <= half.z();
-    case Shape::kCylinder:
+    case objects::Shape::kCylinder:
       return across <= 1 && std::abs(p.y()) <= half.y();
-    case Shape::kCone: {
+    case objects::Shape::kCone: {
       const double above_base = p.y() + solid.sides.y() / 4;
       const double left = 1 - above_base / solid.sides.y();  // of the base's radius
       return above_base >= 0 && left >= 0 && across <= left * left;
     }
-    case Shape::kCapsule: {
+    case objects::Shape::kCapsule: {
       const double cap = std::min(half.y(), std::sqrt(half.x() * half.z()));
       const double above_middle = std::max(0.0, std::abs(p.y()) - (half.y() - cap));
       return across + std::pow(above_middle / cap, 2) <= 1;
     }
-    case Shape::kTetrahedron: {
+    case objects::Shape::kTetrahedron: {
       const Vector3d q = p.cwiseQuotient(half);
       return q.x() + q.y() - q.z() <= 1 && q.x() - q.y() + q.z() <= 1 &&
              -q.x() + q.y() + q.z() <= 1 && -q.sum() <= 1;
     }
-    case Shape::kCompound:
+    case objects::Shape::kCompound:
       break;  // compound_test.cc
   }
   return false;
 }
 
-class EverySolid : public testing::TestWithParam<Shape> {
+class EverySolid : public testing::TestWithParam<objects::Shape> {
  protected:
-  Solid solid() const { return {GetParam(), kSides}; }
+  objects::Solid solid() const { return {GetParam(), kSides}; }
 };
 
 INSTANTIATE_TEST_SUITE_P(Shapes, EverySolid,
-                         testing::Values(Shape::kEllipsoid, Shape::kCuboid, Shape::kCylinder,
-                                         Shape::kCone, Shape::kCapsule, Shape::kTetrahedron));
+                         testing::Values(objects::Shape::kEllipsoid, objects::Shape::kCuboid,
+                                         objects::Shape::kCylinder, objects::Shape::kCone,
+                                         objects::Shape::kCapsule, objects::Shape::kTetrahedron));
 
 TEST_P(EverySolid, VolumeCentreAndInertiaAreThoseOfItsPoints) {
-  const Solid s = solid();
-  Stream stream(1);
+  const objects::Solid s = solid();
+  distributions::Stream stream(1);
   // Points of the box around the solid, which reaches y = -h/4 .. 3h/4 for a cone.
   constexpr int kPoints = 1000000;
   double inside = 0;
@@ -88,8 +89,8 @@ TEST_P(EverySolid, VolumeCentreAndInertiaAreThoseOfItsPoints) {
 }
 
 TEST_P(EverySolid, SupportIsTheFarthestPointAndOnTheSurface) {
-  const Solid s = solid();
-  Stream stream(2);
+  const objects::Solid s = solid();
+  distributions::Stream stream(2);
   for (int i = 0; i < 300; ++i) {
     const Vector3d direction(stream.Normal(), stream.Normal(), stream.Normal());
     const Vector3d support = s.Support(direction);
@@ -108,13 +109,13 @@ TEST_P(EverySolid, SupportIsTheFarthestPointAndOnTheSurface) {
 }
 
 TEST_P(EverySolid, BoundsAreTheSidesUnturnedAndHoldTheSolidTurned) {
-  const Solid s = solid();
-  const Box box = Bounds(s, Eigen::Quaterniond::Identity());
+  const objects::Solid s = solid();
+  const objects::Box box = objects::Bounds(s, Eigen::Quaterniond::Identity());
   EXPECT_TRUE((box.upper - box.lower).isApprox(kSides, 1e-15));
-  Stream stream(3);
+  distributions::Stream stream(3);
   for (int i = 0; i < 100; ++i) {
     const Eigen::Quaterniond turn = stream.Turn();
-    const Box turned = Bounds(s, turn);
+    const objects::Box turned = objects::Bounds(s, turn);
     Vector3d reached = Vector3d::Constant(-1e9);
     for (int j = 0; j < 2000; ++j) {
       const Vector3d direction(stream.Normal(), stream.Normal(), stream.Normal());
@@ -133,8 +134,8 @@ TEST_P(EverySolid, BoundsAreTheSidesUnturnedAndHoldTheSolidTurned) {
 }
 
 TEST_P(EverySolid, InnerBallTouchesTheSurfaceFromInside) {
-  const Solid s{GetParam(), {4, 5, 4}};
-  Stream stream(4);
+  const objects::Solid s{GetParam(), {4, 5, 4}};
+  distributions::Stream stream(4);
   // A cone's base and a tetrahedron's face are seen from one direction alone.
   const Vector3d base = -Vector3d::UnitY();
   const Vector3d face = Vector3d(1 / 4.0, 1 / 5.0, -1 / 4.0).normalized();
@@ -149,8 +150,8 @@ TEST_P(EverySolid, InnerBallTouchesTheSurfaceFromInside) {
 }
 
 TEST_P(EverySolid, OuterBallHoldsItClosely) {
-  const Solid s = solid();
-  Stream stream(4);
+  const objects::Solid s = solid();
+  distributions::Stream stream(4);
   double farthest = 0;
   for (int i = 0; i < 20000; ++i) {
     const Vector3d d = Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
@@ -161,14 +162,18 @@ TEST_P(EverySolid, OuterBallHoldsItClosely) {
 }
 
 TEST(Solid, KnownVolumes) {
-  EXPECT_DOUBLE_EQ((Solid{Shape::kEllipsoid, {2, 2, 2}}.Volume()), 4 * std::numbers::pi / 3);
-  EXPECT_DOUBLE_EQ((Solid{Shape::kCylinder, {2, 3, 2}}.Volume()), 3 * std::numbers::pi);
-  EXPECT_DOUBLE_EQ((Solid{Shape::kCone, {2, 3, 2}}.Volume()), std::numbers::pi);
-  EXPECT_DOUBLE_EQ((Solid{Shape::kCapsule, {2, 6, 2}}.Volume()), std::numbers::pi * 16 / 3);
-  EXPECT_DOUBLE_EQ((Solid{Shape::kTetrahedron, {1, 2, 3}}.Volume()), 2);
+  EXPECT_DOUBLE_EQ((objects::Solid{objects::Shape::kEllipsoid, {2, 2, 2}}.Volume()),
+                   4 * std::numbers::pi / 3);
+  EXPECT_DOUBLE_EQ((objects::Solid{objects::Shape::kCylinder, {2, 3, 2}}.Volume()),
+                   3 * std::numbers::pi);
+  EXPECT_DOUBLE_EQ((objects::Solid{objects::Shape::kCone, {2, 3, 2}}.Volume()), std::numbers::pi);
+  EXPECT_DOUBLE_EQ((objects::Solid{objects::Shape::kCapsule, {2, 6, 2}}.Volume()),
+                   std::numbers::pi * 16 / 3);
+  EXPECT_DOUBLE_EQ((objects::Solid{objects::Shape::kTetrahedron, {1, 2, 3}}.Volume()), 2);
   // 2/5 r^2 for a ball.
-  EXPECT_DOUBLE_EQ((Solid{Shape::kEllipsoid, {2, 2, 2}}.InertiaPerMass().x()), 0.4);
+  EXPECT_DOUBLE_EQ((objects::Solid{objects::Shape::kEllipsoid, {2, 2, 2}}.InertiaPerMass().x()),
+                   0.4);
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 constexpr int kDraws = 200000;
@@ -28,7 +28,7 @@ double KsStatistic(std::vector<double> samples, auto cdf) {
 }
 
 std::vector<double> Draws(auto draw) {
-  Stream stream(7);
+  distributions::Stream stream(7);
   std::vector<double> samples;
   for (int i = 0; i < kDraws; ++i) samples.push_back(draw(stream));
   return samples;
@@ -38,66 +38,67 @@ std::vector<double> Draws(auto draw) {
 // normal distribution from another implementation of AS 241. To change a value here is to change
 // every result there is.
 TEST(Stream, FirstValuesAreFrozen) {
-  Stream uniform(0xAAAAAAAAAA);
+  distributions::Stream uniform(0xAAAAAAAAAA);
   for (const double expected :
        {0x1.7efc3c6e727d4p-2, 0x1.ac1082c653cd3p-1, 0x1.6b9a37a609e22p-1, 0x1.85f4bf3de2a48p-3})
     EXPECT_EQ(uniform.Uniform(), expected);
-  Stream normal(0xAAAAAAAAAA);
+  distributions::Stream normal(0xAAAAAAAAAA);
   for (const double expected :
        {-0.32125367605479466, 0.9784070058131119, 0.5538550065988858, -0.8763929523417203})
     EXPECT_DOUBLE_EQ(normal.Normal(), expected);
-  Stream logarithmic(0xAAAAAAAAAA);
+  distributions::Stream logarithmic(0xAAAAAAAAAA);
   for (const double expected :
        {20.439453600381565, 361.02744404924573, 165.09469776147301, 6.530344331125505})
     EXPECT_NEAR(logarithmic.LogUniform(2, 1000), expected, 1e-14 * expected);
 }
 
 TEST(Stream, InverseNormalAtKnownPoints) {
-  EXPECT_EQ(InverseNormal(0.5), 0);
-  EXPECT_NEAR(InverseNormal(0.975), 1.9599639845400542, 1e-15 * 4);
-  EXPECT_NEAR(InverseNormal(0.001), -3.090232306167813, 1e-15 * 4);
-  EXPECT_NEAR(InverseNormal(1e-10), -6.361340902404056, 1e-15 * 8);
-  EXPECT_NEAR(InverseNormal(0x1p-54), -8.292361075813595, 1e-15 * 16);
-  EXPECT_TRUE(std::isfinite(InverseNormal(1)));
+  EXPECT_EQ(distributions::InverseNormal(0.5), 0);
+  EXPECT_NEAR(distributions::InverseNormal(0.975), 1.9599639845400542, 1e-15 * 4);
+  EXPECT_NEAR(distributions::InverseNormal(0.001), -3.090232306167813, 1e-15 * 4);
+  EXPECT_NEAR(distributions::InverseNormal(1e-10), -6.361340902404056, 1e-15 * 8);
+  EXPECT_NEAR(distributions::InverseNormal(0x1p-54), -8.292361075813595, 1e-15 * 16);
+  EXPECT_TRUE(std::isfinite(distributions::InverseNormal(1)));
 }
 
 TEST(Stream, InverseNormalInvertsTheDistribution) {
   for (double p = 1e-12; p < 0.5; p = p * 1.3 + 1e-9) {
-    const double x = InverseNormal(p);
+    const double x = distributions::InverseNormal(p);
     // d Phi = phi dx; a relative error of 4e-16 in x moves Phi by x phi 4e-16, and erfc has its
     // own.
     const double phi = std::exp(-x * x / 2) / std::sqrt(2 * std::numbers::pi);
     EXPECT_NEAR(0.5 * std::erfc(-x / std::numbers::sqrt2), p,
                 4e-16 * std::abs(x) * phi + 1e-14 * p);
-    EXPECT_NEAR(InverseNormal(1 - p), -InverseNormal(1 - (1 - p)), 1e-14 * std::abs(x) + 1e-15);
+    EXPECT_NEAR(distributions::InverseNormal(1 - p), -distributions::InverseNormal(1 - (1 - p)),
+                1e-14 * std::abs(x) + 1e-15);
   }
 }
 
 TEST(Stream, LogAndExpAgreeWithTheStandards) {
-  Stream stream(3);
+  distributions::Stream stream(3);
   for (int i = 0; i < 100000; ++i) {
     const double x =
         std::ldexp(0.5 + stream.Uniform() / 2, static_cast<int>(stream.Uniform(-1000, 1000)));
-    EXPECT_NEAR(Log(x), std::log(x), 4e-16 * std::abs(std::log(x)) + 1e-17);
+    EXPECT_NEAR(distributions::Log(x), std::log(x), 4e-16 * std::abs(std::log(x)) + 1e-17);
     const double y = stream.Uniform(-700, 700);
-    EXPECT_NEAR(Exp(y), std::exp(y), 6e-16 * std::exp(y));
+    EXPECT_NEAR(distributions::Exp(y), std::exp(y), 6e-16 * std::exp(y));
   }
-  EXPECT_EQ(Log(1), 0);
-  EXPECT_EQ(Exp(0), 1);
+  EXPECT_EQ(distributions::Log(1), 0);
+  EXPECT_EQ(distributions::Exp(0), 1);
 }
 
 TEST(Stream, UniformIsUniform) {
-  EXPECT_LT(KsStatistic(Draws([](Stream& s) { return s.Uniform(-3, 5); }),
+  EXPECT_LT(KsStatistic(Draws([](distributions::Stream& s) { return s.Uniform(-3, 5); }),
                         [](double x) { return (x + 3) / 8; }),
             kKs);
   // 1/(12 n) is the variance of a mean of n; five standard deviations.
   double sum = 0;
-  for (const double x : Draws([](Stream& s) { return s.Uniform(); })) sum += x;
+  for (const double x : Draws([](distributions::Stream& s) { return s.Uniform(); })) sum += x;
   EXPECT_NEAR(sum / kDraws, 0.5, 5 / std::sqrt(12.0 * kDraws));
 }
 
 TEST(Stream, NormalIsNormal) {
-  const auto samples = Draws([](Stream& s) { return s.Normal(); });
+  const auto samples = Draws([](distributions::Stream& s) { return s.Normal(); });
   EXPECT_LT(
       KsStatistic(samples, [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }),
       kKs);
@@ -112,7 +113,7 @@ TEST(Stream, NormalIsNormal) {
 }
 
 TEST(Stream, LogUniformIsUniformInTheLogarithm) {
-  EXPECT_LT(KsStatistic(Draws([](Stream& s) { return s.LogUniform(2, 1000); }),
+  EXPECT_LT(KsStatistic(Draws([](distributions::Stream& s) { return s.LogUniform(2, 1000); }),
                         [](double x) { return std::log(x / 2) / std::log(500.0); }),
             kKs);
 }
@@ -121,7 +122,7 @@ TEST(Stream, TurnsAreUniform) {
   // The angle of a random turn has the density (1 - cos a)/pi on [0, pi] (R. E. Miles, 1965), and
   // its axis is uniform on the sphere: each coordinate uniform (Archimedes).
   std::vector<double> angles, heights;
-  Stream stream(9);
+  distributions::Stream stream(9);
   for (int i = 0; i < kDraws; ++i) {
     const Eigen::Quaterniond q = stream.Turn();
     EXPECT_NEAR(q.norm(), 1, 1e-14);
@@ -134,4 +135,4 @@ TEST(Stream, TurnsAreUniform) {
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

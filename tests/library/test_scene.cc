@@ -1,41 +1,40 @@
 #include "tests/library/test_scene.h"
 
-#include "compiler/calls.h"
-#include "compiler/schema.h"
+#include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/schema.h"
 #include "dsl/check.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
-using compiler::Value;
 using Eigen::Vector3d;
+using schema::Value;
 
 /// The default of a parameter, as the compiler makes it of the schema's text.
-Value DefaultValue(const compiler::Parameter& parameter) {
+Value DefaultValue(const schema::Parameter& parameter) {
   const std::string text(parameter.default_text);
-  if (parameter.type != compiler::ParameterType::kWords && parameter.HasWord(text))
-    return Word(text);
+  if (parameter.type != schema::ParameterType::kWords && parameter.HasWord(text)) return Word(text);
   switch (parameter.type) {
-    case compiler::ParameterType::kCount:
+    case schema::ParameterType::kCount:
       return static_cast<std::uint64_t>(std::stoull(text, nullptr, 0));
-    case compiler::ParameterType::kReal:
+    case schema::ParameterType::kReal:
       if (const std::size_t slash = text.find('/'); slash != text.npos)
         return std::stod(text) / std::stod(text.substr(slash + 1));
       if (parameter.name == "world.side") return 500.0;
       return std::stod(text);
-    case compiler::ParameterType::kSwitch:
+    case schema::ParameterType::kSwitch:
       return text == "on";
-    case compiler::ParameterType::kVector:
+    case schema::ParameterType::kVector:
       if (text == "0") return Vector3d(Vector3d::Zero());
       CDB_CHECK(parameter.name == "acceleration");
       return Vector3d(0, -9.8, 0);
-    case compiler::ParameterType::kRatio:
-      return compiler::Ratio{Vector3d::Ones()};
-    case compiler::ParameterType::kWords:
-      if (parameter.HasWord(text)) return compiler::WordList{text};
-      return compiler::WordList{"timing", "counts", "stability"};
-    case compiler::ParameterType::kText:
-    case compiler::ParameterType::kWord:
+    case schema::ParameterType::kRatio:
+      return schema::Ratio{Vector3d::Ones()};
+    case schema::ParameterType::kWords:
+      if (parameter.HasWord(text)) return schema::WordList{text};
+      return schema::WordList{"timing", "counts", "stability"};
+    case schema::ParameterType::kText:
+    case schema::ParameterType::kWord:
       break;
   }
   CDB_CHECK(false);
@@ -44,10 +43,10 @@ Value DefaultValue(const compiler::Parameter& parameter) {
 
 }  // namespace
 
-compiler::Scene DefaultScene(std::uint64_t quantity, double side) {
-  compiler::Scene scene;
+plan::Scene DefaultScene(std::uint64_t quantity, double side) {
+  plan::Scene scene;
   scene.groups.push_back({"objects", {}});
-  for (const compiler::Parameter& parameter : compiler::Schema()) {
+  for (const schema::Parameter& parameter : schema::Schema()) {
     if (parameter.grouped) {
       SetGroup(scene, parameter.name, DefaultValue(parameter));
     } else {
@@ -62,33 +61,33 @@ compiler::Scene DefaultScene(std::uint64_t quantity, double side) {
 }
 
 Value AnyType() {
-  return compiler::Distribution{compiler::DistributionKind::kAny,
-                                {Word("sphere"), Word("cuboid"), Word("cylinder"), Word("cone")},
-                                {1, 1, 1, 1}};
+  return schema::Distribution{schema::DistributionKind::kAny,
+                              {Word("sphere"), Word("cuboid"), Word("cylinder"), Word("cone")},
+                              {1, 1, 1, 1}};
 }
 
 Value Layout(std::string_view name, const std::map<std::string_view, Value>& given) {
-  compiler::Call call{std::string(name), {}};
-  for (const compiler::Parameter& argument : compiler::FindCall(name)->arguments) {
+  schema::Call call{std::string(name), {}};
+  for (const schema::Parameter& argument : schema::FindParametrisedWord(name)->arguments) {
     const auto at = given.find(argument.name);
     call.arguments.push_back(at == given.end() ? Word(argument.default_text) : at->second);
   }
   return call;
 }
 
-void SeedStreams(compiler::Scene& scene, std::uint64_t seed) {
+void SeedStreams(plan::Scene& scene, std::uint64_t seed) {
   const auto add = [&](const std::string& name) {
-    scene.seeds.insert_or_assign(name, compiler::StreamSeed(seed, name));
+    scene.seeds.insert_or_assign(name, plan::StreamSeed(seed, name));
   };
-  for (const compiler::Parameter& parameter : compiler::Schema()) {
+  for (const schema::Parameter& parameter : schema::Schema()) {
     if (!parameter.grouped) {
       if (parameter.distribution) add(std::string(parameter.name));
       continue;
     }
-    for (const compiler::Group& group : scene.groups)
+    for (const plan::Group& group : scene.groups)
       if (parameter.distribution || parameter.name == "location")
         add(group.name + "." + std::string(parameter.name));
   }
 }
 
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -6,36 +6,36 @@
 #include <string>
 #include <string_view>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 
 /// Every parameter at its default, `quantity` objects in a cube of `side` m, 10 cycles; streams for
 /// everything that may be drawn.
-compiler::Scene DefaultScene(std::uint64_t quantity, double side);
+plan::Scene DefaultScene(std::uint64_t quantity, double side);
 
-inline compiler::Value Uniform(compiler::Value a, compiler::Value b) {
-  return compiler::Distribution{compiler::DistributionKind::kUniform, {a, b}, {}};
+inline schema::Value Uniform(schema::Value a, schema::Value b) {
+  return schema::Distribution{schema::DistributionKind::kUniform, {a, b}, {}};
 }
-inline compiler::Value Normal(compiler::Value mean, compiler::Value deviation) {
-  return compiler::Distribution{compiler::DistributionKind::kNormal, {mean, deviation}, {}};
+inline schema::Value Normal(schema::Value mean, schema::Value deviation) {
+  return schema::Distribution{schema::DistributionKind::kNormal, {mean, deviation}, {}};
 }
 /// One of sphere, cuboid, cylinder and cone.
-compiler::Value AnyType();
+schema::Value AnyType();
 
-inline void SetWorld(compiler::Scene& scene, std::string_view name, compiler::Value value) {
+inline void SetWorld(plan::Scene& scene, std::string_view name, schema::Value value) {
   scene.world.values.insert_or_assign(std::string(name), std::move(value));
 }
-inline void SetGroup(compiler::Scene& scene, std::string_view name, compiler::Value value,
+inline void SetGroup(plan::Scene& scene, std::string_view name, schema::Value value,
                      std::size_t group = 0) {
   scene.groups[group].settings.values.insert_or_assign(std::string(name), std::move(value));
 }
-inline compiler::Value Word(std::string_view text) { return compiler::Word{std::string(text)}; }
+inline schema::Value Word(std::string_view text) { return schema::Word{std::string(text)}; }
 /// A layout with arguments as the plan holds it; those that are not given have their defaults.
-compiler::Value Layout(std::string_view name,
-                       const std::map<std::string_view, compiler::Value>& given = {});
+schema::Value Layout(std::string_view name,
+                     const std::map<std::string_view, schema::Value>& given = {});
 
 /// Gives each stream the seed that it has under the benchmark's `seed`.
-void SeedStreams(compiler::Scene& scene, std::uint64_t seed = 0xAAAAAAAAAA);
+void SeedStreams(plan::Scene& scene, std::uint64_t seed = 0xAAAAAAAAAA);
 
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "runtime/schedule/look_into.h"
+#include "runtime/process/probe_plugin.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/cli/program.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 std::string PluginFile(const char* name) { return fmt::format("{}/{}.so", CDB_PLUGIN_DIR, name); }
 
 /// A crowd of balls that touch, with a statement about detectors.
-std::string Crowd(const std::string& use, const std::string& statement) {
+std::string ContactCluster(const std::string& use, const std::string& statement) {
   return use + "benchmark b {\n  cycles 20\n  world.side 250\n  pair_order sorted\n  " + statement +
          "\n  objects { quantity 30; linear_velocity uniform(-100, 100) }\n}\n";
 }
@@ -28,17 +28,17 @@ std::string Crowd(const std::string& use, const std::string& statement) {
 std::string Use(const char* name) { return fmt::format("use detector \"{}\"\n", PluginFile(name)); }
 
 struct CellEnd {
-  Status status;
+  store::Status status;
   std::string message, state_hash;
 };
 
 /// How the run at each value of the only axis ended.
 std::map<std::string, CellEnd> Ends(const fs::path& file) {
-  const ResultFile result(file);
+  const store::ResultFile result(file);
   std::map<std::string, CellEnd> ends;
-  const compiler::Axis axis = result.axes().at(0);
+  const plan::Axis axis = result.axes().at(0);
   for (std::size_t i = 0; i < axis.values.size(); ++i) {
-    const ResultFile::Cell cell{{i}, 0};
+    const store::ResultFile::Cell cell{{i}, 0};
     ends[std::get<std::string>(axis.values[i])] = {result.ReadStatus(cell),
                                                    result.ReadText("message", cell),
                                                    result.ReadText("state_hash", cell)};
@@ -53,9 +53,9 @@ bool Has(const std::string& text, const std::string& part) {
 TEST(Plugins, RunBesideTheCatalogue) {
   const Program program;
   fs::copy(PluginFile("faulty"), program.folder() / "mine.so");
-  program.Write("used.cdb",
-                Crowd("use detector \"mine.so\"\n", "detector sweep(sound, simple, dbvt)"));
-  program.Write("given.cdb", Crowd("", "detector sweep(sound, simple, dbvt)"));
+  program.Write("used.cdb", ContactCluster("use detector \"mine.so\"\n",
+                                           "detector sweep(sound, simple, dbvt)"));
+  program.Write("given.cdb", ContactCluster("", "detector sweep(sound, simple, dbvt)"));
   EXPECT_EQ(program.Run({"run", "used.cdb", "-q", "-o", "used.h5"}).status, 0);
   EXPECT_EQ(program.Run({"run", "given.cdb", "-q", "-o", "given.h5", "--plugin", "mine.so"}).status,
             0);
@@ -75,7 +75,7 @@ TEST(Plugins, OfTheCommandLineStandInWhatIsPrintedToRunOneCell) {
   const Program program;
   fs::create_directory(program.folder() / "my own");
   fs::copy(PluginFile("faulty"), program.folder() / "my own/mine.so");
-  program.Write("b.cdb", Crowd("", "detector sweep(sound, throws_in_make)"));
+  program.Write("b.cdb", ContactCluster("", "detector sweep(sound, throws_in_make)"));
   const Finished run = program.Run({"run", "b.cdb", "--plugin", "my own/mine.so"});
   EXPECT_EQ(run.status, 3);
   const std::size_t at = run.out.find("cdb run b.cdb -b b --only ");
@@ -89,7 +89,7 @@ TEST(Plugins, OfTheCommandLineStandInWhatIsPrintedToRunOneCell) {
 
 TEST(Plugins, AreTracedToo) {
   const Program program;
-  program.Write("b.cdb", Crowd("", "detector sound"));
+  program.Write("b.cdb", ContactCluster("", "detector sound"));
   const Finished traced =
       program.Run({"trace", "b.cdb", "-o", "t.h5", "--plugin", PluginFile("faulty")});
   EXPECT_EQ(traced.status, 0) << traced.err;
@@ -111,16 +111,17 @@ TEST(Plugins, CostTheirOwnCellsAlone) {
   std::string names = "dbvt";
   for (const auto& [name, cause] : causes) names += ", " + name;
   const Program program;
-  program.Write("b.cdb", Crowd(Use("faulty"), fmt::format("timeout 2; detector sweep({})", names)));
+  program.Write("b.cdb",
+                ContactCluster(Use("faulty"), fmt::format("timeout 2; detector sweep({})", names)));
   const Finished run = program.Run({"run", "b.cdb"});
   EXPECT_EQ(run.status, 3) << run.err;
   const auto ends = Ends(program.folder() / "b.h5");
-  EXPECT_EQ(ends.at("dbvt").status, Status::kDone);
+  EXPECT_EQ(ends.at("dbvt").status, store::Status::kDone);
   for (const auto& [name, cause] : causes) {
     const CellEnd& end = ends.at(name);
-    EXPECT_EQ(end.status, name == "hangs"                           ? Status::kTimedOut
-                          : name == "aborts" || name == "segfaults" ? Status::kCrashed
-                                                                    : Status::kFailed);
+    EXPECT_EQ(end.status, name == "hangs"                           ? store::Status::kTimedOut
+                          : name == "aborts" || name == "segfaults" ? store::Status::kCrashed
+                                                                    : store::Status::kFailed);
     EXPECT_TRUE(Has(end.message, fmt::format("detector `{}`", name))) << end.message;
     EXPECT_TRUE(Has(end.message, cause)) << end.message;
   }
@@ -135,12 +136,13 @@ TEST(Plugins, ContactsThatAreNoneFailTheRun) {
   std::string names = "bullet";
   for (const auto& [name, cause] : causes) names += ", " + name;
   const Program program;
-  program.Write("b.cdb", Crowd(Use("faulty"), fmt::format("narrow_phase sweep({})", names)));
+  program.Write("b.cdb",
+                ContactCluster(Use("faulty"), fmt::format("narrow_phase sweep({})", names)));
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q"}).status, 3);
   const auto ends = Ends(program.folder() / "b.h5");
-  EXPECT_EQ(ends.at("bullet").status, Status::kDone);
+  EXPECT_EQ(ends.at("bullet").status, store::Status::kDone);
   for (const auto& [name, cause] : causes) {
-    EXPECT_EQ(ends.at(name).status, Status::kFailed) << name;
+    EXPECT_EQ(ends.at(name).status, store::Status::kFailed) << name;
     EXPECT_TRUE(Has(ends.at(name).message, fmt::format("`{}`", name))) << ends.at(name).message;
     EXPECT_TRUE(Has(ends.at(name).message, cause)) << ends.at(name).message;
   }
@@ -163,12 +165,13 @@ TEST(Plugins, AreRefusedWhereTheyAreNamed) {
       {PluginFile("taken_name"), "has a detector 'dbvt', and so has cdb"},
   };
   for (const Case& one : cases) {
-    program.Write("b.cdb", "# first\nuse detector \"" + one.library + "\"\n" + Crowd("", ""));
+    program.Write("b.cdb",
+                  "# first\nuse detector \"" + one.library + "\"\n" + ContactCluster("", ""));
     const Finished used = program.Run({"run", "b.cdb"});
     EXPECT_EQ(used.status, 1);
     EXPECT_TRUE(Has(used.err, "b.cdb:2:14: error: ")) << used.err;
     EXPECT_TRUE(Has(used.err, one.message)) << used.err;
-    program.Write("plain.cdb", Crowd("", ""));
+    program.Write("plain.cdb", ContactCluster("", ""));
     const Finished given = program.Run({"check", "plain.cdb", "--plugin", one.library});
     EXPECT_EQ(given.status, 1);
     EXPECT_TRUE(Has(given.err, one.message)) << given.err;
@@ -179,7 +182,7 @@ TEST(Plugins, AreRefusedWhereTheyAreNamed) {
 TEST(Plugins, HoldToTheirPhasesAndLimits) {
   const Program program;
   const auto refused = [&](const std::string& statement, const std::string& message) {
-    program.Write("b.cdb", Crowd(Use("faulty"), statement));
+    program.Write("b.cdb", ContactCluster(Use("faulty"), statement));
     const Finished finished = program.Run({"check", "b.cdb"});
     EXPECT_EQ(finished.status, 1);
     EXPECT_TRUE(Has(finished.err, message)) << finished.err;
@@ -189,15 +192,15 @@ TEST(Plugins, HoldToTheirPhasesAndLimits) {
   refused("detector sonud", "did you mean 'sound'?");
   refused("detector sweep(few, dbvt)", "'few' holds at most 10 bodies");
   refused("let sound = 3", "'sound' is a word of the language");
-  program.Write("b.cdb",
-                Crowd(Use("faulty"), "detector sweep(few, dbvt); skip when detector == few"));
+  program.Write("b.cdb", ContactCluster(Use("faulty"),
+                                        "detector sweep(few, dbvt); skip when detector == few"));
   EXPECT_EQ(program.Run({"check", "b.cdb"}).status, 0);
 }
 
 TEST(Plugins, ThatWereChangedSinceThePlanAreRefused) {
   const Program program;
   fs::copy(PluginFile("faulty"), program.folder() / "mine.so");
-  program.Write("b.cdb", Crowd("use detector \"mine.so\"\n", "detector sweep(sound)"));
+  program.Write("b.cdb", ContactCluster("use detector \"mine.so\"\n", "detector sweep(sound)"));
   EXPECT_EQ(program.Run({"plan", "b.cdb", "-o", "plan.yaml"}).status, 0);
   // Still a library that loads.
   program.Write("mine.so", program.Read("mine.so") + "changed");
@@ -210,23 +213,23 @@ TEST(Plugins, ThatWereChangedSinceThePlanAreRefused) {
   EXPECT_TRUE(Has(mixed.err, "names its own")) << mixed.err;
 }
 
-TEST(LookInto, GivesUpOnALibraryThatHangs) {
+TEST(ProbePlugin, GivesUpOnALibraryThatHangs) {
   std::string why;
-  const auto found =
-      LookInto(std::string(CDB_BINARY_DIR) + "/cdb-worker-f32", PluginFile("hangs"), why, 0.5);
+  const auto found = process::ProbePlugin(std::string(CDB_BINARY_DIR) + "/cdb-worker-f32",
+                                          PluginFile("hangs"), why, 0.5);
   EXPECT_FALSE(found);
   EXPECT_TRUE(Has(why, "is not loaded after 0.5 s")) << why;
 }
 
-TEST(LookInto, FindsNamesPhasesAndLimits) {
+TEST(ProbePlugin, FindsNamesPhasesAndLimits) {
   std::string why;
-  const auto found =
-      LookInto(std::string(CDB_BINARY_DIR) + "/cdb-worker-f32", PluginFile("faulty"), why);
+  const auto found = process::ProbePlugin(std::string(CDB_BINARY_DIR) + "/cdb-worker-f32",
+                                          PluginFile("faulty"), why);
   ASSERT_TRUE(found) << why;
-  EXPECT_EQ(found->at(0), (compiler::PluginDetector{"sound", "broad", 0, "", ""}));
-  EXPECT_EQ(found->at(1), (compiler::PluginDetector{"few", "broad", 10, "", ""}));
+  EXPECT_EQ(found->at(0), (schema::PluginDetector{"sound", "broad", 0, "", ""}));
+  EXPECT_EQ(found->at(1), (schema::PluginDetector{"few", "broad", 10, "", ""}));
   EXPECT_EQ(found->back().phases, "narrow");
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

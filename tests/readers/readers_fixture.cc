@@ -18,7 +18,7 @@
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -38,14 +38,15 @@ class Fixture {
   void Write() {
     for (std::size_t i = 0; i < plan_.runs.size(); ++i) {
       if (i == 5) continue;  // is missing
-      const compiler::Run& run = plan_.runs[i];
-      const FakeResult fake(run, i == 2 ? Status::kCrashed : Status::kDone, i == 2 ? 2 : kCycles);
-      WriteShard(plan_, run, fake.result, TestProvenance(), shards_.path());
+      const plan::Run& run = plan_.runs[i];
+      const FakeResult fake(run, i == 2 ? store::Status::kCrashed : store::Status::kDone,
+                            i == 2 ? 2 : kCycles);
+      store::WriteShard(plan_, run, fake.result, TestProvenance(), shards_.path());
       results_.emplace(CellOf(run.at, run.rep), std::pair(&run, fake.result));
     }
-    Merge(plan_, TestProvenance(), shards_.path(), folder_ / "out.h5");
+    store::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "out.h5");
     Coordinates();
-    for (const Series& series : AllSeries())
+    for (const measure::Series& series : measure::AllSeries())
       if (series.IsRecordedBy(plan_)) ExpectSeries(series);
     ExpectContacts();
     ExpectRuns();
@@ -62,9 +63,9 @@ class Fixture {
   }
 
   void Coordinates() {
-    for (const compiler::Axis& axis : plan_.axes) {
+    for (const plan::Axis& axis : plan_.axes) {
       grid_.push_back(axis.values.size());
-      for (const compiler::Coordinate& value : axis.values) {
+      for (const plan::Coordinate& value : axis.values) {
         if (axis.IsText()) {
           texts_[axis.name].shape = {grid_.back()};
           texts_[axis.name].values.push_back(std::get<std::string>(value));
@@ -79,22 +80,24 @@ class Fixture {
     for (const std::uint64_t n : grid_) cells_ *= n;
     numbers_["rep"] = {{kRepeats}, {0, 1}};
     numbers_["cycle"] = {{kCycles}, {0, 1, 2, 3, 4}};
-    texts_["phase"] = {{kPhaseCount}, {PhaseNames().begin(), PhaseNames().end()}};
-    texts_["pose"] = {{kPoseSize}, {"x", "y", "z", "qx", "qy", "qz", "qw"}};
+    texts_["phase"] = {{measure::kPhaseCount},
+                       {measure::PhaseNames().begin(), measure::PhaseNames().end()}};
+    texts_["pose"] = {{measure::kPoseSize}, {"x", "y", "z", "qx", "qy", "qz", "qw"}};
   }
 
-  void ExpectSeries(const Series& series) {
+  void ExpectSeries(const measure::Series& series) {
     Expected<double>& array = numbers_[std::string(series.name)];
     array.shape = grid_;
-    if (series.shape == SeriesShape::kPhase) array.shape.push_back(kPhaseCount);
+    if (series.shape == measure::SeriesShape::kPhase) array.shape.push_back(measure::kPhaseCount);
     array.shape.push_back(kCycles);
-    if (series.shape == SeriesShape::kPose) {
+    if (series.shape == measure::SeriesShape::kPose) {
       array.shape.push_back(kObjects);
-      array.shape.push_back(kPoseSize);
+      array.shape.push_back(measure::kPoseSize);
     }
     const std::size_t count = series.ValueCount(kCycles, kObjects, 0);
-    const std::size_t per_cycle = series.shape == SeriesShape::kPose ? kObjects * kPoseSize : 1;
-    const double fill = series.type == SeriesType::kInt32 ? -1 : kNaN;
+    const std::size_t per_cycle =
+        series.shape == measure::SeriesShape::kPose ? kObjects * measure::kPoseSize : 1;
+    const double fill = series.type == measure::SeriesType::kInt32 ? -1 : kNaN;
     array.values.assign(cells_ * count, fill);
     for (const auto& [cell, result] : results_)
       for (std::size_t i = 0; i < count; ++i)
@@ -107,7 +110,7 @@ class Fixture {
     std::vector<double> bodies, points, normals, distances;
     for (const auto& [cell, result] : results_) {
       first.values[cell] = static_cast<double>(distances.size());
-      for (const ContactRecord& contact : result.second.contacts) {
+      for (const measure::ContactRecord& contact : result.second.contacts) {
         bodies.insert(bodies.end(), {contact.body_a, contact.body_b});
         points.insert(points.end(), std::begin(contact.point), std::end(contact.point));
         normals.insert(normals.end(), std::begin(contact.normal), std::end(contact.normal));
@@ -128,14 +131,16 @@ class Fixture {
       for (const auto& [cell, result] : results_) array.values[cell] = get(result.second);
       numbers_[name] = std::move(array);
     };
-    number("status", 0, [](const RunResult& r) { return static_cast<double>(r.status); });
+    number("status", 0, [](const store::RunResult& r) { return static_cast<double>(r.status); });
     for (const auto& point : plan_.skipped)
       for (std::uint64_t rep = 0; rep < kRepeats; ++rep)
-        numbers_["status"].values[CellOf(point, rep)] = static_cast<double>(Status::kSkipped);
-    number("n_cycles", 0, [](const RunResult& r) { return static_cast<double>(r.n_cycles); });
-    number("load", kNaN, [](const RunResult& r) { return r.load; });
-    number("peak_rss", kNaN, [](const RunResult& r) { return r.peak_rss_bytes; });
-    number("build_time", kNaN, [](const RunResult& r) { return r.build_ns; });
+        numbers_["status"].values[CellOf(point, rep)] =
+            static_cast<double>(store::Status::kSkipped);
+    number("n_cycles", 0,
+           [](const store::RunResult& r) { return static_cast<double>(r.n_cycles); });
+    number("load", kNaN, [](const store::RunResult& r) { return r.load; });
+    number("peak_rss", kNaN, [](const store::RunResult& r) { return r.peak_rss_bytes; });
+    number("build_time", kNaN, [](const store::RunResult& r) { return r.build_ns; });
     for (const char* name : {"state_hash", "host", "run_id", "message", "omitted"})
       texts_[name] = {grid_, std::vector<std::string>(cells_)};
     for (const auto& [cell, result] : results_) {
@@ -144,7 +149,7 @@ class Fixture {
       texts_["message"].values[cell] = result.second.message;
       texts_["omitted"].values[cell] = result.second.omitted;
     }
-    for (const compiler::Run& run : plan_.runs)
+    for (const plan::Run& run : plan_.runs)
       texts_["run_id"].values[CellOf(run.at, run.rep)] = run.id;
   }
 
@@ -161,14 +166,15 @@ class Fixture {
 
   void PrintMedians() const {
     std::ofstream out(folder_ / "medians.tsv");
-    const Series& duration = *FindSeries("duration");
+    const measure::Series& duration = *measure::FindSeries("duration");
     for (std::size_t point = 0; point < cells_ / kRepeats; ++point) {
       std::vector<double> values;
       for (std::uint64_t rep = 0; rep < kRepeats; ++rep) {
         const auto found = results_.find(point * kRepeats + rep);
         if (found == results_.end()) continue;
         for (std::size_t i = 0; i < found->second.second.n_cycles; ++i)
-          values.push_back(ValueAt(*found->second.first, duration, kStep * kCycles + i));
+          values.push_back(ValueAt(*found->second.first, duration,
+                                   measure::IndexOf(measure::Phase::kStep) * kCycles + i));
       }
       if (values.empty()) continue;
       std::ranges::sort(values);
@@ -178,7 +184,7 @@ class Fixture {
       std::size_t rest = point;
       std::string text;
       for (std::size_t i = plan_.axes.size(); i-- > 0; rest /= grid_[i]) {
-        const compiler::Coordinate& value = plan_.axes[i].values[rest % grid_[i]];
+        const plan::Coordinate& value = plan_.axes[i].values[rest % grid_[i]];
         const auto* real = std::get_if<double>(&value);
         text = (real != nullptr ? fmt::format("{}", *real) : std::get<std::string>(value)) + '\t' +
                text;
@@ -189,7 +195,7 @@ class Fixture {
 
   const std::filesystem::path folder_;
   const TemporaryFolder shards_;
-  const compiler::Plan plan_ =
+  const plan::Plan plan_ =
       MakePlan({NumberAxis("quantity", {10, 20, 30}), NumberAxis("size", {0.5, 1.25}, "m"),
                 TextAxis("detector", {"simple", "dbvt"})},
                kRepeats,
@@ -199,16 +205,18 @@ class Fixture {
                {{1, 0, 1}});
   std::vector<std::uint64_t> grid_;
   std::size_t cells_ = 0;
-  std::map<std::size_t, std::pair<const compiler::Run*, RunResult>> results_;
+  std::map<std::size_t, std::pair<const plan::Run*, store::RunResult>> results_;
   std::map<std::string, Expected<double>> numbers_;
   std::map<std::string, Expected<std::string>> texts_;
 };
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests
+
+using namespace cdb::tests;
 
 int main(int argc, char** argv) {
   if (argc != 2) return 1;
   std::filesystem::create_directories(argv[1]);
-  cdb::runtime::Fixture(argv[1]).Write();
+  Fixture(argv[1]).Write();
 }

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-namespace cdb::library {
+namespace cdb::bullet {
 namespace {
 
 /// Bullet has no infinity: this is the side of its planes' boxes.
@@ -174,4 +174,4 @@ Detector* MakeBulletSap(const Options&) { return new Sap<btAxisSweep3, unsigned 
 Detector* MakeBulletSap32(const Options&) { return new Sap<bt32BitAxisSweep3, unsigned>; }
 Detector* MakeBulletDbvt(const Options&) { return new Dbvt; }
 
-}  // namespace cdb::library
+}  // namespace cdb::bullet

@@ -3,11 +3,11 @@
 
 #include "library/detectors/detector.h"
 
-namespace cdb::library {
+namespace cdb::bullet {
 
 Detector* MakeBulletSimple(const Options& options);
 Detector* MakeBulletSap(const Options& options);
 Detector* MakeBulletSap32(const Options& options);
 Detector* MakeBulletDbvt(const Options& options);
 
-}  // namespace cdb::library
+}  // namespace cdb::bullet

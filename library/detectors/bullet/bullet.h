@@ -7,11 +7,11 @@
 
 #include "library/detectors/detector.h"
 
-namespace cdb::library {
+namespace cdb::bullet {
 
 /// `simple`, `sap`, `sap32` and `dbvt`, as the catalogue has them, and `bullet`: contacts of two
 /// balls or two cuboids, of default margin, as Bullet computes them to the bit. Built twice, in
 /// Bullet's two precisions; boxes are rounded to it outwards. Threads: one for each detector.
 std::span<const DetectorEntry> BulletDetectors();
 
-}  // namespace cdb::library
+}  // namespace cdb::bullet

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-namespace cdb::library {
+namespace cdb::bullet {
 namespace {
 
 btVector3 ToBullet(const Vec3& v) {
@@ -103,4 +103,4 @@ class BulletContacts final : public Detector {
 
 Detector* MakeBulletContacts(const Options&) { return new BulletContacts; }
 
-}  // namespace cdb::library
+}  // namespace cdb::bullet

@@ -3,8 +3,8 @@
 
 #include "library/detectors/detector.h"
 
-namespace cdb::library {
+namespace cdb::bullet {
 
 Detector* MakeBulletContacts(const Options& options);
 
-}  // namespace cdb::library
+}  // namespace cdb::bullet

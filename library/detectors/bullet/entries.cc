@@ -2,7 +2,7 @@
 #include "library/detectors/bullet/bullet.h"
 #include "library/detectors/bullet/contacts.h"
 
-namespace cdb::library {
+namespace cdb::bullet {
 namespace {
 
 constexpr DetectorEntry kEntries[] = {
@@ -17,4 +17,4 @@ constexpr DetectorEntry kEntries[] = {
 
 std::span<const DetectorEntry> BulletDetectors() { return kEntries; }
 
-}  // namespace cdb::library
+}  // namespace cdb::bullet

@@ -8,15 +8,15 @@
 
 #include "tests/library/detectors/box_scenes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 TEST(ExactPairs, IsBruteForceOnEveryScene) {
-  for (const std::string_view name : tests::kBoxScenes) {
+  for (const std::string_view name : kBoxScenes) {
     for (const bool walls : {false, true}) {
-      tests::BoxScene scene(name, 300, walls);
+      BoxScene scene(name, 300, walls);
       for (int cycle = 0; cycle < 5; ++cycle, scene.Move())
-        EXPECT_EQ(ExactPairs(scene.View()), tests::BruteForce(scene.View())) << name;
+        EXPECT_EQ(detectors::ExactPairs(scene.View()), BruteForce(scene.View())) << name;
     }
   }
 }
@@ -28,24 +28,24 @@ TEST(ExactPairs, BoxesThatAreNotNumbersOverlapNothing) {
   const std::vector<Filter> filters(3);
   const Scene scene = {
       .size = 3, .boxes = boxes, .filters = filters, .poses = {}, .shapes = {}, .is_asleep = {}};
-  EXPECT_EQ(ExactPairs(scene), (std::vector<Pair>{{0, 2}}));
+  EXPECT_EQ(detectors::ExactPairs(scene), (std::vector<Pair>{{0, 2}}));
 }
 
 TEST(ComparePairs, CountsEachFaultByItself) {
-  tests::BoxScene moving("dense", 200);
+  BoxScene moving("dense", 200);
   const Scene scene = moving.View();
-  std::vector<Pair> found = ExactPairs(scene);
+  std::vector<Pair> found = detectors::ExactPairs(scene);
   ASSERT_GT(found.size(), 3u);
-  EXPECT_EQ(ComparePairs(scene, found), (PairFaults{.exact = found.size()}));
+  EXPECT_EQ(detectors::ComparePairs(scene, found), (detectors::PairFaults{.exact = found.size()}));
   const std::size_t exact = found.size();
   Pair stranger = {0, 1};
   while (Overlap(scene.boxes[stranger.a], scene.boxes[stranger.b])) ++stranger.b;
   found.front() = stranger;       // one missed, one phantom,
   found.push_back(found.back());  // and one twice
   found.push_back(stranger);
-  EXPECT_EQ(ComparePairs(scene, found),
-            (PairFaults{.exact = exact, .missed = 1, .phantom = 1, .duplicate = 2}));
+  EXPECT_EQ(detectors::ComparePairs(scene, found),
+            (detectors::PairFaults{.exact = exact, .missed = 1, .phantom = 1, .duplicate = 2}));
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

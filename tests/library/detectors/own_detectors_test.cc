@@ -10,23 +10,21 @@
 #include <string>
 #include <vector>
 
-#include "library/detectors/auto.h"
+#include "library/detectors/builtin/auto.h"
+#include "library/detectors/builtin/builtin.h"
+#include "library/detectors/builtin/grid.h"
+#include "library/detectors/builtin/hierarchical_grid.h"
+#include "library/detectors/builtin/skin.h"
+#include "library/detectors/builtin/sweep.h"
 #include "library/detectors/exact_pairs.h"
-#include "library/detectors/grid.h"
-#include "library/detectors/kernels.h"
-#include "library/detectors/levels.h"
-#include "library/detectors/own.h"
-#include "library/detectors/skin.h"
-#include "library/detectors/sweep.h"
+#include "library/detectors/kernels/kernels.h"
 #include "tests/library/detectors/box_scenes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double Vec3::*kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-
-using tests::Boxes, tests::Cube, tests::Listed;
 
 struct Named {
   std::string name;
@@ -36,36 +34,37 @@ struct Named {
 /// All of ours, with each kind of kernels that runs here.
 std::vector<Named> All(unsigned threads = 1) {
   std::vector<Named> all;
-  for (const Kernels* kernels : {&PlainKernels(), Avx2Kernels()}) {
+  for (const kernels::Kernels* kernels : {&kernels::PlainKernels(), kernels::Avx2Kernels()}) {
     if (kernels == nullptr) continue;
     const std::string with = std::string(", ") + kernels->name;
-    all.push_back({"auto" + with, MakeAuto({.threads = threads}, *kernels)});
-    all.push_back({"skin" + with, MakeSkin({.threads = threads}, *kernels)});
-    all.push_back({"grid" + with, MakeGrid({.threads = threads}, *kernels)});
-    all.push_back({"hierarchical_grid" + with, MakeLevels({.threads = threads}, *kernels)});
-    all.push_back({"sweep" + with, MakeSweep({.threads = threads}, *kernels)});
+    all.push_back({"auto" + with, builtin::MakeAuto({.threads = threads}, *kernels)});
+    all.push_back({"skin" + with, builtin::MakeSkin({.threads = threads}, *kernels)});
+    all.push_back({"grid" + with, builtin::MakeGrid({.threads = threads}, *kernels)});
+    all.push_back({"hierarchical_grid" + with,
+                   builtin::MakeHierarchicalGrid({.threads = threads}, *kernels)});
+    all.push_back({"sweep" + with, builtin::MakeSweep({.threads = threads}, *kernels)});
   }
   return all;
 }
 
 void ExpectExact(std::vector<Named>& all, const Scene& scene, const std::string& where) {
-  const std::vector<Pair> exact = ExactPairs(scene);
+  const std::vector<Pair> exact = detectors::ExactPairs(scene);
   for (Named& named : all) {
     std::vector<Pair> pairs = Listed(*named.detector, scene);
     std::ranges::sort(pairs);
     if (pairs == exact) continue;
     for (const Pair& pair : pairs) EXPECT_LT(pair.a, pair.b);
-    const PairFaults faults = ComparePairs(scene, pairs);
+    const detectors::PairFaults faults = detectors::ComparePairs(scene, pairs);
     ADD_FAILURE() << named.name << " in " << where << ": of " << faults.exact << " pairs "
                   << faults.missed << " missed, " << faults.phantom << " phantom, "
                   << faults.duplicate << " twice, " << pairs.size() << " listed";
   }
 }
 
-TEST(OwnDetectors, AreExactOnEveryScene) {
-  for (const std::string_view name : tests::kBoxScenes) {
+TEST(BuiltinDetectors, AreExactOnEveryScene) {
+  for (const std::string_view name : kBoxScenes) {
     for (const bool walls : {false, true}) {
-      tests::BoxScene moving(name, 300, walls);
+      BoxScene moving(name, 300, walls);
       std::vector<Named> all = All();
       for (Named& named : all) named.detector->Prepare(moving.View());
       for (int cycle = 0; cycle < 50; ++cycle, moving.Move())
@@ -74,9 +73,9 @@ TEST(OwnDetectors, AreExactOnEveryScene) {
   }
 }
 
-TEST(OwnDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
-  for (const std::string_view name : tests::kBoxScenes) {
-    tests::BoxScene moving(name, 3000, true, 7);
+TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
+  for (const std::string_view name : kBoxScenes) {
+    BoxScene moving(name, 3000, true, 7);
     std::vector<Named> first = All(1), second = All(1), two = All(2), three = All(3);
     for (int cycle = 0; cycle < 20; ++cycle, moving.Move()) {
       for (std::size_t i = 0; i < first.size(); ++i) {
@@ -89,7 +88,7 @@ TEST(OwnDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
   }
 }
 
-TEST(OwnDetectors, AreExactOnFewAndOddBodies) {
+TEST(BuiltinDetectors, AreExactOnFewAndOddBodies) {
   for (const std::size_t count : {0u, 1u, 2u, 7u, 8u, 9u, 25u, 33u, 100u}) {
     Boxes equal, points, far, farther, lines, tiny;
     for (std::size_t i = 0; i < count; ++i) {
@@ -109,7 +108,7 @@ TEST(OwnDetectors, AreExactOnFewAndOddBodies) {
   }
 }
 
-TEST(OwnDetectors, AreExactBeyondFloats) {
+TEST(BuiltinDetectors, AreExactBeyondFloats) {
   Boxes boxes;
   boxes.Add({{0, 0, 0}, {1e39, 1, 1}});
   boxes.Add({{1e39, 0, 0}, {1e40, 1, 1}});
@@ -123,7 +122,7 @@ TEST(OwnDetectors, AreExactBeyondFloats) {
   for (int cycle = 0; cycle < 3; ++cycle) ExpectExact(all, boxes.View(), "beyond");
 }
 
-TEST(OwnDetectors, BoxesThatAreNotNumbersOverlapNothing) {
+TEST(BuiltinDetectors, BoxesThatAreNotNumbersOverlapNothing) {
   Boxes boxes;
   for (int i = 0; i < 60; ++i) boxes.Add(Cube(i % 10, i % 7, 0, 0.6));
   boxes.Add({{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
@@ -144,7 +143,7 @@ TEST(OwnDetectors, BoxesThatAreNotNumbersOverlapNothing) {
   }
 }
 
-TEST(OwnDetectors, ListNoPairThatMayNotCollide) {
+TEST(BuiltinDetectors, ListNoPairThatMayNotCollide) {
   std::mt19937 random(5);
   for (const int kind : {0, 1, 2}) {
     Boxes boxes;
@@ -218,7 +217,7 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
   }
 }
 
-TEST(OwnDetectors, AreExactWhateverHappens) {
+TEST(BuiltinDetectors, AreExactWhateverHappens) {
   std::mt19937_64 random(11);
   for (int round = 0; round < 36; ++round) {
     Boxes boxes;
@@ -239,25 +238,25 @@ TEST(OwnDetectors, AreExactWhateverHappens) {
   }
 }
 
-TEST(OwnDetectors, AreExactWhenTheSceneChangesItsSize) {
+TEST(BuiltinDetectors, AreExactWhenTheSceneChangesItsSize) {
   std::vector<Named> all = All();
   for (const std::size_t count : {300u, 10u, 500u, 0u, 40u}) {
-    tests::BoxScene moving("dense", count, true);
+    BoxScene moving("dense", count, true);
     for (Named& named : all) named.detector->Prepare(moving.View());
     for (int cycle = 0; cycle < 10; ++cycle, moving.Move())
       ExpectExact(all, moving.View(), std::to_string(count));
   }
 }
 
-TEST(OwnDetectors, AreListedByName) {
+TEST(BuiltinDetectors, AreListedByName) {
   for (const char* name : {"auto", "skin", "grid", "hierarchical_grid", "sweep", "null"}) {
-    const auto found = std::ranges::find(OwnDetectors(), std::string_view(name),
+    const auto found = std::ranges::find(builtin::BuiltinDetectors(), std::string_view(name),
                                          [](const DetectorEntry& entry) { return entry.name; });
-    ASSERT_NE(found, OwnDetectors().end()) << name;
+    ASSERT_NE(found, builtin::BuiltinDetectors().end()) << name;
     const std::unique_ptr<Detector> detector(found->make({}));
     EXPECT_NE(detector, nullptr);
   }
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

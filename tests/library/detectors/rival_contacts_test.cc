@@ -12,12 +12,10 @@
 #include "tests/library/detectors/two_bodies.h"
 #include "tests/library/random_solids.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using tests::CuboidAs;
-using tests::TwoBodies;
 
 /// How far off it may be, in sizes of the bodies.
 struct Claim {
@@ -41,41 +39,42 @@ Claim ClaimOf(std::string_view detector, bool has_ball, bool is_hull) {
   return {};
 }
 
-Solid Draw(Stream& stream, bool is_ball, double size) {
-  if (is_ball) return {Shape::kEllipsoid, Vector3d::Constant(stream.Uniform(1, 3) * size)};
-  return {Shape::kCuboid,
+objects::Solid Draw(distributions::Stream& stream, bool is_ball, double size) {
+  if (is_ball) return {objects::Shape::kEllipsoid, Vector3d::Constant(stream.Uniform(1, 3) * size)};
+  return {objects::Shape::kCuboid,
           Vector3d(stream.Uniform(1, 3), stream.Uniform(1, 3), stream.Uniform(1, 3)) * size};
 }
 
 struct Case {
-  Solid a, b;
-  Pose pose_a, pose_b;
+  objects::Solid a, b;
+  objects::Pose pose_a, pose_b;
 };
 
 /// Bodies of 1 to 3 sizes that overlap by so much along the line of their centres, or are apart by
 /// it where it is negative.
-Case DrawCase(Stream& stream, bool is_ball_a, bool is_ball_b, double size, double overlap) {
+Case DrawCase(distributions::Stream& stream, bool is_ball_a, bool is_ball_b, double size,
+              double overlap) {
   Case drawn{Draw(stream, is_ball_a, size), Draw(stream, is_ball_b, size), {}, {}};
-  const Vector3d way = test::RandomDirection(stream);
-  drawn.pose_a = {test::RandomDirection(stream) * stream.Uniform(0, 5) * size, stream.Turn()};
+  const Vector3d way = RandomDirection(stream);
+  drawn.pose_a = {RandomDirection(stream) * stream.Uniform(0, 5) * size, stream.Turn()};
   drawn.pose_b.orientation = stream.Turn();
   double touching = 0, apart = 10 * size;
   for (int i = 0; i < 60; ++i) {
     const double middle = (touching + apart) / 2;
     drawn.pose_b.position = drawn.pose_a.position + middle * way;
-    const auto exact = ExactContact(drawn.a, drawn.pose_a, drawn.b, drawn.pose_b);
+    const auto exact = objects::ExactContact(drawn.a, drawn.pose_a, drawn.b, drawn.pose_b);
     (exact && exact->depth > 0 ? touching : apart) = middle;
   }
   drawn.pose_b.position = drawn.pose_a.position + (touching - overlap * size) * way;
   return drawn;
 }
 
-class RivalContacts : public testing::TestWithParam<DetectorInfo> {
+class RivalContacts : public testing::TestWithParam<schema::DetectorInfo> {
  protected:
   void SetUp() override {
     if (!Make()) GTEST_SKIP() << "the part '" << GetParam().part << "' is not built";
   }
-  std::unique_ptr<Detector> Make() { return tests::MakeRival(GetParam()); }
+  std::unique_ptr<Detector> Make() { return MakeRival(GetParam()); }
   std::string_view name() const { return GetParam().name; }
 
   /// A detector of its own for each, as it learns the bodies once.
@@ -101,7 +100,7 @@ const Contact* Deepest(const std::vector<Contact>& contacts) {
 }
 
 TEST_P(RivalContacts, TellDepthAndNormalOfBallsBoxesAndHulls) {
-  Stream stream(1);
+  distributions::Stream stream(1);
   for (const double size : {0.05, 1.0, 50.0}) {
     for (int kind = 0; kind < 5; ++kind) {
       const bool is_ball_a = kind < 2, is_ball_b = kind == 0 || kind == 2, is_hull = kind == 4;
@@ -110,7 +109,7 @@ TEST_P(RivalContacts, TellDepthAndNormalOfBallsBoxesAndHulls) {
       int missed = 0;
       for (int i = 0; i < kCases; ++i) {
         const Case drawn = DrawCase(stream, is_ball_a, is_ball_b, size, stream.Uniform(0.005, 0.2));
-        const auto exact = ExactContact(drawn.a, drawn.pose_a, drawn.b, drawn.pose_b);
+        const auto exact = objects::ExactContact(drawn.a, drawn.pose_a, drawn.b, drawn.pose_b);
         ASSERT_TRUE(exact && exact->depth > 0);
         const auto contacts = ContactsOf(drawn, is_hull ? CuboidAs::kHull : CuboidAs::kBox);
         const Contact* contact = Deepest(contacts);
@@ -130,7 +129,7 @@ TEST_P(RivalContacts, TellDepthAndNormalOfBallsBoxesAndHulls) {
 }
 
 TEST_P(RivalContacts, DoNotPenetrateWhereTheBodiesAreApart) {
-  Stream stream(2);
+  distributions::Stream stream(2);
   int near = 0;
   constexpr int kCases = 100;
   for (int i = 0; i < kCases; ++i) {
@@ -149,8 +148,8 @@ TEST_P(RivalContacts, DoNotPenetrateWhereTheBodiesAreApart) {
 }
 
 TEST_P(RivalContacts, OfACuboidOnAFloorLieUnderIt) {
-  const Solid floor = {Shape::kCuboid, Vector3d(20, 1, 20)};
-  const Solid box = {Shape::kCuboid, Vector3d(1, 1, 1)};
+  const objects::Solid floor = {objects::Shape::kCuboid, Vector3d(20, 1, 20)};
+  const objects::Solid box = {objects::Shape::kCuboid, Vector3d(1, 1, 1)};
   const Case drawn = {box, floor, {Vector3d(3, 0.995, -4)}, {Vector3d::Zero()}};
   for (const CuboidAs as : {CuboidAs::kBox, CuboidAs::kHull}) {
     const auto contacts = ContactsOf(drawn, as);
@@ -168,7 +167,7 @@ TEST_P(RivalContacts, OfACuboidOnAFloorLieUnderIt) {
 
 // In one place, one far larger than the other, or thin as a sheet: nothing crashes or hangs.
 TEST_P(RivalContacts, ComeBackFromPosesWithoutAnAnswer) {
-  Stream stream(3);
+  distributions::Stream stream(3);
   const double sizes[] = {1e-3, 1, 1e3};
   for (const double size_a : sizes) {
     for (const double size_b : sizes) {
@@ -177,7 +176,7 @@ TEST_P(RivalContacts, ComeBackFromPosesWithoutAnAnswer) {
         if (i % 5 == 0 && !drawn.a.IsBall()) drawn.a.sides.y() *= 1e-4;
         drawn.pose_a.position = drawn.pose_b.position = Vector3d(1, 2, 3);
         if (i % 3 == 0) drawn.pose_b.orientation = stream.Turn();
-        if (i % 7 == 0) drawn.pose_b.position += test::RandomDirection(stream) * size_b;
+        if (i % 7 == 0) drawn.pose_b.position += RandomDirection(stream) * size_b;
         ContactsOf(drawn, i % 8 < 4 ? CuboidAs::kHull : CuboidAs::kBox);
       }
     }
@@ -230,8 +229,7 @@ TEST_P(RivalContacts, TakeEachPieceOfACompound) {
   EXPECT_FALSE(detector->Handles(boxes_alone, 0, 1));
 }
 
-INSTANTIATE_TEST_SUITE_P(, RivalContacts, testing::ValuesIn(tests::Rivals("narrow")),
-                         tests::RivalName());
+INSTANTIATE_TEST_SUITE_P(, RivalContacts, testing::ValuesIn(Rivals("narrow")), RivalName());
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -14,28 +14,27 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:fcl::"; }
 
 namespace cdb::tests {
 
-std::vector<library::DetectorInfo> Rivals(std::string_view phase) {
-  std::vector<library::DetectorInfo> rows;
-  for (const library::DetectorInfo& info : library::Detectors())
+std::vector<schema::DetectorInfo> Rivals(std::string_view phase) {
+  std::vector<schema::DetectorInfo> rows;
+  for (const schema::DetectorInfo& info : schema::Detectors())
     if (!info.part.empty() && info.HasPhase(phase)) rows.push_back(info);
   return rows;
 }
 
-std::unique_ptr<Detector> MakeRival(const library::DetectorInfo& info) {
-  const library::DetectorPart* part = library::FindDetectorPart(info.part);
+std::unique_ptr<Detector> MakeRival(const schema::DetectorInfo& info) {
+  const schema::DetectorPart* part = schema::FindDetectorPart(info.part);
   if (part == nullptr) throw std::logic_error(std::string(info.part) + " is no part");
   if (!part->is_built) {
     if (std::getenv("CDB_REQUIRE_RIVALS") != nullptr)
       throw std::runtime_error(std::string(part->package) + " is not installed");
     return nullptr;
   }
-  const Plugin& plugin = library::LoadPlugin(std::string(CDB_BINARY_DIR "/detectors/") +
-                                             "cdb-detectors-" + std::string(info.part) + ".so");
-  const DetectorEntry* entry = library::FindEntry(plugin, info.name);
+  const Plugin& plugin = detectors::LoadPlugin(std::string(CDB_BINARY_DIR "/detectors/") +
+                                               "cdb-detectors-" + std::string(info.part) + ".so");
+  const DetectorEntry* entry = detectors::FindEntry(plugin, info.name);
   if (entry == nullptr) throw std::runtime_error(std::string(info.name) + " is not in its part");
-  const std::uint32_t phases =
-      (info.HasPhase("broad") ? kBroad : 0u) | (info.HasPhase("narrow") ? kNarrow : 0u);
-  EXPECT_EQ(entry->phases & (kBroad | kNarrow), phases);
+  EXPECT_EQ(HasAny(entry->phases, kBroad), info.HasPhase("broad"));
+  EXPECT_EQ(HasAny(entry->phases, kNarrow), info.HasPhase("narrow"));
   EXPECT_EQ(entry->max_bodies, info.max_bodies);
   return std::unique_ptr<Detector>(entry->make({}));
 }

@@ -7,23 +7,23 @@
 #include <string_view>
 #include <vector>
 
-#include "library/catalogue.h"
+#include "compiler/schema/catalogue.h"
 #include "library/detectors/detector.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 
 /// For GoogleTest's messages.
-inline void PrintTo(const DetectorInfo& info, std::ostream* out) { *out << info.name; }
+inline void PrintTo(const schema::DetectorInfo& info, std::ostream* out) { *out << info.name; }
 
-}  // namespace cdb::library
+}  // namespace cdb::tests
 
 namespace cdb::tests {
 
 /// The rows of the catalogue that are in a part and have the phase.
-std::vector<library::DetectorInfo> Rivals(std::string_view phase);
+std::vector<schema::DetectorInfo> Rivals(std::string_view phase);
 
 /// Null where its part is not built, which fails the test if CDB_REQUIRE_RIVALS is set, else skips.
-std::unique_ptr<Detector> MakeRival(const library::DetectorInfo& info);
+std::unique_ptr<Detector> MakeRival(const schema::DetectorInfo& info);
 
 /// Of GoogleTest's parameters: the detector's name.
 struct RivalName {

@@ -10,15 +10,13 @@
 #include "tests/library/detectors/box_scenes.h"
 #include "tests/library/detectors/rivals.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
-using tests::Boxes, tests::Cube;
-
-class RivalPairs : public testing::TestWithParam<DetectorInfo> {
+class RivalPairs : public testing::TestWithParam<schema::DetectorInfo> {
  protected:
   void SetUp() override {
-    detector_ = tests::MakeRival(GetParam());
+    detector_ = MakeRival(GetParam());
     if (!detector_) GTEST_SKIP() << "the part '" << GetParam().part << "' is not built";
   }
 
@@ -33,7 +31,7 @@ class RivalPairs : public testing::TestWithParam<DetectorInfo> {
       ASSERT_LT(pair.a, pair.b) << what;
       ASSERT_LT(pair.b, scene.size) << what;
     }
-    const PairFaults faults = ComparePairs(scene, pairs);
+    const detectors::PairFaults faults = detectors::ComparePairs(scene, pairs);
     if (is_strict || !MayMiss()) {
       EXPECT_EQ(faults.missed, 0u) << what;
     }
@@ -47,10 +45,10 @@ class RivalPairs : public testing::TestWithParam<DetectorInfo> {
 };
 
 TEST_P(RivalPairs, AreExactInEveryScene) {
-  for (const std::string_view name : tests::kBoxScenes) {
+  for (const std::string_view name : kBoxScenes) {
     for (const bool walls : {false, true}) {
-      tests::BoxScene scene(name, 400, walls);
-      detector_ = tests::MakeRival(GetParam());
+      BoxScene scene(name, 400, walls);
+      detector_ = MakeRival(GetParam());
       detector_->Prepare(scene.View());
       for (int cycle = 0; cycle < 30; ++cycle, scene.Move())
         ExpectGood(scene.View(), std::string(name) + (walls ? " with walls" : ""));
@@ -76,7 +74,7 @@ TEST_P(RivalPairs, OfBoxesAllInOnePlace) {
 TEST_P(RivalPairs, OfASceneWithoutBodiesAndOneWithOne) {
   for (const std::size_t size : {0, 1}) {
     Boxes scene(std::vector<Box>(size, Cube(0, 0, 0, 1)));
-    detector_ = tests::MakeRival(GetParam());
+    detector_ = MakeRival(GetParam());
     detector_->Prepare(scene.View());
     ExpectGood(scene.View(), std::to_string(size));
   }
@@ -131,8 +129,7 @@ TEST_P(RivalPairs, OfBodiesThatLeaveTheWorld) {
   ExpectGood(scene.View(), "back again");
 }
 
-INSTANTIATE_TEST_SUITE_P(, RivalPairs, testing::ValuesIn(tests::Rivals("broad")),
-                         tests::RivalName());
+INSTANTIATE_TEST_SUITE_P(, RivalPairs, testing::ValuesIn(Rivals("broad")), RivalName());
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -6,17 +6,17 @@
 #include <random>
 #include <vector>
 
-#include "library/detectors/kd_tree.h"
-#include "library/detectors/octree.h"
+#include "library/detectors/builtin/kd_tree.h"
+#include "library/detectors/builtin/octree.h"
 #include "tests/library/detectors/box_scenes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using Make = Detector* (*)(const Options&);
 
 std::vector<Pair> Found(Detector& detector, const Scene& scene) {
-  std::vector<Pair> pairs = tests::Listed(detector, scene);
+  std::vector<Pair> pairs = Listed(detector, scene);
   std::ranges::sort(pairs);
   return pairs;
 }
@@ -24,13 +24,13 @@ std::vector<Pair> Found(Detector& detector, const Scene& scene) {
 class Trees : public testing::TestWithParam<Make> {};
 
 TEST_P(Trees, FindJustThePairsOfEveryScene) {
-  for (const std::string_view name : tests::kBoxScenes) {
+  for (const std::string_view name : kBoxScenes) {
     for (const bool walls : {false, true}) {
-      tests::BoxScene moving(name, 400, walls);
+      BoxScene moving(name, 400, walls);
       const std::unique_ptr<Detector> detector(GetParam()({}));
       detector->Prepare(moving.View());
       for (int cycle = 0; cycle < 10; ++cycle, moving.Move())
-        ASSERT_EQ(Found(*detector, moving.View()), tests::BruteForce(moving.View()))
+        ASSERT_EQ(Found(*detector, moving.View()), BruteForce(moving.View()))
             << name << " cycle " << cycle;
     }
   }
@@ -41,7 +41,7 @@ TEST_P(Trees, FindJustThePairsOfBoxesOfAnyKind) {
   const double corners[] = {-1e30, -3, -1, -0.5, 0, 0, 0.5, 1, 1, 3, 1e6, 1e30, INFINITY, NAN};
   std::uniform_int_distribution<std::size_t> pick(0, std::size(corners) - 1);
   for (int round = 0; round < 300; ++round) {
-    tests::Boxes bodies(std::vector<Box>(40));
+    Boxes bodies(std::vector<Box>(40));
     for (Box& box : bodies.boxes)
       for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
         double a = corners[pick(random)], b = round % 2 == 0 ? a : corners[pick(random)];
@@ -53,12 +53,12 @@ TEST_P(Trees, FindJustThePairsOfBoxesOfAnyKind) {
     const Scene scene = bodies.View();
     const std::unique_ptr<Detector> detector(GetParam()({}));
     detector->Prepare(scene);
-    ASSERT_EQ(Found(*detector, scene), tests::BruteForce(scene)) << "round " << round;
+    ASSERT_EQ(Found(*detector, scene), BruteForce(scene)) << "round " << round;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, Trees, testing::Values(MakeOctree, MakeKdTree),
+INSTANTIATE_TEST_SUITE_P(, Trees, testing::Values(builtin::MakeOctree, builtin::MakeKdTree),
                          [](const auto& tree) { return tree.index == 0 ? "Octree" : "KdTree"; });
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

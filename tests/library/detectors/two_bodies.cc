@@ -15,14 +15,14 @@ constexpr Face kFaces[] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}
 
 }  // namespace
 
-TwoBodies::TwoBodies(const library::Solid& a, const library::Pose& pose_a, const library::Solid& b,
-                     const library::Pose& pose_b, CuboidAs cuboids)
+TwoBodies::TwoBodies(const objects::Solid& a, const objects::Pose& pose_a, const objects::Solid& b,
+                     const objects::Pose& pose_b, CuboidAs cuboids)
     : filters_(2) {
   Place(a, pose_a, cuboids);
   Place(b, pose_b, cuboids);
 }
 
-void TwoBodies::Place(const library::Solid& solid, const library::Pose& pose, CuboidAs cuboids) {
+void TwoBodies::Place(const objects::Solid& solid, const objects::Pose& pose, CuboidAs cuboids) {
   const std::size_t body = shapes_.size();
   const Vector3d half = solid.HalfExtents();
   Shape shape = {.kind = solid.IsBall() ? ShapeKind::kEllipsoid : ShapeKind::kBox,
@@ -30,7 +30,7 @@ void TwoBodies::Place(const library::Solid& solid, const library::Pose& pose, Cu
                  .centre = {},
                  .normal = {},
                  .hulls = {}};
-  if (solid.shape == library::Shape::kCuboid && cuboids == CuboidAs::kHull) {
+  if (solid.shape == objects::Shape::kCuboid && cuboids == CuboidAs::kHull) {
     shape.kind = ShapeKind::kHull;
     for (int i = 0; i < 8; ++i)
       corners_[body].push_back({(i & 1) != 0 ? half.x() : -half.x(),
@@ -38,14 +38,14 @@ void TwoBodies::Place(const library::Solid& solid, const library::Pose& pose, Cu
                                 (i & 4) != 0 ? half.z() : -half.z()});
     hulls_[body] = {.vertices = corners_[body], .faces = kFaces};
     shape.hulls = {&hulls_[body], 1};
-  } else if (solid.shape == library::Shape::kCuboid) {
+  } else if (solid.shape == objects::Shape::kCuboid) {
     shape.kind = ShapeKind::kBox;
   }
   shapes_.push_back(shape);
   const Eigen::Matrix3d axes = pose.orientation.toRotationMatrix();
   poses_.push_back({FromEigen(pose.position), FromEigen(axes.col(0)), FromEigen(axes.col(1)),
                     FromEigen(axes.col(2))});
-  const library::Box box = library::Bounds(solid, pose.orientation);
+  const objects::Box box = objects::Bounds(solid, pose.orientation);
   const Vector3d margin = Vector3d::Constant(0.02);  // as an engine's contact margin
   boxes_.push_back({FromEigen(pose.position + box.lower - margin),
                     FromEigen(pose.position + box.upper + margin)});

@@ -14,14 +14,14 @@ enum class CuboidAs { kBox, kHull };
 class TwoBodies {
  public:
   /// Balls and cuboids.
-  TwoBodies(const library::Solid& a, const library::Pose& pose_a, const library::Solid& b,
-            const library::Pose& pose_b, CuboidAs cuboids = CuboidAs::kBox);
+  TwoBodies(const objects::Solid& a, const objects::Pose& pose_a, const objects::Solid& b,
+            const objects::Pose& pose_b, CuboidAs cuboids = CuboidAs::kBox);
   TwoBodies(const TwoBodies&) = delete;
   TwoBodies& operator=(const TwoBodies&) = delete;
   Scene View() const;
 
  private:
-  void Place(const library::Solid& solid, const library::Pose& pose, CuboidAs cuboids);
+  void Place(const objects::Solid& solid, const objects::Pose& pose, CuboidAs cuboids);
 
   std::vector<Box> boxes_;
   std::vector<Filter> filters_;

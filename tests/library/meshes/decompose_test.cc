@@ -11,45 +11,45 @@
 #include "library/meshes/topology.h"
 #include "tests/library/meshes/test_meshes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using namespace testing;
 using Eigen::Vector3d;
 
 /// Small, so that HACD takes little time.
-DecomposeOptions Coarse() {
-  DecomposeOptions options;
+meshes::DecomposeOptions Coarse() {
+  meshes::DecomposeOptions options;
   options.faces = 400;
   return options;
 }
 
-void ExpectWellFormed(const Decomposition& pieces, const Mesh& mesh,
-                      const DecomposeOptions& options) {
-  for (const Hull& hull : pieces.hulls) {
+void ExpectWellFormed(const meshes::Decomposition& pieces, const meshes::Mesh& mesh,
+                      const meshes::DecomposeOptions& options) {
+  for (const meshes::Hull& hull : pieces.hulls) {
     EXPECT_LE(hull.vertices.size(), options.vertices_per_hull);
-    EXPECT_GE(SignedVolume(Watertight(SurfaceOf(hull), "hull")),
-              options.least_volume * SignedVolume(mesh));
+    EXPECT_GE(meshes::SignedVolume(meshes::Watertight(meshes::SurfaceOf(hull), "hull")),
+              options.least_volume * meshes::SignedVolume(mesh));
   }
 }
 
 TEST(Decompose, AConvexMeshIsOneHull) {
-  const Mesh box = BoxMesh({-1, -2, -3}, {1, 2, 3});
-  const Decomposition one = Decompose(box, "m");
+  const meshes::Mesh box = BoxMesh({-1, -2, -3}, {1, 2, 3});
+  const meshes::Decomposition one = meshes::Decompose(box, "m");
   ASSERT_EQ(one.hulls.size(), 1u);
   EXPECT_EQ(one.hulls[0].vertices, box.vertices);
   EXPECT_NEAR(one.iou, 1, 1e-12);
   EXPECT_NEAR(one.volume_error, 0, 1e-12);
-  const Mesh ball = SphereMesh(1, 3);
-  const Decomposition round = Decompose(ball, "m");
+  const meshes::Mesh ball = SphereMesh(1, 3);
+  const meshes::Decomposition round = meshes::Decompose(ball, "m");
   ASSERT_EQ(round.hulls.size(), 1u);
   EXPECT_EQ(round.hulls[0].vertices.size(), 64u);
   EXPECT_GT(round.iou, 0.9);
 }
 
 TEST(Decompose, AnAngleIsACoupleOfBoxes) {
-  const Mesh angle = AngleMesh();
-  const Decomposition pieces = Decompose(angle, "m", Coarse());
+  const meshes::Mesh angle = AngleMesh();
+  const meshes::Decomposition pieces = meshes::Decompose(angle, "m", Coarse());
   ExpectWellFormed(pieces, angle, Coarse());
   EXPECT_GE(pieces.hulls.size(), 2u);
   EXPECT_LE(pieces.hulls.size(), 12u);
@@ -58,43 +58,43 @@ TEST(Decompose, AnAngleIsACoupleOfBoxes) {
 }
 
 TEST(Decompose, IsTheSameToTheByteEachTime) {
-  const Mesh ring = TorusMesh(2, 0.6, 40, 20);
-  const Decomposition first = Decompose(ring, "m", Coarse());
+  const meshes::Mesh ring = meshes::TorusMesh(2, 0.6, 40, 20);
+  const meshes::Decomposition first = meshes::Decompose(ring, "m", Coarse());
   ExpectWellFormed(first, ring, Coarse());
   EXPECT_GT(first.hulls.size(), 3u);
   EXPECT_GT(first.iou, 0.6);
-  EXPECT_EQ(Decompose(ring, "m", Coarse()), first);
+  EXPECT_EQ(meshes::Decompose(ring, "m", Coarse()), first);
 }
 
 TEST(Decompose, DoesNotDependOnSizeOrPlaceBeyondRounding) {
   // Powers of two, so that there is none.
-  const Mesh angle = AngleMesh();
-  const Decomposition pieces = Decompose(angle, "m", Coarse());
-  const Decomposition large =
-      Decompose(Moved(angle, 1024 * Eigen::Matrix3d::Identity(), Vector3d::Zero()), "m", Coarse());
+  const meshes::Mesh angle = AngleMesh();
+  const meshes::Decomposition pieces = meshes::Decompose(angle, "m", Coarse());
+  const meshes::Decomposition large = meshes::Decompose(
+      Moved(angle, 1024 * Eigen::Matrix3d::Identity(), Vector3d::Zero()), "m", Coarse());
   ASSERT_EQ(large.hulls.size(), pieces.hulls.size());
   EXPECT_NEAR(large.iou, pieces.iou, 1e-9);
 }
 
 TEST(Decompose, PartsMayBeApart) {
-  const Mesh two = Joined(BoxMesh({0, 0, 0}, {1, 1, 1}), BoxMesh({5, 0, 0}, {6, 1, 1}));
-  const Decomposition pieces = Decompose(two, "m", Coarse());
+  const meshes::Mesh two = Joined(BoxMesh({0, 0, 0}, {1, 1, 1}), BoxMesh({5, 0, 0}, {6, 1, 1}));
+  const meshes::Decomposition pieces = meshes::Decompose(two, "m", Coarse());
   ExpectWellFormed(pieces, two, Coarse());
   EXPECT_GT(pieces.iou, 0.9);
 }
 
 TEST(Decompose, TheAssessmentCountsBothWays) {
-  const Mesh cube = BoxMesh({0, 0, 0}, {2, 2, 2});
+  const meshes::Mesh cube = BoxMesh({0, 0, 0}, {2, 2, 2});
   const auto hull = [](const Vector3d& low, const Vector3d& high) {
-    return Hull{BoxMesh(low, high).vertices};
+    return meshes::Hull{BoxMesh(low, high).vertices};
   };
-  const Decomposition half = Assessed({hull({0, 0, 0}, {1, 2, 2})}, cube);
+  const meshes::Decomposition half = meshes::Assessed({hull({0, 0, 0}, {1, 2, 2})}, cube);
   EXPECT_NEAR(half.iou, 0.5, 1e-6);
   EXPECT_NEAR(half.volume_error, 0.5, 1e-6);
   // Overlapping pieces count once; what they have too much and too little makes up for itself in
   // the volume and not in the IoU.
-  const Decomposition aside =
-      Assessed({hull({1, 0, 0}, {3, 2, 2}), hull({1.5, 0, 0}, {2.5, 2, 2})}, cube);
+  const meshes::Decomposition aside =
+      meshes::Assessed({hull({1, 0, 0}, {3, 2, 2}), hull({1.5, 0, 0}, {2.5, 2, 2})}, cube);
   EXPECT_NEAR(aside.volume_error, 0, 1e-6);
   EXPECT_NEAR(aside.iou, 1.0 / 3, 1e-6);
 }
@@ -102,12 +102,12 @@ TEST(Decompose, TheAssessmentCountsBothWays) {
 TEST(Primitives, TorusHullsComeCloserTheMoreThereAre) {
   double error = 1;
   for (const std::size_t segments : {6u, 12u, 24u, 48u}) {
-    const Decomposition pieces = TorusHulls(2, 0.5, segments);
+    const meshes::Decomposition pieces = meshes::TorusHulls(2, 0.5, segments);
     ASSERT_EQ(pieces.hulls.size(), segments);
-    for (const Hull& hull : pieces.hulls) {
-      EXPECT_EQ(hull.vertices.size(), 2 * kTorusCorners);
+    for (const meshes::Hull& hull : pieces.hulls) {
+      EXPECT_EQ(hull.vertices.size(), 2 * meshes::kTorusCorners);
       // Convex with all vertices as corners, and each on the torus.
-      EXPECT_EQ(TryConvexHull(hull.vertices)->vertices.size(), hull.vertices.size());
+      EXPECT_EQ(meshes::TryConvexHull(hull.vertices)->vertices.size(), hull.vertices.size());
       for (const Vector3d& v : hull.vertices)
         EXPECT_NEAR(std::hypot(std::hypot(v.x(), v.z()) - 2, v.y()), 0.5, 1e-12);
     }
@@ -118,25 +118,28 @@ TEST(Primitives, TorusHullsComeCloserTheMoreThereAre) {
 }
 
 TEST(Primitives, AreSolids) {
-  const Mesh torus = TorusMesh(2, 0.5, 64, 64);
-  EXPECT_EQ(Watertight(torus, "m"), torus);
-  EXPECT_NEAR(SignedVolume(TorusMesh(2, 0.5, kTorusFineness, kTorusFineness)) /
+  const meshes::Mesh torus = meshes::TorusMesh(2, 0.5, 64, 64);
+  EXPECT_EQ(meshes::Watertight(torus, "m"), torus);
+  EXPECT_NEAR(meshes::SignedVolume(
+                  meshes::TorusMesh(2, 0.5, meshes::kTorusFineness, meshes::kTorusFineness)) /
                   (2 * std::numbers::pi * std::numbers::pi * 2 * 0.25),
               1, 1e-3);
-  EXPECT_EQ(Watertight(TetrahedronMesh(2), "m"), TetrahedronMesh(2));
-  for (const Triangle& t : TetrahedronMesh(2).triangles)
+  EXPECT_EQ(meshes::Watertight(meshes::TetrahedronMesh(2), "m"), meshes::TetrahedronMesh(2));
+  for (const meshes::Triangle& t : meshes::TetrahedronMesh(2).triangles)
     for (int i = 0; i < 3; ++i) {
-      const auto corners = CornersOf(TetrahedronMesh(2), t);
+      const auto corners = meshes::CornersOf(meshes::TetrahedronMesh(2), t);
       EXPECT_NEAR(
           (corners[static_cast<std::size_t>(i)] - corners[static_cast<std::size_t>((i + 1) % 3)])
               .norm(),
           2, 1e-14);
     }
-  EXPECT_EQ(Refusal([] { TorusMesh(1, 1, 8, 8); }),
+  EXPECT_EQ(Refusal([] { meshes::TorusMesh(1, 1, 8, 8); }),
             "torus: the tube's radius 1 must be above 0 and below the ring's radius 1");
-  EXPECT_EQ(Refusal([] { TorusHulls(2, 1, 2); }), "torus: 2 corners round; 3 to 4096 are possible");
-  EXPECT_EQ(Refusal([] { TetrahedronMesh(NAN); }), "tetrahedron: its edge nan must be above 0");
+  EXPECT_EQ(Refusal([] { meshes::TorusHulls(2, 1, 2); }),
+            "torus: 2 corners round; 3 to 4096 are possible");
+  EXPECT_EQ(Refusal([] { meshes::TetrahedronMesh(NAN); }),
+            "tetrahedron: its edge nan must be above 0");
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -9,7 +9,7 @@
 #include "library/objects/solid.h"
 #include "tests/library/meshes/test_meshes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using namespace testing;
@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 
-void ExpectNear(const MassProperties& got, double volume, const Vector3d& centre,
+void ExpectNear(const meshes::MassProperties& got, double volume, const Vector3d& centre,
                 const Matrix3d& inertia, double relative) {
   const double size = std::cbrt(volume);
   EXPECT_NEAR(got.volume, volume, relative * volume);
@@ -30,25 +30,26 @@ void ExpectNear(const MassProperties& got, double volume, const Vector3d& centre
 Matrix3d Diagonal(double x, double y, double z) { return Vector3d(x, y, z).asDiagonal(); }
 
 TEST(MassProperties, BoxInClosedForm) {
-  ExpectNear(MassPropertiesOf(BoxMesh({1, 2, 3}, {2, 4, 6})), 6, {1.5, 3, 4.5},
+  ExpectNear(meshes::MassPropertiesOf(BoxMesh({1, 2, 3}, {2, 4, 6})), 6, {1.5, 3, 4.5},
              Diagonal(4 + 9, 1 + 9, 1 + 4) / 12, 1e-14);
 }
 
 TEST(MassProperties, TetrahedronInClosedForm) {
   const double edge = 1.7;
-  ExpectNear(MassPropertiesOf(TetrahedronMesh(edge)), std::pow(edge, 3) / (6 * std::sqrt(2.0)),
-             Vector3d::Zero(), Diagonal(1, 1, 1) * edge * edge / 20, 1e-14);
+  ExpectNear(meshes::MassPropertiesOf(meshes::TetrahedronMesh(edge)),
+             std::pow(edge, 3) / (6 * std::sqrt(2.0)), Vector3d::Zero(),
+             Diagonal(1, 1, 1) * edge * edge / 20, 1e-14);
   // One with a right angle: the integrals of x and x y over the corner of a unit cube.
-  Mesh corner;
+  meshes::Mesh corner;
   corner.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   corner.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}};
   Matrix3d inertia = Matrix3d::Constant(1.0 / 80);
   inertia.diagonal().setConstant(3.0 / 40);
-  ExpectNear(MassPropertiesOf(corner), 1.0 / 6, Vector3d::Constant(0.25), inertia, 1e-14);
+  ExpectNear(meshes::MassPropertiesOf(corner), 1.0 / 6, Vector3d::Constant(0.25), inertia, 1e-14);
 }
 
 TEST(MassProperties, TwoBoxesAddUp) {
-  const MassProperties angle = MassPropertiesOf(AngleMesh());
+  const meshes::MassProperties angle = meshes::MassPropertiesOf(AngleMesh());
   // A box 2 x 1 x 1 and a cube, by the parallel axis theorem.
   const Vector3d centre = (2 * Vector3d(1, 0.5, 0.5) + Vector3d(0.5, 1.5, 0.5)) / 3;
   const auto about = [&](const Vector3d& at, double mass, const Matrix3d& own) {
@@ -65,7 +66,7 @@ TEST(MassProperties, SphereConvergesAtSecondOrder) {
   const double radius = 1.3;
   double error = 0;
   for (int halvings = 2; halvings <= 6; ++halvings) {
-    const MassProperties p = MassPropertiesOf(SphereMesh(radius, halvings));
+    const meshes::MassProperties p = meshes::MassPropertiesOf(SphereMesh(radius, halvings));
     // Halved edges, a quarter of the error.
     const double next = 4 * kPi / 3 * std::pow(radius, 3) - p.volume;
     if (halvings > 2) {
@@ -73,8 +74,8 @@ TEST(MassProperties, SphereConvergesAtSecondOrder) {
     }
     error = next;
   }
-  const MassProperties fine = MassPropertiesOf(SphereMesh(radius, 6));
-  const Solid ball{Shape::kEllipsoid, Vector3d::Constant(2 * radius)};
+  const meshes::MassProperties fine = meshes::MassPropertiesOf(SphereMesh(radius, 6));
+  const objects::Solid ball{objects::Shape::kEllipsoid, Vector3d::Constant(2 * radius)};
   ExpectNear(fine, ball.Volume(), Vector3d::Zero(), ball.InertiaPerMass().asDiagonal(), 1e-3);
 }
 
@@ -84,41 +85,44 @@ TEST(MassProperties, TorusConvergesAtSecondOrder) {
   const double about_axis = R * R + 0.75 * r * r, across = R * R / 2 + 0.625 * r * r;
   double error = 0;
   for (std::size_t corners = 16; corners <= 256; corners *= 2) {
-    const MassProperties p = MassPropertiesOf(TorusMesh(R, r, corners, corners));
+    const meshes::MassProperties p =
+        meshes::MassPropertiesOf(meshes::TorusMesh(R, r, corners, corners));
     if (corners > 16) {
       EXPECT_NEAR(error / (volume - p.volume), 4, 0.1) << corners;
     }
     error = volume - p.volume;
     EXPECT_GT(error, 0);
   }
-  ExpectNear(MassPropertiesOf(TorusMesh(R, r, 256, 256)), volume, Vector3d::Zero(),
+  ExpectNear(meshes::MassPropertiesOf(meshes::TorusMesh(R, r, 256, 256)), volume, Vector3d::Zero(),
              Diagonal(across, about_axis, across), 1e-3);
 }
 
 TEST(MassProperties, FollowRotationAndScale) {
   const Matrix3d turn = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   const Vector3d by(10, -20, 30);
-  const MassProperties still = MassPropertiesOf(AngleMesh());
-  const MassProperties moved = MassPropertiesOf(Moved(AngleMesh(), 2 * turn, by));
+  const meshes::MassProperties still = meshes::MassPropertiesOf(AngleMesh());
+  const meshes::MassProperties moved = meshes::MassPropertiesOf(Moved(AngleMesh(), 2 * turn, by));
   ExpectNear(moved, 8 * still.volume, 2 * turn * still.centre + by,
              4 * turn * still.inertia * turn.transpose(), 1e-13);
   // The principal axes take it back.
-  const PrincipalAxes axes = PrincipalAxesOf(moved.inertia);
+  const meshes::PrincipalAxes axes = meshes::PrincipalAxesOf(moved.inertia);
   EXPECT_NEAR(axes.rotation.determinant(), 1, 1e-14);
   EXPECT_LE((axes.rotation * axes.moments.asDiagonal() * axes.rotation.transpose() - moved.inertia)
                 .norm(),
             1e-14 * moved.inertia.norm());
   // Of the L: one axis is z, the others the diagonals, the moments those of the closed form.
-  const PrincipalAxes own = PrincipalAxesOf(still.inertia);
+  const meshes::PrincipalAxes own = meshes::PrincipalAxesOf(still.inertia);
   EXPECT_NEAR(std::abs(own.rotation(2, 2)), 1, 1e-14);
   EXPECT_NEAR(std::abs(own.rotation(0, 0)), std::sqrt(0.5), 1e-12);
 }
 
 TEST(MassProperties, PrincipalAxesOfRoundSolidsAreTheirOwn) {
-  for (const Mesh& mesh : {BoxMesh({-1, -1, -1}, {1, 1, 1}), TorusMesh(2, 0.5, 24, 12),
-                           SphereMesh(1, 3), BoxMesh({-1, -2, -3}, {1, 2, 3})})
-    EXPECT_EQ(PrincipalAxesOf(MassPropertiesOf(mesh).inertia).rotation, Matrix3d::Identity());
+  for (const meshes::Mesh& mesh :
+       {BoxMesh({-1, -1, -1}, {1, 1, 1}), meshes::TorusMesh(2, 0.5, 24, 12), SphereMesh(1, 3),
+        BoxMesh({-1, -2, -3}, {1, 2, 3})})
+    EXPECT_EQ(meshes::PrincipalAxesOf(meshes::MassPropertiesOf(mesh).inertia).rotation,
+              Matrix3d::Identity());
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

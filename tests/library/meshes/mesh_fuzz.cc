@@ -14,26 +14,26 @@
 #include "library/scene_error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace cdb::library;
+  using namespace cdb;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   for (const std::string name : {"fuzz.obj", "fuzz.off", "fuzz.ply", "fuzz.stl"}) try {
-      const Mesh mesh = ParseMesh(bytes, name);
+      const meshes::Mesh mesh = meshes::ParseMesh(bytes, name);
       CDB_CHECK(!mesh.triangles.empty() || name == "fuzz.stl");
       for (const Eigen::Vector3d& vertex : mesh.vertices) CDB_CHECK(vertex.allFinite());
-      for (const Triangle& triangle : mesh.triangles)
+      for (const meshes::Triangle& triangle : mesh.triangles)
         for (const std::uint32_t vertex : triangle) CDB_CHECK(vertex < mesh.vertices.size());
       // Closing holes must never make a closed mesh worse, nor fail but by an error.
       try {
-        CloseHoles(mesh, name);
-      } catch (const SceneError&) {
+        meshes::CloseHoles(mesh, name);
+      } catch (const library::SceneError&) {
       }
-      const Mesh solid = Watertight(mesh, name);
-      CDB_CHECK(Watertight(solid, name) == solid);
-      const MassProperties mass = MassPropertiesOf(solid);
+      const meshes::Mesh solid = meshes::Watertight(mesh, name);
+      CDB_CHECK(meshes::Watertight(solid, name) == solid);
+      const meshes::MassProperties mass = meshes::MassPropertiesOf(solid);
       CDB_CHECK(mass.volume > 0 && mass.centre.allFinite() && mass.inertia.allFinite());
-      if (const auto hull = TryConvexHull(solid.vertices))
-        CDB_CHECK(SignedVolume(Watertight(SurfaceOf(*hull), name)) > 0);
-    } catch (const SceneError& error) {
+      if (const auto hull = meshes::TryConvexHull(solid.vertices))
+        CDB_CHECK(meshes::SignedVolume(meshes::Watertight(meshes::SurfaceOf(*hull), name)) > 0);
+    } catch (const library::SceneError& error) {
       CDB_CHECK(std::string_view(error.what()).starts_with(name) ||
                 std::string_view(error.what()).starts_with("Qhull"));
     }

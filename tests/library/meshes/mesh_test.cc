@@ -9,35 +9,36 @@
 #include "library/meshes/topology.h"
 #include "tests/library/meshes/test_meshes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using namespace testing;
 using Eigen::Vector3d;
 
-Mesh Sample() { return BoxMesh({-1, 0.25, -3}, {1.5, 2, 1e-3}); }
+meshes::Mesh Sample() { return BoxMesh({-1, 0.25, -3}, {1.5, 2, 1e-3}); }
 
 std::string Refused(std::string_view bytes, std::string_view name) {
-  return Refusal([&] { ParseMesh(bytes, name); });
+  return Refusal([&] { meshes::ParseMesh(bytes, name); });
 }
 bool Has(std::string_view text, std::string_view part) {
   return text.find(part) != std::string_view::npos;
 }
 
 TEST(Mesh, EveryFormatWithSharedVerticesGivesTheSame) {
-  EXPECT_EQ(ParseMesh(ToOff(Sample()), "a.off"), Sample());
-  EXPECT_EQ(ParseMesh(ToObj(Sample()), "a.obj"), Sample());
-  EXPECT_EQ(ParseMesh(ToPly(Sample()), "a.ply"), Sample());
-  EXPECT_EQ(ParseMesh(ToBinaryPly(Sample(), false), "a.PLY"), Sample());
-  EXPECT_EQ(ParseMesh(ToBinaryPly(Sample(), true), "a.ply"), Sample());
+  EXPECT_EQ(meshes::ParseMesh(ToOff(Sample()), "a.off"), Sample());
+  EXPECT_EQ(meshes::ParseMesh(ToObj(Sample()), "a.obj"), Sample());
+  EXPECT_EQ(meshes::ParseMesh(ToPly(Sample()), "a.ply"), Sample());
+  EXPECT_EQ(meshes::ParseMesh(ToBinaryPly(Sample(), false), "a.PLY"), Sample());
+  EXPECT_EQ(meshes::ParseMesh(ToBinaryPly(Sample(), true), "a.ply"), Sample());
 }
 
 TEST(Mesh, StlSharesVerticesAgain) {
-  const Mesh text = ParseMesh(ToStl(Sample()), "a.stl");
+  const meshes::Mesh text = meshes::ParseMesh(ToStl(Sample()), "a.stl");
   EXPECT_EQ(text.vertices.size(), 8u);
   EXPECT_EQ(text.triangles.size(), 12u);
-  EXPECT_DOUBLE_EQ(SignedVolume(Watertight(text, "a.stl")), SignedVolume(Sample()));
-  const Mesh binary = ParseMesh(ToBinaryStl(Sample()), "a.stl");
+  EXPECT_DOUBLE_EQ(meshes::SignedVolume(meshes::Watertight(text, "a.stl")),
+                   meshes::SignedVolume(Sample()));
+  const meshes::Mesh binary = meshes::ParseMesh(ToBinaryStl(Sample()), "a.stl");
   EXPECT_EQ(binary.vertices.size(), 8u);
   EXPECT_EQ(binary.triangles, text.triangles);
   for (std::size_t i = 0; i < 8; ++i)
@@ -48,24 +49,24 @@ TEST(Mesh, ReadsAFile) {
   const auto file =
       std::filesystem::temp_directory_path() / ("cdb-mesh-" + std::to_string(::getpid()) + ".off");
   std::ofstream(file) << ToOff(Sample());
-  EXPECT_EQ(ReadMesh(file), Sample());
+  EXPECT_EQ(meshes::ReadMesh(file), Sample());
   std::filesystem::remove(file);
-  EXPECT_EQ(Refusal([&] { ReadMesh(file); }), file.string() + ": there is no such file");
-  EXPECT_TRUE(Has(Refusal([&] { ReadMesh(file.parent_path()); }), "is not a file"));
+  EXPECT_EQ(Refusal([&] { meshes::ReadMesh(file); }), file.string() + ": there is no such file");
+  EXPECT_TRUE(Has(Refusal([&] { meshes::ReadMesh(file.parent_path()); }), "is not a file"));
 }
 
 TEST(Mesh, ObjCountsBackAndForwardAndJoinsLines) {
-  const Mesh mesh = ParseMesh(
+  const meshes::Mesh mesh = meshes::ParseMesh(
       "f 1 2 3 \\\n 4\nv 0 0 0 1 1 1\rv +1 0 0\r\nv 1 1 0\nv 0 1 0\nf -1 -2 -3\n", "a.obj");
-  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {3, 2, 1}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<meshes::Triangle>{{0, 1, 2}, {0, 2, 3}, {3, 2, 1}}));
 }
 
 TEST(Mesh, PolygonsBecomeFans) {
-  const Mesh mesh = ParseMesh(
+  const meshes::Mesh mesh = meshes::ParseMesh(
       "NOFF 5 1\n0 0 0 0 0 1\n1 0 0 0 0 1\n2 1 0 0 0 1\n1 2 0 0 0 1\n"
       "0 1 0 0 0 1\n5 0 1 2 3 4\n",
       "a.off");
-  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<meshes::Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
 }
 
 struct Broken {
@@ -170,13 +171,13 @@ TEST(Mesh, BinaryNumbersAreFinite) {
 }
 
 TEST(Mesh, MergingDropsWhatCollapses) {
-  Mesh mesh;
+  meshes::Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}, {1, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {3, 4, 2}, {0, 3, 1}};
-  const Mesh merged = MergeEqualVertices(mesh);
+  const meshes::Mesh merged = meshes::MergeEqualVertices(mesh);
   EXPECT_EQ(merged.vertices.size(), 3u);
-  EXPECT_EQ(merged.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}}));
+  EXPECT_EQ(merged.triangles, (std::vector<meshes::Triangle>{{0, 1, 2}, {0, 1, 2}}));
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

@@ -11,7 +11,7 @@
 #include "library/meshes/overlap_volume.h"
 #include "tests/library/meshes/test_meshes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 using namespace testing;
@@ -31,40 +31,42 @@ TEST_F(ModelFolder, IsTheVariablesOrBesideTheProgram) {
   const char* kept = std::getenv("CDB_MODELS");
   const std::string before = kept == nullptr ? "" : kept;
   setenv("CDB_MODELS", "/somewhere", 1);
-  EXPECT_EQ(ModelFolders(), std::vector<fs::path>{"/somewhere"});
+  EXPECT_EQ(meshes::ModelFolders(), std::vector<fs::path>{"/somewhere"});
   unsetenv("CDB_MODELS");
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path();
-  EXPECT_EQ(ModelFolders(),
+  EXPECT_EQ(meshes::ModelFolders(),
             (std::vector<fs::path>{program / "models",
                                    program.parent_path() / "share" / "cdb" / "models"}));
   if (!before.empty()) setenv("CDB_MODELS", before.c_str(), 1);
 }
 
 TEST_F(ModelFolder, TheFirstThatHasItCounts) {
-  const Model& bunny = *FindModel("bunny");
+  const meshes::Model& bunny = *meshes::FindModel("bunny");
   const std::vector<fs::path> both = {folder_ / "a", folder_ / "b"};
-  EXPECT_EQ(Refusal([&] { PathOf(bunny, both); }),
+  EXPECT_EQ(Refusal([&] { meshes::PathOf(bunny, both); }),
             "the model `bunny` is not on this machine (looked for bunny.off in " +
                 both[0].string() + " and " + both[1].string() +
                 "); in cdb's source folder run: library/meshes/fetch-models '" + both[0].string() +
                 "' bunny");
   fs::create_directories(both[1]);
   std::ofstream(both[1] / "bunny.off") << ToOff(InsideOut(AngleMesh()));
-  EXPECT_EQ(PathOf(bunny, both), both[1] / "bunny.off");
-  EXPECT_EQ(LoadModel(bunny, both), AngleMesh());
+  EXPECT_EQ(meshes::PathOf(bunny, both), both[1] / "bunny.off");
+  EXPECT_EQ(meshes::LoadModel(bunny, both), AngleMesh());
   fs::create_directories(both[0]);
   std::ofstream(both[0] / "bunny.off") << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   EXPECT_TRUE(Refusal([&] {
-                LoadModel(bunny, both);
+                meshes::LoadModel(bunny, both);
               }).starts_with((both[0] / "bunny.off").string() + ": is not watertight: 3 edges"));
 }
 
 TEST_F(ModelFolder, OnlyTheTeapotsHolesAreClosed) {
-  Mesh open = BoxMesh({0, 0, 0}, {1, 1, 1});
+  meshes::Mesh open = BoxMesh({0, 0, 0}, {1, 1, 1});
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
   std::ofstream(folder_ / "teapot.obj") << ToObj(open);
-  EXPECT_DOUBLE_EQ(SignedVolume(LoadModel(*FindModel("teapot"), std::vector{folder_})), 1);
-  EXPECT_EQ(FindModel("kettle"), nullptr);
+  EXPECT_DOUBLE_EQ(
+      meshes::SignedVolume(meshes::LoadModel(*meshes::FindModel("teapot"), std::vector{folder_})),
+      1);
+  EXPECT_EQ(meshes::FindModel("kettle"), nullptr);
 }
 
 TEST_F(ModelFolder, FetchingIsRefusedWhereItIsWrong) {
@@ -84,8 +86,8 @@ class EveryModel : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     try {
-      PathOf(*FindModel(GetParam()), ModelFolders());
-    } catch (const SceneError& error) {
+      meshes::PathOf(*meshes::FindModel(GetParam()), meshes::ModelFolders());
+    } catch (const library::SceneError& error) {
       GTEST_SKIP() << error.what();
     }
   }
@@ -94,16 +96,17 @@ INSTANTIATE_TEST_SUITE_P(Models, EveryModel, ::testing::Values("bunny", "armadil
                          [](const auto& test) { return std::string(test.param); });
 
 TEST_P(EveryModel, IsASolid) {
-  const Mesh mesh = LoadModel(*FindModel(GetParam()), ModelFolders());
-  const MassProperties mass = MassPropertiesOf(mesh);
+  const meshes::Mesh mesh =
+      meshes::LoadModel(*meshes::FindModel(GetParam()), meshes::ModelFolders());
+  const meshes::MassProperties mass = meshes::MassPropertiesOf(mesh);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);
   EXPECT_TRUE(box.contains(mass.centre));
   // The integrals count twice what is inside twice, the rays once: only the teapot's parts overlap.
-  const double once = OverlapVolumeOf(mesh, mesh).first;
+  const double once = meshes::OverlapVolumeOf(mesh, mesh).first;
   const bool overlaps = std::string_view(GetParam()) == "teapot";
   EXPECT_NEAR(mass.volume / once, 1, overlaps ? 0.01 : 1e-3);
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

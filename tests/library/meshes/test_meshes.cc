@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace cdb::library::testing {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
@@ -19,8 +19,8 @@ void Put(Word word, bool big_endian, std::string& bytes) {
 
 }  // namespace
 
-Mesh BoxMesh(const Vector3d& low, const Vector3d& high) {
-  Mesh mesh;
+meshes::Mesh BoxMesh(const Vector3d& low, const Vector3d& high) {
+  meshes::Mesh mesh;
   for (int i = 0; i < 8; ++i)
     mesh.vertices.emplace_back(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(),
                                i & 4 ? high.z() : low.z());
@@ -29,13 +29,13 @@ Mesh BoxMesh(const Vector3d& low, const Vector3d& high) {
   return mesh;
 }
 
-Mesh SphereMesh(double radius, int halvings) {
-  Mesh mesh;
+meshes::Mesh SphereMesh(double radius, int halvings) {
+  meshes::Mesh mesh;
   mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                     {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
   for (int i = 0; i < halvings; ++i) {
-    Mesh next{mesh.vertices, {}};
+    meshes::Mesh next{mesh.vertices, {}};
     for (const auto& [a, b, c] : mesh.triangles) {
       const auto middle = [&](std::uint32_t from, std::uint32_t to) {
         // Lower first, so that both triangles of an edge round the same way.
@@ -47,16 +47,16 @@ Mesh SphereMesh(double radius, int halvings) {
       next.triangles.insert(next.triangles.end(),
                             {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
     }
-    mesh = MergeEqualVertices(next);
+    mesh = meshes::MergeEqualVertices(next);
   }
   for (Vector3d& vertex : mesh.vertices) vertex *= radius;
   return mesh;
 }
 
-Mesh AngleMesh() {
+meshes::Mesh AngleMesh() {
   // A hexagon of area 3, counter-clockwise about z, and its copy one above.
   const double corners[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
-  Mesh mesh;
+  meshes::Mesh mesh;
   for (const double z : {0.0, 1.0})
     for (const auto& [x, y] : corners) mesh.vertices.emplace_back(x, y, z);
   // A fan about the inner corner covers it.
@@ -73,26 +73,26 @@ Mesh AngleMesh() {
   return mesh;
 }
 
-Mesh Joined(const Mesh& a, const Mesh& b) {
-  Mesh joined = a;
+meshes::Mesh Joined(const meshes::Mesh& a, const meshes::Mesh& b) {
+  meshes::Mesh joined = a;
   joined.vertices.insert(joined.vertices.end(), b.vertices.begin(), b.vertices.end());
   const auto base = static_cast<std::uint32_t>(a.vertices.size());
-  for (const Triangle& t : b.triangles)
+  for (const meshes::Triangle& t : b.triangles)
     joined.triangles.push_back({base + t[0], base + t[1], base + t[2]});
   return joined;
 }
 
-Mesh InsideOut(Mesh mesh) {
-  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+meshes::Mesh InsideOut(meshes::Mesh mesh) {
+  for (meshes::Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }
 
-Mesh Moved(Mesh mesh, const Eigen::Matrix3d& matrix, const Vector3d& by) {
+meshes::Mesh Moved(meshes::Mesh mesh, const Eigen::Matrix3d& matrix, const Vector3d& by) {
   for (Vector3d& vertex : mesh.vertices) vertex = matrix * vertex + by;
   return mesh;
 }
 
-std::string ToOff(const Mesh& mesh) {
+std::string ToOff(const meshes::Mesh& mesh) {
   std::string text = fmt::format("OFF # a comment\n\n{} {} 0\n# another\n", mesh.vertices.size(),
                                  mesh.triangles.size());
   for (const Vector3d& v : mesh.vertices) text += fmt::format("{} {} {}\n", v.x(), v.y(), v.z());
@@ -101,7 +101,7 @@ std::string ToOff(const Mesh& mesh) {
   return text;
 }
 
-std::string ToObj(const Mesh& mesh) {
+std::string ToObj(const meshes::Mesh& mesh) {
   std::string text = "# a comment\nmtllib some.mtl\no thing\nvt 0 0\nvn 0 0 1\n";
   for (const Vector3d& v : mesh.vertices) text += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
   for (const auto& [a, b, c] : mesh.triangles)
@@ -109,7 +109,7 @@ std::string ToObj(const Mesh& mesh) {
   return text;
 }
 
-std::string ToPly(const Mesh& mesh) {
+std::string ToPly(const meshes::Mesh& mesh) {
   std::string text = fmt::format(
       "ply\r\nformat ascii 1.0\r\ncomment c\r\nelement vertex {}\r\nproperty double x\r\n"
       "property double y\r\nproperty double z\r\nproperty uchar red\r\nelement face {}\r\n"
@@ -121,7 +121,7 @@ std::string ToPly(const Mesh& mesh) {
   return text;
 }
 
-std::string ToBinaryPly(const Mesh& mesh, bool big_endian) {
+std::string ToBinaryPly(const meshes::Mesh& mesh, bool big_endian) {
   std::string bytes = fmt::format(
       "ply\nformat binary_{}_endian 1.0\nelement edge 1\nproperty list ushort short ends\n"
       "element vertex {}\nproperty double z\nproperty float quality\nproperty double x\n"
@@ -137,7 +137,7 @@ std::string ToBinaryPly(const Mesh& mesh, bool big_endian) {
     Put(std::bit_cast<std::uint64_t>(v.x()), big_endian, bytes);
     Put(std::bit_cast<std::uint64_t>(v.y()), big_endian, bytes);
   }
-  for (const Triangle& t : mesh.triangles) {
+  for (const meshes::Triangle& t : mesh.triangles) {
     Put(std::uint32_t{3}, big_endian, bytes);
     for (const std::uint32_t vertex : t) Put(vertex, big_endian, bytes);
     bytes += '\xff';
@@ -145,24 +145,24 @@ std::string ToBinaryPly(const Mesh& mesh, bool big_endian) {
   return bytes;
 }
 
-std::string ToStl(const Mesh& mesh) {
+std::string ToStl(const meshes::Mesh& mesh) {
   std::string text = "solid some thing\n";
-  for (const Triangle& t : mesh.triangles) {
+  for (const meshes::Triangle& t : mesh.triangles) {
     text += "facet normal nan 0 0\n outer loop\n";
-    for (const Vector3d& v : CornersOf(mesh, t))
+    for (const Vector3d& v : meshes::CornersOf(mesh, t))
       text += fmt::format("  vertex {} {} {}\n", v.x(), v.y(), v.z());
     text += " endloop\nendfacet\n";
   }
   return text + "endsolid\n";
 }
 
-std::string ToBinaryStl(const Mesh& mesh) {
+std::string ToBinaryStl(const meshes::Mesh& mesh) {
   std::string bytes = "solid, as some exporters begin binary files too";
   bytes.resize(80);
   Put(static_cast<std::uint32_t>(mesh.triangles.size()), false, bytes);
-  for (const Triangle& t : mesh.triangles) {
+  for (const meshes::Triangle& t : mesh.triangles) {
     bytes.append(12, '\0');
-    for (const Vector3d& v : CornersOf(mesh, t))
+    for (const Vector3d& v : meshes::CornersOf(mesh, t))
       for (const double x : v)
         Put(std::bit_cast<std::uint32_t>(static_cast<float>(x)), false, bytes);
     bytes.append(2, '\0');
@@ -170,4 +170,4 @@ std::string ToBinaryStl(const Mesh& mesh) {
   return bytes;
 }
 
-}  // namespace cdb::library::testing
+}  // namespace cdb::tests

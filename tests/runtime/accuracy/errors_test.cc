@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
-using compiler::ErrorInfo;
-using compiler::Fold;
 using Eigen::Vector3d;
+using schema::ErrorInfo;
+using schema::Fold;
 
 /// Two balls of size 2 and 4 and mass 1 and 3, and a fixed one; samples a second apart.
 struct HandMade {
@@ -21,27 +21,27 @@ struct HandMade {
       values[shape.Body(i)] = masses[i];
       values[shape.Body(i) + 1] = sizes[i];
     }
-    for (std::size_t s = 0; s < count; ++s) Set(s, kAccelerationX, {0, -10, 0});
+    for (std::size_t s = 0; s < count; ++s) Set(s, measure::kAccelerationX, {0, -10, 0});
   }
   void Set(std::size_t sample, std::size_t object, int from, const Vector3d& v) {
     double* place = &values[shape.State(sample, object) + static_cast<std::size_t>(from)];
     std::ranges::copy(v, place);
   }
-  void Set(std::size_t sample, Observable which, const Vector3d& v) {
+  void Set(std::size_t sample, measure::Observable which, const Vector3d& v) {
     double* place = &values[shape.Observables(sample) + which];
     std::ranges::copy(v, place);
   }
-  void Set(std::size_t sample, Observable which, double value) {
+  void Set(std::size_t sample, measure::Observable which, double value) {
     values[shape.Observables(sample) + which] = value;
   }
-  Samples samples() const { return {shape, 1, values}; }
+  measure::Samples samples() const { return {shape, 1, values}; }
 
-  SampleShape shape;
+  measure::SampleShape shape;
   std::vector<double> values;
 };
 
 const ErrorInfo& Info(std::string_view name) {
-  for (const ErrorInfo& error : compiler::Errors())
+  for (const ErrorInfo& error : schema::Errors())
     if (error.name == name) return error;
   throw std::runtime_error("no such error");
 }
@@ -50,9 +50,9 @@ const ErrorInfo& Info(std::string_view name) {
 double ErrorAt(std::string_view name, const HandMade& run, const HandMade& truth,
                std::size_t at = 1) {
   const ErrorInfo* info = &Info(name);
-  const Samples reference = truth.samples();
-  const auto standard = StandardOf(reference);
-  return ErrorSeries({&info, 1}, run.samples(), standard.get())[0].at(at);
+  const measure::Samples reference = truth.samples();
+  const auto standard = accuracy::StandardOf(reference);
+  return accuracy::ErrorSeries({&info, 1}, run.samples(), standard.get())[0].at(at);
 }
 
 TEST(Errors, OfPlacesAreInSizesOfEachObject) {
@@ -75,24 +75,24 @@ TEST(Errors, OfVelocitiesAreInMetresASecond) {
 TEST(Errors, OfEnergyCompareChanges) {
   HandMade truth(2), run(2);
   // Another zero of the potential, as rounding the start makes it, is no error.
-  run.Set(0, kPotential, 100);
-  run.Set(1, kPotential, 90);
-  run.Set(1, kKinetic, 16);
-  truth.Set(1, kKinetic, 20);
-  truth.Set(1, kPotential, -20);
+  run.Set(0, measure::kPotential, 100);
+  run.Set(1, measure::kPotential, 90);
+  run.Set(1, measure::kKinetic, 16);
+  truth.Set(1, measure::kKinetic, 20);
+  truth.Set(1, measure::kPotential, -20);
   // 6 J too many over 20 J and 10 m/s^2 * (1 * 2 + 3 * 4).
   EXPECT_DOUBLE_EQ(ErrorAt("energy", run, truth), 6.0 / (20 + 140));
 }
 
 TEST(Errors, OfMomentaAreOverTheLargestSum) {
   HandMade truth(2), run(2);
-  truth.Set(0, kMomentumSum, 8);
-  truth.Set(1, kMomentumSum, 4);
-  run.Set(1, kMomentumX, {0, 3, 4});
+  truth.Set(0, measure::kMomentumSum, 8);
+  truth.Set(1, measure::kMomentumSum, 4);
+  run.Set(1, measure::kMomentumX, {0, 3, 4});
   EXPECT_DOUBLE_EQ(ErrorAt("momentum", run, truth), 5.0 / 8);
   EXPECT_TRUE(std::isnan(ErrorAt("angular_momentum", run, truth))) << "nothing turns";
-  truth.Set(0, kAngularSum, 10);
-  truth.Set(1, kAngularX, {0, 0, 2});
+  truth.Set(0, measure::kAngularSum, 10);
+  truth.Set(1, measure::kAngularX, {0, 0, 2});
   EXPECT_DOUBLE_EQ(ErrorAt("angular_momentum", run, truth), 0.2);
 }
 
@@ -107,13 +107,13 @@ TEST(Errors, OfHeightsAreAlongTheAcceleration) {
 
 TEST(Errors, OfContactsAndPairsAreOfTheTrueNumber) {
   HandMade truth(2), run(2);
-  truth.Set(1, kContactCount, 8);
-  run.Set(1, kContactCount, 6);
-  run.Set(1, kPairsExact, 10);
-  run.Set(1, kPairsMissed, 1);
-  run.Set(1, kPairsPhantom, 4);
-  run.Set(1, kDepthMean, 0.25);
-  run.Set(1, kDepthMax, 0.5);
+  truth.Set(1, measure::kContactCount, 8);
+  run.Set(1, measure::kContactCount, 6);
+  run.Set(1, measure::kPairsExact, 10);
+  run.Set(1, measure::kPairsMissed, 1);
+  run.Set(1, measure::kPairsPhantom, 4);
+  run.Set(1, measure::kDepthMean, 0.25);
+  run.Set(1, measure::kDepthMax, 0.5);
   EXPECT_DOUBLE_EQ(ErrorAt("contacts", run, truth), 0.25);
   EXPECT_DOUBLE_EQ(ErrorAt("pairs_missed", run, truth), 0.1);
   EXPECT_DOUBLE_EQ(ErrorAt("pairs_phantom", run, truth), 0.4);
@@ -126,15 +126,15 @@ TEST(Errors, OfGeometryAreOfTheOverlapsThatThereAre) {
   const auto no_value = [&](const char* name) { return std::isnan(ErrorAt(name, run, truth)); };
   for (const char* name : {"depth_error", "normal_error", "contacts_missed"})
     EXPECT_TRUE(no_value(name)) << "no overlap";
-  run.Set(1, kOverlapsExact, 2);
-  run.Set(1, kOverlapsMissed, 2);
+  run.Set(1, measure::kOverlapsExact, 2);
+  run.Set(1, measure::kOverlapsMissed, 2);
   EXPECT_DOUBLE_EQ(ErrorAt("contacts_missed", run, truth), 1);
   EXPECT_TRUE(no_value("depth_error"));
   EXPECT_TRUE(no_value("normal_error"));
-  run.Set(1, kOverlapsExact, 10);
-  run.Set(1, kDepthErrorSum, 0.4);
-  run.Set(1, kNormalErrorSum, 0.3);
-  run.Set(1, kNormalCount, 6);
+  run.Set(1, measure::kOverlapsExact, 10);
+  run.Set(1, measure::kDepthErrorSum, 0.4);
+  run.Set(1, measure::kNormalErrorSum, 0.3);
+  run.Set(1, measure::kNormalCount, 6);
   EXPECT_DOUBLE_EQ(ErrorAt("contacts_missed", run, truth), 0.2);
   EXPECT_DOUBLE_EQ(ErrorAt("depth_error", run, truth), 0.05);
   EXPECT_DOUBLE_EQ(ErrorAt("normal_error", run, truth), 0.05);
@@ -142,38 +142,40 @@ TEST(Errors, OfGeometryAreOfTheOverlapsThatThereAre) {
 
 TEST(Folded, LeavesOutTheStartAndWhatFollows) {
   const std::vector<double> series = {100, 3, 4, 12};
-  EXPECT_DOUBLE_EQ(Folded(series, Fold::kRms, 3), std::sqrt(12.5));
-  EXPECT_DOUBLE_EQ(Folded(series, Fold::kMean, 4), 19.0 / 3);
-  EXPECT_DOUBLE_EQ(Folded(series, Fold::kMax, 9), 12);
-  EXPECT_TRUE(std::isnan(Folded(series, Fold::kRms, 1)));
-  EXPECT_TRUE(std::isnan(Folded(std::vector<double>{0, NAN}, Fold::kMax, 2)));
+  EXPECT_DOUBLE_EQ(accuracy::Folded(series, Fold::kRms, 3), std::sqrt(12.5));
+  EXPECT_DOUBLE_EQ(accuracy::Folded(series, Fold::kMean, 4), 19.0 / 3);
+  EXPECT_DOUBLE_EQ(accuracy::Folded(series, Fold::kMax, 9), 12);
+  EXPECT_TRUE(std::isnan(accuracy::Folded(series, Fold::kRms, 1)));
+  EXPECT_TRUE(std::isnan(accuracy::Folded(std::vector<double>{0, NAN}, Fold::kMax, 2)));
 }
 
 TEST(Folded, OfSomeIsOverTheSamplesThatHaveAValue) {
-  EXPECT_DOUBLE_EQ(Folded(std::vector<double>{7, NAN, 2, NAN, 4}, Fold::kMeanOfSome, 5), 3);
-  EXPECT_TRUE(std::isnan(Folded(std::vector<double>{7, NAN, NAN}, Fold::kMeanOfSome, 3)));
-  EXPECT_TRUE(std::isinf(Folded(std::vector<double>{7, INFINITY, 1}, Fold::kMeanOfSome, 3)));
+  EXPECT_DOUBLE_EQ(accuracy::Folded(std::vector<double>{7, NAN, 2, NAN, 4}, Fold::kMeanOfSome, 5),
+                   3);
+  EXPECT_TRUE(std::isnan(accuracy::Folded(std::vector<double>{7, NAN, NAN}, Fold::kMeanOfSome, 3)));
+  EXPECT_TRUE(
+      std::isinf(accuracy::Folded(std::vector<double>{7, INFINITY, 1}, Fold::kMeanOfSome, 3)));
 }
 
 TEST(MeanMove, IsW1) {
-  EXPECT_DOUBLE_EQ(MeanMove({3, 1, 2}, {2, 3, 1}), 0);
-  EXPECT_DOUBLE_EQ(MeanMove({0, 10}, {11, 1}), 1);
-  EXPECT_TRUE(std::isnan(MeanMove({0, NAN}, {0, 1})));
+  EXPECT_DOUBLE_EQ(accuracy::MeanMove({3, 1, 2}, {2, 3, 1}), 0);
+  EXPECT_DOUBLE_EQ(accuracy::MeanMove({0, 10}, {11, 1}), 1);
+  EXPECT_TRUE(std::isnan(accuracy::MeanMove({0, NAN}, {0, 1})));
 }
 
 TEST(Horizon, IsWhereTheTwinIsATenthOfASizeAway) {
   HandMade reference(4), twin(4);
   twin.Set(1, 0, 0, {0.1, 0, 0});
-  EXPECT_EQ(HorizonOf(reference.samples(), twin.samples()), 4u);
+  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), twin.samples()), 4u);
   // 0.1 sizes of one object are 0.1 / sqrt(2) of both.
   twin.Set(2, 0, 0, {0.2, 0, 0});
-  EXPECT_EQ(HorizonOf(reference.samples(), twin.samples()), 4u);
+  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), twin.samples()), 4u);
   twin.Set(3, 0, 0, {0.3, 0, 0});
-  EXPECT_EQ(HorizonOf(reference.samples(), twin.samples()), 3u);
+  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), twin.samples()), 3u);
 }
 
-compiler::Scene Asking(compiler::WordList metrics) {
-  compiler::Scene scene;
+plan::Scene Asking(schema::WordList metrics) {
+  plan::Scene scene;
   scene.world.values["accuracy.metrics"] = std::move(metrics);
   scene.world.values["timestep"] = 0.5;
   return scene;
@@ -184,10 +186,10 @@ TEST(CollectErrors, ReachesToTheHorizonWithAFloor) {
   for (std::size_t s = 1; s < 4; ++s) run.Set(s, 0, 0, {2.0 * static_cast<double>(s), 0, 0});
   twin.Set(1, 1, 0, {0.4, 0, 0});
   twin.Set(2, 0, 0, {1, 0, 0});
-  const Samples samples = reference.samples(), others = twin.samples();
-  const auto standard = StandardOf(samples);
-  const RunErrors errors =
-      CollectErrors(Asking({"position"}), run.samples(), standard.get(), &samples, &others);
+  const measure::Samples samples = reference.samples(), others = twin.samples();
+  const auto standard = accuracy::StandardOf(samples);
+  const measure::RunErrors errors = accuracy::CollectErrors(Asking({"position"}), run.samples(),
+                                                            standard.get(), &samples, &others);
   EXPECT_EQ(errors.message, "");
   EXPECT_EQ(errors.values.at("horizon"), std::vector<double>{2});
   EXPECT_EQ(errors.values.at("timestep"), std::vector<double>{0.5});
@@ -200,18 +202,18 @@ TEST(CollectErrors, ReachesToTheHorizonWithAFloor) {
 TEST(CollectErrors, HasNoValueOfWhatIsNotANumber) {
   HandMade run(3);
   run.Set(2, 0, 0, {NAN, 0, 0});
-  const RunErrors errors =
-      CollectErrors(Asking({"penetration"}), run.samples(), nullptr, nullptr, nullptr);
+  const measure::RunErrors errors =
+      accuracy::CollectErrors(Asking({"penetration"}), run.samples(), nullptr, nullptr, nullptr);
   EXPECT_EQ(errors.message, "a state of the run is not a number");
   EXPECT_EQ(errors.values.at("penetration").at(0), 0);
   EXPECT_FALSE(errors.values.contains("penetration_floor"));
 }
 
 /// Says nothing but that energy is kept.
-class OnlyEnergy : public library::ClosedForm {
+class OnlyEnergy : public closed_forms::ClosedForm {
  public:
-  library::Truth At(double) const override {
-    library::Truth truth;
+  closed_forms::Truth At(double) const override {
+    closed_forms::Truth truth;
     truth.energy = 0;
     return truth;
   }
@@ -220,12 +222,13 @@ class OnlyEnergy : public library::ClosedForm {
 
 TEST(CollectErrors, HoldsAgainstAClosedForm) {
   HandMade run(3);
-  run.Set(1, kKinetic, 2);
-  run.Set(2, kKinetic, 2);
-  const Samples samples = run.samples();
+  run.Set(1, measure::kKinetic, 2);
+  run.Set(2, measure::kKinetic, 2);
+  const measure::Samples samples = run.samples();
   const OnlyEnergy form;
-  const RunErrors errors = CollectErrors(Asking({"energy", "position"}), samples,
-                                         StandardOf(form, samples).get(), nullptr, nullptr);
+  const measure::RunErrors errors =
+      accuracy::CollectErrors(Asking({"energy", "position"}), samples,
+                              accuracy::StandardOf(form, samples).get(), nullptr, nullptr);
   EXPECT_DOUBLE_EQ(errors.values.at("energy").at(0), 0.5);
   EXPECT_EQ(errors.values.at("energy_floor").at(0), 0);
   EXPECT_EQ(errors.values.at("horizon").at(0), 2);
@@ -233,4 +236,4 @@ TEST(CollectErrors, HoldsAgainstAClosedForm) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

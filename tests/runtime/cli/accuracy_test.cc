@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "compiler/compile.h"
-#include "runtime/cli/show_error.h"
+#include "runtime/report/show_error.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/cli/program.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,10 +36,10 @@ TEST(Accuracy, OfAFlightIsOfOrderOne) {
     program.Write("flight.cdb", std::string(kFlight) + truth);
     const Finished run = program.Run({"run", "flight.cdb", "-q"});
     ASSERT_EQ(run.status, 0) << run.err;
-    const ResultFile file(program.folder() / "flight.h5");
+    const store::ResultFile file(program.folder() / "flight.h5");
     std::vector<double> timesteps, errors;
     for (std::size_t i = 0; i < 4; ++i) {
-      const ResultFile::Cell cell{{i}, 0};
+      const store::ResultFile::Cell cell{{i}, 0};
       timesteps.push_back(file.ReadReal("accuracy/timestep", cell));
       errors.push_back(file.ReadReal("accuracy/position", cell));
       EXPECT_DOUBLE_EQ(file.ReadReal("accuracy/horizon", cell), 2) << "nothing is chaotic here";
@@ -67,9 +67,9 @@ TEST(Accuracy, OfAGasHasAFloor) {
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.err.find("4/4"), std::string::npos) << run.err;
   EXPECT_FALSE(program.Exists("gas.runs"));
-  const ResultFile file(program.folder() / "gas.h5");
+  const store::ResultFile file(program.folder() / "gas.h5");
   for (std::size_t i = 0; i < 2; ++i) {
-    const ResultFile::Cell cell{{i}, 0};
+    const store::ResultFile::Cell cell{{i}, 0};
     for (const std::string error : {"position", "height", "height_w1"}) {
       EXPECT_GT(file.ReadReal("accuracy/" + error + "_floor", cell), 0) << error;
       EXPECT_GT(file.ReadReal("accuracy/" + error, cell),
@@ -102,7 +102,7 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
   const Finished all = program.Run({"run", "gas.cdb"});
   EXPECT_EQ(all.status, 0) << all.err;
   EXPECT_FALSE(program.Exists(reference));
-  const ResultFile file(program.folder() / "gas.h5");
+  const store::ResultFile file(program.folder() / "gas.h5");
   for (std::size_t i = 0; i < 2; ++i) EXPECT_GT(file.ReadReal("accuracy/position", {{i}, 0}), 0);
 }
 
@@ -117,7 +117,7 @@ TEST(Accuracy, HasNoValueWhereTheReferenceFails) {
   const Finished run = program.Run({"run", "far.cdb"});
   EXPECT_EQ(run.status, 3) << run.err;
   EXPECT_NE(run.err.find("errors without a value: reference"), std::string::npos) << run.err;
-  const ResultFile file(program.folder() / "far.h5");
+  const store::ResultFile file(program.folder() / "far.h5");
   EXPECT_TRUE(std::isnan(file.ReadReal("accuracy/position", {{}, 0})));
   EXPECT_EQ(file.ReadReal("accuracy/penetration", {{}, 0}), 0);
   EXPECT_NE(file.ReadText("accuracy/message", {{}, 0}).find("out of reach of single precision"),
@@ -142,25 +142,25 @@ TEST(Accuracy, OfOneRunBringsItsReference) {
       compiler::Compile((program.folder() / "gas.cdb").string(), compiler::ReadFromDisk).plans;
   const std::string id = plans.at(0).runs[1].id;
   ASSERT_EQ(program.Run({"run", "gas.cdb", "-q", "--only", id}).status, 0);
-  const ResultFile file(program.folder() / (id + ".h5"));
+  const store::ResultFile file(program.folder() / (id + ".h5"));
   EXPECT_GT(file.ReadReal("accuracy/position", {{0}, 0}), 0);
 }
 
 /// A result whose times and errors are known: 1 / hz s a cycle, which takes `hz` * `us`.
-std::string ShownError(const ShowErrorOptions& options) {
-  compiler::Plan plan =
+std::string ShownError(const report::ShowErrorOptions& options) {
+  plan::Plan plan =
       MakePlan({NumberAxis("hz", {60, 120, 240}), TextAxis("precision", {"single", "double"})}, 2,
                {.cycles = 4, .record = {"timing"}, .metrics = {"position", "pairs"}});
   const TemporaryFolder folder;
-  for (const compiler::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.runs) {
     FakeResult fake(run);
     const auto hz = std::get<double>(plan.axes[0].values[run.at[0]]);
     const bool is_double = run.at[1] == 1;
-    std::vector<double> durations(kPhaseCount * 4, 0);
+    std::vector<double> durations(measure::kPhaseCount * 4, 0);
     for (std::size_t i = 0; i < 4; ++i)
-      durations[kStep * 4 + i] =
+      durations[measure::IndexOf(measure::Phase::kStep) * 4 + i] =
           (is_double ? 2000 : 1000) * (1 + 0.5 * static_cast<double>(run.rep));
-    fake.result.series = {{FindSeries("duration"), std::as_bytes(std::span(durations))}};
+    fake.result.series = {{measure::FindSeries("duration"), std::as_bytes(std::span(durations))}};
     auto& values = fake.result.errors.values;
     values["timestep"] = {1 / hz};
     values["horizon"] = {1.5};
@@ -168,13 +168,13 @@ std::string ShownError(const ShowErrorOptions& options) {
     values["position_floor"] = {hz == 240 ? 0.01 : 0.001};
     if (std::isnan(values["position"][0])) fake.result.errors.message = "a test";
     if (is_double && hz == 60) {
-      fake.result.status = Status::kCrashed;
+      fake.result.status = store::Status::kCrashed;
       fake.result.message = "of old age";
     }
-    WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
+    store::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
   }
-  Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
-  return ShowError(ResultFile(folder / "out.h5"), options).text;
+  store::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
+  return report::ShowError(store::ResultFile(folder / "out.h5"), options).text;
 }
 
 TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
@@ -228,10 +228,10 @@ TEST(ShowError, TakesTheMeanOverWhatMakesNoRows) {
 }
 
 TEST(ShowError, NamesWhatThereIs) {
-  const auto said = [](const ShowErrorOptions& options) -> std::string {
+  const auto said = [](const report::ShowErrorOptions& options) -> std::string {
     try {
       ShownError(options);
-    } catch (const StoreError& error) {
+    } catch (const store::StoreError& error) {
       return error.what();
     }
     return "nothing";
@@ -243,4 +243,4 @@ TEST(ShowError, NamesWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

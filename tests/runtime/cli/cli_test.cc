@@ -6,13 +6,13 @@
 #include <regex>
 #include <string>
 
-#include "compiler/needs.h"
-#include "compiler/schema.h"
+#include "compiler/plan/pruning.h"
+#include "compiler/schema/schema.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/cli/program.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 const char kSmall[] =
@@ -22,15 +22,15 @@ const char kSmall[] =
 
 /// The state hash of every run, by its id; fails where one is missing or did not end well.
 std::map<std::string, std::string> Hashes(const std::filesystem::path& file) {
-  const ResultFile result(file);
+  const store::ResultFile result(file);
   std::map<std::string, std::string> hashes;
-  ResultFile::Cell cell;
+  store::ResultFile::Cell cell;
   cell.at.assign(result.axes().size(), 0);
   for (;;) {
     for (cell.rep = 0; cell.rep < result.repeats(); ++cell.rep) {
-      const Status status = result.ReadStatus(cell);
-      if (status == Status::kSkipped) continue;
-      EXPECT_EQ(status, Status::kDone);
+      const store::Status status = result.ReadStatus(cell);
+      if (status == store::Status::kSkipped) continue;
+      EXPECT_EQ(status, store::Status::kDone);
       const std::string hash = result.ReadText("state_hash", cell);
       EXPECT_EQ(hash.size(), 16u);
       hashes[result.ReadText("run_id", cell)] = hash;
@@ -75,11 +75,12 @@ TEST(Run, MarksTimingsThatAreNotToBeQuoted) {
     return finished.out.find(part) != std::string::npos;
   };
   const Finished one = program.Run({"run", "small.cdb", "-o", "one.h5"});
-  EXPECT_EQ(has(one, "not timings to quote"), BuildType() != "Release") << one.out;
+  EXPECT_EQ(has(one, "not timings to quote"), cli::BuildType() != "Release") << one.out;
   EXPECT_FALSE(has(one, "several runs at a time")) << one.out;
   const Finished two = program.Run({"run", "small.cdb", "-j", "2", "-o", "two.h5"});
   EXPECT_TRUE(has(two, "several runs at a time (jobs 2)")) << two.out;
-  EXPECT_EQ(ResultFile(program.folder() / "two.h5").ReadProvenance("build_type"), BuildType());
+  EXPECT_EQ(store::ResultFile(program.folder() / "two.h5").ReadProvenance("build_type"),
+            cli::BuildType());
 }
 
 TEST(Run, KnowsWhatIsDone) {
@@ -154,9 +155,9 @@ TEST(Run, AFailedRunIsDataAndExitStatus3) {
   EXPECT_EQ(run.status, 3) << run.err;
   EXPECT_NE(run.out.find("did not end well"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("quantity 40"), std::string::npos) << run.out;
-  const ResultFile file(program.folder() / "full.h5");
-  EXPECT_EQ(file.ReadStatus({{0}, 0}), Status::kDone);
-  EXPECT_EQ(file.ReadStatus({{1}, 0}), Status::kFailed);
+  const store::ResultFile file(program.folder() / "full.h5");
+  EXPECT_EQ(file.ReadStatus({{0}, 0}), store::Status::kDone);
+  EXPECT_EQ(file.ReadStatus({{1}, 0}), store::Status::kFailed);
   EXPECT_FALSE(file.ReadText("message", {{1}, 0}).empty());
   EXPECT_EQ(program.Run({"show", "full.h5"}).status, 3);
 
@@ -166,9 +167,9 @@ TEST(Run, AFailedRunIsDataAndExitStatus3) {
   const std::string line = run.out.substr(command + 4, run.out.find('\n', command) - command - 4);
   EXPECT_EQ(program.Shell("$CDB " + line).status, 3);
   const std::string id = line.substr(line.size() - 16);
-  const ResultFile again(program.folder() / (id + ".h5"));
-  EXPECT_EQ(again.ReadStatus({{0}, 0}), Status::kFailed);
-  EXPECT_EQ(again.axes()[0].values, (std::vector<compiler::Coordinate>{40.0}));
+  const store::ResultFile again(program.folder() / (id + ".h5"));
+  EXPECT_EQ(again.ReadStatus({{0}, 0}), store::Status::kFailed);
+  EXPECT_EQ(again.axes()[0].values, (std::vector<plan::Coordinate>{40.0}));
   EXPECT_EQ(program.Run({"run", "full.cdb", "--only", "nothing"}).status, 2);
 }
 
@@ -187,8 +188,8 @@ TEST(Run, ATimeoutEndsARunAndKeepsItsCycles) {
   program.Write("slow.cdb", "benchmark slow { cycles 2000000; timeout 0.5; objects.quantity 5 }");
   const Finished run = program.Run({"run", "slow.cdb"});
   EXPECT_EQ(run.status, 3) << run.err;
-  const ResultFile file(program.folder() / "slow.h5");
-  EXPECT_EQ(file.ReadStatus({{}, 0}), Status::kTimedOut);
+  const store::ResultFile file(program.folder() / "slow.h5");
+  EXPECT_EQ(file.ReadStatus({{}, 0}), store::Status::kTimedOut);
   EXPECT_GT(file.ReadCycleCount({{}, 0}), 0u);
 }
 
@@ -261,8 +262,7 @@ TEST(Plan, SaysWhatEachRunLeavesOut) {
   EXPECT_EQ(only.status, 0) << only.err;
   EXPECT_EQ(only.out.find(id), 0u) << only.out;
   EXPECT_EQ(why.out.find(only.out), 0u) << "the first of them all";
-  EXPECT_EQ(std::ranges::count(only.out, '\n'),
-            1 + static_cast<int>(compiler::Components().size()));
+  EXPECT_EQ(std::ranges::count(only.out, '\n'), 1 + static_cast<int>(schema::Components().size()));
 
   EXPECT_EQ(program.Run({"plan", "--why", "o.cdb", "--only", "nothing"}).status, 2);
   EXPECT_EQ(program.Run({"plan", "o.cdb", "--only", id}).status, 2);
@@ -299,7 +299,7 @@ TEST(Run, KeepsWhatItLeftOutWithTheResults) {
       "detector sap32; omit sweep(none, auto, raycast_tree) }");
   const Finished run = program.Run({"run", "o.cdb"});
   EXPECT_EQ(run.status, 0) << run.err;
-  const ResultFile file(program.folder() / "o.h5");
+  const store::ResultFile file(program.folder() / "o.h5");
   const auto text = [&](const char* name, std::size_t at) {
     return file.ReadText(name, {{at}, 0});
   };
@@ -348,7 +348,7 @@ TEST(Doc, KnowsEveryParameter) {
   const Program program;
   const Finished all = program.Run({"doc", "parameters"});
   EXPECT_EQ(all.status, 0);
-  for (const auto& parameter : compiler::Schema()) {
+  for (const auto& parameter : schema::Schema()) {
     EXPECT_NE(all.out.find(parameter.FullName()), std::string::npos);
     EXPECT_EQ(program.Run({"doc", parameter.FullName()}).status, 0) << parameter.name;
   }
@@ -356,7 +356,7 @@ TEST(Doc, KnowsEveryParameter) {
        {"language", "omit", "accuracy", "results", "objects", "detectors", "layouts", "scenarios"})
     EXPECT_GT(program.Run({"doc", topic}).out.size(), 20u) << topic;
   const Finished omit = program.Run({"doc", "omit"});
-  for (const auto& component : compiler::Components())
+  for (const auto& component : schema::Components())
     for (const std::string_view part : {component.name, component.doc, component.changes})
       EXPECT_NE(omit.out.find(part), std::string::npos) << part;
   EXPECT_NE(omit.out.find("default  auto"), std::string::npos) << "the parameter as well";
@@ -382,7 +382,7 @@ TEST(Examples, AreWellWrittenAndSayWhatTheyAre) {
     all += program.Shell("grep -v '^#' '" + file + "'").out;
   }
   EXPECT_GE(count, 5);
-  for (const auto& parameter : compiler::Schema()) {
+  for (const auto& parameter : schema::Schema()) {
     const std::string name(parameter.name.substr(parameter.name.rfind('.') + 1));
     EXPECT_TRUE(std::regex_search(all, std::regex("\\b" + name + "\\b")))
         << name << " is in no example";
@@ -419,4 +419,4 @@ TEST(CommandLine, RefusesByName) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -15,7 +15,7 @@
 #include "runtime/store/store.h"
 #include "tests/runtime/cli/program.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,13 +28,14 @@ const char kSweep[] =
 
 /// `hash hash …` in the order of the grid; `-` where a run is missing.
 std::string Hashes(const fs::path& path) {
-  const ResultFile file(path);
+  const store::ResultFile file(path);
   std::string all;
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t b = 0; b < 2; ++b)
       for (std::size_t c = 0; c < 2; ++c) {
-        const ResultFile::Cell cell = {{a, b, c}, 0};
-        all += file.ReadStatus(cell) == Status::kDone ? file.ReadText("state_hash", cell) : "-";
+        const store::ResultFile::Cell cell = {{a, b, c}, 0};
+        all +=
+            file.ReadStatus(cell) == store::Status::kDone ? file.ReadText("state_hash", cell) : "-";
         all += ' ';
       }
   return all;
@@ -123,7 +124,8 @@ TEST(Stop, CtrlCKeepsWhatIsFinished) {
   EXPECT_NE(program.Read("stderr.txt").find("the same command goes on"), std::string::npos);
   EXPECT_FALSE(Shards(program.folder() / "long.runs").empty());
   EXPECT_EQ(program.Run({"merge", "-o", "part.h5", "long.runs"}).status, 0);
-  EXPECT_EQ(ResultFile(program.folder() / "part.h5").ReadStatus({{55}, 0}), Status::kMissing);
+  EXPECT_EQ(store::ResultFile(program.folder() / "part.h5").ReadStatus({{55}, 0}),
+            store::Status::kMissing);
 }
 
 /// Two runs of five are done; what follows must not cost them.
@@ -189,7 +191,8 @@ TEST_F(World, TruncatedShardIsRunAgain) {
   const Finished finished = program_.Run({"run", "w.cdb"});
   EXPECT_EQ(finished.status, 0) << finished.err;
   EXPECT_NE(finished.err.find(shards_.begin()->substr(0, 16)), std::string::npos) << finished.err;
-  EXPECT_EQ(ResultFile(program_.folder() / "w.h5").ReadStatus({{4}, 0}), Status::kDone);
+  EXPECT_EQ(store::ResultFile(program_.folder() / "w.h5").ReadStatus({{4}, 0}),
+            store::Status::kDone);
 }
 
 TEST_F(World, MissingWorker) {
@@ -224,4 +227,4 @@ TEST_F(World, NoResultsFile) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

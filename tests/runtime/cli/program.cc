@@ -10,7 +10,7 @@
 
 #include "dsl/check.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 
 namespace fs = std::filesystem;
 
@@ -72,4 +72,4 @@ Finished Program::Shell(const std::string& line) const {
           Read("stderr.txt")};
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace cdb::runtime {
+namespace cdb::tests {
 
 struct Finished {
   int status = 0;  ///< exit status; 128 + signal where a signal ended it
@@ -41,4 +41,4 @@ class Program {
 /// The program that the tests belong to.
 std::string CdbPath();
 
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan_yaml.h"
-#include "runtime/cli/show.h"
-#include "runtime/cli/show_detectors.h"
+#include "compiler/plan/plan_yaml.h"
 #include "runtime/cli/verify_plan.h"
-#include "runtime/cli/verify_table.h"
+#include "runtime/report/show.h"
+#include "runtime/report/show_detectors.h"
+#include "runtime/report/verify_table.h"
 #include "tests/runtime/cli/program.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 constexpr std::uint64_t kCycles = 3;
@@ -28,7 +28,7 @@ const std::string kTitle = "A plan for tests \xE2\x80\x93 \xC2\xB5";
 /// A made-up run: values of its series, the same in every cycle or one for each.
 class Made {
  public:
-  explicit Made(const compiler::Run& run) : fake_(run) {
+  explicit Made(const plan::Run& run) : fake_(run) {
     for (const char* name : {"missed_pairs", "phantom_pairs", "duplicate_pairs", "missed_contacts"})
       Ints(name, {0, 0, 0});
     Ints("exact_pairs", {10, 10, 10});
@@ -43,10 +43,11 @@ class Made {
   /// ns of detect in each cycle; of every phase, as nobody looks at the others.
   void Detect(const std::vector<double>& ns) {
     std::vector<double> all;
-    for (int phase = 0; phase < kPhaseCount; ++phase) all.insert(all.end(), ns.begin(), ns.end());
+    for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
+      all.insert(all.end(), ns.begin(), ns.end());
     Put("duration", all);
   }
-  RunResult& result() { return fake_.result; }
+  store::RunResult& result() { return fake_.result; }
 
  private:
   template <typename T>
@@ -65,13 +66,12 @@ class Made {
   std::map<std::string, std::vector<std::byte>> memory_;
 };
 
-compiler::Plan PlanOf(std::vector<compiler::Axis> axes, compiler::WordList record) {
+plan::Plan PlanOf(std::vector<plan::Axis> axes, schema::WordList record) {
   return MakePlan(std::move(axes), 1, {.cycles = kCycles, .record = std::move(record)});
 }
 
 /// One that can be read again.
-compiler::Plan RealPlanOf(const compiler::WordList& record,
-                          const std::vector<std::string>& detectors) {
+plan::Plan RealPlanOf(const schema::WordList& record, const std::vector<std::string>& detectors) {
   const Program program;
   program.Write("fixture.cdb",
                 fmt::format("benchmark fixture \"{}\" {{ cycles {}; record {}; warmup 0\n"
@@ -79,43 +79,45 @@ compiler::Plan RealPlanOf(const compiler::WordList& record,
                             kTitle, kCycles, fmt::join(record, ", "), fmt::join(detectors, ", ")));
   const Finished planned = program.Run({"plan", "fixture.cdb", "-o", "plan.yaml"});
   EXPECT_EQ(planned.status, 0) << planned.err;
-  return compiler::FromYaml(program.Read("plan.yaml"), "plan.yaml");
+  return plan::FromYaml(program.Read("plan.yaml"), "plan.yaml");
 }
 
 /// The file of a plan whose runs `settle` makes.
 template <typename Use>
-auto WithFile(const compiler::Plan& plan,
-              const std::function<void(const compiler::Run&, Made&)>& settle, Use use) {
+auto WithFile(const plan::Plan& plan, const std::function<void(const plan::Run&, Made&)>& settle,
+              Use use) {
   const TemporaryFolder folder;
-  for (const compiler::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.runs) {
     Made made(run);
     settle(run, made);
-    WriteShard(plan, run, made.result(), TestProvenance(), folder.path());
+    store::WriteShard(plan, run, made.result(), TestProvenance(), folder.path());
   }
-  Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
-  return use(ResultFile(folder / "out.h5"));
+  store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  return use(store::ResultFile(folder / "out.h5"));
 }
 
-std::string IdOf(const compiler::Plan& plan, std::size_t run) { return plan.runs[run].id; }
+std::string IdOf(const plan::Plan& plan, std::size_t run) { return plan.runs[run].id; }
 
 TEST(Verify, TellsTheWrongFirst) {
-  const compiler::Plan plan =
+  const plan::Plan plan =
       PlanOf({TextAxis("detector", {"simple", "dbvt", "twice", "broken", "null"}),
               NumberAxis("quantity", {10, 20})},
              {"pairs"});
-  const VerifyText verified = WithFile(
+  const report::VerifyText verified = WithFile(
       plan,
-      [](const compiler::Run& run, Made& made) {
+      [](const plan::Run& run, Made& made) {
         if (run.at[0] == 1) made.Ints("phantom_pairs", {0, 2, 1});
         if (run.at[0] == 2) made.Ints("duplicate_pairs", {0, 0, 4});
         if (run.at[0] == 3 && run.at[1] == 1) {
-          made.result().status = Status::kCrashed;
+          made.result().status = store::Status::kCrashed;
           made.result().n_cycles = 0;
           made.result().message = "ended by signal 11 (SIGSEGV)";
         }
         if (run.at[0] == 4) made.Ints("missed_pairs", {0, run.at[1] == 0 ? 0 : 3, 10});
       },
-      [](const ResultFile& file) { return VerifyTable(file, {"sap is not built"}); });
+      [](const store::ResultFile& file) {
+        return report::VerifyTable(file, {"sap is not built"});
+      });
   EXPECT_FALSE(verified.is_good);
   EXPECT_EQ(
       verified.text,
@@ -157,40 +159,40 @@ TEST(Verify, TellsTheWrongFirst) {
 }
 
 TEST(Verify, IsGoodWhereNothingIsMissed) {
-  const compiler::Plan plan = PlanOf({TextAxis("detector", {"simple", "dbvt"})}, {"pairs"});
+  const plan::Plan plan = PlanOf({TextAxis("detector", {"simple", "dbvt"})}, {"pairs"});
   const auto judge = [&](const char* series, std::vector<std::int32_t> values) {
     return WithFile(
-        plan, [&](const compiler::Run&, Made& made) { made.Ints(series, values); },
-        [](const ResultFile& file) { return VerifyTable(file, {}); });
+        plan, [&](const plan::Run&, Made& made) { made.Ints(series, values); },
+        [](const store::ResultFile& file) { return report::VerifyTable(file, {}); });
   };
   EXPECT_TRUE(judge("phantom_pairs", {9, 9, 9}).is_good);
   EXPECT_TRUE(judge("duplicate_pairs", {1, 0, 0}).is_good);
   EXPECT_FALSE(judge("missed_pairs", {0, 0, 1}).is_good);
-  const VerifyText contacts = judge("missed_contacts", {0, 1, 0});
+  const report::VerifyText contacts = judge("missed_contacts", {0, 1, 0});
   EXPECT_FALSE(contacts.is_good);
   EXPECT_NE(contacts.text.find("wrong: misses contacts"), std::string::npos) << contacts.text;
   EXPECT_NE(judge("exact_pairs", {-1, -1, -1}).text.find("nothing to judge"), std::string::npos);
 }
 
 /// Three detectors at three quantities; detect grows as quantity, quantity^2 and not at all.
-std::string Shown(const compiler::WordList& record, const std::vector<std::string>& detectors,
+std::string Shown(const schema::WordList& record, const std::vector<std::string>& detectors,
                   const std::vector<std::string>& by = {},
-                  const std::function<void(const compiler::Run&, Made&)>& more = {}) {
-  const compiler::Plan plan = RealPlanOf(record, detectors);
+                  const std::function<void(const plan::Run&, Made&)>& more = {}) {
+  const plan::Plan plan = RealPlanOf(record, detectors);
   return WithFile(
       plan,
-      [&](const compiler::Run& run, Made& made) {
+      [&](const plan::Run& run, Made& made) {
         const double n = std::get<double>(plan.axes[0].values[run.at[0]]);
         const double ns = std::pow(n, run.at[1] == 0 ? 1 : run.at[1] == 1 ? 2 : 0);
         made.Detect({ns, ns, 100 * ns});
         if (more) more(run, made);
       },
-      [&](const ResultFile& file) { return Show(file, {by}).text; });
+      [&](const store::ResultFile& file) { return report::Show(file, {by}).text; });
 }
 
 TEST(ShowDetectors, SetsTheWorstCycleBesideTheMedianAndFitsGrowth) {
   const std::string text = Shown({"timing", "pairs"}, {"sap", "dbvt", "simple"}, {"detector"},
-                                 [](const compiler::Run& run, Made& made) {
+                                 [](const plan::Run& run, Made& made) {
                                    if (run.at[1] == 1) made.Ints("phantom_pairs", {0, 1, 2});
                                  });
   EXPECT_NE(text.find("\nDetectors: a cycle's detect, ns\n"
@@ -215,11 +217,10 @@ TEST(ShowDetectors, SetsTheWorstCycleBesideTheMedianAndFitsGrowth) {
 }
 
 TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {
-  const std::string text = Shown({"timing", "pairs"}, {"sap", "dbvt", "null"}, {},
-                                 [](const compiler::Run& run, Made& made) {
-                                   if (run.at[1] == 2)
-                                     made.Ints("missed_pairs", {run.at[0] == 0 ? 0 : 5, 10, 10});
-                                 });
+  const std::string text =
+      Shown({"timing", "pairs"}, {"sap", "dbvt", "null"}, {}, [](const plan::Run& run, Made& made) {
+        if (run.at[1] == 2) made.Ints("missed_pairs", {run.at[0] == 0 ? 0 : 5, 10, 10});
+      });
   const std::string line =
       kTitle +
       "\n  9 runs (3 quantity x 3 detector), 3 cycles\n"
@@ -241,7 +242,7 @@ TEST(ShowDetectors, NamesThoseThatNobodyLookedAt) {
 }
 
 TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
-  const auto set = [](const compiler::Run& run, Made& made) {
+  const auto set = [](const plan::Run& run, Made& made) {
     made.result().harness_ns = run.at[1] == 2 ? NAN : 2;
   };
   const std::string text = Shown({"timing"}, {"sap", "dbvt", "null"}, {}, set);
@@ -271,12 +272,12 @@ TEST(ShowDetectors, FitsGrowthOverWhateverChangesTheNumberOfObjects) {
 }
 
 TEST(GrowthExponent, FitsTheLogarithms) {
-  EXPECT_NEAR(GrowthExponent({{10, 5}, {100, 500}, {1000, 50000}}), 2, 1e-12);
-  EXPECT_NEAR(GrowthExponent({{1, 7}, {2, 7}, {4, 7}}), 0, 1e-12);
-  EXPECT_TRUE(std::isnan(GrowthExponent({{10, 5}, {100, 500}})));
-  EXPECT_TRUE(std::isnan(GrowthExponent({{10, 5}, {10, 6}, {100, 500}})));
-  EXPECT_TRUE(std::isnan(GrowthExponent({{0, 5}, {10, 6}, {100, 500}})));
-  EXPECT_TRUE(std::isnan(GrowthExponent({{1, 5}, {10, NAN}, {100, 500}})));
+  EXPECT_NEAR(report::GrowthExponent({{10, 5}, {100, 500}, {1000, 50000}}), 2, 1e-12);
+  EXPECT_NEAR(report::GrowthExponent({{1, 7}, {2, 7}, {4, 7}}), 0, 1e-12);
+  EXPECT_TRUE(std::isnan(report::GrowthExponent({{10, 5}, {100, 500}})));
+  EXPECT_TRUE(std::isnan(report::GrowthExponent({{10, 5}, {10, 6}, {100, 500}})));
+  EXPECT_TRUE(std::isnan(report::GrowthExponent({{0, 5}, {10, 6}, {100, 500}})));
+  EXPECT_TRUE(std::isnan(report::GrowthExponent({{1, 5}, {10, NAN}, {100, 500}})));
 }
 
 TEST(VerifyCommand, FindsNothingWrongWithBulletsAndEverythingWithNothing) {
@@ -336,19 +337,19 @@ TEST(VerifyPlan, TakesEveryDetectorThatHoldsTheScene) {
                 "benchmark s { cycles 1; omit none; detector sap32\n"
                 "objects { quantity sweep(10, 16384) } }");
   ASSERT_EQ(program.Run({"plan", "s.cdb", "-o", "s.yaml"}).status, 0);
-  const compiler::Plan plan = compiler::FromYaml(program.Read("s.yaml"), "s.yaml");
-  const VerifyPlan every = MakeVerifyPlan(plan, {{"all"}, 7, {}});
+  const plan::Plan plan = plan::FromYaml(program.Read("s.yaml"), "s.yaml");
+  const cli::VerifyPlan every = cli::MakeVerifyPlan(plan, {{"all"}, 7, {}});
   const auto& detectors = every.plan.axes[0];
   EXPECT_EQ(detectors.name, "detector");
-  EXPECT_EQ(std::ranges::count(detectors.values, compiler::Coordinate("null")), 0);
-  const auto sap = std::ranges::find(detectors.values, compiler::Coordinate("sap"));
+  EXPECT_EQ(std::ranges::count(detectors.values, plan::Coordinate("null")), 0);
+  const auto sap = std::ranges::find(detectors.values, plan::Coordinate("sap"));
   ASSERT_NE(sap, detectors.values.end());
   const auto index = static_cast<std::size_t>(sap - detectors.values.begin());
   EXPECT_EQ(every.plan.skipped, (std::vector<std::vector<std::size_t>>{{index, 1}}));
   EXPECT_EQ(every.plan.runs.size() + 1, 2 * detectors.values.size());
   EXPECT_NE(std::ranges::find(every.left_out, "sap, where there are more than 16384 bodies"),
             every.left_out.end());
-  for (const compiler::Run& run : every.plan.runs) {
+  for (const plan::Run& run : every.plan.runs) {
     EXPECT_EQ(run.scene.world.Count("cycles"), 7u);
     EXPECT_TRUE(run.scene.world.Lists("record", "pairs"));
     EXPECT_FALSE(run.scene.world.Lists("record", "timing"));
@@ -357,4 +358,4 @@ TEST(VerifyPlan, TakesEveryDetectorThatHoldsTheScene) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

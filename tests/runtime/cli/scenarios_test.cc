@@ -5,7 +5,7 @@
 
 #include "tests/runtime/cli/program.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 TEST(Scenarios, AreListedByFolderWithWhatTheyAre) {
@@ -61,4 +61,4 @@ TEST(Scenarios, AreLaidOverByAFileOfOnesOwnAndBringTheirModels) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -1,29 +1,29 @@
-#include "runtime/cli/show.h"
+#include "runtime/report/show.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "runtime/cli/table.h"
+#include "runtime/report/table.h"
 #include "tests/runtime/cli/program.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 TEST(Percentile, LiesBetweenNeighboursInProportion) {
   const std::vector<double> values = {1, 2, 3, 4, 5};
-  EXPECT_EQ(Percentile(values, 0.5), 3);
-  EXPECT_EQ(Percentile(values, 0), 1);
-  EXPECT_EQ(Percentile(values, 1), 5);
-  EXPECT_DOUBLE_EQ(Percentile(values, 0.05), 1.2);
-  EXPECT_EQ(Percentile({7}, 0.95), 7);
-  EXPECT_TRUE(std::isnan(Percentile({}, 0.5)));
+  EXPECT_EQ(report::Percentile(values, 0.5), 3);
+  EXPECT_EQ(report::Percentile(values, 0), 1);
+  EXPECT_EQ(report::Percentile(values, 1), 5);
+  EXPECT_DOUBLE_EQ(report::Percentile(values, 0.05), 1.2);
+  EXPECT_EQ(report::Percentile({7}, 0.95), 7);
+  EXPECT_TRUE(std::isnan(report::Percentile({}, 0.5)));
 }
 
 TEST(Table, LinesUp) {
-  Table table;
+  report::Table table;
   table.AddColumn("name", false);
   table.AddColumn("time", true);
   table.AddRow({"a", "1.5"});
@@ -34,12 +34,12 @@ TEST(Table, LinesUp) {
 }
 
 TEST(ShortNumber, HasThreeDigits) {
-  EXPECT_EQ(ShortNumber(0.012345), "0.0123");
-  EXPECT_EQ(ShortNumber(1.2345), "1.23");
-  EXPECT_EQ(ShortNumber(123.45), "123");
-  EXPECT_EQ(ShortNumber(12345.6), "12346");
-  EXPECT_EQ(ShortNumber(0), "0");
-  EXPECT_EQ(ShortNumber(NAN), "-");
+  EXPECT_EQ(report::ShortNumber(0.012345), "0.0123");
+  EXPECT_EQ(report::ShortNumber(1.2345), "1.23");
+  EXPECT_EQ(report::ShortNumber(123.45), "123");
+  EXPECT_EQ(report::ShortNumber(12345.6), "12346");
+  EXPECT_EQ(report::ShortNumber(0), "0");
+  EXPECT_EQ(report::ShortNumber(NAN), "-");
 }
 
 TEST(Show, HasAxesPhasesCountsAndRatios) {
@@ -66,30 +66,30 @@ TEST(Show, HasAxesPhasesCountsAndRatios) {
 }
 
 /// What `show` says of a grid of detectors and quantities, whose runs left out what `settle` says.
-std::string Shown(const std::function<void(std::size_t, std::size_t, RunResult&)>& settle) {
-  const compiler::Plan plan =
+std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunResult&)>& settle) {
+  const plan::Plan plan =
       MakePlan({TextAxis("detector", {"sap", "dbvt"}), NumberAxis("quantity", {10, 20})}, 1,
                {.record = {"timing", "counts"}});
   const TemporaryFolder folder;
-  for (const compiler::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.runs) {
     FakeResult fake(run);
     fake.result.omitted = fake.result.needs = "";
     settle(run.at[0], run.at[1], fake.result);
-    WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+    store::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
   }
-  Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
-  return Show(ResultFile(folder / "out.h5")).text;
+  store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  return report::Show(store::ResultFile(folder / "out.h5")).text;
 }
 
 TEST(Show, SaysWhatRunsDidWithout) {
-  const std::string none = Shown([](std::size_t, std::size_t, RunResult&) {});
+  const std::string none = Shown([](std::size_t, std::size_t, store::RunResult&) {});
   EXPECT_EQ(none.find("Left out"), std::string::npos) << none;
-  const std::string silent = Shown([](std::size_t, std::size_t, RunResult& result) {
+  const std::string silent = Shown([](std::size_t, std::size_t, store::RunResult& result) {
     result.omitted = "swept_contacts motion_states pools a_part_of_tomorrow";
   });
   EXPECT_EQ(silent.find("Left out"), std::string::npos) << "it changes no figure:\n" << silent;
 
-  const std::string some = Shown([](std::size_t detector, std::size_t, RunResult& result) {
+  const std::string some = Shown([](std::size_t detector, std::size_t, store::RunResult& result) {
     result.omitted = detector == 0 ? "walls raycast_tree solver pools" : "walls solver";
   });
   EXPECT_NE(some.find("\n  Left out in all 4 runs: walls (pairs and the broad phase are without "
@@ -102,7 +102,7 @@ TEST(Show, SaysWhatRunsDidWithout) {
 
 TEST(Show, SaysWhereRivalsDidNotLeaveOutTheSame) {
   const auto shown = [](const char* of_sap, const char* of_dbvt) {
-    return Shown([&](std::size_t detector, std::size_t quantity, RunResult& result) {
+    return Shown([&](std::size_t detector, std::size_t quantity, store::RunResult& result) {
       const std::string fate = detector == 0 ? of_sap : quantity == 0 ? of_dbvt : of_sap;
       if (fate == "left out") result.omitted = "walls";
       result.needs = "gravity: kept: always\nwalls: " + fate + ": a test\n";
@@ -118,4 +118,4 @@ TEST(Show, SaysWhereRivalsDidNotLeaveOutTheSame) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -6,7 +6,7 @@
 
 #include "tests/runtime/cli/program.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 TEST(Verdicts, TimingsThatDoNotCountAreMarkedAndLeftOut) {
@@ -84,4 +84,4 @@ TEST(Stability, RefusesWhatItHasNot) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

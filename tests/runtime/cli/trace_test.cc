@@ -9,17 +9,17 @@
 #include "runtime/store/trace_file.h"
 #include "tests/runtime/cli/program.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 /// Balls that meet each other and walls, of both kinds of filter.
-std::string Crowd(const std::string& more) {
+std::string ContactCluster(const std::string& more) {
   return "benchmark crowd { cycles 40; world.side 30; acceleration 0\n"
          "objects { quantity 60; size 4; linear_velocity uniform(-60, 60) }\n" +
          more + " }\n";
 }
 
-std::vector<double> PairsOf(const ResultFile& file, std::size_t detector) {
+std::vector<double> PairsOf(const store::ResultFile& file, std::size_t detector) {
   return file.ReadSeries("pairs", {{detector}, 0});
 }
 
@@ -28,12 +28,13 @@ class Traces : public testing::TestWithParam<const char*> {};
 TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
   const Program program;
   const std::string precision = std::string("precision ") + GetParam();
-  program.Write("crowd.cdb", Crowd(precision));
+  program.Write("crowd.cdb", ContactCluster(precision));
   const Finished baked = program.Run({"trace", "crowd.cdb"});
   ASSERT_EQ(baked.status, 0) << baked.err;
   EXPECT_NE(baked.out.find("crowd.trace.h5: "), std::string::npos) << baked.out;
   // The same world, with detectors that list exactly what overlaps.
-  program.Write("live.cdb", Crowd(precision + "; detector sweep(simple); pair_order sorted"));
+  program.Write("live.cdb",
+                ContactCluster(precision + "; detector sweep(simple); pair_order sorted"));
   ASSERT_EQ(program.Run({"run", "-q", "-o", "live.h5", "live.cdb"}).status, 0);
   program.Write(
       "rivals.cdb",
@@ -41,7 +42,8 @@ TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
       "detector sweep(simple, octree, null, sap32, dbvt); record timing, counts, memory, pairs }");
   const Finished run = program.Run({"run", "rivals.cdb"});
   ASSERT_EQ(run.status, 0) << run.out << run.err;
-  const ResultFile live(program.folder() / "live.h5"), replayed(program.folder() / "rivals.h5");
+  const store::ResultFile live(program.folder() / "live.h5"),
+      replayed(program.folder() / "rivals.h5");
   const std::vector<double> pairs = PairsOf(live, 0);
   EXPECT_EQ(pairs.size(), 40u);
   EXPECT_GT(pairs.back(), 0);
@@ -58,7 +60,8 @@ TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
   EXPECT_EQ(hash(0, 0), hash(0, 1));
   EXPECT_EQ(hash(0, 0), hash(1, 0));
   EXPECT_NE(hash(0, 0), hash(2, 0));
-  for (const Phase phase : {kBroad, kDetect, kStep})
+  for (const measure::Phase phase :
+       {measure::Phase::kBroad, measure::Phase::kDetect, measure::Phase::kStep})
     for (const double ns : replayed.ReadDuration(phase, {{0}, 0})) EXPECT_GT(ns, 0);
 }
 
@@ -72,14 +75,14 @@ TEST(Trace, OfSeveralPointsIsAFolderAndGoesOnWhereItStopped) {
   ASSERT_EQ(program.Run({"trace", "grid.cdb"}).status, 0);
   const auto file = program.folder() / "grid.traces" / "grid_n-3.trace.h5";
   EXPECT_TRUE(std::filesystem::exists(program.folder() / "grid.traces" / "grid_n-4.trace.h5"));
-  const compiler::TraceFacts facts = ReadTraceFacts(file);
+  const plan::TraceFacts facts = store::ReadTraceFacts(file);
   EXPECT_EQ(facts.cycles, 5u);
   EXPECT_GE(facts.bodies, 3u);
   std::filesystem::remove(file);
   const Finished again = program.Run({"trace", "grid.cdb"});
   EXPECT_NE(again.out.find("grid_n-3.trace.h5: "), std::string::npos);
   EXPECT_NE(again.out.find("grid_n-4.trace.h5: is there already"), std::string::npos) << again.out;
-  EXPECT_EQ(ReadTraceFacts(file).sha256, facts.sha256);
+  EXPECT_EQ(store::ReadTraceFacts(file).sha256, facts.sha256);
 }
 
 TEST(Trace, WritesOverNothingOfAnother) {
@@ -90,7 +93,7 @@ TEST(Trace, WritesOverNothingOfAnother) {
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.err.find("is no trace of this run"), std::string::npos) << refused.err;
   EXPECT_EQ(program.Run({"trace", "-q", "--fresh", "b.cdb", "-o", "mine.h5"}).status, 0);
-  EXPECT_EQ(ReadTraceFacts(program.folder() / "mine.h5").cycles, 2u);
+  EXPECT_EQ(store::ReadTraceFacts(program.folder() / "mine.h5").cycles, 2u);
 }
 
 TEST(Trace, OfARunThatFailsIsNone) {
@@ -128,4 +131,4 @@ TEST(Trace, ThatWasChangedIsAnotherRunAndADamagedOneIsSaid) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -11,7 +11,7 @@
 #include "tests/library/form_scenes.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 
 /// The largest of each over the samples of a run.
 struct FormErrors {
@@ -28,7 +28,7 @@ struct Observed {
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
 };
 
-inline Observed Observe(const runtime::Engine& engine) {
+inline Observed Observe(const world::Engine& engine) {
   Observed sum;
   double mass = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -53,18 +53,18 @@ inline Observed Observe(const runtime::Engine& engine) {
 }
 
 /// Runs the scene to its end; a sample is taken every `interval` steps.
-inline FormErrors AgainstForm(std::string_view name, const compiler::Scene& scene,
+inline FormErrors AgainstForm(std::string_view name, const plan::Scene& scene,
                               std::uint64_t interval = 1) {
-  const library::InitialState state = library::MakeInitialState(scene);
-  const auto form = library::MakeClosedForm(name, scene, state);
-  runtime::Engine engine = WholeEngine(scene, state);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  const auto form = closed_forms::MakeClosedForm(name, scene, state);
+  world::Engine engine = WholeEngine(scene, state);
   const Observed start = Observe(engine);
   const double timestep = scene.world.Real("timestep");
   FormErrors worst;
   for (std::uint64_t n = 1; n <= scene.world.Count("cycles"); ++n) {
     engine.Step();
     if (n % interval != 0) continue;
-    const library::Truth truth = form->At(static_cast<double>(n) * timestep);
+    const closed_forms::Truth truth = form->At(static_cast<double>(n) * timestep);
     for (std::size_t i = 0; i < state.objects.size(); ++i) {
       worst.position = std::max(worst.position, (Position(engine, i) - truth.positions[i]).norm());
       worst.velocity = std::max(worst.velocity, (Velocity(engine, i) - truth.velocities[i]).norm());
@@ -96,4 +96,4 @@ inline double OrderOf(const std::vector<double>& timesteps, const std::vector<do
   return line.colPivHouseholderQr().solve(log(errors))[1];
 }
 
-}  // namespace cdb::test
+}  // namespace cdb::tests

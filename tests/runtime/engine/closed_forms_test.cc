@@ -4,26 +4,26 @@
 
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
 
-compiler::Scene FreeScene() {
-  compiler::Scene scene = EngineScene(1, 1000);
+plan::Scene FreeScene() {
+  plan::Scene scene = EngineScene(1, 1000);
   SetWorld(scene, "world.walls", Word("none"));
   return scene;
 }
 
 TEST(FreeFall, FollowsTheDiscreteFormula) {
   // v_n = v_0 + n g dt and x_n = x_0 + n v_0 dt + g dt^2 n (n + 1)/2: velocity first, then place.
-  const compiler::Scene scene = [] {
-    compiler::Scene s = FreeScene();
+  const plan::Scene scene = [] {
+    plan::Scene s = FreeScene();
     SetGroup(s, "linear_velocity", Vector3d(3, 20, -1));
     return s;
   }();
   const Vector3d start(10, 200, -30), v(3, 20, -1), g(0, -9.8, 0);
-  runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, start));
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, start));
   const double dt = 1.0 / 60;
   double farthest = start.norm(), way = 0;
   for (int n = 1; n <= 600; ++n) {
@@ -45,9 +45,9 @@ TEST(FreeFall, FollowsTheDiscreteFormula) {
 TEST(FreeFall, IsOfFirstOrderInTheTimestep) {
   // x_n - x(t) = g dt t/2: half the step, half the error.
   const auto error = [](double dt, int steps) {
-    compiler::Scene scene = FreeScene();
+    plan::Scene scene = FreeScene();
     SetWorld(scene, "timestep", dt);
-    runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
+    world::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
     Steps(engine, steps);
     const double t = steps * dt;
     return Position(engine).y() + 9.8 * t * t / 2;
@@ -60,8 +60,8 @@ TEST(FreeFall, IsOfFirstOrderInTheTimestep) {
 }
 
 TEST(RestingSphere, StaysOnTheFloorAndFallsAsleep) {
-  compiler::Scene scene = EngineScene(1, 500);
-  runtime::Engine engine =
+  plan::Scene scene = EngineScene(1, 500);
+  world::Engine engine =
       WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));  // touches the floor at -250
   const double dt = 1.0 / 60;
   for (int n = 0; n < 300; ++n) {
@@ -75,8 +75,8 @@ TEST(RestingSphere, StaysOnTheFloorAndFallsAsleep) {
 }
 
 /// The floor with gravity tilted by `angle` towards x: an incline.
-compiler::Scene InclineScene(double angle) {
-  compiler::Scene scene = EngineScene(1, 500);
+plan::Scene InclineScene(double angle) {
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "world.walls", Word("floor"));
   SetWorld(scene, "acceleration", Vector3d(9.8 * std::sin(angle), -9.8 * std::cos(angle), 0));
   SetWorld(scene, "sleeping", false);
@@ -84,9 +84,9 @@ compiler::Scene InclineScene(double angle) {
 }
 
 TEST(Incline, WithoutFrictionASphereSlidesAndDoesNotRoll) {
-  compiler::Scene scene = InclineScene(0.5);
+  plan::Scene scene = InclineScene(0.5);
   SetGroup(scene, "friction", 0.0);
-  runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));
   const double dt = 1.0 / 60, a = 9.8 * std::sin(0.5);
   for (int n = 1; n <= 240; ++n) {
     engine.Step();
@@ -101,10 +101,10 @@ TEST(Incline, FrictionDecidesBetweenStickingAndSliding) {
   // Bullet takes the product of both frictions; the floor's is 0.5. It solves friction along two
   // axes in 10 sweeps, and a box rocks on its corners: 3 % of the way.
   const auto slide = [](double friction, int steps) {
-    compiler::Scene scene = InclineScene(0.35);  // tan 0.35 = 0.365
+    plan::Scene scene = InclineScene(0.35);  // tan 0.35 = 0.365
     SetGroup(scene, "type", Word("cuboid"));
     SetGroup(scene, "friction", friction);
-    runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));
+    world::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));
     Steps(engine, steps);
     return Position(engine).x();
   };
@@ -115,11 +115,11 @@ TEST(Incline, FrictionDecidesBetweenStickingAndSliding) {
 }
 
 TEST(Spin, OfABallIsConstantAndTurnsByOmegaDt) {
-  compiler::Scene scene = FreeScene();
+  plan::Scene scene = FreeScene();
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   const Vector3d omega(0.5, 2, -1);
   SetGroup(scene, "angular_velocity", omega);
-  runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
   const double dt = 1.0 / 60;
   for (int n = 1; n <= 300; ++n) {
     engine.Step();
@@ -129,7 +129,7 @@ TEST(Spin, OfABallIsConstantAndTurnsByOmegaDt) {
     EXPECT_LE((spin - omega).norm(), 32 * n * kEpsilon * omega.norm());
     const btQuaternion q = engine.objects()[0]->getWorldTransform().getRotation();
     const Eigen::Quaterniond turn(q.w(), q.x(), q.y(), q.z());
-    const double off = turn.angularDistance(library::TurnAbout(omega * n * dt));
+    const double off = turn.angularDistance(layouts::TurnAbout(omega * n * dt));
     // Each step multiplies quaternions and goes through a matrix: 32 roundings, and the spin's own
     // error, summed over n steps. angularDistance loses half the digits near zero; not near here.
     EXPECT_LE(off, 32 * n * kEpsilon + 32 * kEpsilon * omega.norm() * dt * n * (n + 1) / 2);
@@ -137,14 +137,14 @@ TEST(Spin, OfABallIsConstantAndTurnsByOmegaDt) {
 }
 
 TEST(Damping, TakesItsPartInASecond) {
-  compiler::Scene scene = FreeScene();
+  plan::Scene scene = FreeScene();
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetWorld(scene, "sleeping", false);
   SetGroup(scene, "linear_velocity", Vector3d(100, 0, 0));
   SetGroup(scene, "angular_velocity", Vector3d(0, 3, 0));
   SetGroup(scene, "linear_damping", 0.3);
   SetGroup(scene, "angular_damping", 0.6);
-  runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
   Steps(engine, 120);  // 2 s
   // (1 - d)^(1/60) to the 120th: pow and product are off by a few roundings a step.
   EXPECT_NEAR(Velocity(engine).x(), 100 * 0.7 * 0.7, 49 * 120 * 8 * kEpsilon);
@@ -153,18 +153,18 @@ TEST(Damping, TakesItsPartInASecond) {
 }
 
 TEST(HeadOnCollision, KeepsMomentumAndExchangesVelocitiesWhenElastic) {
-  compiler::Scene scene = EngineScene(2, 1000);
+  plan::Scene scene = EngineScene(2, 1000);
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetWorld(scene, "contact", Word("faithful"));
   SetGroup(scene, "restitution", 1.0);
   SetGroup(scene, "friction", 0.0);
-  library::InitialState state = library::DrawObjects(scene);
+  layouts::InitialState state = layouts::DrawObjects(scene);
   state.objects[0].pose.position = {-60, 0, 0};
   state.objects[1].pose.position = {60, 0, 0};
   state.objects[0].linear_velocity = {30, 0, 0};
   state.objects[1].linear_velocity = {-10, 0, 0};
-  runtime::Engine engine = WholeEngine(scene, state);
+  world::Engine engine = WholeEngine(scene, state);
   Steps(engine, 240);
   // One impulse of 40 between equal masses: a dozen roundings of it.
   EXPECT_NEAR(Velocity(engine, 0).x(), -10, 40 * 12 * kEpsilon);
@@ -176,10 +176,10 @@ TEST(Bounce, OffTheFloorKeepsTheRestitutionsPart) {
   // faithful: a sphere that falls 100 m meets the floor at v and leaves at e v. Bullet adds the
   // restitution to the velocity at the start of the step, before that step's g dt.
   for (const double kept : {0.5, 0.9}) {
-    compiler::Scene scene = EngineScene(1, 500);
+    plan::Scene scene = EngineScene(1, 500);
     SetWorld(scene, "contact", Word("faithful"));
     SetGroup(scene, "restitution", kept);
-    runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -125, 0}));
+    world::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -125, 0}));
     double fastest_down = 0, fastest_up = 0;
     for (int n = 0; n < 350 && fastest_up == 0; ++n) {
       engine.Step();
@@ -194,14 +194,14 @@ TEST(BoxOnFloor, CuboidCylinderAndConeStandAtTheirHalfHeight) {
   // The extents are the sides whatever the margin: the base is at -250 for each.
   for (const char* type : {"cuboid", "cylinder", "cone"}) {
     for (const double margin : {0.04, 1.0}) {
-      compiler::Scene scene = EngineScene(1, 500);
+      plan::Scene scene = EngineScene(1, 500);
       SetGroup(scene, "type", Word(type));
       SetGroup(scene, "margin", margin);
-      SetGroup(scene, "aspect", compiler::Ratio{{1, 0.5, 1}});
-      const library::InitialState drawn = library::DrawObjects(scene);
+      SetGroup(scene, "aspect", schema::Ratio{{1, 0.5, 1}});
+      const layouts::InitialState drawn = layouts::DrawObjects(scene);
       const double rest =
-          -250 - library::Bounds(drawn.objects[0].solid, Eigen::Quaterniond::Identity()).lower.y();
-      runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, rest, 0}));
+          -250 - objects::Bounds(drawn.objects[0].solid, Eigen::Quaterniond::Identity()).lower.y();
+      world::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, rest, 0}));
       Steps(engine, 300);
       // Bullet's split impulse leaves penetrations above -0.04 to the next steps.
       EXPECT_NEAR(Position(engine).y(), rest, 0.04 + 9.8 / 3600) << type << " margin " << margin;
@@ -210,4 +210,4 @@ TEST(BoxOnFloor, CuboidCylinderAndConeStandAtTheirHalfHeight) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

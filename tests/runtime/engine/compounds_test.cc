@@ -7,31 +7,31 @@
 #include <fstream>
 
 #include "library/distributions/stream.h"
-#include "library/objects/solid_maker.h"
+#include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
 #include "tests/library/meshes/test_meshes.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using library::Shape;
-using library::Solid;
+using objects::Shape;
+using objects::Solid;
 
 /// An angle of two boxes, which leans in its own principal axes.
 Solid Angle(const Vector3d& sides) {
-  using library::ConvexHull;
-  using library::testing::BoxMesh;
-  const library::Mesh mesh = library::testing::AngleMesh();
-  const auto form = std::make_shared<const library::Form>(
-      library::MakeForm("angle", mesh, library::MassPropertiesOf(mesh),
-                        {{ConvexHull(BoxMesh({0, 0, 0}, {2, 1, 1}), "a"),
-                          ConvexHull(BoxMesh({0, 1, 0}, {1, 2, 1}), "b")},
-                         0,
-                         1}));
+  using meshes::ConvexHull;
+
+  const meshes::Mesh mesh = AngleMesh();
+  const auto form = std::make_shared<const objects::ConvexDecomposition>(
+      objects::MakeDecomposition("angle", mesh, meshes::MassPropertiesOf(mesh),
+                                 {{ConvexHull(BoxMesh({0, 0, 0}, {2, 1, 1}), "a"),
+                                   ConvexHull(BoxMesh({0, 1, 0}, {1, 2, 1}), "b")},
+                                  0,
+                                  1}));
   Solid solid{Shape::kCompound, sides};
-  solid.compound = std::make_shared<const library::Compound>(form, sides);
+  solid.compound = std::make_shared<const objects::Compound>(form, sides);
   return solid;
 }
 
@@ -41,28 +41,28 @@ Eigen::Quaterniond Upright(const Solid& solid) {
 
 TEST(Compounds, BulletsShapeIsTheSolidWhateverItsSides) {
   // Slanted faces and unequal sides, with the support function that planes ask.
-  library::Stream stream(3);
-  runtime::ShapePool pool;
-  library::SolidMaker maker;
+  distributions::Stream stream(3);
+  world::ShapePool pool;
+  objects::SolidFactory maker;
   const Solid solid = maker.Make(Word("torus"), {30, 7, 50}, {1, 2, 3});
   const btCollisionShape& shape = *pool.Get(solid, 0);
   for (int i = 0; i < 1000; ++i) {
     const Vector3d d = Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
-    const double reach = d.dot(ToEigen(runtime::FarthestPoint(shape, ToBullet(d))));
+    const double reach = d.dot(ToEigen(world::FarthestPoint(shape, ToBullet(d))));
     EXPECT_NEAR(reach, d.dot(solid.Support(d)), 1000 * kEpsilon);
   }
 }
 
 TEST(Compounds, MarginIsInsideOfTheFaces) {
-  library::Stream stream(1);
-  runtime::ShapePool pool;
+  distributions::Stream stream(1);
+  world::ShapePool pool;
   for (const double margin : {0.0, 0.04, 0.3}) {
     const Solid solid = Angle({4, 5, 3});
     const btCollisionShape& shape = *pool.Get(solid, margin);
     EXPECT_EQ(shape.getShapeType(), COMPOUND_SHAPE_PROXYTYPE);
     for (int i = 0; i < 1000; ++i) {
       const Vector3d d = Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
-      const double reach = d.dot(ToEigen(runtime::FarthestPoint(shape, ToBullet(d))));
+      const double reach = d.dot(ToEigen(world::FarthestPoint(shape, ToBullet(d))));
       // Corners are rounded by the margin.
       EXPECT_LE(reach, d.dot(solid.Support(d)) + 50 * kEpsilon);
       EXPECT_GE(reach, d.dot(solid.Support(d)) - 0.74 * margin - 50 * kEpsilon);
@@ -71,7 +71,7 @@ TEST(Compounds, MarginIsInsideOfTheFaces) {
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d d = solid.compound->from_mesh().col(axis);
       const auto reach = [&](const Vector3d& along) {
-        return along.dot(ToEigen(runtime::FarthestPoint(shape, ToBullet(along))));
+        return along.dot(ToEigen(world::FarthestPoint(shape, ToBullet(along))));
       };
       EXPECT_NEAR(reach(d) + reach(-d), solid.sides[axis], 50 * kEpsilon);
     }
@@ -79,12 +79,12 @@ TEST(Compounds, MarginIsInsideOfTheFaces) {
 }
 
 TEST(Compounds, EqualOnesAreSharedAndOfOneFormShareVertices) {
-  runtime::ShapePool pool;
+  world::ShapePool pool;
   const Solid small = Angle({1, 1, 1});
   Solid large = small;
   large.sides = Vector3d(2, 3, 4);
   large.compound =
-      std::make_shared<const library::Compound>(small.compound->shared_form(), large.sides);
+      std::make_shared<const objects::Compound>(small.compound->shared_form(), large.sides);
   EXPECT_EQ(pool.Get(small, 0.04), pool.Get(small, 0.04));
   const auto points = [&](const Solid& solid) {
     const auto& shape = static_cast<const btCompoundShape&>(*pool.Get(solid, 0.04));
@@ -95,13 +95,13 @@ TEST(Compounds, EqualOnesAreSharedAndOfOneFormShareVertices) {
 }
 
 TEST(Compounds, OnePieceIsConvex) {
-  const library::Mesh box = library::testing::BoxMesh({0, 0, 0}, {1, 2, 3});
+  const meshes::Mesh box = BoxMesh({0, 0, 0}, {1, 2, 3});
   Solid solid{Shape::kCompound, {3, 2, 1}};
-  solid.compound = std::make_shared<const library::Compound>(
-      std::make_shared<const library::Form>(library::MakeForm(
-          "box", box, library::MassPropertiesOf(box), {{library::ConvexHull(box, "box")}, 0, 1})),
+  solid.compound = std::make_shared<const objects::Compound>(
+      std::make_shared<const objects::ConvexDecomposition>(objects::MakeDecomposition(
+          "box", box, meshes::MassPropertiesOf(box), {{meshes::ConvexHull(box, "box")}, 0, 1})),
       solid.sides);
-  runtime::ShapePool pool;
+  world::ShapePool pool;
   const btCollisionShape& shape = *pool.Get(solid, 0.04);
   EXPECT_TRUE(shape.isConvex());
   btVector3 lower, upper;
@@ -120,14 +120,14 @@ struct OneAngle {
     // The centre of mass of three cubes in an angle is 5/6 up.
     state.objects[0].pose.position = {0, -10 + 5.0 / 6 + gap, 0};
   }
-  compiler::Scene scene;
+  plan::Scene scene;
   Solid solid;
-  library::InitialState state;
+  layouts::InitialState state;
 };
 
 TEST(Compounds, AnAngleRestsOnItsLongSide) {
   const OneAngle one(0);
-  runtime::Engine engine = WholeEngine(one.scene, one.state);
+  world::Engine engine = WholeEngine(one.scene, one.state);
   Steps(engine, 300);
   // It rocks a little as four corners take turns, and comes to rest within Bullet's slop.
   EXPECT_NEAR(Position(engine).y(), one.state.objects[0].pose.position.y(), 0.01);
@@ -142,11 +142,11 @@ TEST(Compounds, TwoInEachOthersCornerDoNotTouch) {
   SetGroup(one.scene, "quantity", std::uint64_t{2});
   SetWorld(one.scene, "acceleration", Vector3d(0, 0, 0));
   one.state.objects.push_back(one.state.objects[0]);
-  library::ObjectState& second = one.state.objects[1];
+  layouts::ObjectState& second = one.state.objects[1];
   const auto contacts_at = [&](double gap) {
     // The mesh's outer corner is at (0, 0), its inner one at (1, 1).
     second.pose.position = one.state.objects[0].pose.position + Vector3d(1 + gap, 1 + gap, 0);
-    runtime::Engine engine = WholeEngine(one.scene, one.state);
+    world::Engine engine = WholeEngine(one.scene, one.state);
     engine.Step();
     int contacts = 0;
     btDispatcher& dispatcher = *engine.world().getDispatcher();
@@ -169,7 +169,7 @@ TEST(Compounds, SpinKeepsItsAngularMomentum) {
   SetWorld(one.scene, "world.walls", Word("none"));
   SetWorld(one.scene, "timestep", 1.0 / 1000);
   one.state.objects[0].angular_velocity = {0.3, 2, -1};
-  runtime::Engine engine = WholeEngine(one.scene, one.state);
+  world::Engine engine = WholeEngine(one.scene, one.state);
   const btRigidBody& body = *engine.objects()[0];
   const auto momentum = [&] {
     const Vector3d inertia = one.solid.InertiaPerMass();
@@ -197,7 +197,7 @@ TEST(Compounds, SweptContactsAreRefused) {
 }
 
 TEST(Compounds, ARunOfThemIsRepeatable) {
-  compiler::Scene scene = EngineScene(60, 120);
+  plan::Scene scene = EngineScene(60, 120);
   SetWorld(scene, "cycles", std::uint64_t{120});
   SetGroup(scene, "type", Word("torus"));
   SetGroup(scene, "size", 20.0);
@@ -207,10 +207,10 @@ TEST(Compounds, ARunOfThemIsRepeatable) {
   const Recorded first = RunHere(scene), second = RunHere(scene);
   ASSERT_TRUE(first.done()) << first.message();
   EXPECT_EQ(first.hash(), second.hash());
-  SetWorld(scene, "omit", compiler::WordList{"none"});
+  SetWorld(scene, "omit", schema::WordList{"none"});
   const Recorded whole = RunHere(scene);
   EXPECT_EQ(whole.hash(), first.hash());
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -5,7 +5,7 @@
 
 #include "tests/runtime/engine/against_form.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
@@ -15,8 +15,8 @@ constexpr bool kSingle = sizeof(btScalar) == 4;
 /// Hz. Finer steps drown in the rounding of single precision.
 const std::vector<double> kRates = {30, 60, 120, 240, 480};
 
-compiler::Scene In(compiler::Scene scene, std::string_view contact = "bullet") {
-  SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
+plan::Scene In(plan::Scene scene, std::string_view contact = "bullet") {
+  SetWorld(scene, "precision", Word(world::EnginePrecision()));
   SetWorld(scene, "contact", Word(contact));
   return scene;
 }
@@ -28,7 +28,7 @@ std::vector<double> Timesteps(const std::vector<double>& rates) {
 }
 
 /// The errors of the scene at each rate.
-std::vector<FormErrors> Sweep(std::string_view form, compiler::Scene scene, double seconds,
+std::vector<FormErrors> Sweep(std::string_view form, plan::Scene scene, double seconds,
                               const std::vector<double>& rates = kRates) {
   std::vector<FormErrors> errors;
   for (const double rate : rates) {
@@ -76,9 +76,9 @@ TEST(Convergence, StickCreepsWithOrderTwo) {
   EXPECT_NEAR(errors[1].position, 2.4e-3, 1e-4);  // 60 Hz
   // Nearly all of it in the first half second, as it lands and rocks: then the box stays, but for
   // 3e-6 m in 4 s at 60 Hz.
-  compiler::Scene scene = In(SlopeScene(0.3, 1));
+  plan::Scene scene = In(SlopeScene(0.3, 1));
   SetTime(scene, 1.0 / 60, 4);
-  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   Steps(engine, 30);
   const Vector3d soon = Position(engine);
   Steps(engine, 210);
@@ -104,12 +104,12 @@ double LostInBounces(double rate, std::string_view contact) {
   double sum = 0;
   for (int i = 0; i < kHeights; ++i) {
     const double height = 50 * (0.9 + 0.2 * i / kHeights);
-    compiler::Scene scene = In(BounceScene(), contact);
+    plan::Scene scene = In(BounceScene(), contact);
     SetWorld(scene, "world.side", 500.0);
     SetGroup(scene, "size", 50.0);
     SetGroup(scene, "location", At(0, -225 + height, 0));
     SetTime(scene, 1 / rate, 10);
-    runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+    world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
     const auto energy = [&] {
       const double v = Velocity(engine).y();
       return v * v / 2 + 9.8 * (Position(engine).y() + 225) - 9.8 * v / rate / 2;
@@ -152,12 +152,12 @@ HeadOn OverPhases(double rate, double mass, std::string_view contact) {
   constexpr int kPhases = 32;
   HeadOn sum;
   for (int phase = 0; phase < kPhases; ++phase) {
-    compiler::Scene scene = In(HeadOnScene(mass, 1), contact);
+    plan::Scene scene = In(HeadOnScene(mass, 1), contact);
     SetGroup(scene, "location", At(-1.5 - 4 / rate * phase / kPhases, 0, 0));
     SetTime(scene, 1 / rate, 1.2);
-    const library::InitialState state = library::MakeInitialState(scene);
-    const auto truth = library::MakeClosedForm("head_on", scene, state)->At(1.2);
-    runtime::Engine engine = WholeEngine(scene, state);
+    const layouts::InitialState state = layouts::MakeInitialState(scene);
+    const auto truth = closed_forms::MakeClosedForm("head_on", scene, state)->At(1.2);
+    world::Engine engine = WholeEngine(scene, state);
     const Observed start = Observe(engine);
     Steps(engine, static_cast<int>(scene.world.Count("cycles")));
     const double error = (Position(engine) - truth.positions[0]).norm();
@@ -193,16 +193,16 @@ TEST(Convergence, HeadOnIsOfOrderOneInTheMeanOverPhases) {
 }
 
 TEST(Convergence, RollingAgreesWithItsClosedForm) {
-  compiler::Scene scene = In(RollingScene(0.1));
+  plan::Scene scene = In(RollingScene(0.1));
   SetWorld(scene, "solver.iterations", std::uint64_t{100});
   std::vector<double> errors;
   const std::vector<double> rates = {60, 120, 240, 480};
   for (const double rate : rates) {
     SetTime(scene, 1 / rate, 1);
-    const library::InitialState state = library::MakeInitialState(scene);
-    const auto form = library::MakeClosedForm("rolling", scene, state);
-    const library::Truth start = form->At(0), truth = form->At(1);
-    runtime::Engine engine = WholeEngine(scene, state);
+    const layouts::InitialState state = layouts::MakeInitialState(scene);
+    const auto form = closed_forms::MakeClosedForm("rolling", scene, state);
+    const closed_forms::Truth start = form->At(0), truth = form->At(1);
+    world::Engine engine = WholeEngine(scene, state);
     Steps(engine, static_cast<int>(rate));
     for (std::size_t i = 0; i < state.objects.size(); ++i) {
       // Velocities are exact but for rounding: relative errors of 1e-15 in double, 4e-6 in single.
@@ -222,7 +222,7 @@ TEST(Convergence, RollingAgreesWithItsClosedForm) {
   SetWorld(scene, "solver.iterations", std::uint64_t{10});
   SetTime(scene, 1.0 / 60, 1);
   const auto form = FormOf("rolling", scene);
-  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   Steps(engine, 60);
   const double speed = form->At(1).velocities[25].x();
   EXPECT_NEAR(Velocity(engine, 25).x() / speed, kSingle ? 1 : 0.9973, 1e-4);
@@ -233,11 +233,11 @@ TEST(Convergence, StackSinksWithOrderTwo) {
   // iterations leave 4e-4 and 3e-4.
   std::vector<double> sunk;
   const auto sinks = [](double rate, std::uint64_t iterations) {
-    compiler::Scene scene = In(StackScene(10));
+    plan::Scene scene = In(StackScene(10));
     SetWorld(scene, "solver.iterations", iterations);
     SetTime(scene, 1 / rate, 4);
     const auto form = FormOf("stack", scene);
-    runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+    world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
     Steps(engine, static_cast<int>(4 * rate));
     return form->At(4).positions[9].y() - Position(engine, 9).y();
   };
@@ -249,4 +249,4 @@ TEST(Convergence, StackSinksWithOrderTwo) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

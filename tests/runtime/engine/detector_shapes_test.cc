@@ -1,4 +1,4 @@
-#include "runtime/engine/detector_shapes.h"
+#include "runtime/engine/detection/detector_shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,27 +7,27 @@
 #include "library/layouts/initial_state.h"
 #include "tests/library/test_scene.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using library::Solid;
+using objects::Solid;
 
 Vector3d ToEigen(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 TEST(DetectorShapes, NameEachSolid) {
-  DetectorShapes shapes;
+  detection::DetectorShapes shapes;
   const Vector3d sides(1, 4, 2);
-  const auto kind = [&](library::Shape shape, const Vector3d& of) {
+  const auto kind = [&](objects::Shape shape, const Vector3d& of) {
     return shapes.Of(Solid{shape, of, nullptr}).kind;
   };
-  EXPECT_EQ(kind(library::Shape::kEllipsoid, sides), ShapeKind::kEllipsoid);
-  EXPECT_EQ(kind(library::Shape::kCuboid, sides), ShapeKind::kBox);
-  EXPECT_EQ(kind(library::Shape::kCylinder, sides), ShapeKind::kCylinder);
-  EXPECT_EQ(kind(library::Shape::kCapsule, sides), ShapeKind::kCapsule);
-  EXPECT_EQ(kind(library::Shape::kCapsule, {3, 2, 3}), ShapeKind::kEllipsoid);
-  EXPECT_EQ(kind(library::Shape::kTetrahedron, sides), ShapeKind::kHull);
-  const Shape cone = shapes.Of(Solid{library::Shape::kCone, sides, nullptr});
+  EXPECT_EQ(kind(objects::Shape::kEllipsoid, sides), ShapeKind::kEllipsoid);
+  EXPECT_EQ(kind(objects::Shape::kCuboid, sides), ShapeKind::kBox);
+  EXPECT_EQ(kind(objects::Shape::kCylinder, sides), ShapeKind::kCylinder);
+  EXPECT_EQ(kind(objects::Shape::kCapsule, sides), ShapeKind::kCapsule);
+  EXPECT_EQ(kind(objects::Shape::kCapsule, {3, 2, 3}), ShapeKind::kEllipsoid);
+  EXPECT_EQ(kind(objects::Shape::kTetrahedron, sides), ShapeKind::kHull);
+  const Shape cone = shapes.Of(Solid{objects::Shape::kCone, sides, nullptr});
   EXPECT_EQ(cone.kind, ShapeKind::kCone);
   EXPECT_EQ(ToEigen(cone.half), sides / 2);
   EXPECT_EQ(cone.centre.y, 1);
@@ -62,13 +62,13 @@ void ExpectHulls(const Shape& shape, const Solid& solid) {
 }
 
 TEST(DetectorShapes, HullsAreTheSolidsOwn) {
-  DetectorShapes shapes;
-  const Solid tetrahedron{library::Shape::kTetrahedron, {1, 2, 3}, nullptr};
+  detection::DetectorShapes shapes;
+  const Solid tetrahedron{objects::Shape::kTetrahedron, {1, 2, 3}, nullptr};
   ExpectHulls(shapes.Of(tetrahedron), tetrahedron);
 
-  compiler::Scene scene = test::DefaultScene(1, 100);
-  test::SetGroup(scene, "type", test::Word("torus"));
-  const library::InitialState state = library::DrawObjects(scene);
+  plan::Scene scene = DefaultScene(1, 100);
+  SetGroup(scene, "type", Word("torus"));
+  const layouts::InitialState state = layouts::DrawObjects(scene);
   const Solid& torus = state.objects[0].solid;
   const Shape shape = shapes.Of(torus);
   EXPECT_EQ(shape.kind, ShapeKind::kCompound);
@@ -77,4 +77,4 @@ TEST(DetectorShapes, HullsAreTheSolidsOwn) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

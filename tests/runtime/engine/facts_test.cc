@@ -7,13 +7,13 @@
 #include "tests/library/form_scenes.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
 
-compiler::Scene In(compiler::Scene scene) {
-  SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
+plan::Scene In(plan::Scene scene) {
+  SetWorld(scene, "precision", Word(world::EnginePrecision()));
   return scene;
 }
 
@@ -22,10 +22,10 @@ TEST(Fact, AMassPastTheSquareRootOfThreeOverEpsilonFallsThroughTheFloor) {
   // double.
   const double limit = std::sqrt(3.0) / kEpsilon;
   const auto height = [](double mass) {
-    compiler::Scene scene = In(OneObjectScene());
+    plan::Scene scene = In(OneObjectScene());
     SetGroup(scene, "mass", mass);
     SetGroup(scene, "location", At(0, -4.4, 0));
-    runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+    world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
     Steps(engine, 60);
     return Position(engine).y();
   };
@@ -35,13 +35,13 @@ TEST(Fact, AMassPastTheSquareRootOfThreeOverEpsilonFallsThroughTheFloor) {
 
 TEST(Fact, ABoxWithADiagonalOfAMillionIsSwitchedOffInMidAir) {
   const auto engine_of = [](double size, double speed, bool sleeping) {
-    compiler::Scene scene = In(FlightScene());
+    plan::Scene scene = In(FlightScene());
     SetWorld(scene, "world.side", 1e9);
     SetWorld(scene, "sleeping", sleeping);
     SetGroup(scene, "size", size);
     SetGroup(scene, "linear_velocity", Vector3d(speed, 0, 0));
-    auto engine = std::make_unique<runtime::Engine>(scene, library::MakeInitialState(scene),
-                                                    runtime::KeepEverything(scene));
+    auto engine = std::make_unique<world::Engine>(scene, layouts::MakeInitialState(scene),
+                                                  pruning::KeepEverything(scene));
     Steps(*engine, 10);
     return engine;
   };
@@ -66,9 +66,9 @@ TEST(Fact, ABoxWithADiagonalOfAMillionIsSwitchedOffInMidAir) {
 }
 
 TEST(Fact, NaNSpreadsThroughTheIslandInOneCycleAndNoFarther) {
-  compiler::Scene scene = In(StackScene(5));
+  plan::Scene scene = In(StackScene(5));
   AddGroup(scene, "apart", 1, At(5, 0, 0));
-  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   Steps(engine, 30);
   engine.objects()[2]->setLinearVelocity({std::numeric_limits<btScalar>::quiet_NaN(), 0, 0});
   engine.Step();
@@ -82,11 +82,11 @@ TEST(Fact, ATurnIsClampedPastAnEighthOfACircle) {
   // The sine of half a turn of pi/4 stands for all larger ones: 2 atan(w dt tan(pi/8)/(pi/4)).
   const double slope = std::tan(std::numbers::pi / 8) / (std::numbers::pi / 4);  // 0.527
   for (const double turn : {0.1, 0.78, 0.8, 1.41, 3.0, 100.0}) {
-    compiler::Scene scene = In(SpinScene());
+    plan::Scene scene = In(SpinScene());
     SetGroup(scene, "type", Word("sphere"));
-    SetGroup(scene, "aspect", compiler::Ratio{{1, 1, 1}});
+    SetGroup(scene, "aspect", schema::Ratio{{1, 1, 1}});
     SetGroup(scene, "angular_velocity", Vector3d(0, 60 * turn, 0));
-    runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+    world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
     const Eigen::Quaterniond before = Orientation(engine);
     engine.Step();
     const double turned = before.angularDistance(Orientation(engine));
@@ -105,11 +105,11 @@ struct Column {
 
 /// Five balls on each other after 4 s; `tall` is their y beside 1.
 Column BallColumn(double tall, double warm_start) {
-  compiler::Scene scene = In(StackScene(5));
+  plan::Scene scene = In(StackScene(5));
   SetGroup(scene, "type", Word("sphere"));
-  SetGroup(scene, "aspect", compiler::Ratio{{1, tall, 1}});
+  SetGroup(scene, "aspect", schema::Ratio{{1, tall, 1}});
   SetWorld(scene, "solver.warm_start", warm_start);
-  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   Steps(engine, 240);
   Column column;
   btDispatcher& dispatcher = *engine.world().getDispatcher();
@@ -138,4 +138,4 @@ TEST(Fact, ContactsOfTwoSpheresAreNewInEveryCycleAndNeverWarmStart) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

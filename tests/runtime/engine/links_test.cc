@@ -8,7 +8,7 @@
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/twins.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
@@ -16,8 +16,8 @@ using Eigen::Vector3d;
 constexpr double kTimestep = 1.0 / 60;
 
 /// Linked objects of size 1 in free space, one below the other.
-compiler::Scene LinkedScene(std::uint64_t quantity, const char* type) {
-  compiler::Scene scene = EngineScene(quantity, 1000);
+plan::Scene LinkedScene(std::uint64_t quantity, const char* type) {
+  plan::Scene scene = EngineScene(quantity, 1000);
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetWorld(scene, "sleeping", false);
@@ -28,13 +28,13 @@ compiler::Scene LinkedScene(std::uint64_t quantity, const char* type) {
 }
 
 /// With w dt = `w_dt` for a mass of 1 kg.
-compiler::Scene SpringScene(std::uint64_t quantity, double w_dt) {
-  compiler::Scene scene = LinkedScene(quantity, "spring");
+plan::Scene SpringScene(std::uint64_t quantity, double w_dt) {
+  plan::Scene scene = LinkedScene(quantity, "spring");
   SetGroup(scene, "links.stiffness", std::pow(w_dt / kTimestep, 2));
   return scene;
 }
 
-double KineticEnergy(const runtime::Engine& engine) {
+double KineticEnergy(const world::Engine& engine) {
   double energy = 0;
   for (std::size_t i = 0; i < engine.objects().size(); ++i)
     energy += engine.initial_state().objects[i].mass * Velocity(engine, i).squaredNorm() / 2;
@@ -46,10 +46,10 @@ TEST(Spring, SwingsWithTheIntegratorsOwnFrequency) {
   // right up to w dt = 2.
   for (const double w_dt : {0.01, 0.1, 1.0, 1.9}) {
     SCOPED_TRACE(w_dt);
-    const compiler::Scene scene = SpringScene(1, w_dt);
-    library::InitialState state = OneObjectAt(scene, Vector3d::Zero());
+    const plan::Scene scene = SpringScene(1, w_dt);
+    layouts::InitialState state = OneObjectAt(scene, Vector3d::Zero());
     state.objects[0].linear_velocity = {0, -0.5, 0};
-    runtime::Engine engine = WholeEngine(scene, state);
+    world::Engine engine = WholeEngine(scene, state);
     const double angle = std::acos(1 - w_dt * w_dt / 2);
     const double swing = 0.5 * kTimestep / std::sin(angle);
     for (int n = 1; n <= 400; ++n) {
@@ -64,9 +64,9 @@ TEST(Spring, SwingsWithTheIntegratorsOwnFrequency) {
 }
 
 TEST(Spring, SwingsAboutWhereGravityTakesIt) {
-  compiler::Scene scene = SpringScene(1, 0.1);
+  plan::Scene scene = SpringScene(1, 0.1);
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
-  runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
   // The mean over whole periods of 2 pi / 0.1 steps.
   double sum = 0;
   for (int n = 0; n < 628; ++n) {
@@ -78,10 +78,10 @@ TEST(Spring, SwingsAboutWhereGravityTakesIt) {
 
 TEST(Spring, ExplodesPastTwo) {
   const auto speed_after = [](double w_dt) {
-    const compiler::Scene scene = SpringScene(1, w_dt);
-    library::InitialState state = OneObjectAt(scene, Vector3d::Zero());
+    const plan::Scene scene = SpringScene(1, w_dt);
+    layouts::InitialState state = OneObjectAt(scene, Vector3d::Zero());
     state.objects[0].linear_velocity = {0, -0.1, 0};
-    runtime::Engine engine = WholeEngine(scene, state);
+    world::Engine engine = WholeEngine(scene, state);
     double fastest = 0;
     for (int n = 0; n < 200; ++n) {
       engine.Step();
@@ -94,14 +94,14 @@ TEST(Spring, ExplodesPastTwo) {
 }
 
 TEST(Spring, BetweenTwoSwingsWithTheirReducedMass) {
-  compiler::Scene scene = SpringScene(2, 0.2);
+  plan::Scene scene = SpringScene(2, 0.2);
   SetGroup(scene, "links.anchor", false);
   SetGroup(scene, "links.end_mass", 3.0);
-  library::InitialState state = library::MakeInitialState(scene);
+  layouts::InitialState state = layouts::MakeInitialState(scene);
   const double length = (state.objects[1].pose.position - state.objects[0].pose.position).norm();
   EXPECT_NEAR(length, 1.1, 1e-12);
   state.objects[1].linear_velocity = {0, 0.4, 0};
-  runtime::Engine engine = WholeEngine(scene, state);
+  world::Engine engine = WholeEngine(scene, state);
   const double w_dt = 0.2 / std::sqrt(0.75), angle = std::acos(1 - w_dt * w_dt / 2);
   for (int n = 1; n <= 300; ++n) {
     engine.Step();
@@ -117,11 +117,11 @@ TEST(Spring, IsDampedByTheWholeDamper) {
   // Also where the damper is stronger than the spring, and against it.
   for (const double damping : {0.5, 6.0, 60.0}) {
     SCOPED_TRACE(damping);
-    compiler::Scene scene = SpringScene(1, 0.3);
+    plan::Scene scene = SpringScene(1, 0.3);
     SetGroup(scene, "links.damping", damping);
-    library::InitialState state = OneObjectAt(scene, Vector3d::Zero());
+    layouts::InitialState state = OneObjectAt(scene, Vector3d::Zero());
     state.objects[0].linear_velocity = {0, 1, 0};
-    runtime::Engine engine = WholeEngine(scene, state);
+    world::Engine engine = WholeEngine(scene, state);
     const double stiffness = std::pow(0.3 / kTimestep, 2);
     double x = 0, v = 1;
     for (int n = 1; n <= 100; ++n) {
@@ -136,11 +136,11 @@ TEST(Spring, IsDampedByTheWholeDamper) {
 
 TEST(Spring, KeepsItsEnergyWithTheIntegratorsTerm) {
   // x and v stay on an ellipse; a chain's swings each on their own.
-  compiler::Scene scene = SpringScene(6, 0.5);
+  plan::Scene scene = SpringScene(6, 0.5);
   SetGroup(scene, "links.end_mass", 4.0);
-  library::InitialState state = library::MakeInitialState(scene);
+  layouts::InitialState state = layouts::MakeInitialState(scene);
   state.objects[2].linear_velocity = {0, 1, 0};
-  runtime::Engine engine = WholeEngine(scene, state);
+  world::Engine engine = WholeEngine(scene, state);
   for (int n = 1; n <= 1000; ++n) {
     engine.Step();
     const double energy = KineticEnergy(engine) + engine.links().SpringEnergy(kTimestep);
@@ -151,12 +151,12 @@ TEST(Spring, KeepsItsEnergyWithTheIntegratorsTerm) {
 
 TEST(BallJoint, IsAPendulum) {
   // A ball of radius 1/2 on a pivot at its top: w^2 = g l / (l^2 + 2/5 r^2) = 14.
-  compiler::Scene scene = LinkedScene(1, "ball");
+  plan::Scene scene = LinkedScene(1, "ball");
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
-  library::InitialState state = OneObjectAt(scene, Vector3d::Zero());
+  layouts::InitialState state = OneObjectAt(scene, Vector3d::Zero());
   state.objects[0].linear_velocity = {0.05, 0, 0};
   state.objects[0].angular_velocity = {0, 0, 0.1};
-  runtime::Engine engine = WholeEngine(scene, state);
+  world::Engine engine = WholeEngine(scene, state);
   const double period = 2 * std::numbers::pi / std::sqrt(14.0);
   // Upward passages through 0, interpolated; the first counts from 0.
   double last = 0, passage = 0;
@@ -178,9 +178,9 @@ TEST(BallJoint, IsAPendulum) {
 }
 
 TEST(HingeJoint, TurnsAboutZAlone) {
-  compiler::Scene scene = LinkedScene(3, "hinge");
+  plan::Scene scene = LinkedScene(3, "hinge");
   SetWorld(scene, "acceleration", Vector3d(4, -9.8, 4));
-  runtime::Engine engine(WholeEngine(scene, library::MakeInitialState(scene)));
+  world::Engine engine(WholeEngine(scene, layouts::MakeInitialState(scene)));
   double widest = 0, out = 0;
   for (int n = 0; n < 300; ++n) {
     engine.Step();
@@ -194,11 +194,11 @@ TEST(HingeJoint, TurnsAboutZAlone) {
 }
 
 TEST(FixedJoint, KeepsDistanceAndTurn) {
-  compiler::Scene scene = LinkedScene(2, "fixed");
+  plan::Scene scene = LinkedScene(2, "fixed");
   SetGroup(scene, "links.anchor", false);
-  library::InitialState state = library::MakeInitialState(scene);
+  layouts::InitialState state = layouts::MakeInitialState(scene);
   state.objects[1].linear_velocity = {1, 0, 0};
-  runtime::Engine engine = WholeEngine(scene, state);
+  world::Engine engine = WholeEngine(scene, state);
   for (int n = 0; n < 300; ++n) {
     engine.Step();
     EXPECT_NEAR((Position(engine, 1) - Position(engine, 0)).norm(), 1.1, 0.02);
@@ -211,24 +211,24 @@ TEST(FixedJoint, KeepsDistanceAndTurn) {
 }
 
 TEST(Links, DoNotLetNeighboursCollide) {
-  compiler::Scene scene = LinkedScene(2, "ball");
+  plan::Scene scene = LinkedScene(2, "ball");
   SetGroup(scene, "location", Layout("line", {{"gap", -0.5}}));
   SetGroup(scene, "overlap", true);
-  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   Steps(engine, 5);
   const double apart = (Position(engine, 1) - Position(engine, 0)).norm();
   EXPECT_NEAR(apart, 0.5, 4 * kEpsilon);
   SetGroup(scene, "links.type", Word("none"));
-  runtime::Engine loose = WholeEngine(scene, library::MakeInitialState(scene));
+  world::Engine loose = WholeEngine(scene, layouts::MakeInitialState(scene));
   Steps(loose, 5);
   EXPECT_GT((Position(loose, 1) - Position(loose, 0)).norm(), 0.51);
 }
 
 TEST(Links, AreRecorded) {
   for (const char* type : {"ball", "spring"}) {
-    compiler::Scene scene = LinkedScene(4, type);
+    plan::Scene scene = LinkedScene(4, type);
     SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
-    SetWorld(scene, "record", compiler::WordList{"stability"});
+    SetWorld(scene, "record", schema::WordList{"stability"});
     SetWorld(scene, "cycles", std::uint64_t{100});
     SetGroup(scene, "links.end_mass", 20.0);
     Recorded recorded = RunHere(scene), again = RunHere(scene);
@@ -254,38 +254,38 @@ TEST(Links, AreRecorded) {
 }
 
 TEST(Links, KeepWhatTheyPullAt) {
-  using compiler::Component;
+  using schema::Component;
   for (const char* type : {"ball", "hinge", "fixed", "spring"}) {
     SCOPED_TRACE(type);
-    compiler::Scene scene = LinkedScene(5, type);
+    plan::Scene scene = LinkedScene(5, type);
     SetWorld(scene, "world.walls", Word("all"));
     SetWorld(scene, "sleeping", true);
-    SetWorld(scene, "record", compiler::WordList{"energy"});
+    SetWorld(scene, "record", schema::WordList{"energy"});
     SetWorld(scene, "cycles", std::uint64_t{200});
     SetWorld(scene, "acceleration", Vector3d(1, -9.8, 0));
     const Twins twins = RunTwins(scene);
     for (const Component component : {Component::kWalls, Component::kDetection, Component::kSolver,
                                       Component::kSleeping, Component::kRotation})
-      EXPECT_FALSE(twins.Omits(component)) << compiler::InfoOf(component).name;
+      EXPECT_FALSE(twins.Omits(component)) << schema::InfoOf(component).name;
     EXPECT_EQ(twins.why(Component::kSolver), "objects are linked and pull at one another");
   }
 }
 
 TEST(Links, NeedTwoPlacesForASpring) {
-  compiler::Scene scene = LinkedScene(2, "spring");
+  plan::Scene scene = LinkedScene(2, "spring");
   SetGroup(scene, "location", Layout("line", {{"gap", -1.0}}));
   SetGroup(scene, "overlap", true);
-  EXPECT_THROW(WholeEngine(scene, library::MakeInitialState(scene)), library::SceneError);
+  EXPECT_THROW(WholeEngine(scene, layouts::MakeInitialState(scene)), library::SceneError);
 }
 
 TEST(Links, BetweenFixedObjectsAreNone) {
-  compiler::Scene scene = LinkedScene(2, "ball");
-  library::InitialState state = library::MakeInitialState(scene);
-  for (library::ObjectState& object : state.objects) object.mass = 0;
-  runtime::Engine engine = WholeEngine(scene, state);
+  plan::Scene scene = LinkedScene(2, "ball");
+  layouts::InitialState state = layouts::MakeInitialState(scene);
+  for (layouts::ObjectState& object : state.objects) object.mass = 0;
+  world::Engine engine = WholeEngine(scene, state);
   Steps(engine, 3);
   EXPECT_FALSE(engine.links().HasJoints());
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

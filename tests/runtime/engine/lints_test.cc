@@ -1,5 +1,5 @@
 // What the lints foretell is what runs come to.
-#include "compiler/lints.h"
+#include "compiler/checks/lints.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/random_scenes.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 constexpr std::size_t kScenes = 1700;
@@ -24,17 +24,17 @@ constexpr std::uint64_t kSeed = 1;
 constexpr double kAgreement = 0.95;
 
 /// What the lints say of a scene, by its worst number.
-enum Forecast { kSound, kDoubtful, kBad };
+enum Reachability { kSound, kDoubtful, kBad };
 
-Forecast ForecastOf(const std::vector<compiler::LintNumber>& numbers) {
-  if (std::ranges::any_of(numbers, &compiler::LintNumber::IsBad)) return kBad;
-  return std::ranges::any_of(numbers, &compiler::LintNumber::IsDoubtful) ? kDoubtful : kSound;
+Reachability ForecastOf(const std::vector<checks::LintNumber>& numbers) {
+  if (std::ranges::any_of(numbers, &checks::LintNumber::IsBad)) return kBad;
+  return std::ranges::any_of(numbers, &checks::LintNumber::IsDoubtful) ? kDoubtful : kSound;
 }
 
 /// Runs by forecast and by whether they were stable.
 struct Confusion {
   std::array<std::array<int, 2>, 3> runs = {};
-  double Agreement(Forecast forecast, bool stable) const {
+  double Agreement(Reachability forecast, bool stable) const {
     const auto& row = runs[forecast];
     return static_cast<double>(row[stable]) / (row[0] + row[1]);
   }
@@ -43,23 +43,23 @@ struct Confusion {
 /// Runs scenes, and holds what comes of each against its lints.
 class Trial {
  public:
-  void Add(const std::string& theme, const compiler::Scene& scene) {
+  void Add(const std::string& theme, const plan::Scene& scene) {
     const Recorded recorded = RunHere(scene);
     if (!recorded.done()) {
       ++failed_;  // out of the precision's reach: said when it is placed or built
       return;
     }
-    const runtime::Judgement judged =
-        runtime::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
-    ASSERT_NE(judged.verdict, runtime::Verdict::kUnknown);
-    const bool stable = judged.verdict == runtime::Verdict::kStable;
-    const auto numbers = compiler::LintScene(scene);
-    const Forecast forecast = ForecastOf(numbers);
+    const measure::Judgement judged =
+        measure::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
+    ASSERT_NE(judged.verdict, measure::Verdict::kUnknown);
+    const bool stable = judged.verdict == measure::Verdict::kStable;
+    const auto numbers = checks::LintScene(scene);
+    const Reachability forecast = ForecastOf(numbers);
     ++all_.runs[forecast][stable];
     ++themes_[theme].runs[forecast][stable];
     if (forecast == kDoubtful || stable == (forecast == kSound)) return;
     surprises_ += fmt::format("  {}: {}:", theme, VerdictName(judged.verdict));
-    for (const compiler::LintNumber& number : numbers)
+    for (const checks::LintNumber& number : numbers)
       if (number.Severity() > 0.1)
         surprises_ += fmt::format(" {} {:.2g}", InfoOf(number.lint).kind.id, number.Severity());
     surprises_ += "\n";
@@ -67,8 +67,8 @@ class Trial {
 
   void PrintAndCheck(int most_failed) const {
     std::string table =
-        fmt::format("{:28} {:>20} {:>20} {:>20}\n", runtime::EnginePrecision(),
-                    "sound: stable, not", "doubtful: stable, not", "bad: stable, not");
+        fmt::format("{:28} {:>20} {:>20} {:>20}\n", world::EnginePrecision(), "sound: stable, not",
+                    "doubtful: stable, not", "bad: stable, not");
     const auto add = [&table](std::string_view name, const Confusion& confusion) {
       table += fmt::format("{:28}", name);
       for (const auto& row : confusion.runs) table += fmt::format(" {:14} {:5}", row[1], row[0]);
@@ -95,10 +95,10 @@ TEST(Lints, ForetellTheVerdictsOfTheStabilitySuite) {
   Trial trial;
   for (const auto& entry : std::filesystem::directory_iterator(library + "/stability")) {
     const auto compiled = compiler::Compile(entry.path(), compiler::ReadFromDisk, {library, {}});
-    for (const compiler::Plan& plan : compiled.plans) {
-      for (const compiler::Run& run : plan.runs) {
-        compiler::Scene scene = run.scene;
-        SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
+    for (const plan::Plan& plan : compiled.plans) {
+      for (const plan::Run& run : plan.runs) {
+        plan::Scene scene = run.scene;
+        SetWorld(scene, "precision", Word(world::EnginePrecision()));
         trial.Add(plan.benchmark, scene);
       }
     }
@@ -114,4 +114,4 @@ TEST(Lints, ForetellTheVerdictsOfRandomScenes) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

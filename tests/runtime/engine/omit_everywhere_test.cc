@@ -15,19 +15,19 @@
 #include "library/scene_error.h"
 #include "tests/runtime/engine/twins.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
-using compiler::Component;
-using compiler::WordList;
 using Eigen::Vector3d;
+using schema::Component;
+using schema::WordList;
 
 /// How often each component was left out and kept.
 using Tally = std::map<Component, std::array<int, 2>>;
 
 void Count(const Twins& twins, Tally& tally) {
-  for (const compiler::Need& need : twins.omissions.needs)
-    ++tally[need.component][need.fate == compiler::Fate::kLeftOut ? 0 : 1];
+  for (const plan::PruningDecision& need : twins.omissions.needs)
+    ++tally[need.component][need.fate == plan::Decision::kLeftOut ? 0 : 1];
 }
 
 std::vector<std::string> ShippedScenarios() {
@@ -44,21 +44,21 @@ std::vector<std::string> ShippedScenarios() {
 
 /// A few objects and cycles of the scene, as crowded as it was and as large as it was: the first
 /// has the contacts, the second the way to the walls.
-std::vector<compiler::Scene> ScaledDown(compiler::Scene scene) {
+std::vector<plan::Scene> ScaledDown(plan::Scene scene) {
   constexpr double kMostObjects = 40;
   constexpr std::uint64_t kMostCycles = 100;
   const auto objects = static_cast<double>(scene.ObjectCount());
   const double part = std::min(1.0, kMostObjects / std::max(objects, 1.0));
-  for (compiler::Group& group : scene.groups) {
+  for (plan::Group& group : scene.groups) {
     const auto quantity = static_cast<double>(group.settings.Count("quantity"));
     group.settings.values.insert_or_assign("quantity",
                                            static_cast<std::uint64_t>(std::ceil(part * quantity)));
   }
   SetWorld(scene, "cycles", std::min(kMostCycles, scene.world.Count("cycles")));
   SetWorld(scene, "warmup", std::min<std::uint64_t>(2, scene.world.Count("warmup")));
-  SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
+  SetWorld(scene, "precision", Word(world::EnginePrecision()));
   SetWorld(scene, "omit", WordList{"auto"});
-  std::vector<compiler::Scene> scenes = {scene};
+  std::vector<plan::Scene> scenes = {scene};
   if (part < 1) {
     SetWorld(scene, "world.side", scene.world.Real("world.side") * std::cbrt(part));
     scenes.push_back(scene);
@@ -78,15 +78,15 @@ TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
     const auto result = compiler::Compile(file, compiler::ReadFromDisk,
                                           {CDB_SOURCE_DIR "/library/scenarios", std::nullopt});
     ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
-    for (const compiler::Plan& plan : result.plans) {
+    for (const plan::Plan& plan : result.plans) {
       ++plans;
       const std::size_t stride = std::max<std::size_t>(1, plan.runs.size() / kMostRunsOfAPlan);
       for (std::size_t i = 0; i < plan.runs.size(); i += stride) {
-        SCOPED_TRACE(compiler::Describe(plan, plan.runs[i]));
-        for (const compiler::Scene& scene : ScaledDown(plan.runs[i].scene)) {
-          library::InitialState state;
+        SCOPED_TRACE(plan::Describe(plan, plan.runs[i]));
+        for (const plan::Scene& scene : ScaledDown(plan.runs[i].scene)) {
+          layouts::InitialState state;
           try {
-            state = library::MakeInitialState(scene);
+            state = layouts::MakeInitialState(scene);
           } catch (const library::SceneError&) {
             continue;  // too crowded at this scale
           }
@@ -104,8 +104,8 @@ class RandomScene {
  public:
   explicit RandomScene(unsigned seed) : random_(seed) {}
 
-  compiler::Scene Make() {
-    compiler::Scene scene = EngineScene(1 + Below(25), 0);
+  plan::Scene Make() {
+    plan::Scene scene = EngineScene(1 + Below(25), 0);
     const double size = Log(1, 100);
     const auto quantity = static_cast<double>(scene.ObjectCount());
     SetWorld(scene, "world.side", size * std::cbrt(quantity) * Log(1.8, 400));
@@ -119,7 +119,7 @@ class RandomScene {
     SetWorld(scene, "contact", Word(Pick({"bullet", "faithful"})));
     SetWorld(scene, "sleeping", Chance(0.7));
     SetWorld(scene, "record", Chance(0.5) ? WordList{"energy"} : WordList{"timing"});
-    SetGroup(scene, "size", Chance(0.5) ? compiler::Value(size) : Uniform(size / 2, size * 1.5));
+    SetGroup(scene, "size", Chance(0.5) ? schema::Value(size) : Uniform(size / 2, size * 1.5));
     SetGroup(scene, "type",
              Chance(0.5) ? AnyType()
                          : Word(Pick({"sphere", "cuboid", "cone", "capsule", "tetrahedron"})));
@@ -128,13 +128,13 @@ class RandomScene {
     if (Chance(0.4)) SetGroup(scene, "angular_velocity", Normal(0.0, Log(0.1, 30)));
     if (Chance(0.3))
       SetGroup(scene, "mass",
-               compiler::Distribution{compiler::DistributionKind::kLogUniform, {0.01, 100.0}, {}});
+               schema::Distribution{schema::DistributionKind::kLogUniform, {0.01, 100.0}, {}});
     SetGroup(scene, "restitution", Chance(0.5) ? 1.0 : 0.3);
     SetGroup(scene, "friction", Chance(0.5) ? 0.0 : 0.5);
     if (Chance(0.2)) SetGroup(scene, "linear_damping", 0.3);
     if (Chance(0.2)) SetGroup(scene, "angular_damping", 0.3);
     if (Chance(0.2)) {
-      compiler::Group fixed = scene.groups[0];
+      plan::Group fixed = scene.groups[0];
       fixed.name = "fixed";
       fixed.settings.values.insert_or_assign("mass", Word("fixed"));
       fixed.settings.values.insert_or_assign("quantity", std::uint64_t{1 + Below(4)});
@@ -182,10 +182,10 @@ TEST(OmitEverywhere, ScenesAtRandomMoveAlike) {
   int tripped = 0, ran = 0;
   for (int seed = 0; seed < scenes; ++seed) {
     SCOPED_TRACE(seed);
-    const compiler::Scene scene = RandomScene(static_cast<unsigned>(seed)).Make();
-    library::InitialState state;
+    const plan::Scene scene = RandomScene(static_cast<unsigned>(seed)).Make();
+    layouts::InitialState state;
     try {
-      state = library::MakeInitialState(scene);
+      state = layouts::MakeInitialState(scene);
     } catch (const library::SceneError&) {
       continue;
     }
@@ -202,15 +202,15 @@ TEST(OmitEverywhere, ScenesAtRandomMoveAlike) {
   for (const auto& [component, counts] : tally) {
     // No scene needs motion states, and none so small all of the pools.
     if (component == Component::kMotionStates || component == Component::kPools) continue;
-    EXPECT_GT(counts[0], ran / 50) << compiler::InfoOf(component).name << " is never left out";
-    EXPECT_GT(counts[1], ran / 50) << compiler::InfoOf(component).name << " is always left out";
+    EXPECT_GT(counts[0], ran / 50) << schema::InfoOf(component).name << " is never left out";
+    EXPECT_GT(counts[1], ran / 50) << schema::InfoOf(component).name << " is always left out";
   }
   EXPECT_LT(tripped, ran / 10);
   std::printf("%d scenes, %d tripped\n", ran, tripped);
   for (const auto& [component, counts] : tally)
     std::printf("  %-16s left out %4d, not %4d\n",
-                std::string(compiler::InfoOf(component).name).c_str(), counts[0], counts[1]);
+                std::string(schema::InfoOf(component).name).c_str(), counts[0], counts[1]);
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

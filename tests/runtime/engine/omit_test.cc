@@ -5,17 +5,17 @@
 #include "library/scene_error.h"
 #include "tests/runtime/engine/twins.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
-using compiler::Component;
-using compiler::WordList;
 using Eigen::Vector3d;
+using schema::Component;
+using schema::WordList;
 
 /// Balls of 50 m at rest, without gravity, in a cube of 2000 m; recorded is what the omission of
 /// detection allows.
-compiler::Scene Balls(std::uint64_t quantity) {
-  compiler::Scene scene = EngineScene(quantity, 2000);
+plan::Scene Balls(std::uint64_t quantity) {
+  plan::Scene scene = EngineScene(quantity, 2000);
   SetWorld(scene, "cycles", std::uint64_t{60});
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetWorld(scene, "record", WordList{"energy"});
@@ -26,8 +26,8 @@ struct Ball {
   Vector3d position, velocity = Vector3d::Zero();
 };
 
-library::InitialState At(const compiler::Scene& scene, const std::vector<Ball>& balls) {
-  library::InitialState state = library::DrawObjects(scene);
+layouts::InitialState At(const plan::Scene& scene, const std::vector<Ball>& balls) {
+  layouts::InitialState state = layouts::DrawObjects(scene);
   for (std::size_t i = 0; i < balls.size(); ++i) {
     state.objects.at(i).pose.position = balls[i].position;
     state.objects.at(i).linear_velocity = balls[i].velocity;
@@ -37,7 +37,7 @@ library::InitialState At(const compiler::Scene& scene, const std::vector<Ball>& 
 
 /// A ball that flies at the wall, so fast that its surface gets `short_of` m from it by the last
 /// step that detection sees.
-library::InitialState TowardsWall(const compiler::Scene& scene, int wall, double short_of) {
+layouts::InitialState TowardsWall(const plan::Scene& scene, int wall, double short_of) {
   const double sign = wall % 2 == 0 ? -1 : 1;
   const double steps = static_cast<double>(scene.world.Count("cycles")) - 1;
   const double speed = (1000 - 25 - short_of) / (steps * scene.world.Real("timestep"));
@@ -45,8 +45,8 @@ library::InitialState TowardsWall(const compiler::Scene& scene, int wall, double
 }
 
 TEST(OmitWalls, ReachedInTheLastCycleOrJustNot) {
-  const compiler::Scene scene = Balls(1);
-  for (int wall = 0; wall < runtime::kWallCount; ++wall) {
+  const plan::Scene scene = Balls(1);
+  for (int wall = 0; wall < pruning::kWallCount; ++wall) {
     SCOPED_TRACE(wall);
     // Overlaps the wall when the last detection looks: kept, and it changes the motion.
     const Twins hit = RunTwins(scene, TowardsWall(scene, wall, -1));
@@ -66,7 +66,7 @@ TEST(OmitWalls, ReachedInTheLastCycleOrJustNot) {
 }
 
 TEST(OmitWalls, AVelocityThatGravityTurns) {
-  compiler::Scene scene = Balls(1);
+  plan::Scene scene = Balls(1);
   SetWorld(scene, "acceleration", Vector3d(0, -100, 0));
   SetWorld(scene, "cycles", std::uint64_t{400});
   // Thrown up, it turns at v^2 / 2g.
@@ -78,7 +78,7 @@ TEST(OmitWalls, AVelocityThatGravityTurns) {
 }
 
 TEST(OmitSolver, ASpinThatBeginsByACollision) {
-  compiler::Scene scene = Balls(2);
+  plan::Scene scene = Balls(2);
   SetGroup(scene, "restitution", 1.0);
   // A glancing hit, in the fourth cycle from the end, and the same that misses.
   const auto passing = [&](double offset) {
@@ -95,7 +95,7 @@ TEST(OmitSolver, ASpinThatBeginsByACollision) {
 }
 
 TEST(OmitWalls, WhatACollisionSendsThere) {
-  compiler::Scene scene = Balls(3);
+  plan::Scene scene = Balls(3);
   SetWorld(scene, "cycles", std::uint64_t{300});
   SetGroup(scene, "restitution", 1.0);
   // The first hits the second at a slant, and neither would reach a wall along y by itself.
@@ -109,7 +109,7 @@ TEST(OmitWalls, WhatACollisionSendsThere) {
 TEST(OmitRotation, TheSameBitsForeverOrNotAtAll) {
   for (const char* type : {"sphere", "cuboid", "cylinder", "cone"}) {
     for (const Vector3d& turn : {Vector3d(0, 0, 0), Vector3d(0.3, 1, -2), Vector3d(1e-3, 0, 0)}) {
-      compiler::Scene scene = Balls(1);
+      plan::Scene scene = Balls(1);
       SetGroup(scene, "type", Word(type));
       SetGroup(scene, "orientation", turn);
       SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
@@ -123,7 +123,7 @@ TEST(OmitRotation, TheSameBitsForeverOrNotAtAll) {
 }
 
 TEST(OmitSleeping, OnlyWhereNothingComesToRest) {
-  compiler::Scene scene = Balls(1);
+  plan::Scene scene = Balls(1);
   SetWorld(scene, "cycles", std::uint64_t{400});
   const auto moving = [&](double speed) {
     return RunTwins(scene, At(scene, {{{0, 0, 0}, {speed, 0, 0}}}));
@@ -145,7 +145,7 @@ TEST(OmitSleeping, OnlyWhereNothingComesToRest) {
 
 TEST(OmitDetection, ANeighbourKeepsASlowOneAwake) {
   // Their boxes overlap for the whole run, so the fast one keeps the slow one from sleep.
-  compiler::Scene scene = Balls(2);
+  plan::Scene scene = Balls(2);
   SetWorld(scene, "cycles", std::uint64_t{400});
   const Twins twins =
       RunTwins(scene, At(scene, {{{0, 0, 0}, {0.5, 0, 0}}, {{-20, 48, 0}, {4, 0, 0}}}));
@@ -154,7 +154,7 @@ TEST(OmitDetection, ANeighbourKeepsASlowOneAwake) {
 
 TEST(OmitRaycastTree, NotWhereObjectsLookAhead) {
   for (const char* detector : {"sap", "sap32"}) {
-    compiler::Scene scene = EngineScene(30, 400);
+    plan::Scene scene = EngineScene(30, 400);
     SetWorld(scene, "cycles", std::uint64_t{100});
     SetWorld(scene, "detector", Word(detector));
     SetGroup(scene, "linear_velocity", Normal(0.0, 2000.0));
@@ -168,7 +168,7 @@ TEST(OmitRaycastTree, NotWhereObjectsLookAhead) {
 }
 
 TEST(OmitDamping, EitherKindKeepsIt) {
-  compiler::Scene scene = EngineScene(20, 400);
+  plan::Scene scene = EngineScene(20, 400);
   SetWorld(scene, "cycles", std::uint64_t{100});
   SetGroup(scene, "linear_velocity", Normal(0.0, 50.0));
   EXPECT_TRUE(RunTwins(scene).Omits(Component::kDamping));
@@ -182,16 +182,16 @@ TEST(OmitDamping, EitherKindKeepsIt) {
 // ---- the tripwire -------------------------------------------------------------------------------
 
 /// As if the proof had said that no object can reach any wall.
-runtime::Omissions WrongAboutWalls(const compiler::Scene& scene) {
-  runtime::Omissions omissions = runtime::KeepEverything(scene);
-  omissions.needs[static_cast<std::size_t>(Component::kWalls)].fate = compiler::Fate::kLeftOut;
+pruning::Omissions WrongAboutWalls(const plan::Scene& scene) {
+  pruning::Omissions omissions = pruning::KeepEverything(scene);
+  omissions.needs[static_cast<std::size_t>(Component::kWalls)].fate = plan::Decision::kLeftOut;
   omissions.walls.assign(scene.ObjectCount(), 0);
   return omissions;
 }
 
-TEST(Tripwire, SeesAnObjectAtAWallThatIsNotThereBeforeBulletWould) {
-  const compiler::Scene scene = Balls(1);
-  for (int wall = 0; wall < runtime::kWallCount; ++wall) {
+TEST(OmissionGuard, SeesAnObjectAtAWallThatIsNotThereBeforeBulletWould) {
+  const plan::Scene scene = Balls(1);
+  for (int wall = 0; wall < pruning::kWallCount; ++wall) {
     const Twins twins = RunTwins(scene, TowardsWall(scene, wall, -1), WrongAboutWalls(scene));
     ASSERT_TRUE(twins.tripped);
     EXPECT_NE(twins.tripped->find("object 1 came to the wall"), std::string::npos);
@@ -200,8 +200,8 @@ TEST(Tripwire, SeesAnObjectAtAWallThatIsNotThereBeforeBulletWould) {
   }
 }
 
-TEST(Tripwire, SeesAnObjectThatTouchesTwo) {
-  compiler::Scene scene = Balls(2);
+TEST(OmissionGuard, SeesAnObjectThatTouchesTwo) {
+  plan::Scene scene = Balls(2);
   SetWorld(scene, "cycles", std::uint64_t{200});
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
   // One lies on the floor, another falls onto it.
@@ -212,8 +212,8 @@ TEST(Tripwire, SeesAnObjectThatTouchesTwo) {
   EXPECT_EQ(twins.why(Component::kWalls), *twins.tripped);
 }
 
-TEST(Tripwire, SeesASleeperThatHadANeighbour) {
-  compiler::Scene scene = Balls(2);
+TEST(OmissionGuard, SeesASleeperThatHadANeighbour) {
+  plan::Scene scene = Balls(2);
   SetWorld(scene, "cycles", std::uint64_t{200});
   SetWorld(scene, "detector", Word("dbvt"));
   // Their boxes overlap, they do not.
@@ -227,7 +227,7 @@ TEST(Tripwire, SeesASleeperThatHadANeighbour) {
 }
 
 TEST(Omit, AListThatAsksTooMuchEndsTheRunWithAMessage) {
-  compiler::Scene scene = EngineScene(10, 500);
+  plan::Scene scene = EngineScene(10, 500);
   SetWorld(scene, "cycles", std::uint64_t{400});
   SetWorld(scene, "omit", WordList{"solver"});
   const Recorded solver = RunHere(scene);
@@ -240,28 +240,28 @@ TEST(Omit, AListThatAsksTooMuchEndsTheRunWithAMessage) {
 }
 
 TEST(Omit, TheRecordSaysWhatBecameOfEachComponent) {
-  compiler::Scene scene = EngineScene(10, 5000);
+  plan::Scene scene = EngineScene(10, 5000);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   for (const char* omit : {"none", "auto"}) {
     SetWorld(scene, "omit", WordList{omit});
     const Recorded run = RunHere(scene);
     ASSERT_TRUE(run.done()) << run.message();
     const std::string needs = run.header().needs;
-    for (const compiler::ComponentInfo& info : compiler::Components())
+    for (const schema::ComponentInfo& info : schema::Components())
       EXPECT_NE(needs.find(std::string(info.name) + ": "), std::string::npos) << needs;
     EXPECT_EQ(std::string(run.header().omitted).empty(), std::string_view(omit) == "none");
   }
 }
 
 TEST(Omit, AutoDetectsWhereARecordAsks) {
-  compiler::Scene scene = Balls(2);
+  plan::Scene scene = Balls(2);
   const auto state = At(scene, {{{0, 0, 0}}, {{500, 0, 0}}});
   for (const char* what : {"timing", "counts", "contacts", "pairs"}) {
     SetWorld(scene, "record", WordList{what});
-    EXPECT_FALSE(runtime::SettleNeeds(scene, state).Omits(Component::kDetection)) << what;
+    EXPECT_FALSE(pruning::DecideOmissions(scene, state).Omits(Component::kDetection)) << what;
   }
   SetWorld(scene, "record", WordList{"poses"});
-  EXPECT_TRUE(runtime::SettleNeeds(scene, state).Omits(Component::kDetection));
+  EXPECT_TRUE(pruning::DecideOmissions(scene, state).Omits(Component::kDetection));
   // By its name it goes even so.
   SetWorld(scene, "record", WordList{"timing"});
   SetWorld(scene, "omit", WordList{"detection"});
@@ -269,4 +269,4 @@ TEST(Omit, AutoDetectsWhereARecordAsks) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

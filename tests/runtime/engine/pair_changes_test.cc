@@ -1,4 +1,4 @@
-#include "runtime/engine/pair_changes.h"
+#include "runtime/engine/detection/pair_changes.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 /// Bodies of which the last may not meet any.
@@ -40,10 +40,10 @@ class Kept {
     return has_changed;
   }
   const std::set<Pair>& pairs() const { return pairs_; }
-  const PairChanges& changes() const { return changes_; }
+  const detection::PairChanges& changes() const { return changes_; }
 
  private:
-  PairChanges changes_;
+  detection::PairChanges changes_;
   std::set<Pair> pairs_;
 };
 
@@ -104,4 +104,4 @@ TEST(PairChanges, RefusePairsThatMakeNoSenseAndKeepWhatTheyHad) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

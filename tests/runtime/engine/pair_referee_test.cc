@@ -1,5 +1,5 @@
 // What `record pairs` finds of Bullet's detectors, and that it changes nothing.
-#include "runtime/engine/pair_referee.h"
+#include "runtime/engine/probes/pair_referee.h"
 
 #include <gtest/gtest.h>
 
@@ -9,15 +9,14 @@
 
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using namespace runtime;
 
 /// A gas of 40 balls in a small cube, that comes close and parts again.
-compiler::Scene Gas(const char* detector, compiler::WordList record) {
-  compiler::Scene scene = EngineScene(40, 300);
+plan::Scene Gas(const char* detector, schema::WordList record) {
+  plan::Scene scene = EngineScene(40, 300);
   SetWorld(scene, "cycles", std::uint64_t{40});
   SetWorld(scene, "detector", Word(detector));
   SetWorld(scene, "record", std::move(record));
@@ -34,11 +33,11 @@ std::int64_t Sum(std::span<const std::int32_t> values) {
 TEST(PairReferee, FindsNothingMissedByBullet) {
   for (const char* detector : {"simple", "sap", "sap32", "dbvt"}) {
     for (const char* walls : {"plane", "box"}) {
-      compiler::Scene scene = Gas(detector, {"pairs", "counts"});
+      plan::Scene scene = Gas(detector, {"pairs", "counts"});
       SetWorld(scene, "world.wall_shape", Word(walls));
       const Recorded recorded = RunHere(scene);
       ASSERT_TRUE(recorded.done()) << recorded.message();
-      const Recording& got = recorded.recording;
+      const measure::Recording& got = recorded.recording;
       const auto exact = got.Ints("exact_pairs"), phantom = got.Ints("phantom_pairs"),
                  listed = got.Ints("pairs");
       EXPECT_GT(Sum(exact), 40) << detector << " " << walls << ": nothing to find";
@@ -61,10 +60,10 @@ TEST(PairReferee, CountsThePhantomsOfATree) {
 }
 
 TEST(PairReferee, SeesAPairThatIsNotThere) {
-  compiler::Scene scene = Gas("simple", {"pairs"});
-  Recording recording = Recording::Create(scene);
-  Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
-  PairReferee referee(engine, recording);
+  plan::Scene scene = Gas("simple", {"pairs"});
+  measure::Recording recording = measure::Recording::Create(scene);
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
+  probes::PairReferee referee(engine, recording);
   referee.BeforeStep();
   engine.Step();
   referee.AfterStep(0);
@@ -82,25 +81,25 @@ TEST(PairReferee, SeesAPairThatIsNotThere) {
 class Twice final : public Detector {
  public:
   void FindPairs(const cdb::Scene& scene, std::vector<Pair>& pairs) override {
-    pairs = library::ExactPairs(scene);
+    pairs = detectors::ExactPairs(scene);
     const std::size_t count = pairs.size();
     for (std::size_t i = 0; i < count; ++i) pairs.push_back({pairs[i].b, pairs[i].a});
   }
 };
 
 TEST(PairReferee, TakesADetectorsListAsItIs) {
-  compiler::Scene scene = Gas("dbvt", {"pairs"});
-  library::InitialState state = library::MakeInitialState(scene);
+  plan::Scene scene = Gas("dbvt", {"pairs"});
+  layouts::InitialState state = layouts::MakeInitialState(scene);
   for (const bool finds : {true, false}) {
-    Recording recording = Recording::Create(scene);
-    Detectors detectors;
+    measure::Recording recording = measure::Recording::Create(scene);
+    detection::Detectors detectors;
     detectors.broad = {
         .name = "test",
         .phases = cdb::kBroad,
         .max_bodies = 0,
         .detector = finds ? std::shared_ptr<Detector>(new Twice) : std::make_shared<Detector>()};
-    Engine engine(scene, state, KeepEverything(scene), detectors);
-    PairReferee referee(engine, recording);
+    world::Engine engine(scene, state, pruning::KeepEverything(scene), detectors);
+    probes::PairReferee referee(engine, recording);
     for (std::uint64_t cycle = 0; cycle < 40; ++cycle) {
       referee.BeforeStep();
       engine.Step();
@@ -119,7 +118,7 @@ TEST(PairReferee, FindsNothingMissedByOurs) {
   for (const char* detector : {"auto", "skin", "grid", "sweep", "octree", "kd_tree"}) {
     const Recorded recorded = RunHere(Gas(detector, {"pairs"}));
     ASSERT_TRUE(recorded.done()) << recorded.message();
-    const Recording& got = recorded.recording;
+    const measure::Recording& got = recorded.recording;
     EXPECT_GT(Sum(got.Ints("exact_pairs")), 40) << detector;
     for (const char* fault : {"missed_pairs", "phantom_pairs", "duplicate_pairs"})
       EXPECT_EQ(Sum(got.Ints(fault)), 0) << detector << " " << fault;
@@ -127,9 +126,9 @@ TEST(PairReferee, FindsNothingMissedByOurs) {
 }
 
 TEST(PairReferee, HoldsContactsAgainstClosedForms) {
-  compiler::Scene scene = EngineScene(1, 100);
+  plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "cycles", std::uint64_t{30});
-  SetWorld(scene, "record", compiler::WordList{"pairs"});
+  SetWorld(scene, "record", schema::WordList{"pairs"});
   SetGroup(scene, "linear_velocity", Vector3d(0, -200, 0));
   SetGroup(scene, "size", 10.0);
   SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", -44.0}, {"z", 0.0}}));
@@ -157,11 +156,11 @@ TEST(PairReferee, LooksInAPassOfItsOwnWhereTimesAreTaken) {
 }
 
 TEST(PairReferee, KeepsDetectionAndIsSilentWithoutIt) {
-  compiler::Scene scene = EngineScene(2, 1000);
+  plan::Scene scene = EngineScene(2, 1000);
   SetWorld(scene, "cycles", std::uint64_t{5});
-  SetWorld(scene, "record", compiler::WordList{"pairs"});
+  SetWorld(scene, "record", schema::WordList{"pairs"});
   EXPECT_EQ(RunHere(scene).recording.Ints("exact_pairs")[4] >= 0, true);
-  SetWorld(scene, "omit", compiler::WordList{"detection"});
+  SetWorld(scene, "omit", schema::WordList{"detection"});
   SetWorld(scene, "world.walls", Word("none"));
   SetGroup(scene, "location", Layout("line", {{"gap", 50.0}}));
   const Recorded without = RunHere(scene);
@@ -170,4 +169,4 @@ TEST(PairReferee, KeepsDetectionAndIsSilentWithoutIt) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

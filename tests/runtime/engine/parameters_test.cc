@@ -5,18 +5,18 @@
 #include <functional>
 #include <map>
 
-#include "compiler/schema.h"
-#include "library/catalogue.h"
+#include "compiler/schema/catalogue.h"
+#include "compiler/schema/schema.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
 
 /// A crowd of all shapes, thrown about in a small cube, with everything in touch.
-compiler::Scene CrowdScene() {
-  compiler::Scene scene = EngineScene(40, 280);
+plan::Scene CrowdScene() {
+  plan::Scene scene = EngineScene(40, 280);
   SetWorld(scene, "cycles", std::uint64_t{150});
   SetWorld(scene, "acceleration", Vector3d(0, -98, 0));
   SetGroup(scene, "type", AnyType());
@@ -26,43 +26,43 @@ compiler::Scene CrowdScene() {
 }
 
 /// One fast ball between thin walls.
-compiler::Scene BulletScene() {
-  compiler::Scene scene = EngineScene(1, 500);
+plan::Scene BulletScene() {
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "world.wall_shape", Word("box"));
   SetGroup(scene, "linear_velocity", Vector3d(20000, 100, 0));
   return scene;
 }
 
-using Change = std::function<void(compiler::Scene&)>;
+using Change = std::function<void(plan::Scene&)>;
 struct Variation {
-  compiler::Scene scene;
+  plan::Scene scene;
   Change change;
 };
 
-Change World(std::string name, compiler::Value value) {
-  return [=](compiler::Scene& scene) { SetWorld(scene, name, value); };
+Change World(std::string name, schema::Value value) {
+  return [=](plan::Scene& scene) { SetWorld(scene, name, value); };
 }
-Change Objects(std::string name, compiler::Value value) {
-  return [=](compiler::Scene& scene) { SetGroup(scene, name, value); };
+Change Objects(std::string name, schema::Value value) {
+  return [=](plan::Scene& scene) { SetGroup(scene, name, value); };
 }
 
-compiler::Scene With(compiler::Scene scene, const Change& change) {
+plan::Scene With(plan::Scene scene, const Change& change) {
   change(scene);
   return scene;
 }
 
 std::map<std::string, Variation> Variations() {
-  const compiler::Scene crowd = CrowdScene();
-  const compiler::Scene resting = [] {
+  const plan::Scene crowd = CrowdScene();
+  const plan::Scene resting = [] {
     // Rolls so slowly that it would be put to sleep.
-    compiler::Scene scene = EngineScene(1, 500);
+    plan::Scene scene = EngineScene(1, 500);
     SetWorld(scene, "cycles", std::uint64_t{400});
     SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
     SetGroup(scene, "linear_velocity", Vector3d(0.1, 0, 0));
     return scene;
   }();
-  const compiler::Scene chain = [] {
-    compiler::Scene scene = EngineScene(5, 500);
+  const plan::Scene chain = [] {
+    plan::Scene scene = EngineScene(5, 500);
     SetWorld(scene, "cycles", std::uint64_t{50});
     SetGroup(scene, "size", 5.0);
     SetGroup(scene, "location", Layout("line", {}));
@@ -86,7 +86,7 @@ std::map<std::string, Variation> Variations() {
       {"sleeping", {resting, World("sleeping", false)}},
       {"objects.quantity", {crowd, Objects("quantity", std::uint64_t{41})}},
       {"objects.type", {crowd, Objects("type", Word("cone"))}},
-      {"objects.aspect", {crowd, Objects("aspect", compiler::Ratio{{1, 1, 1.1}})}},
+      {"objects.aspect", {crowd, Objects("aspect", schema::Ratio{{1, 1, 1.1}})}},
       {"objects.location", {crowd, Objects("location", Word("normal"))}},
       {"objects.size", {crowd, Objects("size", 49.0)}},
       {"objects.mass", {crowd, Objects("mass", Uniform(1.0, 9.0))}},
@@ -128,7 +128,7 @@ const std::map<std::string, std::string> kNotTheEngines = {
 
 TEST(Parameters, EachOfTheEnginesChangesTheEnd) {
   const auto variations = Variations();
-  for (const compiler::Parameter& parameter : compiler::Schema()) {
+  for (const schema::Parameter& parameter : schema::Schema()) {
     const std::string name = parameter.FullName();
     if (kNotTheEngines.contains(name)) continue;
     if (parameter.component == "accuracy") continue;  // of a pass of its own: sampler_test.cc
@@ -144,10 +144,10 @@ TEST(Parameters, EachOfTheEnginesChangesTheEnd) {
 }
 
 TEST(Parameters, EverySwitchAndWordOfTheDetectorRuns) {
-  for (const library::DetectorInfo& info : library::Detectors()) {
+  for (const schema::DetectorInfo& info : schema::Detectors()) {
     if (!info.part.empty() || !info.HasPhase("broad")) continue;
     const std::string detector(info.name);
-    compiler::Scene scene = CrowdScene();
+    plan::Scene scene = CrowdScene();
     SetWorld(scene, "detector", Word(detector));
     const Recorded run = RunHere(scene);
     EXPECT_TRUE(run.done()) << detector << ": " << run.message();
@@ -157,18 +157,18 @@ TEST(Parameters, EverySwitchAndWordOfTheDetectorRuns) {
 }
 
 TEST(Parameters, WhatIsRecordedChangesNothing) {
-  compiler::Scene scene = CrowdScene();
+  plan::Scene scene = CrowdScene();
   const std::string hash = RunHere(scene).hash();
-  for (const compiler::WordList& record :
-       {compiler::WordList{}, compiler::WordList{"counts"},
-        compiler::WordList{"timing", "counts", "energy", "stability", "poses", "memory"}}) {
+  for (const schema::WordList& record :
+       {schema::WordList{}, schema::WordList{"counts"},
+        schema::WordList{"timing", "counts", "energy", "stability", "poses", "memory"}}) {
     SetWorld(scene, "record", record);
     EXPECT_EQ(RunHere(scene).hash(), hash);
   }
 }
 
 TEST(Parameters, SettingsReachBullet) {
-  compiler::Scene scene = EngineScene(1, 500);
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "solver.iterations", std::uint64_t{33});
   SetWorld(scene, "solver.erp", 0.5);
   SetWorld(scene, "solver.warm_start", 0.25);
@@ -177,7 +177,7 @@ TEST(Parameters, SettingsReachBullet) {
   SetGroup(scene, "contact_damping", 2.0);
   SetGroup(scene, "rolling_friction", 0.25);
   SetGroup(scene, "ccd", true);
-  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   const btContactSolverInfo& info = engine.world().getSolverInfo();
   EXPECT_EQ(info.m_numIterations, 33);
   EXPECT_EQ(info.m_erp, btScalar(0.5));
@@ -197,8 +197,8 @@ TEST(Parameters, SettingsReachBullet) {
 }
 
 TEST(Parameters, DefaultsAreBulletsOwn) {
-  const compiler::Scene scene = EngineScene(1, 500);
-  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  const plan::Scene scene = EngineScene(1, 500);
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   const btContactSolverInfo own;
   const btContactSolverInfo& info = engine.world().getSolverInfo();
   EXPECT_EQ(info.m_numIterations, own.m_numIterations);
@@ -225,7 +225,7 @@ TEST(Parameters, DefaultsAreBulletsOwn) {
 
 TEST(Ccd, StopsWhatWouldFlyThroughAWall) {
   // 20000 m/s is 333 m a cycle; the walls are 50 m thick, the ball is 50 m wide.
-  compiler::Scene scene = BulletScene();
+  plan::Scene scene = BulletScene();
   Recorded through = RunHere(scene);
   EXPECT_EQ(through.recording.Ints("escaped").back(), 1);
   SetGroup(scene, "ccd", true);
@@ -234,4 +234,4 @@ TEST(Ccd, StopsWhatWouldFlyThroughAWall) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

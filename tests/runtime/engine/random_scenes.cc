@@ -7,17 +7,17 @@
 #include "library/distributions/stream.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
-using compiler::Scene;
-using compiler::Value;
 using Eigen::Vector3d;
+using plan::Scene;
+using schema::Value;
 
 /// What scenes are made of.
 class Maker {
  public:
-  explicit Maker(library::Stream& stream) : stream_(stream) {}
+  explicit Maker(distributions::Stream& stream) : stream_(stream) {}
 
   double Log(double least, double most) { return stream_.LogUniform(least, most); }
   double Between(double least, double most) { return stream_.Uniform(least, most); }
@@ -34,7 +34,7 @@ class Maker {
   /// With what a study chooses freely: time step, iterations, length of the run.
   Scene Make(std::uint64_t quantity, double side) {
     Scene scene = EngineScene(quantity, side);
-    SetWorld(scene, "record", compiler::WordList{"stability"});
+    SetWorld(scene, "record", schema::WordList{"stability"});
     SetWorld(scene, "cycles", Count(60, 300));
     SetWorld(scene, "timestep", 1 / Log(30, 480));
     SetWorld(scene, "solver.iterations", Count(5, 50));
@@ -57,10 +57,10 @@ class Maker {
   }
 
  private:
-  library::Stream& stream_;
+  distributions::Stream& stream_;
 };
 
-Scene Flight(Maker& make) {
+Scene Trajectory(Maker& make) {
   const double far = make.Log(1, 1e9);
   Scene scene = make.Make(1, 4 * far + 1000);
   const double size = make.Size();
@@ -89,7 +89,7 @@ Scene Spin(Maker& make) {
   SetGroup(scene, "size", make.Size());
   SetGroup(scene, "type", Word(make.Pick({"sphere", "cuboid", "cylinder", "cone", "capsule"})));
   if (make.Chance(0.5))
-    SetGroup(scene, "aspect", compiler::Ratio{{1, make.Log(0.3, 3), make.Log(0.3, 3)}});
+    SetGroup(scene, "aspect", schema::Ratio{{1, make.Log(0.3, 3), make.Log(0.3, 3)}});
   make.PutAt(scene, Vector3d::Zero());
   SetGroup(scene, "angular_velocity", Vector3d(make.Log(0.1, 1e4) * make.Direction()));
   make.Fall(scene, make.Chance(0.7) ? 0 : make.Gravity());
@@ -208,7 +208,7 @@ Scene ThinShape(Maker& make) {
            Word(make.Pick({"sphere", "cuboid", "cylinder", "cone", "capsule", "tetrahedron"})));
   SetGroup(scene, "size", 1.0);
   SetGroup(scene, "aspect",
-           make.Chance(0.5) ? compiler::Ratio{{1, 1, aspect}} : compiler::Ratio{{1, aspect, 1}});
+           make.Chance(0.5) ? schema::Ratio{{1, 1, aspect}} : schema::Ratio{{1, aspect, 1}});
   SetGroup(scene, "linear_velocity",
            Uniform(Vector3d(-aspect, -aspect, -aspect), Vector3d(aspect, aspect, aspect)));
   make.Fall(scene, make.Chance(0.5) ? 0 : make.Gravity());
@@ -247,7 +247,7 @@ Scene Heap(Maker& make) {
   SetGroup(scene, "type", Word(make.Pick({"sphere", "cuboid"})));
   SetGroup(scene, "size", size);
   SetGroup(scene, "mass",
-           compiler::Distribution{compiler::DistributionKind::kLogUniform, {1.0, masses}, {}});
+           schema::Distribution{schema::DistributionKind::kLogUniform, {1.0, masses}, {}});
   make.Fall(scene, make.Gravity());
   return scene;
 }
@@ -289,7 +289,7 @@ struct Theme {
 };
 
 constexpr Theme kThemes[] = {
-    {"flight", Flight},
+    {"flight", Trajectory},
     {"fast", Fast},
     {"spin", Spin},
     {"stack", Stack},
@@ -311,7 +311,7 @@ constexpr Theme kThemes[] = {
 }  // namespace
 
 std::vector<RandomScene> RandomScenes(std::size_t count, std::uint64_t seed) {
-  library::Stream stream(seed);
+  distributions::Stream stream(seed);
   Maker maker(stream);
   std::vector<RandomScene> scenes;
   for (std::size_t i = 0; i < count; ++i) {
@@ -321,4 +321,4 @@ std::vector<RandomScene> RandomScenes(std::size_t count, std::uint64_t seed) {
   return scenes;
 }
 
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -5,13 +5,13 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 
 struct RandomScene {
   std::string_view theme;  ///< what is swept: `stack`, `spin`
-  compiler::Scene scene;
+  plan::Scene scene;
 };
 
 /// `count` scenes, the themes in turn; the same for the same seed. What a theme is about is uniform
@@ -19,4 +19,4 @@ struct RandomScene {
 /// studies have it. At most 20 objects and 300 cycles, no timing, in the engine's precision.
 std::vector<RandomScene> RandomScenes(std::size_t count, std::uint64_t seed);
 
-}  // namespace cdb::test
+}  // namespace cdb::tests

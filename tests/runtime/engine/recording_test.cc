@@ -9,26 +9,26 @@
 #include <set>
 
 #include "library/scene_error.h"
-#include "runtime/engine/broad_phase.h"
-#include "runtime/engine/memory.h"
-#include "runtime/engine/probes.h"
-#include "runtime/engine/state_hash.h"
+#include "runtime/engine/detection/broad_phase.h"
+#include "runtime/engine/probes/memory.h"
+#include "runtime/engine/probes/probes.h"
+#include "runtime/engine/probes/state_hash.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
 
-void Record(compiler::Scene& scene, compiler::WordList words) {
+void Record(plan::Scene& scene, schema::WordList words) {
   SetWorld(scene, "record", std::move(words));
 }
 
 /// Runs the scene with its one object put somewhere, and gives the recording.
-runtime::Recording RunOne(const compiler::Scene& scene, const Vector3d& position) {
-  runtime::Recording recording = runtime::Recording::Create(scene);
-  runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, position));
-  runtime::Probes probes(scene, engine, recording, -1);
+measure::Recording RunOne(const plan::Scene& scene, const Vector3d& position) {
+  measure::Recording recording = measure::Recording::Create(scene);
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, position));
+  probes::Probes probes(scene, engine, recording, -1);
   probes.Begin();
   for (std::uint64_t i = 0; i < scene.world.Count("cycles"); ++i) {
     engine.Step();
@@ -37,8 +37,8 @@ runtime::Recording RunOne(const compiler::Scene& scene, const Vector3d& position
   return recording;
 }
 
-compiler::Scene DenseScene() {
-  compiler::Scene scene = EngineScene(60, 320);
+plan::Scene DenseScene() {
+  plan::Scene scene = EngineScene(60, 320);
   SetWorld(scene, "cycles", std::uint64_t{120});
   SetWorld(scene, "acceleration", Vector3d(0, -98, 0));
   SetGroup(scene, "type", AnyType());
@@ -56,12 +56,12 @@ TEST(Run, ReportsHowItEnded) {
   EXPECT_GT(run.header().place_ns, 0);
   EXPECT_GT(run.header().build_ns, 0);
   EXPECT_GT(run.header().fill_fraction, 0);
-  EXPECT_GT(runtime::PeakRssBytes(), 1e6);
+  EXPECT_GT(probes::PeakRssBytes(), 1e6);
 }
 
 TEST(Run, FailsWithAMessageWhereTheSceneCannotBe) {
   const Recorded run = RunHere(EngineScene(500, 400));
-  EXPECT_EQ(run.header().outcome.load(), runtime::WorkerOutcome::kFailed);
+  EXPECT_EQ(run.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(run.message().find("% of the cube"), std::string::npos) << run.message();
   EXPECT_NEAR(run.header().fill_fraction, 0.511, 0.001);
   EXPECT_EQ(run.hash(), "");
@@ -70,16 +70,16 @@ TEST(Run, FailsWithAMessageWhereTheSceneCannotBe) {
 }
 
 TEST(Run, LongMessagesAreCutAndEnd) {
-  const compiler::Scene scene = EngineScene(1, 500);
-  runtime::Recording recording = runtime::Recording::Create(scene);
-  runtime::ReportFailure(recording, std::string(10000, 'x'));
+  const plan::Scene scene = EngineScene(1, 500);
+  measure::Recording recording = measure::Recording::Create(scene);
+  worker::ReportFailure(recording, std::string(10000, 'x'));
   EXPECT_EQ(std::strlen(recording.header().message), sizeof(recording.header().message) - 1);
 }
 
 TEST(Run, WithoutObjects) {
   for (const char* detector : {"simple", "sap", "sap32", "dbvt"}) {
     for (const char* walls : {"all", "none"}) {
-      compiler::Scene scene = EngineScene(0, 500);
+      plan::Scene scene = EngineScene(0, 500);
       SetWorld(scene, "detector", Word(detector));
       SetWorld(scene, "world.walls", Word(walls));
       Record(scene, {"timing", "counts", "energy", "stability", "poses", "memory"});
@@ -93,7 +93,7 @@ TEST(Run, WithoutObjects) {
 
 TEST(Determinism, SameSceneSameHash) {
   for (const char* detector : {"simple", "sap", "sap32", "dbvt"}) {
-    compiler::Scene scene = DenseScene();
+    plan::Scene scene = DenseScene();
     SetWorld(scene, "detector", Word(detector));
     const std::string hash = RunHere(scene).hash();
     // Other allocations in between, so that equal addresses do not hide what depends on them.
@@ -112,14 +112,14 @@ TEST(Determinism, SameSceneSameHash) {
 TEST(Determinism, TheInitialStateIsTheSameInEveryPrecision) {
   // The same number stands in the single and the double test. FNV-1a over the bits of every place
   // and turn; the placement takes no library's sine or logarithm.
-  const library::InitialState state = library::MakeInitialState(DenseScene());
+  const layouts::InitialState state = layouts::MakeInitialState(DenseScene());
   std::uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&](double value) {
     std::uint64_t bits;
     std::memcpy(&bits, &value, sizeof bits);
     for (int i = 0; i < 8; ++i, bits >>= 8) hash = (hash ^ (bits & 0xff)) * 0x100000001b3;
   };
-  for (const library::ObjectState& object : state.objects) {
+  for (const layouts::ObjectState& object : state.objects) {
     for (int axis = 0; axis < 3; ++axis) add(object.pose.position[axis]);
     for (int part = 0; part < 4; ++part) add(object.pose.orientation.coeffs()[part]);
   }
@@ -127,7 +127,7 @@ TEST(Determinism, TheInitialStateIsTheSameInEveryPrecision) {
 }
 
 TEST(Warmup, RunsBeforeTheFirstRecordedCycle) {
-  compiler::Scene scene = DenseScene();
+  plan::Scene scene = DenseScene();
   Record(scene, {"poses", "counts"});
   SetWorld(scene, "cycles", std::uint64_t{30});
   Recorded whole = RunHere(scene);
@@ -136,14 +136,14 @@ TEST(Warmup, RunsBeforeTheFirstRecordedCycle) {
   Recorded late = RunHere(scene);
   EXPECT_EQ(late.hash(), whole.hash());
   EXPECT_EQ(late.header().cycles_done.load(), 18u);
-  const auto all = whole.recording.Reals("poses").subspan(12 * 60 * runtime::kPoseSize);
+  const auto all = whole.recording.Reals("poses").subspan(12 * 60 * measure::kPoseSize);
   EXPECT_TRUE(std::ranges::equal(late.recording.Reals("poses"), all));
   EXPECT_TRUE(std::ranges::equal(late.recording.Ints("contacts"),
                                  whole.recording.Ints("contacts").subspan(12)));
 }
 
 TEST(Series, EveryCycleHasEveryValue) {
-  compiler::Scene scene = DenseScene();
+  plan::Scene scene = DenseScene();
   Record(scene, {"timing", "counts", "energy", "stability", "poses", "memory", "pairs", "boxes"});
   Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
@@ -151,10 +151,10 @@ TEST(Series, EveryCycleHasEveryValue) {
   // no end.
   const std::set<std::string_view> may_have_none = {"motion_ratio", "fall_ratio",   "turn_ratio",
                                                     "depth_error",  "normal_error", "boxes"};
-  for (const runtime::Series& series : runtime::AllSeries()) {
+  for (const measure::Series& series : measure::AllSeries()) {
     ASSERT_TRUE(series.IsRecordedBy(scene)) << series.name;
     if (series.name == "joint_gap") continue;  // the scene has no joint
-    if (series.type == runtime::SeriesType::kInt32) {
+    if (series.type == measure::SeriesType::kInt32) {
       for (const std::int32_t value : run.recording.Ints(series.name))
         ASSERT_GE(value, 0) << series.name;
     } else {
@@ -167,26 +167,27 @@ TEST(Series, EveryCycleHasEveryValue) {
 TEST(Series, PhasesAreStampedByThemselves) {
   Recorded run = RunHere(DenseScene());
   const auto duration = run.recording.Reals("duration");
-  const auto at = [&](runtime::Phase phase, std::size_t cycle) {
+  const auto at = [&](measure::Phase phase, std::size_t cycle) {
     return duration[static_cast<std::size_t>(phase) * 120 + cycle];
   };
   for (std::size_t cycle = 0; cycle < 120; ++cycle) {
-    for (const runtime::Phase phase :
-         {runtime::kBroad, runtime::kNarrow, runtime::kSolve, runtime::kIntegrate}) {
+    for (const measure::Phase phase : {measure::Phase::kBroad, measure::Phase::kNarrow,
+                                       measure::Phase::kSolve, measure::Phase::kIntegrate}) {
       EXPECT_GT(at(phase, cycle), 0);
       EXPECT_EQ(at(phase, cycle), std::floor(at(phase, cycle)));
     }
-    EXPECT_EQ(at(runtime::kDetect, cycle),
-              at(runtime::kBroad, cycle) + at(runtime::kNarrow, cycle));
-    EXPECT_GE(at(runtime::kStep, cycle), at(runtime::kDetect, cycle) + at(runtime::kSolve, cycle) +
-                                             at(runtime::kIntegrate, cycle));
+    EXPECT_EQ(at(measure::Phase::kDetect, cycle),
+              at(measure::Phase::kBroad, cycle) + at(measure::Phase::kNarrow, cycle));
+    EXPECT_GE(at(measure::Phase::kStep, cycle), at(measure::Phase::kDetect, cycle) +
+                                                    at(measure::Phase::kSolve, cycle) +
+                                                    at(measure::Phase::kIntegrate, cycle));
   }
 }
 
 TEST(Series, PairsAreTheBoxesThatOverlap) {
   // Far apart, each object meets the six infinite walls and nothing else.
-  compiler::Scene scene = EngineScene(100, 50000);
-  SetWorld(scene, "omit", compiler::WordList{"none"});
+  plan::Scene scene = EngineScene(100, 50000);
+  SetWorld(scene, "omit", schema::WordList{"none"});
   for (const char* detector : {"simple", "sap32", "dbvt"}) {
     SetWorld(scene, "detector", Word(detector));
     Recorded run = RunHere(scene);
@@ -198,12 +199,12 @@ TEST(Series, PairsAreTheBoxesThatOverlap) {
 }
 
 TEST(Series, BoxesAreTheSameWhoeverFindsThePairs) {
-  compiler::Scene scene = DenseScene();
+  plan::Scene scene = DenseScene();
   Record(scene, {"boxes"});
   SetWorld(scene, "pair_order", Word("sorted"));
   SetWorld(scene, "sleeping", false);
   SetWorld(scene, "cycles", std::uint64_t{20});
-  SetWorld(scene, "omit", compiler::WordList{"none"});
+  SetWorld(scene, "omit", schema::WordList{"none"});
   Recorded first = RunHere(scene);
   ASSERT_TRUE(first.done()) << first.message();
   const auto expected = first.recording.Reals("boxes");
@@ -217,7 +218,7 @@ TEST(Series, BoxesAreTheSameWhoeverFindsThePairs) {
 }
 
 TEST(Series, EnergyIsKeptInFreeFlight) {
-  compiler::Scene scene = EngineScene(20, 2000);
+  plan::Scene scene = EngineScene(20, 2000);
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "cycles", std::uint64_t{300});
   SetGroup(scene, "linear_velocity", Normal(0.0, 30.0));
@@ -234,14 +235,14 @@ TEST(Series, EnergyIsKeptInFreeFlight) {
 }
 
 TEST(Series, KineticEnergyOfAKnownObject) {
-  compiler::Scene scene = EngineScene(1, 500);
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetWorld(scene, "cycles", std::uint64_t{1});
   SetGroup(scene, "mass", 3.0);
   SetGroup(scene, "linear_velocity", Vector3d(2, 0, 0));
   SetGroup(scene, "angular_velocity", Vector3d(0, 0.1, 0));
   Record(scene, {"energy", "stability"});
-  runtime::Recording recording = RunOne(scene, {0, 0, 0});
+  measure::Recording recording = RunOne(scene, {0, 0, 0});
   // m v^2/2 + (2/5) m r^2 w^2/2
   const double expected = 3 * 4 / 2.0 + 0.4 * 3 * 625 * 0.01 / 2;
   EXPECT_NEAR(recording.Reals("kinetic_energy")[0], expected, 64 * kEpsilon * expected);
@@ -250,12 +251,12 @@ TEST(Series, KineticEnergyOfAKnownObject) {
 }
 
 TEST(Series, PosesAreWhereTheObjectsAre) {
-  compiler::Scene scene = DenseScene();
+  plan::Scene scene = DenseScene();
   Record(scene, {"poses"});
   Recorded run = RunHere(scene);
   const auto poses = run.recording.Reals("poses");
   for (std::size_t i = 0; i < 60; ++i) {
-    const auto pose = poses.subspan((119 * 60 + i) * runtime::kPoseSize);
+    const auto pose = poses.subspan((119 * 60 + i) * measure::kPoseSize);
     const Vector3d at(pose[0], pose[1], pose[2]);
     EXPECT_EQ(at, Position(*run.engine, i));
     const Eigen::Quaterniond turn(pose[6], pose[3], pose[4], pose[5]);
@@ -264,9 +265,9 @@ TEST(Series, PosesAreWhereTheObjectsAre) {
 }
 
 TEST(Series, MotionRatioIsOneWhereNothingIsInTheWay) {
-  compiler::Scene scene = EngineScene(1, 500);
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "cycles", std::uint64_t{60});
-  runtime::Recording recording = RunOne(scene, {0, 0, 0});
+  measure::Recording recording = RunOne(scene, {0, 0, 0});
   // Places below 5 m are rounded once a cycle; nothing is said below a hundredth of a side, which
   // the object has gone after half a meter, in the eighteenth cycle.
   const auto ratios = recording.Reals("motion_ratio");
@@ -280,16 +281,16 @@ TEST(Series, MotionRatioIsOneWhereNothingIsInTheWay) {
 
 TEST(Series, MotionRatioShowsWhatPrecisionFreezes) {
   // At 1e7 m single precision moves in steps of 1 m, and 0.1 m a cycle is lost.
-  compiler::Scene scene = EngineScene(1, 1e8);
+  plan::Scene scene = EngineScene(1, 1e8);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetGroup(scene, "linear_velocity", Vector3d(6, 0, 0));
-  runtime::Recording recording = RunOne(scene, {1e7, 0, 0});
+  measure::Recording recording = RunOne(scene, {1e7, 0, 0});
   EXPECT_NEAR(recording.Reals("motion_ratio")[9], sizeof(btScalar) == 4 ? 0 : 1, 1e-6);
 }
 
 TEST(Series, EscapedCountsCentresBeyondStandingWalls) {
   const auto escaped = [](const char* walls, const Vector3d& at) {
-    compiler::Scene scene = EngineScene(1, 500);
+    plan::Scene scene = EngineScene(1, 500);
     SetWorld(scene, "world.walls", Word(walls));
     SetWorld(scene, "cycles", std::uint64_t{1});
     return RunOne(scene, at).Ints("escaped")[0];
@@ -302,32 +303,32 @@ TEST(Series, EscapedCountsCentresBeyondStandingWalls) {
 }
 
 TEST(Series, RemovedAndNonFinite) {
-  compiler::Scene scene = EngineScene(1, 500);
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetGroup(scene, "linear_velocity", Vector3d(1e9, 0, 0));
   // A box longer than 1e6 m with the way of a cycle takes the object out of Bullet's simulation.
-  runtime::Recording removed = RunOne(scene, {0, 0, 0});
+  measure::Recording removed = RunOne(scene, {0, 0, 0});
   EXPECT_EQ(removed.Ints("removed").back(), 1);
   SetWorld(scene, "acceleration", Vector3d(1e38, 0, 0));
   SetWorld(scene, "timestep", 1e3);
   SetGroup(scene, "linear_velocity", Vector3d(1, 0, 0));
   if (sizeof(btScalar) == 4) {  // 1e41 m/s is no number of single precision
-    runtime::Recording broken = RunOne(scene, {0, 0, 0});
+    measure::Recording broken = RunOne(scene, {0, 0, 0});
     EXPECT_EQ(broken.Ints("non_finite").back(), 1);
   }
 }
 
 TEST(Series, FixedObjectsStayAndAreNotAsleep) {
-  compiler::Scene scene = DenseScene();
+  plan::Scene scene = DenseScene();
   SetGroup(scene, "mass",
-           compiler::Distribution{compiler::DistributionKind::kAny, {Word("fixed"), 2.0}, {1, 1}});
+           schema::Distribution{schema::DistributionKind::kAny, {Word("fixed"), 2.0}, {1, 1}});
   SetGroup(scene, "linear_velocity", Vector3d(1, 2, 3));
   Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done());
   int fixed = 0;
   for (std::size_t i = 0; i < 60; ++i) {
-    const library::ObjectState& object = run.engine->initial_state().objects[i];
+    const layouts::ObjectState& object = run.engine->initial_state().objects[i];
     const bool moved = (Position(*run.engine, i) - object.pose.position).norm() > 400 * kEpsilon;
     EXPECT_EQ(moved, !object.IsFixed());
     fixed += object.IsFixed();
@@ -337,7 +338,7 @@ TEST(Series, FixedObjectsStayAndAreNotAsleep) {
 }
 
 TEST(Series, AsleepCountsWhatRests) {
-  compiler::Scene scene = EngineScene(1, 500);
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "cycles", std::uint64_t{300});
   EXPECT_EQ(RunOne(scene, {0, -225, 0}).Ints("asleep").back(), 1);
   SetWorld(scene, "sleeping", false);
@@ -346,7 +347,7 @@ TEST(Series, AsleepCountsWhatRests) {
 
 TEST(Walls, KeepTheObjectsIn) {
   for (const char* shape : {"plane", "box"}) {
-    compiler::Scene scene = DenseScene();
+    plan::Scene scene = DenseScene();
     SetWorld(scene, "world.wall_shape", Word(shape));
     SetWorld(scene, "acceleration", Vector3d(40, -60, 30));
     SetWorld(scene, "cycles", std::uint64_t{400});
@@ -358,14 +359,14 @@ TEST(Walls, KeepTheObjectsIn) {
 }
 
 TEST(Walls, OnlyTheFloorOrNone) {
-  compiler::Scene scene = EngineScene(1, 500);
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "acceleration", Vector3d(50, -50, 0));
   SetWorld(scene, "cycles", std::uint64_t{400});
   Record(scene, {"poses"});
   const auto last = [&](const char* walls) {
     SetWorld(scene, "world.walls", Word(walls));
-    runtime::Recording recording = RunOne(scene, {0, 0, 0});
-    const auto pose = recording.Reals("poses").last(runtime::kPoseSize);
+    measure::Recording recording = RunOne(scene, {0, 0, 0});
+    const auto pose = recording.Reals("poses").last(measure::kPoseSize);
     return Vector3d(pose[0], pose[1], pose[2]);
   };
   EXPECT_NEAR(last("floor").y(), -225, 1);
@@ -375,14 +376,14 @@ TEST(Walls, OnlyTheFloorOrNone) {
 }
 
 TEST(Contacts, StreamIsWhatTheSeriesCount) {
-  compiler::Scene scene = DenseScene();
+  plan::Scene scene = DenseScene();
   Record(scene, {"contacts", "stability"});
   const int file = memfd_create("contacts", 0);
   Recorded run = RunHere(scene, file);
   ASSERT_TRUE(run.done()) << run.message();
   const auto counts = run.recording.Ints("contacts");
   const int total = std::accumulate(counts.begin(), counts.end(), 0);
-  std::vector<runtime::ContactRecord> records(static_cast<std::size_t>(total) + 1);
+  std::vector<measure::ContactRecord> records(static_cast<std::size_t>(total) + 1);
   const ssize_t bytes = pread(file, records.data(), records.size() * sizeof(records[0]), 0);
   close(file);
   ASSERT_EQ(bytes, static_cast<ssize_t>(total * sizeof(records[0])));
@@ -393,7 +394,7 @@ TEST(Contacts, StreamIsWhatTheSeriesCount) {
   for (std::size_t cycle = 0; cycle < counts.size(); ++cycle) {
     double most = 0;
     for (std::int32_t i = 0; i < counts[cycle]; ++i, ++at) {
-      const runtime::ContactRecord& record = records[at];
+      const measure::ContactRecord& record = records[at];
       EXPECT_NEAR(Eigen::Map<const Vector3d>(record.normal).norm(), 1, 1e-4);
       EXPECT_NE(record.body_a, record.body_b);
       EXPECT_LT(std::max(record.body_a, record.body_b), 66);
@@ -405,7 +406,7 @@ TEST(Contacts, StreamIsWhatTheSeriesCount) {
 }
 
 TEST(Contacts, AFileThatCannotBeWrittenFailsTheRun) {
-  compiler::Scene scene = DenseScene();
+  plan::Scene scene = DenseScene();
   Record(scene, {"contacts"});
   const Recorded run = RunHere(scene, -1);
   EXPECT_FALSE(run.done());
@@ -416,7 +417,7 @@ TEST(Detectors, TakeAsManyBodiesAsTheySay) {
   // The arrays have room for the objects and the six walls, and no more; sanitizers see one past.
   for (const char* detector : {"simple", "sap", "sap32"}) {
     for (const std::uint64_t objects : {1, 2, 63}) {
-      compiler::Scene scene = EngineScene(objects, 1000);
+      plan::Scene scene = EngineScene(objects, 1000);
       SetWorld(scene, "detector", Word(detector));
       EXPECT_TRUE(RunHere(scene).done()) << detector << " " << objects;
     }
@@ -426,7 +427,7 @@ TEST(Detectors, TakeAsManyBodiesAsTheySay) {
 TEST(Detectors, RefuseMoreThanTheyTake) {
   const btVector3 corner(1000, 1000, 1000);
   const auto make = [&](std::string_view detector, std::size_t bodies) {
-    return runtime::MakeBroadPhase(
+    return detection::MakeBroadPhase(
         {.detector = detector, .bodies = bodies, .lower = -corner, .upper = corner});
   };
   EXPECT_THROW(make("sap", 16385), library::SceneError);
@@ -436,7 +437,7 @@ TEST(Detectors, RefuseMoreThanTheyTake) {
 
 TEST(Range, WhatPrecisionCannotHoldIsRefusedByName) {
   const auto message = [](auto change) {
-    compiler::Scene scene = EngineScene(1, 500);
+    plan::Scene scene = EngineScene(1, 500);
     change(scene);
     const Recorded run = RunHere(scene);
     return run.done() ? std::string() : run.message();
@@ -457,4 +458,4 @@ TEST(Range, WhatPrecisionCannotHoldIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -5,19 +5,18 @@
 #include <cmath>
 #include <string_view>
 
-#include "compiler/reference.h"
-#include "runtime/engine/exact_geometry.h"
+#include "compiler/plan/reference.h"
+#include "runtime/engine/probes/exact_geometry.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using namespace runtime;
 
 /// A gas of 30 balls in a small cube, sampled every fifth of its 20 cycles.
-compiler::Scene Gas(compiler::WordList metrics) {
-  compiler::Scene scene = EngineScene(30, 500);
+plan::Scene Gas(schema::WordList metrics) {
+  plan::Scene scene = EngineScene(30, 500);
   SetWorld(scene, "cycles", std::uint64_t{20});
   SetWorld(scene, "accuracy.metrics", std::move(metrics));
   SetGroup(scene, "linear_velocity",
@@ -27,17 +26,17 @@ compiler::Scene Gas(compiler::WordList metrics) {
   return scene;
 }
 
-Samples SamplesOf(const Recorded& recorded, const compiler::Scene& scene) {
-  return {*SampleShapeOf(scene), scene.world.Real("accuracy.interval"),
+measure::Samples SamplesOf(const Recorded& recorded, const plan::Scene& scene) {
+  return {*measure::SampleShapeOf(scene), scene.world.Real("accuracy.interval"),
           recorded.recording.SampleValues()};
 }
 
 TEST(Sampler, SeesWhatTheTimedPassRecords) {
-  compiler::Scene scene = Gas({"position"});
-  SetWorld(scene, "record", compiler::WordList{"counts", "energy", "poses", "timing"});
+  plan::Scene scene = Gas({"position"});
+  SetWorld(scene, "record", schema::WordList{"counts", "energy", "poses", "timing"});
   Recorded recorded = RunHere(scene);
   ASSERT_TRUE(recorded.done()) << recorded.message();
-  const Samples samples = SamplesOf(recorded, scene);
+  const measure::Samples samples = SamplesOf(recorded, scene);
   ASSERT_EQ(samples.shape.samples, 6u);
   const auto poses = recorded.recording.Reals("poses");
   const auto kinetic = recorded.recording.Reals("kinetic_energy");
@@ -45,11 +44,11 @@ TEST(Sampler, SeesWhatTheTimedPassRecords) {
   for (std::size_t s = 1; s < 6; ++s) {
     const std::size_t cycle = 4 * s - 1;
     for (std::size_t i = 0; i < 30; ++i)
-      for (std::size_t k = 0; k < kPoseSize; ++k)
+      for (std::size_t k = 0; k < measure::kPoseSize; ++k)
         EXPECT_EQ(samples.values[samples.shape.State(s, i) + k],
-                  poses[(cycle * 30 + i) * kPoseSize + k]);
-    EXPECT_NEAR(samples.observable(s, kKinetic), kinetic[cycle], 1e-5 * kinetic[cycle]);
-    EXPECT_EQ(samples.observable(s, kContactCount), contacts[cycle]);
+                  poses[(cycle * 30 + i) * measure::kPoseSize + k]);
+    EXPECT_NEAR(samples.observable(s, measure::kKinetic), kinetic[cycle], 1e-5 * kinetic[cycle]);
+    EXPECT_EQ(samples.observable(s, measure::kContactCount), contacts[cycle]);
   }
   EXPECT_EQ(
       samples.position(0, 0),
@@ -57,9 +56,9 @@ TEST(Sampler, SeesWhatTheTimedPassRecords) {
 }
 
 TEST(Sampler, ChangesNothingOfTheTimedPass) {
-  const compiler::Scene scene = Gas({"position", "pairs"});
-  compiler::Scene plain = scene;
-  SetWorld(plain, "accuracy.metrics", compiler::WordList{"none"});
+  const plan::Scene scene = Gas({"position", "pairs"});
+  plan::Scene plain = scene;
+  SetWorld(plain, "accuracy.metrics", schema::WordList{"none"});
   const Recorded with = RunHere(scene), without = RunHere(plain);
   ASSERT_TRUE(with.done()) << with.message();
   EXPECT_EQ(with.hash(), without.hash());
@@ -68,26 +67,26 @@ TEST(Sampler, ChangesNothingOfTheTimedPass) {
 
 TEST(Sampler, LooksAtThePairsOfEveryDetector) {
   for (const char* detector : {"simple", "sap", "sap32", "dbvt"}) {
-    compiler::Scene scene = Gas({"pairs"});
+    plan::Scene scene = Gas({"pairs"});
     SetWorld(scene, "detector", Word(detector));
     SetWorld(scene, "world.side", 300.0);
     const Recorded recorded = RunHere(scene);
     ASSERT_TRUE(recorded.done()) << recorded.message();
-    const Samples samples = SamplesOf(recorded, scene);
+    const measure::Samples samples = SamplesOf(recorded, scene);
     double exact = 0;
     for (std::size_t s = 1; s < samples.shape.samples; ++s) {
-      exact += samples.observable(s, kPairsExact);
-      EXPECT_EQ(samples.observable(s, kPairsMissed), 0) << detector;
-      EXPECT_GE(samples.observable(s, kPairsPhantom), 0) << detector;
+      exact += samples.observable(s, measure::kPairsExact);
+      EXPECT_EQ(samples.observable(s, measure::kPairsMissed), 0) << detector;
+      EXPECT_GE(samples.observable(s, measure::kPairsPhantom), 0) << detector;
     }
     EXPECT_GT(exact, 0) << "nothing to find";
   }
 }
 
 TEST(Sampler, SeesHowDeepContactsAre) {
-  compiler::Scene scene = EngineScene(1, 100);
+  plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "cycles", std::uint64_t{30});
-  SetWorld(scene, "accuracy.metrics", compiler::WordList{"penetration"});
+  SetWorld(scene, "accuracy.metrics", schema::WordList{"penetration"});
   SetWorld(scene, "accuracy.interval", 1.0 / 60);
   SetGroup(scene, "linear_velocity", Vector3d(0, -200, 0));
   SetGroup(scene, "size", 10.0);
@@ -95,12 +94,13 @@ TEST(Sampler, SeesHowDeepContactsAre) {
   Recorded recorded = RunHere(scene);
   ASSERT_TRUE(recorded.done()) << recorded.message();
   const auto deepest = recorded.recording.Reals("max_penetration");
-  const Samples samples = SamplesOf(recorded, scene);
+  const measure::Samples samples = SamplesOf(recorded, scene);
   double most = 0;
   for (std::size_t s = 1; s < samples.shape.samples; ++s) {
-    EXPECT_NEAR(samples.observable(s, kDepthMax), deepest[s - 1] / 10, 1e-12);
-    EXPECT_LE(samples.observable(s, kDepthMean), samples.observable(s, kDepthMax));
-    most = std::max(most, samples.observable(s, kDepthMax));
+    EXPECT_NEAR(samples.observable(s, measure::kDepthMax), deepest[s - 1] / 10, 1e-12);
+    EXPECT_LE(samples.observable(s, measure::kDepthMean),
+              samples.observable(s, measure::kDepthMax));
+    most = std::max(most, samples.observable(s, measure::kDepthMax));
   }
   EXPECT_GT(most, 0);
 }
@@ -110,28 +110,28 @@ struct Geometry {
   double overlaps = 0, missed = 0, depth_sum = 0, normal_sum = 0, normals = 0;
 };
 
-Geometry GeometryOf(compiler::Scene scene) {
-  SetWorld(scene, "accuracy.metrics", compiler::WordList{"geometry"});
+Geometry GeometryOf(plan::Scene scene) {
+  SetWorld(scene, "accuracy.metrics", schema::WordList{"geometry"});
   SetWorld(scene, "accuracy.interval", 1.0 / 60);
   SeedStreams(scene);
   const Recorded recorded = RunHere(scene);
   EXPECT_TRUE(recorded.done()) << recorded.message();
-  const Samples samples = SamplesOf(recorded, scene);
-  EXPECT_TRUE(std::isnan(samples.observable(0, kOverlapsExact))) << "before any step";
+  const measure::Samples samples = SamplesOf(recorded, scene);
+  EXPECT_TRUE(std::isnan(samples.observable(0, measure::kOverlapsExact))) << "before any step";
   Geometry sums;
   for (std::size_t s = 1; s < samples.shape.samples; ++s) {
-    sums.overlaps += samples.observable(s, kOverlapsExact);
-    sums.missed += samples.observable(s, kOverlapsMissed);
-    sums.depth_sum += samples.observable(s, kDepthErrorSum);
-    sums.normal_sum += samples.observable(s, kNormalErrorSum);
-    sums.normals += samples.observable(s, kNormalCount);
+    sums.overlaps += samples.observable(s, measure::kOverlapsExact);
+    sums.missed += samples.observable(s, measure::kOverlapsMissed);
+    sums.depth_sum += samples.observable(s, measure::kDepthErrorSum);
+    sums.normal_sum += samples.observable(s, measure::kNormalErrorSum);
+    sums.normals += samples.observable(s, measure::kNormalCount);
   }
   return sums;
 }
 
 /// One object of 10 m in a cube of 100 m that falls on the floor.
-compiler::Scene OnTheFloor(const char* type, const char* wall_shape) {
-  compiler::Scene scene = EngineScene(1, 100);
+plan::Scene OnTheFloor(const char* type, const char* wall_shape) {
+  plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "cycles", std::uint64_t{60});
   SetWorld(scene, "world.wall_shape", Word(wall_shape));
   SetWorld(scene, "acceleration", Vector3d(0, -100, 0));
@@ -144,9 +144,9 @@ compiler::Scene OnTheFloor(const char* type, const char* wall_shape) {
 }
 
 /// An object of 10 m at `upper`, turned by `turn`, and one at the origin, without any walls.
-compiler::Scene InEachOther(const char* upper_type, const char* lower_type, const Vector3d& upper,
-                            const Vector3d& turn) {
-  compiler::Scene scene = EngineScene(1, 100);
+plan::Scene InEachOther(const char* upper_type, const char* lower_type, const Vector3d& upper,
+                        const Vector3d& turn) {
+  plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "cycles", std::uint64_t{1});
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
@@ -199,38 +199,39 @@ TEST(Geometry, HoldsNoNormalAgainstOneOfTwo) {
 }
 
 TEST(Geometry, IsOfOverlapsAlone) {
-  const Vector3d just(0, 10 - 0.5 * kLeastOverlap * 10, 0);
+  const Vector3d just(0, 10 - 0.5 * probes::kLeastOverlap * 10, 0);
   EXPECT_EQ(GeometryOf(InEachOther("sphere", "sphere", just, {0, 0, 0})).overlaps, 0) << "touch";
   EXPECT_EQ(GeometryOf(InEachOther("cuboid", "cone", {1, 2, 0}, {0, 0, 0})).overlaps, 0)
       << "no closed form";
 }
 
 TEST(Geometry, LeavesOutThoseThatALinkLetsThrough) {
-  compiler::Scene scene = InEachOther("sphere", "sphere", {0, 8, 0}, {0, 0, 0});
+  plan::Scene scene = InEachOther("sphere", "sphere", {0, 8, 0}, {0, 0, 0});
   EXPECT_EQ(GeometryOf(scene).overlaps, 1);
   const Recorded recorded = RunHere(scene);
   btRigidBody &a = *recorded.engine->objects()[0], &b = *recorded.engine->objects()[1];
-  ASSERT_EQ(ExactOverlaps(*recorded.engine, {{0, 1}}).size(), 1u);
+  ASSERT_EQ(probes::ExactOverlaps(*recorded.engine, {{0, 1}}).size(), 1u);
   // As a constraint without collisions between its two does.
   a.setIgnoreCollisionCheck(&b, true);
-  EXPECT_TRUE(ExactOverlaps(*recorded.engine, {{0, 1}}).empty());
+  EXPECT_TRUE(probes::ExactOverlaps(*recorded.engine, {{0, 1}}).empty());
   a.setIgnoreCollisionCheck(&b, false);
 }
 
 /// The reference of `scene` in this engine's precision.
-compiler::Scene ReferenceHere(compiler::Scene scene) {
-  SetWorld(scene, "accuracy.reference.precision", Word(EnginePrecision()));
+plan::Scene ReferenceHere(plan::Scene scene) {
+  SetWorld(scene, "accuracy.reference.precision", Word(world::EnginePrecision()));
   SetWorld(scene, "accuracy.reference.timestep", 1.0 / 240);
-  return compiler::ReferenceOf(scene);
+  return plan::ReferenceOf(scene);
 }
 
 TEST(Reference, StartsWhereTheRunDoesAndIsSampledAtTheSameTimes) {
-  const compiler::Scene scene = Gas({"position"});
-  const compiler::Scene reference = ReferenceHere(scene);
+  const plan::Scene scene = Gas({"position"});
+  const plan::Scene reference = ReferenceHere(scene);
   const Recorded run = RunHere(scene), truth = RunHere(reference);
   ASSERT_TRUE(truth.done()) << truth.message();
   EXPECT_EQ(truth.header().cycles_done.load(), 80u);
-  const Samples samples = SamplesOf(run, scene), true_samples = SamplesOf(truth, reference);
+  const measure::Samples samples = SamplesOf(run, scene),
+                         true_samples = SamplesOf(truth, reference);
   EXPECT_EQ(samples.shape, true_samples.shape);
   for (std::size_t i = 0; i < 30; ++i) {
     EXPECT_EQ(samples.position(0, i), true_samples.position(0, i));
@@ -241,12 +242,12 @@ TEST(Reference, StartsWhereTheRunDoesAndIsSampledAtTheSameTimes) {
 }
 
 TEST(Twin, IsNudgedByABillionthOfEachSize) {
-  const compiler::Scene reference = ReferenceHere(Gas({"position"}));
-  const compiler::Scene twin = compiler::TwinOf(reference);
+  const plan::Scene reference = ReferenceHere(Gas({"position"}));
+  const plan::Scene twin = plan::TwinOf(reference);
   const Recorded truth = RunHere(reference), other = RunHere(twin);
   ASSERT_TRUE(other.done()) << other.message();
-  const Samples a = SamplesOf(truth, reference), b = SamplesOf(other, twin);
-  if (std::string_view(EnginePrecision()) == "double") {
+  const measure::Samples a = SamplesOf(truth, reference), b = SamplesOf(other, twin);
+  if (std::string_view(world::EnginePrecision()) == "double") {
     for (std::size_t i = 0; i < 30; ++i)
       EXPECT_NEAR((a.position(0, i) - b.position(0, i)).norm() / a.size(i), 1e-9, 1e-13);
     EXPECT_NE(truth.hash(), other.hash());
@@ -257,4 +258,4 @@ TEST(Twin, IsNudgedByABillionthOfEachSize) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

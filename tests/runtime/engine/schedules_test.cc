@@ -1,5 +1,5 @@
 // Accelerations and velocities that change while the run goes on.
-#include "runtime/engine/schedules.h"
+#include "runtime/engine/world/schedules.h"
 
 #include <gtest/gtest.h>
 
@@ -7,20 +7,20 @@
 
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
-using compiler::Call;
-using compiler::Value;
 using Eigen::Vector3d;
+using schema::Call;
+using schema::Value;
 
 Value Every(std::uint64_t cycles, Value value) { return Call{"every", {cycles, std::move(value)}}; }
 Value Rotating(const Vector3d& vector, const Vector3d& about, double period) {
   return Call{"rotating", {vector, about, period}};
 }
 
-compiler::Scene FreeScene(std::uint64_t quantity) {
-  compiler::Scene scene = EngineScene(quantity, 1e5);
+plan::Scene FreeScene(std::uint64_t quantity) {
+  plan::Scene scene = EngineScene(quantity, 1e5);
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetWorld(scene, "cycles", std::uint64_t{100});
@@ -29,9 +29,9 @@ compiler::Scene FreeScene(std::uint64_t quantity) {
 
 /// As RunScene does it, with a look after each step.
 template <typename Look>
-void RunSteps(const compiler::Scene& scene, std::uint64_t steps, const Look& look) {
-  runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
-  runtime::Schedules schedules(scene, engine);
+void RunSteps(const plan::Scene& scene, std::uint64_t steps, const Look& look) {
+  world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
+  world::Schedules schedules(scene, engine);
   for (std::uint64_t step = 0; step < steps; ++step) {
     schedules.BeforeStep(step);
     engine.Step();
@@ -40,14 +40,14 @@ void RunSteps(const compiler::Scene& scene, std::uint64_t steps, const Look& loo
 }
 
 TEST(Schedules, VelocitiesAreDrawnAnewEverySoManySteps) {
-  compiler::Scene scene = FreeScene(3);
+  plan::Scene scene = FreeScene(3);
   SetGroup(scene, "linear_velocity",
            Every(10, Uniform(Value(Vector3d(-9, -9, -9)), Value(Vector3d(9, 9, 9)))));
   SeedStreams(scene);
   // What a stream of the same name gives, group by group and time after time.
-  library::Draw draw(scene, &scene.groups[0], "linear_velocity");
+  distributions::Draw draw(scene, &scene.groups[0], "linear_velocity");
   std::vector<Vector3d> expected(3);
-  RunSteps(scene, 35, [&](std::uint64_t step, const runtime::Engine& engine) {
+  RunSteps(scene, 35, [&](std::uint64_t step, const world::Engine& engine) {
     if (step % 10 == 0)
       for (Vector3d& velocity : expected) velocity = draw.Vector();
     for (std::size_t i = 0; i < 3; ++i)
@@ -56,12 +56,12 @@ TEST(Schedules, VelocitiesAreDrawnAnewEverySoManySteps) {
 }
 
 TEST(Schedules, AnAccelerationTurnsSteadily) {
-  compiler::Scene scene = FreeScene(1);
+  plan::Scene scene = FreeScene(1);
   const double period = 0.5, dt = 1.0 / 60;
   SetWorld(scene, "acceleration", Rotating({0, -9.8, 0}, {0, 0, 2}, period));
   SeedStreams(scene);
   Vector3d velocity = Vector3d::Zero();
-  RunSteps(scene, 100, [&](std::uint64_t step, const runtime::Engine& engine) {
+  RunSteps(scene, 100, [&](std::uint64_t step, const world::Engine& engine) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(step) * dt / period;
     // By the right hand about z, from -y to +x.
     velocity += 9.8 * Vector3d(std::sin(angle), -std::cos(angle), 0) * dt;
@@ -71,11 +71,11 @@ TEST(Schedules, AnAccelerationTurnsSteadily) {
 }
 
 TEST(Schedules, WhoSleepsIsWoken) {
-  compiler::Scene scene = EngineScene(1, 500);
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "acceleration", Every(300, Value(Vector3d(0, -9.8, 0))));
   SeedStreams(scene);
-  runtime::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));
-  runtime::Schedules schedules(scene, engine);
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));
+  world::Schedules schedules(scene, engine);
   for (std::uint64_t step = 0; step < 301; ++step) {
     if (step == 300) {
       EXPECT_EQ(engine.objects()[0]->getActivationState(), ISLAND_SLEEPING);
@@ -87,19 +87,19 @@ TEST(Schedules, WhoSleepsIsWoken) {
 }
 
 TEST(Schedules, FixedObjectsStayFixed) {
-  compiler::Scene scene = FreeScene(1);
+  plan::Scene scene = FreeScene(1);
   SetGroup(scene, "mass", Word("fixed"));
   SetGroup(scene, "linear_velocity", Every(1, Value(Vector3d(5, 0, 0))));
   SeedStreams(scene);
-  const Vector3d start = library::MakeInitialState(scene).objects[0].pose.position;
-  RunSteps(scene, 5, [&](std::uint64_t, const runtime::Engine& engine) {
+  const Vector3d start = layouts::MakeInitialState(scene).objects[0].pose.position;
+  RunSteps(scene, 5, [&](std::uint64_t, const world::Engine& engine) {
     EXPECT_LE((Position(engine) - start).norm(), 1e5 * kEpsilon);
   });
 }
 
 TEST(Schedules, NothingIsLeftOutThatAChangeCouldNeed) {
   // Without a schedule nothing touches here, and nearly everything is left out.
-  compiler::Scene scene = EngineScene(4, 2000);
+  plan::Scene scene = EngineScene(4, 2000);
   SetWorld(scene, "cycles", std::uint64_t{400});
   SetWorld(scene, "acceleration", Rotating({0, -200, 0}, {1, 0, 0}, 3));
   SetGroup(scene, "linear_velocity",
@@ -109,9 +109,9 @@ TEST(Schedules, NothingIsLeftOutThatAChangeCouldNeed) {
   ASSERT_TRUE(pruned.done()) << pruned.message();
   EXPECT_NE(std::string(pruned.header().needs).find("the acceleration changes while it runs"),
             std::string::npos);
-  SetWorld(scene, "omit", compiler::WordList{"none"});
+  SetWorld(scene, "omit", schema::WordList{"none"});
   EXPECT_EQ(RunHere(scene).hash(), pruned.hash());
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

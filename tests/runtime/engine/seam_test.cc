@@ -11,21 +11,21 @@
 #include <string>
 #include <vector>
 
+#include "library/detectors/builtin/builtin.h"
 #include "library/detectors/bullet/bullet.h"
 #include "library/detectors/exact_pairs.h"
-#include "library/detectors/own.h"
 #include "library/scene_error.h"
-#include "runtime/engine/detectors.h"
+#include "runtime/engine/detection/detectors.h"
 #include "tests/runtime/engine/twins.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
+using detection::Detectors;
+using detection::NamedDetector;
 using Eigen::Vector3d;
-using runtime::Detectors;
-using runtime::NamedDetector;
 
-NamedDetector Named(std::shared_ptr<Detector> detector, std::uint32_t phases = kBroad) {
+NamedDetector Named(std::shared_ptr<Detector> detector, Phases phases = kBroad) {
   return {.name = "tested", .phases = phases, .max_bodies = 0, .detector = std::move(detector)};
 }
 
@@ -33,19 +33,19 @@ NamedDetector Named(std::shared_ptr<Detector> detector, std::uint32_t phases = k
 class Exact : public Detector {
  public:
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
-    pairs = library::ExactPairs(scene);
+    pairs = detectors::ExactPairs(scene);
   }
 };
 
-compiler::Scene Sorted(compiler::Scene scene) {
+plan::Scene Sorted(plan::Scene scene) {
   SetWorld(scene, "pair_order", Word("sorted"));
   return scene;
 }
 
 /// Balls that fly about in a cube, an eighth of it full. None sleeps: who does depends on which
 /// pairs are listed that do not overlap, and each of Bullet's lists others.
-compiler::Scene Gas(std::uint64_t quantity) {
-  compiler::Scene scene = EngineScene(quantity, std::cbrt(static_cast<double>(quantity)) * 2);
+plan::Scene Gas(std::uint64_t quantity) {
+  plan::Scene scene = EngineScene(quantity, std::cbrt(static_cast<double>(quantity)) * 2);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetWorld(scene, "timestep", 1.0 / 60);
   SetWorld(scene, "sleeping", false);
@@ -56,8 +56,8 @@ compiler::Scene Gas(std::uint64_t quantity) {
 }
 
 /// The same, falling on the floor and coming to rest there.
-compiler::Scene Pile(std::uint64_t quantity) {
-  compiler::Scene scene = Gas(quantity);
+plan::Scene Pile(std::uint64_t quantity) {
+  plan::Scene scene = Gas(quantity);
   SetWorld(scene, "sleeping", true);
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
   SetGroup(scene, "restitution", 0.2);
@@ -66,48 +66,48 @@ compiler::Scene Pile(std::uint64_t quantity) {
   return scene;
 }
 
-compiler::Scene Mixed(std::uint64_t quantity) {
-  compiler::Scene scene = Pile(quantity);
+plan::Scene Mixed(std::uint64_t quantity) {
+  plan::Scene scene = Pile(quantity);
   SetGroup(scene, "type", AnyType());
   SetGroup(scene, "size", Uniform(0.6, 1.2));
   SetGroup(scene, "orientation", Word("random"));
   return scene;
 }
 
-compiler::Scene Boxes(std::uint64_t quantity) {
-  compiler::Scene scene = Pile(quantity);
+plan::Scene Boxes(std::uint64_t quantity) {
+  plan::Scene scene = Pile(quantity);
   SetGroup(scene, "type", Word("cuboid"));
   SetGroup(scene, "size", 0.8);
   return scene;
 }
 
 /// The state after so many steps. Without detectors: those that the scene names.
-std::string HashAfter(const compiler::Scene& scene, const library::InitialState& state, int steps,
+std::string HashAfter(const plan::Scene& scene, const layouts::InitialState& state, int steps,
                       const Detectors* detectors = nullptr) {
-  auto omissions = runtime::KeepEverything(scene);
+  auto omissions = pruning::KeepEverything(scene);
   const auto engine = detectors == nullptr
-                          ? std::make_unique<runtime::Engine>(scene, state, omissions)
-                          : std::make_unique<runtime::Engine>(scene, state, omissions, *detectors);
+                          ? std::make_unique<world::Engine>(scene, state, omissions)
+                          : std::make_unique<world::Engine>(scene, state, omissions, *detectors);
   Steps(*engine, steps);
-  return runtime::StateHash(*engine);
+  return probes::StateHash(*engine);
 }
 
-std::string BulletAlone(compiler::Scene scene, const library::InitialState& state, int steps,
+std::string BulletAlone(plan::Scene scene, const layouts::InitialState& state, int steps,
                         const char* detector = "dbvt") {
   SetWorld(scene, "detector", Word(detector));
   return HashAfter(scene, state, steps);
 }
 
 /// Bullet's pairs, and also its contacts, through the interface.
-std::string Through(const compiler::Scene& scene, const library::InitialState& state, int steps,
+std::string Through(const plan::Scene& scene, const layouts::InitialState& state, int steps,
                     const char* broad, bool contacts) {
-  Detectors detectors{.broad = runtime::MakeDetector(broad, scene), .narrow = {}};
-  if (contacts) detectors.narrow = runtime::MakeDetector("bullet", scene);
+  Detectors detectors{.broad = detection::MakeDetector(broad, scene), .narrow = {}};
+  if (contacts) detectors.narrow = detection::MakeDetector("bullet", scene);
   return HashAfter(scene, state, steps, &detectors);
 }
 
-void ExpectBulletThroughTheSeam(const compiler::Scene& scene, int steps) {
-  const library::InitialState state = library::MakeInitialState(scene);
+void ExpectBulletThroughTheSeam(const plan::Scene& scene, int steps) {
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   const std::string alone = BulletAlone(scene, state, steps);
   EXPECT_EQ(Through(scene, state, steps, "dbvt", false), alone) << "dbvt";
   EXPECT_EQ(Through(scene, state, steps, "dbvt", true), alone) << "dbvt with contacts";
@@ -122,7 +122,7 @@ TEST(Seam, MixedShapesMoveAsInBulletAlone) { ExpectBulletThroughTheSeam(Mixed(21
 TEST(Seam, CuboidsMoveAsInBulletAlone) { ExpectBulletThroughTheSeam(Boxes(216), 400); }
 
 TEST(Seam, BoxWallsAndFaithfulContactsMakeNoDifference) {
-  compiler::Scene scene = Gas(125);
+  plan::Scene scene = Gas(125);
   SetWorld(scene, "world.wall_shape", Word("box"));
   SetWorld(scene, "contact", Word("faithful"));
   SetGroup(scene, "restitution", 1.0);
@@ -130,14 +130,14 @@ TEST(Seam, BoxWallsAndFaithfulContactsMakeNoDifference) {
 }
 
 TEST(Seam, EveryExactDetectorOfOursMovesTheBodiesAlike) {
-  for (const compiler::Scene& scene : {Gas(216), Mixed(216)}) {
-    const library::InitialState state = library::MakeInitialState(scene);
+  for (const plan::Scene& scene : {Gas(216), Mixed(216)}) {
+    const layouts::InitialState state = layouts::MakeInitialState(scene);
     const std::string alone = BulletAlone(scene, state, 300);
     Detectors exact{.broad = Named(std::make_shared<Exact>()), .narrow = {}};
     EXPECT_EQ(HashAfter(scene, state, 300, &exact), alone);
-    for (const DetectorEntry& entry : library::OwnDetectors()) {
-      if ((entry.phases & kBroad) == 0 || std::string_view(entry.name) == "null") continue;
-      compiler::Scene named = scene;
+    for (const DetectorEntry& entry : builtin::BuiltinDetectors()) {
+      if (!HasAny(entry.phases, kBroad) || std::string_view(entry.name) == "null") continue;
+      plan::Scene named = scene;
       SetWorld(named, "detector", Word(entry.name));
       SetWorld(named, "narrow_phase", Word("bullet"));
       EXPECT_EQ(HashAfter(named, state, 300), alone) << entry.name;
@@ -146,8 +146,8 @@ TEST(Seam, EveryExactDetectorOfOursMovesTheBodiesAlike) {
 }
 
 TEST(Seam, BulletsFourFindTheSamePairsAloneAndWithContactsOfAnother) {
-  const compiler::Scene scene = Gas(216);
-  const library::InitialState state = library::MakeInitialState(scene);
+  const plan::Scene scene = Gas(216);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   const std::string alone = BulletAlone(scene, state, 200);
   for (const char* broad : {"simple", "sap", "sap32", "dbvt"}) {
     EXPECT_EQ(BulletAlone(scene, state, 200, broad), alone) << broad << " alone";
@@ -156,49 +156,49 @@ TEST(Seam, BulletsFourFindTheSamePairsAloneAndWithContactsOfAnother) {
 }
 
 TEST(Seam, SweepsFindTheWallThatStandsInTheWay) {
-  compiler::Scene scene = EngineScene(1, 500);
+  plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "world.wall_shape", Word("box"));
   SetGroup(scene, "linear_velocity", Vector3d(20000, 100, 0));
-  const std::string through_the_wall = BulletAlone(scene, library::MakeInitialState(scene), 20);
+  const std::string through_the_wall = BulletAlone(scene, layouts::MakeInitialState(scene), 20);
   SetGroup(scene, "ccd", true);
   ExpectBulletThroughTheSeam(scene, 20);
-  EXPECT_NE(BulletAlone(scene, library::MakeInitialState(scene), 20), through_the_wall);
+  EXPECT_NE(BulletAlone(scene, layouts::MakeInitialState(scene), 20), through_the_wall);
 }
 
 /// Objects that sleep after so many steps.
-std::size_t Asleep(const runtime::Engine& engine) {
+std::size_t Asleep(const world::Engine& engine) {
   std::size_t count = 0;
   for (const auto& body : engine.objects()) count += body->getActivationState() == ISLAND_SLEEPING;
   return count;
 }
 
 TEST(Seam, AStackFallsAsleepAsInBulletAlone) {
-  compiler::Scene scene = Sorted(EngineScene(5, 20));
+  plan::Scene scene = Sorted(EngineScene(5, 20));
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
   SetGroup(scene, "type", Word("cuboid"));
   SetGroup(scene, "size", 1.0);
-  library::InitialState state = library::DrawObjects(scene);
+  layouts::InitialState state = layouts::DrawObjects(scene);
   for (std::size_t i = 0; i < 5; ++i)
     state.objects[i].pose.position = {0, -9.5 + static_cast<double>(i), 0};
-  const auto omissions = runtime::KeepEverything(scene);
+  const auto omissions = pruning::KeepEverything(scene);
   const Detectors detectors{.broad = Named(std::make_shared<Exact>()),
-                            .narrow = runtime::MakeDetector("bullet", scene)};
-  runtime::Engine alone(scene, state, omissions), through(scene, state, omissions, detectors);
+                            .narrow = detection::MakeDetector("bullet", scene)};
+  world::Engine alone(scene, state, omissions), through(scene, state, omissions, detectors);
   for (int step = 0; step < 400; ++step) {
     alone.Step();
     through.Step();
     ASSERT_EQ(Asleep(through), Asleep(alone)) << "step " << step;
-    ASSERT_EQ(runtime::StateHash(through), runtime::StateHash(alone)) << "step " << step;
+    ASSERT_EQ(probes::StateHash(through), probes::StateHash(alone)) << "step " << step;
   }
   EXPECT_EQ(Asleep(through), 5u);
 }
 
 TEST(Seam, WhatIsLeftOutMakesNoDifference) {
   for (const char* order : {"sorted", "listed"}) {
-    for (compiler::Scene scene : {Gas(60), Pile(60), Mixed(40)}) {
+    for (plan::Scene scene : {Gas(60), Pile(60), Mixed(40)}) {
       SetWorld(scene, "pair_order", Word(order));
       SetWorld(scene, "cycles", std::uint64_t{150});
-      SetWorld(scene, "omit", compiler::WordList{"auto"});
+      SetWorld(scene, "omit", schema::WordList{"auto"});
       for (const char* detector : {"octree", "null"}) {
         SCOPED_TRACE(std::string(detector) + ", " + order);
         SetWorld(scene, "detector", Word(detector));
@@ -209,10 +209,10 @@ TEST(Seam, WhatIsLeftOutMakesNoDifference) {
 }
 
 TEST(Seam, NullFindsNothingAndMovesOn) {
-  compiler::Scene scene = Gas(50);
+  plan::Scene scene = Gas(50);
   SetWorld(scene, "detector", Word("null"));
   SetWorld(scene, "cycles", std::uint64_t{20});
-  SetWorld(scene, "record", compiler::WordList{"timing", "counts"});
+  SetWorld(scene, "record", schema::WordList{"timing", "counts"});
   Recorded recorded = RunHere(scene);
   ASSERT_TRUE(recorded.done()) << recorded.message();
   for (const std::int32_t pairs : recorded.recording.Ints("pairs")) EXPECT_EQ(pairs, 0);
@@ -234,8 +234,8 @@ class Meddler : public Exact {
 };
 
 TEST(Seam, PairsListedTwiceOrTheOtherWayRoundCountOnce) {
-  const compiler::Scene scene = Gas(216);
-  const library::InitialState state = library::MakeInitialState(scene);
+  const plan::Scene scene = Gas(216);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   const std::string alone = BulletAlone(scene, state, 200);
   int cycle = 0;
   for (const Meddler::Pairs& meddle : {
@@ -261,11 +261,11 @@ TEST(Seam, PairsListedTwiceOrTheOtherWayRoundCountOnce) {
 
 /// What a step with these detectors says.
 std::string MessageOf(const Detectors& detectors) {
-  compiler::Scene scene = Boxes(60);
+  plan::Scene scene = Boxes(60);
   SetGroup(scene, "size", 1.1);
   try {
-    runtime::Engine engine(scene, library::MakeInitialState(scene), runtime::KeepEverything(scene),
-                           detectors);
+    world::Engine engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene),
+                         detectors);
     Steps(engine, 100);
   } catch (const library::SceneError& error) {
     return error.what();
@@ -304,7 +304,7 @@ class ContactMeddler : public Detector {
  public:
   using Contacts = std::function<void(std::span<const Pair>, std::vector<Contact>&)>;
   explicit ContactMeddler(Contacts meddle)
-      : bullet_(runtime::MakeDetector("bullet", EngineScene(1, 1))), meddle_(std::move(meddle)) {}
+      : bullet_(detection::MakeDetector("bullet", EngineScene(1, 1))), meddle_(std::move(meddle)) {}
   void Prepare(const Scene& scene) override { bullet_.detector->Prepare(scene); }
   bool Handles(const Scene& scene, Id a, Id b) const override {
     return bullet_.detector->Handles(scene, a, b);
@@ -349,8 +349,8 @@ TEST(Seam, ContactsThatMakeNoSenseFailWithTheirMessage) {
 }
 
 TEST(Seam, ContactsMayComeInAnyOrder) {
-  const compiler::Scene scene = Boxes(125);
-  const library::InitialState state = library::MakeInitialState(scene);
+  const plan::Scene scene = Boxes(125);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
   const std::string alone = BulletAlone(scene, state, 200);
   // Those of one pair keep theirs, as each is matched with what the manifold has by then.
   Detectors detectors{
@@ -366,11 +366,11 @@ TEST(Seam, ContactsMayComeInAnyOrder) {
 
 TEST(Seam, ASceneSaysWhatItCannotHave) {
   const auto message = [](const char* detector, const char* narrow_phase) -> std::string {
-    compiler::Scene scene = Gas(10);
+    plan::Scene scene = Gas(10);
     SetWorld(scene, "detector", Word(detector));
     SetWorld(scene, "narrow_phase", Word(narrow_phase));
     try {
-      WholeEngine(scene, library::MakeInitialState(scene));
+      WholeEngine(scene, layouts::MakeInitialState(scene));
     } catch (const library::SceneError& error) {
       return error.what();
     }
@@ -379,12 +379,12 @@ TEST(Seam, ASceneSaysWhatItCannotHave) {
   EXPECT_EQ(message("null", "bullet"), "no error");
   ExpectMentions(message("nonesuch", "own"), {"`nonesuch`", "not part of this version"});
   ExpectMentions(message("dbvt", "null"), {"`null`", "finds pairs but no contacts"});
-  compiler::Scene scene = Gas(10);
+  plan::Scene scene = Gas(10);
   NamedDetector small = Named(std::make_shared<Exact>());
   small.max_bodies = 15;
   try {
-    runtime::Engine(scene, library::MakeInitialState(scene), runtime::KeepEverything(scene),
-                    {.broad = small, .narrow = {}});
+    world::Engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene),
+                  {.broad = small, .narrow = {}});
     ADD_FAILURE() << "takes more than it holds";
   } catch (const library::SceneError& error) {
     ExpectMentions(error.what(), {"`tested`", "at most 15 bodies", "has 16"});
@@ -392,4 +392,4 @@ TEST(Seam, ASceneSaysWhatItCannotHave) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -1,5 +1,5 @@
 // Piles come to rest before the first cycle, and are the same for every run of a sweep.
-#include "runtime/engine/settle.h"
+#include "runtime/engine/worker/settle.h"
 
 #include <gtest/gtest.h>
 
@@ -10,19 +10,19 @@
 #include "tests/library/own_cache.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
-using compiler::Call;
 using Eigen::Vector3d;
+using schema::Call;
 
 class Pile : public testing::Test {
  protected:
   OwnCache cache_;
 };
 
-compiler::Scene PileScene(std::uint64_t quantity, double side = 40) {
-  compiler::Scene scene = EngineScene(quantity, side);
+plan::Scene PileScene(std::uint64_t quantity, double side = 40) {
+  plan::Scene scene = EngineScene(quantity, side);
   SetWorld(scene, "cycles", std::uint64_t{60});
   SetGroup(scene, "type", AnyType());
   SetGroup(scene, "size", 1.0);
@@ -32,13 +32,13 @@ compiler::Scene PileScene(std::uint64_t quantity, double side = 40) {
   return scene;
 }
 
-library::InitialState Settled(const compiler::Scene& scene) {
-  library::InitialState state = library::MakeInitialState(scene);
-  runtime::SettlePiles(scene, state);
+layouts::InitialState Settled(const plan::Scene& scene) {
+  layouts::InitialState state = layouts::MakeInitialState(scene);
+  worker::SettlePiles(scene, state);
   return state;
 }
 
-std::string RefusalOf(const compiler::Scene& scene) {
+std::string RefusalOf(const plan::Scene& scene) {
   try {
     Settled(scene);
   } catch (const library::SceneError& error) {
@@ -48,17 +48,17 @@ std::string RefusalOf(const compiler::Scene& scene) {
 }
 
 TEST_F(Pile, LiesOnTheFloorAndOverlapsNowhere) {
-  const compiler::Scene scene = PileScene(60);
-  const library::InitialState state = Settled(scene);
+  const plan::Scene scene = PileScene(60);
+  const layouts::InitialState state = Settled(scene);
   double highest = -20;
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
     const auto& a = state.objects[i];
-    const library::Box box = library::Bounds(a.solid, a.pose.orientation);
+    const objects::Box box = objects::Bounds(a.solid, a.pose.orientation);
     EXPECT_GT(a.pose.position.y() + box.lower.y(), -20);
     highest = std::max(highest, a.pose.position.y() + box.upper.y());
     for (std::size_t k = 0; k < i; ++k) {
       const auto& b = state.objects[k];
-      EXPECT_FALSE(library::Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << k;
+      EXPECT_FALSE(objects::Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << k;
     }
   }
   // A heap, and not the lattice of about 7 m that they were dropped from.
@@ -67,9 +67,9 @@ TEST_F(Pile, LiesOnTheFloorAndOverlapsNowhere) {
 }
 
 TEST_F(Pile, StaysWhereItIs) {
-  const compiler::Scene scene = PileScene(60);
-  const library::InitialState state = Settled(scene);
-  runtime::Engine engine = WholeEngine(scene, state);
+  const plan::Scene scene = PileScene(60);
+  const layouts::InitialState state = Settled(scene);
+  world::Engine engine = WholeEngine(scene, state);
   Steps(engine, 60);
   // Half a per cent of a size for each of a few layers is what it sinks when objects become
   // themselves; one that was balanced may roll away.
@@ -80,16 +80,16 @@ TEST_F(Pile, StaysWhereItIs) {
 }
 
 TEST_F(Pile, IsTheSameForEveryDetectorAndPrecision) {
-  compiler::Scene scene = PileScene(20);
-  const library::InitialState first = Settled(scene);
+  plan::Scene scene = PileScene(20);
+  const layouts::InitialState first = Settled(scene);
   SetWorld(scene, "detector", Word("sap32"));
-  SetWorld(scene, "omit", compiler::WordList{"none"});
+  SetWorld(scene, "omit", schema::WordList{"none"});
   SetWorld(scene, "precision",
-           Word(std::string_view(runtime::EnginePrecision()) == "single" ? "double" : "single"));
+           Word(std::string_view(world::EnginePrecision()) == "single" ? "double" : "single"));
   // Anew, and not from the cache.
   for (const auto& entry : std::filesystem::directory_iterator(cache_.folder()))
     std::filesystem::remove(entry);
-  const library::InitialState second = Settled(scene);
+  const layouts::InitialState second = Settled(scene);
   for (std::size_t i = 0; i < 20; ++i) {
     EXPECT_EQ(first.objects[i].pose.position, second.objects[i].pose.position);
     EXPECT_EQ(first.objects[i].pose.orientation.coeffs(),
@@ -98,14 +98,14 @@ TEST_F(Pile, IsTheSameForEveryDetectorAndPrecision) {
 }
 
 TEST_F(Pile, IsSettledOnceAndThenFound) {
-  compiler::Scene scene = PileScene(5);
+  plan::Scene scene = PileScene(5);
   const auto files = [&] {
     return std::distance(std::filesystem::directory_iterator(cache_.folder()), {});
   };
-  const library::InitialState first = Settled(scene);
+  const layouts::InitialState first = Settled(scene);
   EXPECT_EQ(files(), 1);
   SetWorld(scene, "cycles", std::uint64_t{7});
-  const library::InitialState found = Settled(scene);
+  const layouts::InitialState found = Settled(scene);
   EXPECT_EQ(files(), 1);
   EXPECT_EQ(first.objects[4].pose.position, found.objects[4].pose.position);
   SetGroup(scene, "friction", 0.9);
@@ -114,17 +114,17 @@ TEST_F(Pile, IsSettledOnceAndThenFound) {
 }
 
 TEST_F(Pile, RunsFromTheStart) {
-  compiler::Scene scene = PileScene(20);
+  plan::Scene scene = PileScene(20);
   const Recorded pruned = RunHere(scene);
   ASSERT_TRUE(pruned.done()) << pruned.message();
   EXPECT_NE(std::string(pruned.header().needs).find("objects settle before the first cycle"),
             std::string::npos);
-  SetWorld(scene, "omit", compiler::WordList{"none"});
+  SetWorld(scene, "omit", schema::WordList{"none"});
   EXPECT_EQ(RunHere(scene).hash(), pruned.hash());
 }
 
 TEST_F(Pile, WantsAFloorGravityAndThatItsObjectsMove) {
-  compiler::Scene scene = PileScene(5);
+  plan::Scene scene = PileScene(5);
   SetWorld(scene, "world.walls", Word("none"));
   EXPECT_EQ(RefusalOf(scene), "a pile needs a floor: set world.walls to floor or all");
   scene = PileScene(5);
@@ -140,4 +140,4 @@ TEST_F(Pile, WantsAFloorGravityAndThatItsObjectsMove) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

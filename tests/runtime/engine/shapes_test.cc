@@ -1,18 +1,18 @@
-#include "runtime/engine/shapes.h"
+#include "runtime/engine/world/shapes.h"
 
 #include <gtest/gtest.h>
 
 #include "library/distributions/stream.h"
 #include "library/scene_error.h"
-#include "runtime/engine/precision.h"
+#include "runtime/engine/world/precision.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using library::Shape;
-using library::Solid;
+using objects::Shape;
+using objects::Solid;
 
 constexpr Shape kShapes[] = {Shape::kEllipsoid, Shape::kCuboid,  Shape::kCylinder,
                              Shape::kCone,      Shape::kCapsule, Shape::kTetrahedron};
@@ -27,7 +27,7 @@ TEST(Shapes, ExtentsAreTheSidesWithTheMarginInside) {
     for (const Vector3d& sides : {Vector3d(50, 50, 50), Vector3d(50, 20, 80)}) {
       for (const double margin : {0.0, 0.04, 2.0}) {
         const Solid solid{shape, sides};
-        runtime::ShapePool pool;
+        world::ShapePool pool;
         btVector3 lower, upper;
         pool.Get(solid, margin)->getAabb(btTransform::getIdentity(), lower, upper);
         EXPECT_LE((ToEigen(upper - lower) - sides).cwiseAbs().maxCoeff(), 400 * kEpsilon)
@@ -39,13 +39,13 @@ TEST(Shapes, ExtentsAreTheSidesWithTheMarginInside) {
 }
 
 TEST(Shapes, BoxHoldsTheTurnedSolid) {
-  library::Stream stream(1);
+  distributions::Stream stream(1);
   for (std::size_t i = 0; i < 500; ++i) {
     const Solid solid{kShapes[i % std::size(kShapes)],
                       {stream.Uniform(10, 90), stream.Uniform(10, 90), stream.Uniform(10, 90)}};
     const Eigen::Quaterniond turn = stream.Turn();
-    const library::Box exact = library::Bounds(solid, turn);
-    runtime::ShapePool pool;
+    const objects::Box exact = objects::Bounds(solid, turn);
+    world::ShapePool pool;
     const double margin = 0.5;
     btVector3 lower, upper;
     pool.Get(solid, margin)->getAabb(Turned(turn), lower, upper);
@@ -60,23 +60,23 @@ TEST(Shapes, BoxHoldsTheTurnedSolid) {
 
 TEST(Shapes, CoreAndMarginStayCloseToTheSolid) {
   // Bullet's support with margin against the exact one: never farther out than the margin.
-  library::Stream stream(2);
+  distributions::Stream stream(2);
   for (std::size_t i = 0; i < 2000; ++i) {
     const Solid solid{kShapes[i % std::size(kShapes)],
                       {stream.Uniform(10, 90), 30, stream.Uniform(10, 90)}};
-    runtime::ShapePool pool;
+    world::ShapePool pool;
     const btCollisionShape* shape = pool.Get(solid, 0.5);
     const Vector3d d = Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
     const btVector3 direction(static_cast<btScalar>(d.x()), static_cast<btScalar>(d.y()),
                               static_cast<btScalar>(d.z()));
-    const double reach = d.dot(ToEigen(runtime::FarthestPoint(*shape, direction)));
+    const double reach = d.dot(ToEigen(world::FarthestPoint(*shape, direction)));
     EXPECT_NEAR(reach, d.dot(solid.Support(d)), 0.5 * 1.74 + 200 * kEpsilon)
         << static_cast<int>(solid.shape);
   }
 }
 
 TEST(Shapes, EqualOnesAreShared) {
-  runtime::ShapePool pool;
+  world::ShapePool pool;
   const Solid a{Shape::kCone, {1, 2, 3}}, b{Shape::kCone, {1, 2, 3.5}};
   EXPECT_EQ(pool.Get(a, 0.01), pool.Get(a, 0.01));
   EXPECT_NE(pool.Get(a, 0.01), pool.Get(a, 0.02));
@@ -85,7 +85,7 @@ TEST(Shapes, EqualOnesAreShared) {
 }
 
 TEST(Shapes, BulletsOwnWhereItHasOne) {
-  runtime::ShapePool pool;
+  world::ShapePool pool;
   const auto type = [&](Shape shape, const Vector3d& sides) {
     return pool.Get({shape, sides}, 0.04)->getShapeType();
   };
@@ -101,7 +101,7 @@ TEST(Shapes, BulletsOwnWhereItHasOne) {
 }
 
 TEST(Shapes, MarginsThatLeaveNothingAreRefused) {
-  runtime::ShapePool pool;
+  world::ShapePool pool;
   const Solid small{Shape::kCuboid, {0.1, 1, 1}};
   EXPECT_THROW(pool.Get(small, 0.05), library::SceneError);
   // 0.04 is Bullet's rule: a tenth of the least half extent.
@@ -110,11 +110,11 @@ TEST(Shapes, MarginsThatLeaveNothingAreRefused) {
 }
 
 TEST(Shapes, InertiaIsTheSolids) {
-  compiler::Scene scene = EngineScene(4, 2000);
-  SetGroup(scene, "aspect", compiler::Ratio{{1, 2, 3}});
+  plan::Scene scene = EngineScene(4, 2000);
+  SetGroup(scene, "aspect", schema::Ratio{{1, 2, 3}});
   SetGroup(scene, "mass", 7.0);
   SetGroup(scene, "type", AnyType());
-  const runtime::Engine engine = WholeEngine(scene, library::MakeInitialState(scene));
+  const world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   for (std::size_t i = 0; i < 4; ++i) {
     const Vector3d inertia = 7 * engine.initial_state().objects[i].solid.InertiaPerMass();
     const btVector3& inverse = engine.objects()[i]->getInvInertiaDiagLocal();
@@ -125,9 +125,9 @@ TEST(Shapes, InertiaIsTheSolids) {
 }
 
 TEST(Precision, LibraryAgrees) {
-  EXPECT_EQ(runtime::PrecisionMismatch(), "");
-  EXPECT_STREQ(runtime::EnginePrecision(), sizeof(btScalar) == 8 ? "double" : "single");
+  EXPECT_EQ(world::PrecisionMismatch(), "");
+  EXPECT_STREQ(world::EnginePrecision(), sizeof(btScalar) == 8 ? "double" : "single");
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

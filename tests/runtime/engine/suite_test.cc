@@ -13,10 +13,10 @@
 #include "runtime/measure/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
-using runtime::Verdict;
+using measure::Verdict;
 
 constexpr bool kIsSingle = sizeof(btScalar) == 4;
 
@@ -31,8 +31,8 @@ bool HasNoHopelessEnd(const std::string& benchmark, const std::string& other) {
                         (benchmark == "stability_thin_rods" && other == "cylinder"));
 }
 
-Verdict VerdictOf(compiler::Scene scene) {
-  SetWorld(scene, "precision", Word(runtime::EnginePrecision()));
+Verdict VerdictOf(plan::Scene scene) {
+  SetWorld(scene, "precision", Word(world::EnginePrecision()));
   const Recorded run = RunHere(scene);
   EXPECT_TRUE(run.done()) << run.message();
   return Judge(scene, run.recording, scene.world.Count("cycles")).verdict;
@@ -50,11 +50,11 @@ TEST(StabilitySuite, HasSoundBeginningsAndNoSoundHopelessEnds) {
     const auto result = compiler::Compile(file, compiler::ReadFromDisk,
                                           {CDB_SOURCE_DIR "/library/scenarios", std::nullopt});
     ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
-    for (const compiler::Plan& plan : result.plans) {
+    for (const plan::Plan& plan : result.plans) {
       std::size_t own = plan.axes.size();
       while (own-- > 0 && plan.axes[own].IsText()) continue;
       ASSERT_LT(own, plan.axes.size()) << plan.benchmark;
-      for (const compiler::Run& run : plan.runs) {
+      for (const plan::Run& run : plan.runs) {
         const bool is_first = run.at[own] == 0;
         const bool is_last = run.at[own] + 1 == plan.axes[own].values.size();
         if (!is_first && !is_last) continue;
@@ -77,4 +77,4 @@ TEST(StabilitySuite, HasSoundBeginningsAndNoSoundHopelessEnds) {
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -6,31 +6,31 @@
 #include <optional>
 #include <string>
 
-#include "runtime/engine/state_hash.h"
+#include "runtime/engine/probes/state_hash.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 
 struct Twins {
-  runtime::Omissions omissions;        ///< of the pruned one, as it ended
+  pruning::Omissions omissions;        ///< of the pruned one, as it ended
   std::optional<std::string> tripped;  ///< why it started again with all walls
   std::uint64_t tripped_in = 0;        ///< the step before or in which it did
-  std::string names() const { return compiler::OmittedNames(omissions.needs); }
-  bool Omits(compiler::Component component) const { return omissions.Omits(component); }
-  const std::string& why(compiler::Component component) const {
+  std::string names() const { return plan::OmittedNames(omissions.needs); }
+  bool Omits(schema::Component component) const { return omissions.Omits(component); }
+  const std::string& why(schema::Component component) const {
     return omissions.needs[static_cast<std::size_t>(component)].why;
   }
 };
 
 /// Steps both through the whole run and expects every body in the same state, to the bit, after
 /// every step. A pruned one that trips starts again as the worker does.
-inline Twins RunTwins(const compiler::Scene& scene, const library::InitialState& state,
-                      runtime::Omissions omissions) {
+inline Twins RunTwins(const plan::Scene& scene, const layouts::InitialState& state,
+                      pruning::Omissions omissions) {
   Twins twins;
   for (;;) {
-    runtime::Engine whole(scene, state, runtime::KeepEverything(scene));
-    runtime::Engine pruned(scene, state, omissions);
-    runtime::Tripwire tripwire(pruned);
+    world::Engine whole(scene, state, pruning::KeepEverything(scene));
+    world::Engine pruned(scene, state, omissions);
+    world::OmissionGuard tripwire(pruned);
     const std::uint64_t steps = scene.world.Count("warmup") + scene.world.Count("cycles");
     std::uint64_t step = 0;
     try {
@@ -39,29 +39,29 @@ inline Twins RunTwins(const compiler::Scene& scene, const library::InitialState&
         whole.Step();
         pruned.Step();
         tripwire.AfterStep();
-        if (runtime::StateHash(whole) == runtime::StateHash(pruned)) continue;
+        if (probes::StateHash(whole) == probes::StateHash(pruned)) continue;
         ADD_FAILURE() << "another state after step " << step + 1 << " of " << steps << " without\n"
-                      << compiler::NeedsText(pruned.omissions().needs);
+                      << plan::DecisionsText(pruned.omissions().needs);
         break;
       }
       twins.omissions = pruned.omissions();
       return twins;
-    } catch (const runtime::Tripped& tripped) {
+    } catch (const world::OmissionGuardTripped& tripped) {
       EXPECT_FALSE(twins.tripped) << "tripped again: " << tripped.what();
       if (twins.tripped) return twins;
       twins.tripped = tripped.what();
       twins.tripped_in = step;
-      omissions.Keep(compiler::Component::kWalls, tripped.what());
+      omissions.Keep(schema::Component::kWalls, tripped.what());
     }
   }
 }
 
-inline Twins RunTwins(const compiler::Scene& scene, const library::InitialState& state) {
-  return RunTwins(scene, state, runtime::SettleNeeds(scene, state));
+inline Twins RunTwins(const plan::Scene& scene, const layouts::InitialState& state) {
+  return RunTwins(scene, state, pruning::DecideOmissions(scene, state));
 }
 
-inline Twins RunTwins(const compiler::Scene& scene) {
-  return RunTwins(scene, library::MakeInitialState(scene));
+inline Twins RunTwins(const plan::Scene& scene) {
+  return RunTwins(scene, layouts::MakeInitialState(scene));
 }
 
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -7,22 +7,22 @@
 
 #include <cstdlib>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
 
-compiler::Run WorkerRun() {
-  compiler::Run run;
+plan::Run WorkerRun() {
+  plan::Run run;
   run.scene = EngineScene(40, 280);
   SetWorld(run.scene, "cycles", std::uint64_t{100});
   SetWorld(run.scene, "acceleration", Vector3d(0, -98, 0));
   SetGroup(run.scene, "type", AnyType());
   SetGroup(run.scene, "linear_velocity", Normal(0.0, 60.0));
-  run.id = compiler::RunId(run.scene, run.rep);
+  run.id = plan::RunId(run.scene, run.rep);
   return run;
 }
 
@@ -30,7 +30,7 @@ compiler::Run WorkerRun() {
 int OutOfTheWay(int fd) { return fcntl(fd, F_DUPFD, 100); }
 
 /// Starts the worker with the text on descriptor 3 and gives its exit status.
-int Start(const std::string& text, const runtime::Recording& recording,
+int Start(const std::string& text, const measure::Recording& recording,
           const std::vector<std::string>& environment = {}) {
   const int run_fd = memfd_create("run", 0);
   const int contacts_fd = memfd_create("contacts", 0);
@@ -39,9 +39,9 @@ int Start(const std::string& text, const runtime::Recording& recording,
   const pid_t child = fork();
   if (child == 0) {
     const int fds[] = {OutOfTheWay(run_fd), OutOfTheWay(recording.fd()), OutOfTheWay(contacts_fd)};
-    dup2(fds[0], runtime::kRunFd);
-    dup2(fds[1], runtime::kRecordingFd);
-    dup2(fds[2], runtime::kContactsFd);
+    dup2(fds[0], measure::kRunFd);
+    dup2(fds[1], measure::kRecordingFd);
+    dup2(fds[2], measure::kContactsFd);
     for (const std::string& variable : environment) putenv(const_cast<char*>(variable.c_str()));
     execl(CDB_WORKER, CDB_WORKER, static_cast<char*>(nullptr));
     _exit(127);
@@ -54,14 +54,14 @@ int Start(const std::string& text, const runtime::Recording& recording,
 }
 
 TEST(Worker, GivesWhatTheSameRunGivesHere) {
-  const compiler::Run run = WorkerRun();
+  const plan::Run run = WorkerRun();
   const std::string expected = RunHere(run.scene).hash();
   // Other addresses each time: the system's own, and an environment that moves the stack.
   for (std::size_t i = 0; i < 5; ++i) {
-    runtime::Recording recording = runtime::Recording::Create(run.scene);
+    measure::Recording recording = measure::Recording::Create(run.scene);
     const std::vector<std::string> environment = {"PADDING=" + std::string(i * 1237, 'x')};
-    ASSERT_EQ(Start(compiler::RunToYaml(run), recording, environment), 0);
-    EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kDone)
+    ASSERT_EQ(Start(plan::RunToYaml(run), recording, environment), 0);
+    EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
         << recording.header().message;
     EXPECT_EQ(recording.header().state_hash, expected);
     EXPECT_EQ(recording.header().cycles_done.load(), 100u);
@@ -71,13 +71,13 @@ TEST(Worker, GivesWhatTheSameRunGivesHere) {
 }
 
 /// Two objects that do not touch and whose boxes overlap, from a seed that places them so.
-compiler::Scene Neighbours() {
-  compiler::Scene scene = EngineScene(2, 250);
+plan::Scene Neighbours() {
+  plan::Scene scene = EngineScene(2, 250);
   SetWorld(scene, "cycles", std::uint64_t{200});
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     SeedStreams(scene, seed);
-    const library::InitialState state = library::MakeInitialState(scene);
+    const layouts::InitialState state = layouts::MakeInitialState(scene);
     const Vector3d apart = state.objects[0].pose.position - state.objects[1].pose.position;
     if (apart.cwiseAbs().maxCoeff() < 45 && apart.norm() > 55) return scene;
   }
@@ -87,12 +87,12 @@ compiler::Scene Neighbours() {
 
 TEST(Worker, StartsAgainWithAllWallsWhereItTrips) {
   // When they come to rest, the way in which dbvt forgets pairs could matter.
-  compiler::Run run;
+  plan::Run run;
   run.scene = Neighbours();
-  run.id = compiler::RunId(run.scene, run.rep);
-  runtime::Recording recording = runtime::Recording::Create(run.scene);
-  ASSERT_EQ(Start(compiler::RunToYaml(run), recording), 0);
-  ASSERT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kDone)
+  run.id = plan::RunId(run.scene, run.rep);
+  measure::Recording recording = measure::Recording::Create(run.scene);
+  ASSERT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  ASSERT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
       << recording.header().message;
   const Recorded here = RunHere(run.scene);
   EXPECT_EQ(recording.header().state_hash, here.hash());
@@ -102,43 +102,43 @@ TEST(Worker, StartsAgainWithAllWallsWhereItTrips) {
       << recording.header().needs;
   EXPECT_EQ(recording.header().cycles_done.load(), 200u);
   // A list is held to its word.
-  SetWorld(run.scene, "omit", compiler::WordList{"walls"});
-  run.id = compiler::RunId(run.scene, run.rep);
-  ASSERT_EQ(Start(compiler::RunToYaml(run), recording), 0);
-  EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kFailed);
+  SetWorld(run.scene, "omit", schema::WordList{"walls"});
+  run.id = plan::RunId(run.scene, run.rep);
+  ASSERT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(std::string(recording.header().message).find("omit walls: this scene needs them"),
             std::string::npos);
 }
 
 TEST(Worker, ReportsASceneThatCannotBe) {
-  compiler::Run run = WorkerRun();
+  plan::Run run = WorkerRun();
   SetGroup(run.scene, "size", 300.0);
-  run.id = compiler::RunId(run.scene, run.rep);
-  runtime::Recording recording = runtime::Recording::Create(run.scene);
-  EXPECT_EQ(Start(compiler::RunToYaml(run), recording), 0);
-  EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kFailed);
+  run.id = plan::RunId(run.scene, run.rep);
+  measure::Recording recording = measure::Recording::Create(run.scene);
+  EXPECT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(std::string(recording.header().message).find("does not fit"), std::string::npos);
 }
 
 TEST(Worker, RefusesARunOfTheOtherPrecision) {
-  compiler::Run run = WorkerRun();
+  plan::Run run = WorkerRun();
   SetWorld(run.scene, "precision", Word(sizeof(btScalar) == 4 ? "double" : "single"));
-  run.id = compiler::RunId(run.scene, run.rep);
-  runtime::Recording recording = runtime::Recording::Create(run.scene);
-  EXPECT_EQ(Start(compiler::RunToYaml(run), recording), 0);
-  EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kFailed);
+  run.id = plan::RunId(run.scene, run.rep);
+  measure::Recording recording = measure::Recording::Create(run.scene);
+  EXPECT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(std::string(recording.header().message).find("precision"), std::string::npos);
 }
 
 TEST(Worker, SaysByItsStatusWhatItCannotReport) {
-  const compiler::Run run = WorkerRun();
-  runtime::Recording recording = runtime::Recording::Create(run.scene);
+  const plan::Run run = WorkerRun();
+  measure::Recording recording = measure::Recording::Create(run.scene);
   EXPECT_EQ(Start("no: run", recording), 2);
-  EXPECT_EQ(recording.header().outcome.load(), runtime::WorkerOutcome::kRunning);
-  compiler::Run other = run;
+  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kRunning);
+  plan::Run other = run;
   SetWorld(other.scene, "cycles", std::uint64_t{101});
-  other.id = compiler::RunId(other.scene, other.rep);
-  EXPECT_EQ(Start(compiler::RunToYaml(other), recording), 2);
+  other.id = plan::RunId(other.scene, other.rep);
+  EXPECT_EQ(Start(plan::RunToYaml(other), recording), 2);
 }
 
 std::string Output(const std::string& command, int* status) {
@@ -162,8 +162,8 @@ TEST(Worker, Version) {
   const std::string text = Output(std::string(CDB_WORKER) + " --version", &status);
   EXPECT_EQ(status, 0);
   EXPECT_NE(text.find("Bullet 3.24"), std::string::npos) << text;
-  EXPECT_NE(text.find(runtime::EnginePrecision()), std::string::npos) << text;
+  EXPECT_NE(text.find(world::EnginePrecision()), std::string::npos) << text;
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -8,16 +8,16 @@
 #include <limits>
 #include <set>
 
-#include "compiler/expectation.h"
+#include "compiler/plan/expectation.h"
 #include "tests/library/test_scene.h"
 
-namespace cdb::test {
+namespace cdb::tests {
 namespace {
 
-using compiler::Expectation;
-using runtime::Judgement;
-using runtime::Recording;
-using runtime::Verdict;
+using measure::Judgement;
+using measure::Recording;
+using measure::Verdict;
+using plan::Expectation;
 
 constexpr std::uint64_t kCycles = 40;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -27,7 +27,7 @@ class VerdictTest : public testing::Test {
  protected:
   VerdictTest() : scene_(DefaultScene(3, 500)), recording_(Make(scene_)) { SetUpQuiet(); }
 
-  static Recording Make(compiler::Scene& scene) {
+  static Recording Make(plan::Scene& scene) {
     SetWorld(scene, "cycles", kCycles);
     return Recording::Create(scene);
   }
@@ -58,14 +58,14 @@ class VerdictTest : public testing::Test {
     EXPECT_EQ(judgement.first_bad_cycle, first);
   }
 
-  compiler::Scene scene_;
+  plan::Scene scene_;
   Recording recording_;
 };
 
 TEST_F(VerdictTest, NothingHappened) { ExpectVerdict(Verdict::kStable, -1); }
 
 TEST_F(VerdictTest, IsUnknownWithoutTheSeries) {
-  SetWorld(scene_, "record", compiler::WordList{"timing"});
+  SetWorld(scene_, "record", schema::WordList{"timing"});
   ExpectVerdict(Verdict::kUnknown, -1);
 }
 
@@ -124,7 +124,7 @@ TEST_F(VerdictTest, EnergyIsKeptWhereItMustBe) {
 
 TEST_F(VerdictTest, ASceneThatIsDrivenHasNoEnergyVerdict) {
   SetWorld(scene_, "acceleration",
-           compiler::Call{"every", {std::uint64_t{5}, Eigen::Vector3d(1, 0, 0)}});
+           schema::Call{"every", {std::uint64_t{5}, Eigen::Vector3d(1, 0, 0)}});
   Set("energy", 10, 1e9);
   ExpectVerdict(Verdict::kStable, -1);
 }
@@ -185,7 +185,7 @@ TEST_F(VerdictTest, LooksAtCyclesThatRanOnly) {
 
 TEST(Verdicts, HaveNamesOfTheirOwnInTheOrderOfTheirNumbers) {
   std::set<std::string_view> names;
-  for (const runtime::VerdictInfo& info : runtime::Verdicts()) {
+  for (const measure::VerdictInfo& info : measure::Verdicts()) {
     EXPECT_EQ(VerdictName(info.verdict), info.name);
     EXPECT_TRUE(names.insert(info.name).second);
     EXPECT_EQ(info.name.find(' '), std::string_view::npos);
@@ -195,7 +195,7 @@ TEST(Verdicts, HaveNamesOfTheirOwnInTheOrderOfTheirNumbers) {
 }
 
 TEST(ExpectationOf, FollowsFromTheScene) {
-  compiler::Scene scene = DefaultScene(3, 500);
+  plan::Scene scene = DefaultScene(3, 500);
   EXPECT_EQ(ExpectationOf(scene), Expectation::kAnything);
   SetGroup(scene, "location", Layout("stack"));
   EXPECT_EQ(ExpectationOf(scene), Expectation::kRest);
@@ -210,9 +210,9 @@ TEST(ExpectationOf, FollowsFromTheScene) {
   SetWorld(scene, "expect", Word("rest"));
   EXPECT_EQ(ExpectationOf(scene), Expectation::kRest);
   SetGroup(scene, "linear_velocity",
-           compiler::Call{"every", {std::uint64_t{5}, Eigen::Vector3d(1, 0, 0)}});
+           schema::Call{"every", {std::uint64_t{5}, Eigen::Vector3d(1, 0, 0)}});
   EXPECT_EQ(ExpectationOf(scene), Expectation::kDriven);
 }
 
 }  // namespace
-}  // namespace cdb::test
+}  // namespace cdb::tests

@@ -15,25 +15,22 @@
 #include <string>
 #include <thread>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "runtime/schedule/schedule.h"
 #include "tests/runtime/schedule/plans.h"
 
 extern char** environ;
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
-using test::MakePlan;
-using test::PlanShape;
-using test::TestFolder;
 
 class DriverTest : public testing::Test {
  protected:
   /// Starts a driver; what it prints goes to `log`.
-  pid_t Start(const compiler::Plan& plan, int jobs = 1, const std::string& file_limit = "") {
-    test::WriteText(root.path() / "plan.yaml", compiler::ToYaml(plan));
+  pid_t Start(const plan::Plan& plan, int jobs = 1, const std::string& file_limit = "") {
+    WriteText(root.path() / "plan.yaml", plan::ToYaml(plan));
     const std::string binaries = CDB_BINARY_DIR;
     std::vector<std::string> words = {binaries + "/schedule_test_driver",
                                       (root.path() / "plan.yaml").string(), folder.string(),
@@ -59,7 +56,7 @@ class DriverTest : public testing::Test {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
 
-  int Run(const compiler::Plan& plan, int jobs = 1, const std::string& file_limit = "") {
+  int Run(const plan::Plan& plan, int jobs = 1, const std::string& file_limit = "") {
     return Wait(Start(plan, jobs, file_limit));
   }
 
@@ -73,15 +70,15 @@ class DriverTest : public testing::Test {
   }
 
   /// Every run has a whole shard with the figures that the test worker writes.
-  void ExpectComplete(const compiler::Plan& plan) const {
+  void ExpectComplete(const plan::Plan& plan) const {
     EXPECT_EQ(Shards().size(), plan.runs.size());
-    for (const compiler::Run& run : plan.runs) {
+    for (const plan::Run& run : plan.runs) {
       const fs::path shard = folder / (run.id + ".h5");
       ASSERT_TRUE(fs::exists(shard)) << run.id;
-      const ShardInfo info = ReadShardInfo(shard);
-      EXPECT_EQ(info.outcome.status, Status::kDone);
+      const store::ShardInfo info = store::ReadShardInfo(shard);
+      EXPECT_EQ(info.outcome.status, store::Status::kDone);
       EXPECT_EQ(info.plan_sha256, plan.Sha256());
-      const ResultFile file(shard);
+      const store::ResultFile file(shard);
       const std::vector<double> pairs = file.ReadSeries("pairs", {{0, 0}, 0});
       ASSERT_EQ(pairs.size(), 10u);
       for (std::size_t i = 0; i < 10; ++i)
@@ -107,7 +104,7 @@ TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
   PlanShape shape;
   shape.quantities.clear();
   for (std::uint64_t i = 0; i < 40; ++i) shape.quantities.push_back(i);
-  const compiler::Plan plan = MakePlan(shape);
+  const plan::Plan plan = MakePlan(shape);
   std::mt19937 random(20);
   std::map<std::string, fs::file_time_type> finished;
   for (int kill_number = 0; kill_number < 20; ++kill_number) {
@@ -116,62 +113,61 @@ TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 60'000));
     kill(driver, SIGKILL);
     const int end = Wait(driver);
-    EXPECT_TRUE(end == -SIGKILL || end == 0) << end << test::ReadText(log);
+    EXPECT_TRUE(end == -SIGKILL || end == 0) << end << ReadText(log);
     const auto now = Shards();
     for (const auto& [name, when] : finished) {
       const auto found = now.find(name);
       ASSERT_NE(found, now.end()) << name << " was finished and is gone";
       EXPECT_EQ(found->second, when) << name << " was finished and run again";
     }
-    for (const auto& [name, when] : now) EXPECT_NO_THROW(ReadShardInfo(folder / name));
+    for (const auto& [name, when] : now) EXPECT_NO_THROW(store::ReadShardInfo(folder / name));
     finished = now;
   }
-  EXPECT_EQ(Run(plan), 0) << test::ReadText(log);
+  EXPECT_EQ(Run(plan), 0) << ReadText(log);
   ExpectComplete(plan);
-  for (const std::string& name : test::NamesIn(folder))
+  for (const std::string& name : NamesIn(folder))
     EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name << " is left over";
 }
 
 TEST_F(DriverTest, TwoDriversFillOneFolder) {
   PlanShape shape;
   shape.quantities = {1, 2, 3, 4, 5, 6, 7, 8};
-  const compiler::Plan plan = MakePlan(shape);
+  const plan::Plan plan = MakePlan(shape);
   const pid_t one = Start(plan);
   const pid_t two = Start(plan, 2);
-  EXPECT_EQ(Wait(one), 0) << test::ReadText(log);
-  EXPECT_EQ(Wait(two), 0) << test::ReadText(log);
+  EXPECT_EQ(Wait(one), 0) << ReadText(log);
+  EXPECT_EQ(Wait(two), 0) << ReadText(log);
   ExpectComplete(plan);
-  for (const std::string& name : test::NamesIn(folder))
+  for (const std::string& name : NamesIn(folder))
     EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name;
 }
 
 TEST_F(DriverTest, OneJobAndTwoGiveTheSame) {
-  const compiler::Plan plan = MakePlan({.repeats = 2});
-  EXPECT_EQ(Run(plan, 1), 0) << test::ReadText(log);
+  const plan::Plan plan = MakePlan({.repeats = 2});
+  EXPECT_EQ(Run(plan, 1), 0) << ReadText(log);
   ExpectComplete(plan);
-  const auto one = test::NamesIn(folder);
+  const auto one = NamesIn(folder);
   fs::remove_all(folder);
-  EXPECT_EQ(Run(plan, 2), 0) << test::ReadText(log);
+  EXPECT_EQ(Run(plan, 2), 0) << ReadText(log);
   ExpectComplete(plan);
-  EXPECT_EQ(test::NamesIn(folder), one);
+  EXPECT_EQ(NamesIn(folder), one);
 }
 
 TEST_F(DriverTest, ASignalKeepsWhatIsFinishedAndEndsTheWorkers) {
   // The runs of the second quantity never end.
-  compiler::Plan plan = MakePlan({.quantities = {1, 2}, .detectors = {"dbvt", "sap"}});
+  plan::Plan plan = MakePlan({.quantities = {1, 2}, .detectors = {"dbvt", "sap"}});
   for (const std::size_t i : {2, 3}) {
-    plan.runs[i].scene.world.values.at("seed") = std::uint64_t{test::kHangsDeaf};
-    plan.runs[i].id = compiler::RunId(plan.runs[i].scene, plan.runs[i].rep);
+    plan.runs[i].scene.world.values.at("seed") = std::uint64_t{kHangsDeaf};
+    plan.runs[i].id = plan::RunId(plan.runs[i].scene, plan.runs[i].rep);
   }
   for (const int signal_number : {SIGINT, SIGTERM}) {
     fs::remove_all(folder);
     const pid_t driver = Start(plan, 2);
     WaitForShards(2, driver);
     kill(driver, signal_number);
-    EXPECT_EQ(Wait(driver), 128 + signal_number) << test::ReadText(log);
+    EXPECT_EQ(Wait(driver), 128 + signal_number) << ReadText(log);
     EXPECT_EQ(Shards().size(), 2u);
-    EXPECT_NE(test::ReadText(log).find("4 runs: 2 done, 2 not run"), std::string::npos)
-        << test::ReadText(log);
+    EXPECT_NE(ReadText(log).find("4 runs: 2 done, 2 not run"), std::string::npos) << ReadText(log);
   }
 }
 
@@ -179,9 +175,9 @@ TEST_F(DriverTest, AFullDiskKeepsWhatIsFinished) {
   PlanShape shape;
   shape.quantities = {1, 2, 3};
   shape.detectors = {"dbvt"};
-  compiler::Plan plan = MakePlan(shape);
+  plan::Plan plan = MakePlan(shape);
   // The last run records more than the limit lets a file hold; its memory is under it.
-  ASSERT_EQ(Run(plan), 0) << test::ReadText(log);
+  ASSERT_EQ(Run(plan), 0) << ReadText(log);
   std::uintmax_t largest = 0;
   for (const auto& entry : fs::directory_iterator(folder))
     largest = std::max(largest, entry.file_size());
@@ -191,29 +187,28 @@ TEST_F(DriverTest, AFullDiskKeepsWhatIsFinished) {
 
   const std::uintmax_t shard = fs::file_size(folder / std::prev(whole.end())->first);
   EXPECT_EQ(Run(plan, 1, std::to_string(shard - 1)), 2);
-  const std::string text = test::ReadText(log);
+  const std::string text = ReadText(log);
   EXPECT_NE(text.find("1 of 3 runs are safe in " + folder.string()), std::string::npos) << text;
   EXPECT_EQ(Shards().size(), 1u);
-  for (const std::string& name : test::NamesIn(folder))
+  for (const std::string& name : NamesIn(folder))
     EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name << " is left over";
 
-  EXPECT_EQ(Run(plan), 0) << test::ReadText(log);
+  EXPECT_EQ(Run(plan), 0) << ReadText(log);
   ExpectComplete(plan);
 }
 
 TEST_F(DriverTest, BadRunsAreTheThirdExitStatus) {
-  const compiler::Plan plan =
-      test::MakeBehaviourPlan({test::kFinishes, test::kFails, test::kSegfaults, test::kAborts});
+  const plan::Plan plan = MakeBehaviourPlan({kFinishes, kFails, kSegfaults, kAborts});
   EXPECT_EQ(Run(plan, 2), 3);
-  const std::string text = test::ReadText(log);
+  const std::string text = ReadText(log);
   EXPECT_NE(text.find("4 runs: 1 done, 1 failed, 2 crashed"), std::string::npos) << text;
   EXPECT_NE(text.find("the cube is 140 % full"), std::string::npos) << text;
-  const ResultFile file(folder / (plan.runs[2].id + ".h5"));
-  EXPECT_EQ(file.ReadStatus({{0}, 0}), Status::kCrashed);
+  const store::ResultFile file(folder / (plan.runs[2].id + ".h5"));
+  EXPECT_EQ(file.ReadStatus({{0}, 0}), store::Status::kCrashed);
   EXPECT_EQ(file.ReadCycleCount({{0}, 0}), 3u);
   EXPECT_EQ(file.ReadText("message", {{0}, 0}),
             "the worker was ended by signal 11 (SIGSEGV, Segmentation fault)");
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -6,25 +6,25 @@
 
 #include "tests/runtime/schedule/plans.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
-std::vector<const compiler::Run*> Pointers(const compiler::Plan& plan) {
-  std::vector<const compiler::Run*> runs;
-  for (const compiler::Run& run : plan.runs) runs.push_back(&run);
+std::vector<const plan::Run*> Pointers(const plan::Plan& plan) {
+  std::vector<const plan::Run*> runs;
+  for (const plan::Run& run : plan.runs) runs.push_back(&run);
   return runs;
 }
 
 TEST(EstimateTest, KnowsNothingBeforeTheFirstRun) {
-  const auto plan = test::MakePlan();
-  TimeEstimate estimate(Pointers(plan));
+  const auto plan = MakePlan();
+  schedule::TimeEstimate estimate(Pointers(plan));
   EXPECT_FALSE(estimate.Left().has_value());
   EXPECT_FALSE(estimate.Predict(plan.runs[0]).has_value());
 }
 
 TEST(EstimateTest, FindsAPowerLaw) {
-  const auto plan = test::MakePlan({.quantities = {10, 100, 1000}, .detectors = {"dbvt"}});
-  TimeEstimate estimate(Pointers(plan));
+  const auto plan = MakePlan({.quantities = {10, 100, 1000}, .detectors = {"dbvt"}});
+  schedule::TimeEstimate estimate(Pointers(plan));
   const auto seconds = [](double objects) { return 10 * 1e-6 * std::pow(objects, 1.5); };
   estimate.Ended(plan.runs[0], seconds(10));
   // One size tells no slope: proportional to the objects.
@@ -37,9 +37,8 @@ TEST(EstimateTest, FindsAPowerLaw) {
 }
 
 TEST(EstimateTest, ARepeatIsTheMeanOfItsLike) {
-  const auto plan =
-      test::MakePlan({.quantities = {10}, .detectors = {"dbvt", "sap"}, .repeats = 4});
-  TimeEstimate estimate(Pointers(plan));
+  const auto plan = MakePlan({.quantities = {10}, .detectors = {"dbvt", "sap"}, .repeats = 4});
+  schedule::TimeEstimate estimate(Pointers(plan));
   estimate.Ended(plan.runs[0], 2);
   estimate.Ended(plan.runs[1], 4);
   EXPECT_EQ(estimate.Predict(plan.runs[2]).value(), 3);
@@ -49,8 +48,8 @@ TEST(EstimateTest, ARepeatIsTheMeanOfItsLike) {
 }
 
 TEST(EstimateTest, DetectorsHaveScalesOfTheirOwn) {
-  const auto plan = test::MakePlan({.quantities = {10, 100}, .detectors = {"dbvt", "simple"}});
-  TimeEstimate estimate(Pointers(plan));
+  const auto plan = MakePlan({.quantities = {10, 100}, .detectors = {"dbvt", "simple"}});
+  schedule::TimeEstimate estimate(Pointers(plan));
   estimate.Ended(plan.runs[0], 1);
   estimate.Ended(plan.runs[1], 5);
   EXPECT_NEAR(estimate.Predict(plan.runs[2]).value(), 10, 1e-9);
@@ -58,8 +57,8 @@ TEST(EstimateTest, DetectorsHaveScalesOfTheirOwn) {
 }
 
 TEST(EstimateTest, RunsThatEndedBadlyTeachNothing) {
-  const auto plan = test::MakePlan({.quantities = {10, 100}, .detectors = {"dbvt"}});
-  TimeEstimate estimate(Pointers(plan));
+  const auto plan = MakePlan({.quantities = {10, 100}, .detectors = {"dbvt"}});
+  schedule::TimeEstimate estimate(Pointers(plan));
   estimate.Ended(plan.runs[0], std::nullopt);
   EXPECT_FALSE(estimate.Left().has_value());
   estimate.Ended(plan.runs[1], std::nullopt);
@@ -67,19 +66,18 @@ TEST(EstimateTest, RunsThatEndedBadlyTeachNothing) {
 }
 
 TEST(EstimateTest, NoRunTakesLongerThanItsTimeout) {
-  const auto plan =
-      test::MakePlan({.quantities = {10, 100000}, .detectors = {"dbvt"}, .timeout_s = 30});
-  TimeEstimate estimate(Pointers(plan));
+  const auto plan = MakePlan({.quantities = {10, 100000}, .detectors = {"dbvt"}, .timeout_s = 30});
+  schedule::TimeEstimate estimate(Pointers(plan));
   estimate.Ended(plan.runs[0], 10);
   EXPECT_EQ(estimate.Predict(plan.runs[1]).value(), 30);
 }
 
 TEST(EstimateTest, EmptyWorldsAndTimesOfZeroAreFinite) {
-  const auto plan = test::MakePlan({.quantities = {0, 50}, .detectors = {"dbvt"}});
-  TimeEstimate estimate(Pointers(plan));
+  const auto plan = MakePlan({.quantities = {0, 50}, .detectors = {"dbvt"}});
+  schedule::TimeEstimate estimate(Pointers(plan));
   estimate.Ended(plan.runs[0], 0);
   EXPECT_TRUE(std::isfinite(estimate.Left().value()));
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -6,34 +6,32 @@
 #include <map>
 #include <set>
 
-#include "runtime/schedule/launcher.h"
+#include "runtime/process/launcher.h"
 #include "tests/runtime/schedule/plans.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
-using test::MakePlan;
-
-std::vector<std::string> Ids(const std::vector<const compiler::Run*>& runs) {
+std::vector<std::string> Ids(const std::vector<const plan::Run*>& runs) {
   std::vector<std::string> ids;
-  for (const compiler::Run* run : runs) ids.push_back(run->id);
+  for (const plan::Run* run : runs) ids.push_back(run->id);
   return ids;
 }
 
 TEST(OrderTest, EveryRunStandsInItOnce) {
-  const compiler::Plan plan = MakePlan({.repeats = 4});
-  auto ids = Ids(OrderRuns(plan));
+  const plan::Plan plan = MakePlan({.repeats = 4});
+  auto ids = Ids(schedule::OrderRuns(plan));
   std::ranges::sort(ids);
   std::vector<std::string> all;
-  for (const compiler::Run& run : plan.runs) all.push_back(run.id);
+  for (const plan::Run& run : plan.runs) all.push_back(run.id);
   std::ranges::sort(all);
   EXPECT_EQ(ids, all);
   EXPECT_EQ(std::set<std::string>(ids.begin(), ids.end()).size(), 3u * 3 * 4);
 }
 
 TEST(OrderTest, RepeatsGoRoundTheWholeGridAndRivalsStandSideBySide) {
-  const compiler::Plan plan = MakePlan({.quantities = {5, 6, 7, 8}, .repeats = 3});
-  const auto order = OrderRuns(plan);
+  const plan::Plan plan = MakePlan({.quantities = {5, 6, 7, 8}, .repeats = 3});
+  const auto order = schedule::OrderRuns(plan);
   ASSERT_EQ(order.size(), 4u * 3 * 3);
   for (std::size_t i = 0; i < order.size(); ++i) {
     EXPECT_EQ(order[i]->rep, i / 12);
@@ -47,8 +45,8 @@ TEST(OrderTest, RepeatsGoRoundTheWholeGridAndRivalsStandSideBySide) {
 }
 
 TEST(OrderTest, NoRivalAlwaysGoesFirst) {
-  const compiler::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5, 6, 7, 8}, .repeats = 8});
-  const auto order = OrderRuns(plan);
+  const plan::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5, 6, 7, 8}, .repeats = 8});
+  const auto order = schedule::OrderRuns(plan);
   std::map<std::size_t, int> first;
   for (std::size_t i = 0; i < order.size(); i += 3) ++first[order[i]->at[1]];
   // 64 shuffles of three: each goes first 21 times on average, with a standard deviation of 3.8.
@@ -60,37 +58,37 @@ TEST(OrderTest, NoRivalAlwaysGoesFirst) {
 }
 
 TEST(OrderTest, ThePlanAloneDecidesIt) {
-  compiler::Plan plan = MakePlan({.repeats = 5});
-  const auto ids = Ids(OrderRuns(plan));
+  plan::Plan plan = MakePlan({.repeats = 5});
+  const auto ids = Ids(schedule::OrderRuns(plan));
   plan.title = "another title";
   plan.source = "elsewhere.cdb";
-  EXPECT_EQ(Ids(OrderRuns(plan)), ids);
-  const compiler::Plan copy = plan;
-  EXPECT_EQ(Ids(OrderRuns(copy)), ids);
+  EXPECT_EQ(Ids(schedule::OrderRuns(plan)), ids);
+  const plan::Plan copy = plan;
+  EXPECT_EQ(Ids(schedule::OrderRuns(copy)), ids);
 }
 
 TEST(OrderTest, RunsOfOneIdRunOnce) {
-  compiler::Plan plan = MakePlan({.quantities = {4, 4}});
+  plan::Plan plan = MakePlan({.quantities = {4, 4}});
   ASSERT_EQ(plan.runs.size(), 6u);
   ASSERT_EQ(plan.runs[0].id, plan.runs[3].id);
-  const auto order = OrderRuns(plan);
+  const auto order = schedule::OrderRuns(plan);
   EXPECT_EQ(order.size(), 3u);
-  for (const compiler::Run* run : order) EXPECT_EQ(run->at[0], 0u);
+  for (const plan::Run* run : order) EXPECT_EQ(run->at[0], 0u);
 }
 
 TEST(OrderTest, APlanWithoutAxesHasOneRun) {
-  compiler::Plan plan = MakePlan({.quantities = {4}, .detectors = {"dbvt"}});
+  plan::Plan plan = MakePlan({.quantities = {4}, .detectors = {"dbvt"}});
   plan.axes.clear();
   plan.runs[0].at.clear();
-  EXPECT_EQ(Ids(OrderRuns(plan)), std::vector<std::string>{plan.runs[0].id});
+  EXPECT_EQ(Ids(schedule::OrderRuns(plan)), std::vector<std::string>{plan.runs[0].id});
 }
 
 TEST(OrderTest, ShardsAreThePlanInParts) {
-  const compiler::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5}, .repeats = 3});
+  const plan::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5}, .repeats = 3});
   for (const std::uint64_t count : {1, 2, 3, 7, 15, 16, 100}) {
     std::vector<std::string> ids;
     for (std::uint64_t index = 1; index <= count; ++index) {
-      const auto part = OrderRuns(plan, {index, count});
+      const auto part = schedule::OrderRuns(plan, {index, count});
       EXPECT_EQ(part.size() % 3, 0u) << "rivals stay together";
       EXPECT_TRUE(count > 15 || !part.empty()) << index << "/" << count;
       for (std::size_t i = 0; i < part.size(); i += 3)
@@ -106,11 +104,11 @@ TEST(OrderTest, ShardsAreThePlanInParts) {
 }
 
 TEST(OrderTest, AShardKeepsTheOrderOfTheWhole) {
-  const compiler::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5}, .repeats = 3});
-  const auto whole = Ids(OrderRuns(plan));
+  const plan::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5}, .repeats = 3});
+  const auto whole = Ids(schedule::OrderRuns(plan));
   for (std::uint64_t index = 1; index <= 4; ++index) {
     auto rest = whole.begin();
-    for (const std::string& id : Ids(OrderRuns(plan, {index, 4}))) {
+    for (const std::string& id : Ids(schedule::OrderRuns(plan, {index, 4}))) {
       rest = std::find(rest, whole.end(), id);
       ASSERT_NE(rest, whole.end()) << id << " out of order";
       ++rest;
@@ -119,31 +117,32 @@ TEST(OrderTest, AShardKeepsTheOrderOfTheWhole) {
 }
 
 TEST(OrderTest, ShardsAreEvenByWork) {
-  const compiler::Plan plan =
+  const plan::Plan plan =
       MakePlan({.quantities = {10, 20000, 100, 5000, 1000, 2000, 3000, 7000}, .repeats = 2});
   for (const std::uint64_t count : {2, 3, 5}) {
     double least = 1e300;
     double most = 0;
     for (std::uint64_t index = 1; index <= count; ++index) {
       double work = 0;
-      for (const compiler::Run* run : OrderRuns(plan, {index, count})) work += EstimatedWork(*run);
+      for (const plan::Run* run : schedule::OrderRuns(plan, {index, count}))
+        work += schedule::EstimatedWork(*run);
       least = std::min(least, work);
       most = std::max(most, work);
     }
     // Heaviest first: the last unit that the fullest shard got was given when it was the emptiest.
     double unit = 0;
-    for (const compiler::Run& run : plan.runs) unit = std::max(unit, 3 * EstimatedWork(run));
+    for (const plan::Run& run : plan.runs) unit = std::max(unit, 3 * schedule::EstimatedWork(run));
     EXPECT_LE(most - least, unit) << count;
   }
 }
 
 TEST(OrderTest, AShardThatThereIsNotIsRefused) {
-  const compiler::Plan plan = MakePlan();
-  EXPECT_THROW(OrderRuns(plan, {0, 3}), ScheduleError);
-  EXPECT_THROW(OrderRuns(plan, {4, 3}), ScheduleError);
-  EXPECT_THROW(OrderRuns(plan, {1, 0}), ScheduleError);
-  EXPECT_TRUE(OrderRuns(plan, {1000000000, 1000000000}).empty());
+  const plan::Plan plan = MakePlan();
+  EXPECT_THROW(schedule::OrderRuns(plan, {0, 3}), process::ScheduleError);
+  EXPECT_THROW(schedule::OrderRuns(plan, {4, 3}), process::ScheduleError);
+  EXPECT_THROW(schedule::OrderRuns(plan, {1, 0}), process::ScheduleError);
+  EXPECT_TRUE(schedule::OrderRuns(plan, {1000000000, 1000000000}).empty());
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

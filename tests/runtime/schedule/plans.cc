@@ -8,18 +8,18 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "compiler/schema.h"
+#include "compiler/schema/schema.h"
 
-namespace cdb::runtime::test {
+namespace cdb::tests {
 namespace {
 
-using compiler::ParameterType;
-using compiler::Settings;
-using compiler::Value;
-using compiler::Word;
+using plan::Settings;
+using schema::ParameterType;
+using schema::Value;
+using schema::Word;
 
 /// A value that the parameter takes; which one does not matter to the schedule.
-Value AnyValue(const compiler::Parameter& parameter) {
+Value AnyValue(const schema::Parameter& parameter) {
   const bool is_list = parameter.type == ParameterType::kWords;
   if (!is_list && parameter.HasWord(parameter.default_text))
     return Word{std::string(parameter.default_text)};
@@ -33,9 +33,9 @@ Value AnyValue(const compiler::Parameter& parameter) {
     case ParameterType::kVector:
       return Eigen::Vector3d(0, 0, 0);
     case ParameterType::kRatio:
-      return compiler::Ratio{{1, 1, 1}};
+      return schema::Ratio{{1, 1, 1}};
     case ParameterType::kWords:
-      return compiler::WordList{std::string(parameter.AllWords().at(0))};
+      return schema::WordList{std::string(parameter.AllWords().at(0))};
     case ParameterType::kText:
     case ParameterType::kWord:
       break;
@@ -45,7 +45,7 @@ Value AnyValue(const compiler::Parameter& parameter) {
 
 Settings AnySettings(bool grouped) {
   Settings settings;
-  for (const compiler::Parameter& parameter : compiler::Schema())
+  for (const schema::Parameter& parameter : schema::Schema())
     if (parameter.grouped == grouped)
       settings.values.emplace(std::string(parameter.name), AnyValue(parameter));
   return settings;
@@ -55,11 +55,11 @@ void Set(Settings& settings, const std::string& name, Value value) {
   settings.values.at(name) = std::move(value);
 }
 
-compiler::Run MakeRun(const PlanShape& shape, std::uint64_t quantity, const std::string& detector,
-                      std::uint64_t seed, std::uint64_t rep) {
+plan::Run MakeRun(const PlanShape& shape, std::uint64_t quantity, const std::string& detector,
+                  std::uint64_t seed, std::uint64_t rep) {
   static const Settings world = AnySettings(false);
   static const Settings group = AnySettings(true);
-  compiler::Run run;
+  plan::Run run;
   run.rep = rep;
   run.scene.world = world;
   run.scene.groups.push_back({"objects", group});
@@ -70,15 +70,15 @@ compiler::Run MakeRun(const PlanShape& shape, std::uint64_t quantity, const std:
   Set(run.scene.world, "detector", Word{detector});
   Set(run.scene.world, "precision", Word{shape.precision});
   Set(run.scene.world, "repeats", shape.repeats);
-  Set(run.scene.world, "record", compiler::WordList(shape.record));
+  Set(run.scene.world, "record", schema::WordList(shape.record));
   if (shape.timeout_s > 0) Set(run.scene.world, "timeout", shape.timeout_s);
-  run.scene.seeds.emplace("objects.location", compiler::StreamSeed(seed, "objects.location"));
-  run.id = compiler::RunId(run.scene, rep);
+  run.scene.seeds.emplace("objects.location", plan::StreamSeed(seed, "objects.location"));
+  run.id = plan::RunId(run.scene, rep);
   return run;
 }
 
-compiler::Plan NewPlan(std::uint64_t repeats) {
-  compiler::Plan plan;
+plan::Plan NewPlan(std::uint64_t repeats) {
+  plan::Plan plan;
   plan.benchmark = "study";
   plan.title = "a study";
   plan.source = "study.cdb";
@@ -89,8 +89,8 @@ compiler::Plan NewPlan(std::uint64_t repeats) {
 
 }  // namespace
 
-compiler::Plan MakePlan(const PlanShape& shape) {
-  compiler::Plan plan = NewPlan(shape.repeats);
+plan::Plan MakePlan(const PlanShape& shape) {
+  plan::Plan plan = NewPlan(shape.repeats);
   plan.axes.resize(2);
   plan.axes[0] = {"quantity", "objects.quantity", "", {}};
   plan.axes[1] = {"detector", "detector", "", {}};
@@ -107,8 +107,8 @@ compiler::Plan MakePlan(const PlanShape& shape) {
   return plan;
 }
 
-compiler::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const PlanShape& shape) {
-  compiler::Plan plan = NewPlan(1);
+plan::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const PlanShape& shape) {
+  plan::Plan plan = NewPlan(1);
   plan.axes.push_back({"seed", "seed", "", {}});
   for (const std::uint64_t seed : seeds) {
     plan.axes[0].values.emplace_back(static_cast<double>(seed));
@@ -147,4 +147,4 @@ void WriteText(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
 
-}  // namespace cdb::runtime::test
+}  // namespace cdb::tests

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 
-namespace cdb::runtime::test {
+namespace cdb::tests {
 
 /// What the test worker does with a run whose seed is this; with any other it records every cycle
 /// and reports.
@@ -44,11 +44,10 @@ struct PlanShape {
 };
 
 /// Axes quantity and detector.
-compiler::Plan MakePlan(const PlanShape& shape = {});
+plan::Plan MakePlan(const PlanShape& shape = {});
 
 /// One run for each behaviour, on an axis `seed`; no timeout unless given.
-compiler::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds,
-                                 const PlanShape& shape = {});
+plan::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const PlanShape& shape = {});
 
 /// A folder of a test's own, removed at the end.
 class TestFolder {
@@ -69,4 +68,4 @@ std::vector<std::string> NamesIn(const std::filesystem::path& folder);
 std::string ReadText(const std::filesystem::path& file);
 void WriteText(const std::filesystem::path& file, const std::string& text);
 
-}  // namespace cdb::runtime::test
+}  // namespace cdb::tests

@@ -7,10 +7,8 @@
 
 #include "tests/runtime/schedule/plans.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
-
-using test::MakePlan;
 
 /// A terminal, or a log, and a clock that we turn.
 struct Screen {
@@ -18,7 +16,7 @@ struct Screen {
   std::size_t columns = 80;
   std::string text;
 
-  ProgressOutput Output(bool is_terminal, bool is_utf8 = true) {
+  schedule::ProgressOutput Output(bool is_terminal, bool is_utf8 = true) {
     return {is_terminal, is_utf8, [this] { return now_s; }, [this] { return columns; },
             [this](std::string_view more) { text += more; }};
   }
@@ -41,14 +39,14 @@ struct Screen {
   }
 };
 
-std::vector<const compiler::Run*> Pointers(const compiler::Plan& plan) {
-  std::vector<const compiler::Run*> runs;
-  for (const compiler::Run& run : plan.runs) runs.push_back(&run);
+std::vector<const plan::Run*> Pointers(const plan::Plan& plan) {
+  std::vector<const plan::Run*> runs;
+  for (const plan::Run& run : plan.runs) runs.push_back(&run);
   return runs;
 }
 
-RunResult Result(Status status, std::string message = "") {
-  RunResult result;
+store::RunResult Result(store::Status status, std::string message = "") {
+  store::RunResult result;
   result.status = status;
   result.message = std::move(message);
   return result;
@@ -57,7 +55,7 @@ RunResult Result(Status status, std::string message = "") {
 TEST(ProgressBarTest, TellsAllOfIt) {
   const auto plan = MakePlan({.quantities = {100, 200}, .detectors = {"dbvt", "sap"}});
   Screen screen;
-  Progress progress(screen.Output(true));
+  schedule::Progress progress(screen.Output(true));
   progress.Begin(plan, Pointers(plan), {}, 1);
   EXPECT_EQ(screen.Take(), "<cr>▕                    ▏ 0/4   0 %<K>");
   progress.RunStarted(plan.runs[0]);
@@ -66,7 +64,7 @@ TEST(ProgressBarTest, TellsAllOfIt) {
   progress.Tick();
   EXPECT_EQ(screen.Take(), "<cr>▕                    ▏ 0/4   0 %  quantity 100, detector dbvt<K>");
   screen.now_s += 19;
-  progress.RunEnded(plan.runs[0], Result(Status::kDone), 20);
+  progress.RunEnded(plan.runs[0], Result(store::Status::kDone), 20);
   // The other of this size takes as long, the two of twice the size twice as long: 20 + 2 x 40 s.
   EXPECT_EQ(screen.Take(), "<cr>▕█████               ▏ 1/4  25 %  2 min left<K>");
   progress.RunStarted(plan.runs[1]);
@@ -74,7 +72,7 @@ TEST(ProgressBarTest, TellsAllOfIt) {
   progress.Tick();
   EXPECT_EQ(screen.Take(),
             "<cr>▕█████               ▏ 1/4  25 %  86 s left  quantity 100, detector sap<K>");
-  progress.RunEnded(plan.runs[1], Result(Status::kCrashed, "signal 11"), 1);
+  progress.RunEnded(plan.runs[1], Result(store::Status::kCrashed, "signal 11"), 1);
   EXPECT_EQ(screen.Take(),
             "<cr><J>cdb: quantity 100, detector sap: crashed: signal 11\n"
             "<cr>▕██████████          ▏ 2/4  50 %  80 s left  1 bad<K>");
@@ -87,10 +85,10 @@ TEST(ProgressBarTest, TellsAllOfIt) {
 TEST(ProgressBarTest, IsAsciiWhereTheLocaleIs) {
   const auto plan = MakePlan({.quantities = {100, 200}, .detectors = {"dbvt"}});
   Screen screen;
-  Progress progress(screen.Output(true, false));
+  schedule::Progress progress(screen.Output(true, false));
   progress.Begin(plan, Pointers(plan), {}, 1);
   screen.now_s += 1;
-  progress.RunEnded(plan.runs[0], Result(Status::kDone), 2);
+  progress.RunEnded(plan.runs[0], Result(store::Status::kDone), 2);
   EXPECT_EQ(screen.Take(),
             "<cr>[....................] 0/2   0 %<K>"
             "<cr>[##########..........] 1/2  50 %  4 s left<K>");
@@ -101,10 +99,10 @@ TEST(ProgressBarTest, ShowsEighthsOfACell) {
   for (std::size_t i = 0; i < quantities.size(); ++i) quantities[i] = i + 1;
   const auto plan = MakePlan({.quantities = quantities, .detectors = {"dbvt"}});
   Screen screen;
-  Progress progress(screen.Output(true));
-  Summary resumed;
+  schedule::Progress progress(screen.Output(true));
+  schedule::Summary resumed;
   resumed.done = 3;  // 3/64 of 160 eighths are 7.5
-  std::vector<const compiler::Run*> to_do = Pointers(plan);
+  std::vector<const plan::Run*> to_do = Pointers(plan);
   to_do.erase(to_do.begin(), to_do.begin() + 3);
   progress.Begin(plan, to_do, resumed, 1);
   EXPECT_EQ(screen.Take(), "<cr>▕▉                   ▏  3/64   4 %<K>");
@@ -116,7 +114,7 @@ TEST(ProgressBarTest, FitsTheTerminal) {
     for (const bool is_utf8 : {false, true}) {
       Screen screen;
       screen.columns = columns;
-      Progress progress(screen.Output(true, is_utf8));
+      schedule::Progress progress(screen.Output(true, is_utf8));
       progress.Begin(plan, Pointers(plan), {}, 1);
       progress.RunStarted(plan.runs[0]);
       screen.now_s += 1;
@@ -137,7 +135,7 @@ TEST(ProgressBarTest, CutsWithDots) {
   const auto plan = MakePlan({.quantities = {100, 200}, .detectors = {"dbvt"}});
   Screen screen;
   screen.columns = 30;
-  Progress progress(screen.Output(true));
+  schedule::Progress progress(screen.Output(true));
   progress.Begin(plan, Pointers(plan), {}, 1);
   progress.RunStarted(plan.runs[0]);
   screen.now_s += 1;
@@ -149,7 +147,7 @@ TEST(ProgressBarTest, CutsWithDots) {
 TEST(ProgressBarTest, ClimbsOverTheLinesThatANarrowerTerminalMade) {
   const auto plan = MakePlan({.quantities = {100, 200}, .detectors = {"dbvt"}});
   Screen screen;
-  Progress progress(screen.Output(true));
+  schedule::Progress progress(screen.Output(true));
   progress.Begin(plan, Pointers(plan), {}, 1);
   screen.Take();
   screen.columns = 15;  // the 32 columns of before are now three lines
@@ -166,12 +164,12 @@ TEST(ProgressBarTest, IsDrawnTenTimesASecondAtMost) {
   for (std::size_t i = 0; i < quantities.size(); ++i) quantities[i] = i;
   const auto plan = MakePlan({.quantities = quantities, .detectors = {"dbvt"}});
   Screen screen;
-  Progress progress(screen.Output(true));
+  schedule::Progress progress(screen.Output(true));
   progress.Begin(plan, Pointers(plan), {}, 1);
-  for (const compiler::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.runs) {
     progress.RunStarted(run);
     screen.now_s += 0.001;
-    progress.RunEnded(run, Result(Status::kDone), 0.001);
+    progress.RunEnded(run, Result(store::Status::kDone), 0.001);
   }
   const std::string all = screen.Take();
   std::size_t drawn = 0;
@@ -184,7 +182,7 @@ TEST(ProgressBarTest, IsDrawnTenTimesASecondAtMost) {
 TEST(ProgressBarTest, WarningsStandAboveIt) {
   const auto plan = MakePlan({.quantities = {100}, .detectors = {"dbvt"}});
   Screen screen;
-  Progress progress(screen.Output(true));
+  schedule::Progress progress(screen.Output(true));
   progress.Warn("a broken shard");
   EXPECT_EQ(screen.Take(), "cdb: warning: a broken shard\n");
   progress.Begin(plan, Pointers(plan), {}, 1);
@@ -196,13 +194,13 @@ TEST(ProgressBarTest, WarningsStandAboveIt) {
 TEST(ProgressBarTest, JobsShareTheTimeLeft) {
   const auto plan = MakePlan({.quantities = {100}, .detectors = {"dbvt"}, .repeats = 5});
   Screen screen;
-  Progress progress(screen.Output(true));
+  schedule::Progress progress(screen.Output(true));
   progress.Begin(plan, Pointers(plan), {}, 2);
   progress.RunStarted(plan.runs[0]);
   progress.RunStarted(plan.runs[1]);
   screen.Take();
   screen.now_s += 10;
-  progress.RunEnded(plan.runs[0], Result(Status::kDone), 10);
+  progress.RunEnded(plan.runs[0], Result(store::Status::kDone), 10);
   // Four are left at 10 s, one of them all but done, in two slots: 15 s.
   EXPECT_EQ(screen.Take(),
             "<cr>▕████                ▏ 1/5  20 %  15 s left  quantity 100, detector dbvt, rep 1"
@@ -212,18 +210,19 @@ TEST(ProgressBarTest, JobsShareTheTimeLeft) {
 TEST(ProgressLogTest, HasALineForEachRunOfASmallPlan) {
   const auto plan = MakePlan({.quantities = {100, 200}, .detectors = {"dbvt", "sap"}});
   Screen screen;
-  Progress progress(screen.Output(false));
-  Summary resumed;
+  schedule::Progress progress(screen.Output(false));
+  schedule::Summary resumed;
   resumed.done = 1;
-  std::vector<const compiler::Run*> to_do = Pointers(plan);
+  std::vector<const plan::Run*> to_do = Pointers(plan);
   to_do.erase(to_do.begin());
   progress.Begin(plan, to_do, resumed, 2);
   progress.RunStarted(*to_do[0]);
-  progress.RunEnded(*to_do[0], Result(Status::kDone), 1.25);
+  progress.RunEnded(*to_do[0], Result(store::Status::kDone), 1.25);
   progress.Tick();
-  progress.RunEnded(*to_do[1], Result(Status::kTimedOut, "ended after its timeout of 3 s"), 3);
+  progress.RunEnded(*to_do[1], Result(store::Status::kTimedOut, "ended after its timeout of 3 s"),
+                    3);
   progress.Warn("odd");
-  progress.RunEnded(*to_do[2], Result(Status::kFailed, "the cube is full"), 0);
+  progress.RunEnded(*to_do[2], Result(store::Status::kFailed, "the cube is full"), 0);
   progress.End();
   EXPECT_EQ(screen.Take(),
             "cdb: study: 4 runs, 1 of them there already, 2 at a time\n"
@@ -238,14 +237,14 @@ TEST(ProgressLogTest, SparesALargePlan) {
   std::vector<std::uint64_t> quantities(1000, 7);
   const auto plan = MakePlan({.quantities = quantities, .detectors = {"dbvt"}});
   Screen screen;
-  Progress progress(screen.Output(false));
+  schedule::Progress progress(screen.Output(false));
   progress.Begin(plan, Pointers(plan), {}, 1);
   EXPECT_EQ(screen.Take(), "cdb: study: 1000 runs\n");
   // 5 % are 50 runs, but no two lines in 5 s: at 20 runs a second, every hundredth.
   std::string all;
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     screen.now_s += 0.0625;  // exact in binary: 16 a second, 80 in 5 s
-    progress.RunEnded(plan.runs[i], Result(Status::kDone), 0.0625);
+    progress.RunEnded(plan.runs[i], Result(store::Status::kDone), 0.0625);
     const std::string text = screen.Take();
     all += text;
     if (i == 79) {
@@ -261,17 +260,17 @@ TEST(ProgressLogTest, SlowRunsOfALargePlanAreHeardOfOnceAMinute) {
   std::vector<std::uint64_t> quantities(1000, 7);
   const auto plan = MakePlan({.quantities = quantities, .detectors = {"dbvt"}});
   Screen screen;
-  Progress progress(screen.Output(false));
+  schedule::Progress progress(screen.Output(false));
   progress.Begin(plan, Pointers(plan), {}, 1);
   screen.Take();
   int lines = 0;
   for (std::size_t i = 0; i < 49; ++i) {
     screen.now_s += 20;
-    progress.RunEnded(plan.runs[i], Result(Status::kDone), 20);
+    progress.RunEnded(plan.runs[i], Result(store::Status::kDone), 20);
     lines += screen.Take().empty() ? 0 : 1;
   }
   EXPECT_EQ(lines, 49 / 3);
-  progress.RunEnded(plan.runs[49], Result(Status::kCrashed, "x"), 20);
+  progress.RunEnded(plan.runs[49], Result(store::Status::kCrashed, "x"), 20);
   EXPECT_EQ(screen.Take(), "cdb:   50/1000   5 %  quantity 7, detector dbvt: crashed: x\n");
 }
 
@@ -289,8 +288,9 @@ TEST(ProgressTest, Durations) {
                                                   {86400 - 1, "1 d 0 h"},
                                                   {2 * 86400 + 4 * 3600, "2 d 4 h"},
                                                   {86400 * 400.0, "400 d 0 h"}};
-  for (const auto& [seconds, text] : cases) EXPECT_EQ(DurationText(seconds), text) << seconds;
+  for (const auto& [seconds, text] : cases)
+    EXPECT_EQ(schedule::DurationText(seconds), text) << seconds;
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

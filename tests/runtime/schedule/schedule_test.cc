@@ -7,71 +7,73 @@
 #include <functional>
 #include <set>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "tests/runtime/schedule/plans.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
-using test::MakePlan;
-using test::TestFolder;
 
 /// Ends each run at once, the last started first, as `behave` says.
-class FakeLauncher : public Launcher {
+class FakeLauncher : public process::Launcher {
  public:
-  std::function<Status(const compiler::Run&)> behave = [](const auto&) { return Status::kDone; };
+  std::function<store::Status(const plan::Run&)> behave = [](const auto&) {
+    return store::Status::kDone;
+  };
   std::function<void()> before_wait = [] {};
-  std::function<Pulse(std::size_t)> pulse;
+  std::function<process::Pulse(std::size_t)> pulse;
   std::vector<std::string> started;  // run ids, in order
   std::size_t most_at_once = 0;
   int stops = 0;
 
-  std::vector<std::pair<std::size_t, const compiler::Run*>> running;
+  std::vector<std::pair<std::size_t, const plan::Run*>> running;
 
-  void Start(std::size_t slot, const compiler::Run& run) override {
+  void Start(std::size_t slot, const plan::Run& run) override {
     for (const auto& [taken, other] : running) EXPECT_NE(taken, slot);
     started.push_back(run.id);
     running.emplace_back(slot, &run);
     most_at_once = std::max(most_at_once, running.size());
   }
-  std::optional<Ending> Wait(double) override {
+  std::optional<process::Ending> Wait(double) override {
     before_wait();
     if (running.empty()) return std::nullopt;
     const auto [slot, run] = running.back();
-    Ending ending;
+    process::Ending ending;
     ending.slot = slot;
     ending.result.status = behave(*run);
-    if (ending.result.status == Status::kMissing) return std::nullopt;
+    if (ending.result.status == store::Status::kMissing) return std::nullopt;
     running.pop_back();
     ending.result.host = "here";
     return ending;
   }
-  Pulse PulseOf(std::size_t slot) const override { return pulse ? pulse(slot) : Pulse{}; }
+  process::Pulse PulseOf(std::size_t slot) const override {
+    return pulse ? pulse(slot) : process::Pulse{};
+  }
   void StopAll() override {
     ++stops;
     running.clear();
   }
 };
 
-struct Ears : ProgressListener {
+struct Ears : schedule::ProgressListener {
   std::vector<std::string> warnings;
   std::size_t to_do = 0, began = 0, ended = 0, found = 0, ticks = 0, ends = 0;
-  void Begin(const compiler::Plan&, const std::vector<const compiler::Run*>& runs, const Summary&,
+  void Begin(const plan::Plan&, const std::vector<const plan::Run*>& runs, const schedule::Summary&,
              std::size_t) override {
     to_do = runs.size();
   }
-  void RunStarted(const compiler::Run&) override { ++began; }
-  void RunEnded(const compiler::Run&, const RunResult&, double) override { ++ended; }
-  void RunFound(const compiler::Run&, const Outcome&) override { ++found; }
+  void RunStarted(const plan::Run&) override { ++began; }
+  void RunEnded(const plan::Run&, const store::RunResult&, double) override { ++ended; }
+  void RunFound(const plan::Run&, const store::Outcome&) override { ++found; }
   void Warn(const std::string& text) override { warnings.push_back(text); }
   void Tick() override { ++ticks; }
   void End() override { ++ends; }
 };
 
-std::vector<std::string> ShardNames(const compiler::Plan& plan) {
+std::vector<std::string> ShardNames(const plan::Plan& plan) {
   std::set<std::string> names;
-  for (const compiler::Run& run : plan.runs) names.insert(run.id + ".h5");
+  for (const plan::Run& run : plan.runs) names.insert(run.id + ".h5");
   return {names.begin(), names.end()};
 }
 
@@ -83,30 +85,32 @@ std::vector<std::string> WithPlan(std::vector<std::string> names) {
 
 class ScheduleTest : public testing::Test {
  protected:
-  Summary Run(const compiler::Plan& to_run) { return Execute(to_run, options, launcher, ears); }
+  schedule::Summary Run(const plan::Plan& to_run) {
+    return schedule::Execute(to_run, options, launcher, ears);
+  }
 
   TestFolder root;
-  ExecuteOptions options{.folder = root.path() / "study.runs"};
+  schedule::ExecuteOptions options{.folder = root.path() / "study.runs"};
   FakeLauncher launcher;
   Ears ears;
-  compiler::Plan plan = MakePlan();
+  plan::Plan plan = MakePlan();
 };
 
 TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
-  const Summary summary = Run(plan);
-  EXPECT_EQ(summary, (Summary{.done = 9}));
+  const schedule::Summary summary = Run(plan);
+  EXPECT_EQ(summary, (schedule::Summary{.done = 9}));
   EXPECT_FALSE(summary.HasBadRuns());
   std::vector<std::string> order;
-  for (const compiler::Run* run : OrderRuns(plan)) order.push_back(run->id);
+  for (const plan::Run* run : schedule::OrderRuns(plan)) order.push_back(run->id);
   EXPECT_EQ(launcher.started, order);
   EXPECT_EQ(launcher.most_at_once, 1u);
-  EXPECT_EQ(test::NamesIn(options.folder), WithPlan(ShardNames(plan)));
-  EXPECT_TRUE(test::ReadText(options.folder / "plan.yaml") == compiler::ToYaml(plan));
+  EXPECT_EQ(NamesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_TRUE(ReadText(options.folder / "plan.yaml") == plan::ToYaml(plan));
   for (const std::string& name : ShardNames(plan)) {
-    const ShardInfo info = ReadShardInfo(options.folder / name);
+    const store::ShardInfo info = store::ReadShardInfo(options.folder / name);
     EXPECT_EQ(info.run_id + ".h5", name);
     EXPECT_EQ(info.plan_sha256, plan.Sha256());
-    EXPECT_EQ(info.outcome.status, Status::kDone);
+    EXPECT_EQ(info.outcome.status, store::Status::kDone);
   }
   EXPECT_EQ(ears.to_do, 9u);
   EXPECT_EQ(ears.began, 9u);
@@ -116,46 +120,50 @@ TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
 
 TEST_F(ScheduleTest, HasAsManyAtOnceAsJobs) {
   options.jobs = 4;
-  EXPECT_EQ(Run(plan), (Summary{.done = 9}));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
   EXPECT_EQ(launcher.most_at_once, 4u);
-  EXPECT_EQ(test::NamesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_EQ(NamesIn(options.folder), WithPlan(ShardNames(plan)));
 }
 
 TEST_F(ScheduleTest, CountsHowRunsEnded) {
-  launcher.behave = [this](const compiler::Run& run) {
-    constexpr Status kKinds[] = {Status::kDone, Status::kFailed, Status::kCrashed,
-                                 Status::kTimedOut};
+  launcher.behave = [this](const plan::Run& run) {
+    constexpr store::Status kKinds[] = {store::Status::kDone, store::Status::kFailed,
+                                        store::Status::kCrashed, store::Status::kTimedOut};
     return kKinds[(&run - plan.runs.data()) % 4];
   };
-  const Summary summary = Run(plan);
-  EXPECT_EQ(summary, (Summary{.done = 3, .failed = 2, .crashed = 2, .timed_out = 2}));
+  const schedule::Summary summary = Run(plan);
+  EXPECT_EQ(summary, (schedule::Summary{.done = 3, .failed = 2, .crashed = 2, .timed_out = 2}));
   EXPECT_TRUE(summary.HasBadRuns());
-  EXPECT_EQ(Describe(summary), "9 runs: 3 done, 2 failed, 2 crashed, 2 timed out");
+  EXPECT_EQ(schedule::Describe(summary), "9 runs: 3 done, 2 failed, 2 crashed, 2 timed out");
   // A run that ended badly has a shard and is not run again.
   launcher.started.clear();
-  const Summary again = Run(plan);
+  const schedule::Summary again = Run(plan);
   EXPECT_TRUE(launcher.started.empty());
-  EXPECT_EQ(again, (Summary{.done = 3, .failed = 2, .crashed = 2, .timed_out = 2, .resumed = 9}));
+  EXPECT_EQ(again, (schedule::Summary{
+                       .done = 3, .failed = 2, .crashed = 2, .timed_out = 2, .resumed = 9}));
 }
 
 TEST_F(ScheduleTest, WarnsOnceOfAPluginThatHangs) {
-  for (compiler::Run& run : plan.runs)
+  for (plan::Run& run : plan.runs)
     run.scene.plugins = {{"mine", "broad", 0, "mine.so", std::string(64, '0')}};
   int waits = 0;
   launcher.pulse = [&](std::size_t) {
-    return Pulse{waits < 30 ? static_cast<std::uint64_t>(waits) : 30, "FindPairs of `mine`"};
+    return process::Pulse{waits < 30 ? static_cast<std::uint64_t>(waits) : 30,
+                          "FindPairs of `mine`"};
   };
   // The first run goes on for 30 ticks and hangs for 100.
-  launcher.behave = [&](const auto&) { return ++waits < 130 ? Status::kMissing : Status::kDone; };
-  EXPECT_EQ(Run(plan), (Summary{.done = 9}));
+  launcher.behave = [&](const auto&) {
+    return ++waits < 130 ? store::Status::kMissing : store::Status::kDone;
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
   ASSERT_EQ(ears.warnings.size(), 1u);
   EXPECT_NE(ears.warnings[0].find("the run is in FindPairs of `mine`"), std::string::npos)
       << ears.warnings[0];
 }
 
 TEST_F(ScheduleTest, DescribesASummary) {
-  EXPECT_EQ(Describe({.done = 1}), "1 run: 1 done");
-  EXPECT_EQ(Describe({.done = 3, .resumed = 2, .left = 4}),
+  EXPECT_EQ(schedule::Describe({.done = 1}), "1 run: 1 done");
+  EXPECT_EQ(schedule::Describe({.done = 3, .resumed = 2, .left = 4}),
             "7 runs: 3 done, 4 not run (2 of them before)");
 }
 
@@ -165,7 +173,7 @@ TEST_F(ScheduleTest, GoesOnWhereItStopped) {
   for (const std::size_t i : {1, 4, 8}) fs::remove(options.folder / names[i]);
   const auto kept = fs::last_write_time(options.folder / names[0]);
   launcher.started.clear();
-  EXPECT_EQ(Run(plan), (Summary{.done = 9, .resumed = 6}));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 6}));
   EXPECT_EQ(launcher.started.size(), 3u);
   for (const std::string& id : launcher.started)
     EXPECT_TRUE(id + ".h5" == names[1] || id + ".h5" == names[4] || id + ".h5" == names[8]);
@@ -175,66 +183,66 @@ TEST_F(ScheduleTest, GoesOnWhereItStopped) {
 
 TEST_F(ScheduleTest, FreshStartsOver) {
   Run(plan);
-  test::WriteText(options.folder / "notes.txt", "mine");
-  test::WriteText(options.folder / "mine.h5", "mine too");
-  test::WriteText(options.folder / "00112233aabbccdd.h5", "of another plan");
-  test::WriteText(options.folder / "00112233aabbccdd.h5.broken", "");
+  WriteText(options.folder / "notes.txt", "mine");
+  WriteText(options.folder / "mine.h5", "mine too");
+  WriteText(options.folder / "00112233aabbccdd.h5", "of another plan");
+  WriteText(options.folder / "00112233aabbccdd.h5.broken", "");
   launcher.started.clear();
   options.fresh = true;
-  EXPECT_EQ(Run(plan), (Summary{.done = 9}));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
   EXPECT_EQ(launcher.started.size(), 9u);
   auto names = WithPlan(ShardNames(plan));
   names.insert(names.end(), {"mine.h5", "notes.txt"});
   std::ranges::sort(names);
-  EXPECT_EQ(test::NamesIn(options.folder), names) << "what is not ours stays";
+  EXPECT_EQ(NamesIn(options.folder), names) << "what is not ours stays";
 }
 
 TEST_F(ScheduleTest, RefusesAShardOfAnotherPlanAndChangesNothing) {
   Run(plan);
-  const std::string text = test::ReadText(options.folder / "plan.yaml");
+  const std::string text = ReadText(options.folder / "plan.yaml");
   // Other runs; then the same runs under another plan, which is to be told by the hash inside.
-  compiler::Plan renamed = plan;
+  plan::Plan renamed = plan;
   renamed.benchmark = "other";
-  for (const compiler::Plan& other : {MakePlan({.quantities = {9}}), renamed}) {
+  for (const plan::Plan& other : {MakePlan({.quantities = {9}}), renamed}) {
     launcher.started.clear();
     try {
       Run(other);
       ADD_FAILURE() << "mixed in";
-    } catch (const ScheduleError& error) {
+    } catch (const process::ScheduleError& error) {
       const std::string message = error.what();
       EXPECT_NE(message.find("is a shard of another plan"), std::string::npos) << message;
       EXPECT_NE(message.find("--fresh"), std::string::npos) << message;
       EXPECT_NE(message.find(".h5"), std::string::npos) << message;
     }
     EXPECT_TRUE(launcher.started.empty());
-    EXPECT_TRUE(test::ReadText(options.folder / "plan.yaml") == text);
-    EXPECT_EQ(test::NamesIn(options.folder), WithPlan(ShardNames(plan)));
+    EXPECT_TRUE(ReadText(options.folder / "plan.yaml") == text);
+    EXPECT_EQ(NamesIn(options.folder), WithPlan(ShardNames(plan)));
   }
 }
 
 TEST_F(ScheduleTest, ANewTitleIsNotANewPlan) {
   Run(plan);
   plan.title = "a better title";
-  EXPECT_EQ(Run(plan), (Summary{.done = 9, .resumed = 9}));
-  EXPECT_TRUE(test::ReadText(options.folder / "plan.yaml") == compiler::ToYaml(plan));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 9}));
+  EXPECT_TRUE(ReadText(options.folder / "plan.yaml") == plan::ToYaml(plan));
 }
 
 TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
   Run(plan);
   const auto names = ShardNames(plan);
   fs::resize_file(options.folder / names[2], fs::file_size(options.folder / names[2]) / 2);
-  test::WriteText(options.folder / names[3], "");
-  test::WriteText(options.folder / names[5], std::string(100000, 'x'));
+  WriteText(options.folder / names[3], "");
+  WriteText(options.folder / names[5], std::string(100000, 'x'));
   // A whole shard under another's name.
   fs::copy_file(options.folder / names[0], options.folder / names[7],
                 fs::copy_options::overwrite_existing);
   launcher.started.clear();
-  EXPECT_EQ(Run(plan), (Summary{.done = 9, .resumed = 5}));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 5}));
   EXPECT_EQ(launcher.started.size(), 4u);
   EXPECT_EQ(ears.warnings.size(), 4u);
   for (const std::size_t i : {2, 3, 5, 7}) {
     EXPECT_TRUE(fs::exists(options.folder / (names[i] + ".broken"))) << i;
-    EXPECT_EQ(ReadShardInfo(options.folder / names[i]).outcome.status, Status::kDone);
+    EXPECT_EQ(store::ReadShardInfo(options.folder / names[i]).outcome.status, store::Status::kDone);
     EXPECT_TRUE(std::ranges::any_of(ears.warnings, [&](const std::string& warning) {
       return warning.find(names[i]) != std::string::npos;
     }));
@@ -242,15 +250,15 @@ TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
 }
 
 TEST_F(ScheduleTest, TakesWhatAnotherDriverFinishedMeanwhile) {
-  const auto order = OrderRuns(plan);
+  const auto order = schedule::OrderRuns(plan);
   int waits = 0;
   launcher.before_wait = [&] {
     if (++waits != 2) return;
-    RunResult result;
-    result.status = Status::kCrashed;
-    WriteShard(plan, *order[3], result, {}, options.folder);
+    store::RunResult result;
+    result.status = store::Status::kCrashed;
+    store::WriteShard(plan, *order[3], result, {}, options.folder);
   };
-  EXPECT_EQ(Run(plan), (Summary{.done = 8, .crashed = 1, .resumed = 1}));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 8, .crashed = 1, .resumed = 1}));
   EXPECT_EQ(launcher.started.size(), 8u);
   EXPECT_EQ(ears.found, 1u);
 }
@@ -263,43 +271,43 @@ TEST_F(ScheduleTest, AShardOfThePlanIsCarriedOutAlone) {
   }
   EXPECT_EQ(runs, 9u);
   EXPECT_EQ(launcher.started.size(), 9u);
-  EXPECT_EQ(test::NamesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_EQ(NamesIn(options.folder), WithPlan(ShardNames(plan)));
 }
 
 TEST_F(ScheduleTest, AStopKeepsWhatIsFinished) {
-  StopFlag stop;
+  process::StopFlag stop;
   options.stop = &stop;
   options.jobs = 2;
-  launcher.behave = [&](const compiler::Run&) {
+  launcher.behave = [&](const plan::Run&) {
     if (ears.ended == 3) stop.Request(15);
-    return ears.ended == 4 ? Status::kMissing : Status::kDone;  // the last never ends
+    return ears.ended == 4 ? store::Status::kMissing : store::Status::kDone;  // the last never ends
   };
-  const Summary summary = Run(plan);
-  EXPECT_EQ(summary, (Summary{.done = 4, .left = 5, .signal = 15}));
-  EXPECT_EQ(test::NamesIn(options.folder).size(), 5u);
+  const schedule::Summary summary = Run(plan);
+  EXPECT_EQ(summary, (schedule::Summary{.done = 4, .left = 5, .signal = 15}));
+  EXPECT_EQ(NamesIn(options.folder).size(), 5u);
   EXPECT_TRUE(launcher.running.empty()) << "ended by the schedule";
   EXPECT_EQ(ears.ends, 1u);
-  StopFlag none;
+  process::StopFlag none;
   options.stop = &none;
-  launcher.behave = [](const auto&) { return Status::kDone; };
-  EXPECT_EQ(Run(plan), (Summary{.done = 9, .resumed = 4}));
+  launcher.behave = [](const auto&) { return store::Status::kDone; };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 4}));
 }
 
 TEST_F(ScheduleTest, AStopBeforeTheFirstRunRunsNothing) {
-  StopFlag stop;
+  process::StopFlag stop;
   stop.Request(2);
   stop.Request(15);
   options.stop = &stop;
-  EXPECT_EQ(Run(plan), (Summary{.left = 9, .signal = 2}));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.left = 9, .signal = 2}));
   EXPECT_TRUE(launcher.started.empty());
 }
 
 TEST_F(ScheduleTest, ListenersTickWhileNothingEnds) {
   int waits = 0;
-  launcher.behave = [&](const compiler::Run&) {
-    return ++waits % 3 != 0 ? Status::kMissing : Status::kDone;
+  launcher.behave = [&](const plan::Run&) {
+    return ++waits % 3 != 0 ? store::Status::kMissing : store::Status::kDone;
   };
-  EXPECT_EQ(Run(plan), (Summary{.done = 9}));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
   EXPECT_EQ(ears.ticks, 18u);
 }
 
@@ -312,7 +320,7 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
   try {
     Run(plan);
     ADD_FAILURE() << "went on";
-  } catch (const StoreError& error) {
+  } catch (const store::StoreError& error) {
     EXPECT_NE(std::string(error.what()).find("4 of 9 runs are safe in"), std::string::npos)
         << error.what();
   }
@@ -326,36 +334,37 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
 
 TEST_F(ScheduleTest, ALauncherThatRefusesEndsTheWork) {
   struct Refuser : FakeLauncher {
-    void Start(std::size_t slot, const compiler::Run& run) override {
-      if (started.size() == 3) throw ScheduleError("cannot start a run: no more processes");
+    void Start(std::size_t slot, const plan::Run& run) override {
+      if (started.size() == 3)
+        throw process::ScheduleError("cannot start a run: no more processes");
       FakeLauncher::Start(slot, run);
     }
   } refuser;
-  EXPECT_THROW(Execute(plan, options, refuser, ears), ScheduleError);
-  EXPECT_EQ(test::NamesIn(options.folder).size(), 4u);
+  EXPECT_THROW(schedule::Execute(plan, options, refuser, ears), process::ScheduleError);
+  EXPECT_EQ(NamesIn(options.folder).size(), 4u);
   EXPECT_EQ(ears.ends, 1u);
 }
 
 TEST_F(ScheduleTest, AFolderThatCannotBeIsNamed) {
-  test::WriteText(root.path() / "file", "");
+  WriteText(root.path() / "file", "");
   options.folder = root.path() / "file" / "study.runs";
   try {
     Run(plan);
     ADD_FAILURE();
-  } catch (const StoreError& error) {
+  } catch (const store::StoreError& error) {
     EXPECT_NE(std::string(error.what()).find(options.folder.string()), std::string::npos);
   }
 }
 
 TEST_F(ScheduleTest, AnEmptyPlanIsDone) {
   plan.runs.clear();
-  EXPECT_EQ(Run(plan), Summary{});
+  EXPECT_EQ(Run(plan), schedule::Summary{});
 }
 
 TEST(StopTest, ASignalSetsTheFlag) {
-  StopFlag flag;
+  process::StopFlag flag;
   {
-    const StopOnSignals watch(flag);
+    const process::StopOnSignals watch(flag);
     EXPECT_FALSE(flag.requested());
     raise(SIGTERM);
     EXPECT_EQ(flag.signal(), SIGTERM);
@@ -372,9 +381,9 @@ TEST(StopTest, ASignalSetsTheFlag) {
 
 TEST(StopTest, AnIgnoredSignalStaysIgnored) {
   signal(SIGHUP, SIG_IGN);
-  StopFlag flag;
+  process::StopFlag flag;
   {
-    const StopOnSignals watch(flag);
+    const process::StopOnSignals watch(flag);
     raise(SIGHUP);
     EXPECT_FALSE(flag.requested());
   }
@@ -385,4 +394,4 @@ TEST(StopTest, AnIgnoredSignalStaysIgnored) {
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "runtime/measure/recording.h"
 #include "tests/runtime/schedule/plans.h"
 
-namespace cdb::runtime::test {
+namespace cdb::tests {
 namespace {
 
 std::string ReadAll(int fd) {
@@ -55,12 +55,12 @@ void FloodErrors() {
 
 class Worker {
  public:
-  Worker(const compiler::Run& run, Recording& recording)
+  Worker(const plan::Run& run, measure::Recording& recording)
       : recording_(recording),
         cycles_(run.scene.world.Count("cycles")),
         quantity_(run.scene.ObjectCount()),
         with_contacts_(run.scene.world.Lists("record", "contacts")) {
-    RecordingHeader& header = recording_.header();
+    measure::RecordingHeader& header = recording_.header();
     std::strncpy(header.omitted, "raycast_tree pools", sizeof header.omitted - 1);
     std::strncpy(header.needs, "walls: kept: a test\npools: left out: a test\n",
                  sizeof header.needs - 1);
@@ -70,21 +70,21 @@ class Worker {
   void Write(std::uint64_t cycle, bool with_contact_records = true) {
     const auto i = static_cast<std::int32_t>(cycle);
     if (const auto duration = recording_.Reals("duration"); !duration.empty())
-      for (std::size_t phase = 0; phase < kPhaseCount; ++phase)
+      for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
         duration[phase * cycles_ + cycle] = 1000.0 * static_cast<double>(phase) + i;
     if (const auto pairs = recording_.Ints("pairs"); !pairs.empty())
       pairs[cycle] = i * static_cast<std::int32_t>(quantity_);
     if (const auto contacts = recording_.Ints("contacts"); !contacts.empty()) contacts[cycle] = i;
     if (const auto poses = recording_.Reals("poses"); !poses.empty())
-      for (std::size_t k = 0; k < quantity_ * kPoseSize; ++k)
-        poses[cycle * quantity_ * kPoseSize + k] = static_cast<double>(k) + i;
+      for (std::size_t k = 0; k < quantity_ * measure::kPoseSize; ++k)
+        poses[cycle * quantity_ * measure::kPoseSize + k] = static_cast<double>(k) + i;
     if (!with_contacts_ || !with_contact_records) return;
     for (std::uint64_t k = 0; k < cycle; ++k) {
-      ContactRecord record = {};
+      measure::ContactRecord record = {};
       record.body_a = static_cast<double>(cycle);
       record.body_b = static_cast<double>(k);
       record.distance = -1;
-      if (write(kContactsFd, &record, sizeof record) != sizeof record) _exit(97);
+      if (write(measure::kContactsFd, &record, sizeof record) != sizeof record) _exit(97);
     }
   }
 
@@ -97,8 +97,8 @@ class Worker {
     for (std::uint64_t cycle = 0; cycle < count; ++cycle) Cycle(cycle);
   }
 
-  int Report(WorkerOutcome outcome, const char* message = "") {
-    RecordingHeader& header = recording_.header();
+  int Report(measure::WorkerOutcome outcome, const char* message = "") {
+    measure::RecordingHeader& header = recording_.header();
     std::strncpy(header.message, message, sizeof header.message - 1);
     std::strncpy(header.state_hash, "0123456789abcdef", sizeof header.state_hash - 1);
     header.peak_rss_bytes = 4096;
@@ -110,10 +110,10 @@ class Worker {
   }
 
   std::uint64_t cycles() const { return cycles_; }
-  Recording& recording() { return recording_; }
+  measure::Recording& recording() { return recording_; }
 
  private:
-  Recording& recording_;
+  measure::Recording& recording_;
   std::uint64_t cycles_, quantity_;
   bool with_contacts_;
 };
@@ -142,13 +142,13 @@ void TellPlace(std::span<std::int32_t> told) {
   told[4] = getpgrp() == getpid();
 }
 
-int Behave(const compiler::Run& run, Recording& recording) {
+int Behave(const plan::Run& run, measure::Recording& recording) {
   Worker worker(run, recording);
   const std::uint64_t cycles = worker.cycles();
   switch (run.scene.world.Count("seed")) {
     case kFails:
       worker.Cycles(2);
-      return worker.Report(WorkerOutcome::kFailed, "the cube is 140 % full");
+      return worker.Report(measure::WorkerOutcome::kFailed, "the cube is 140 % full");
     case kSegfaults:
       worker.Cycles(3);
       DieOf(SIGSEGV);
@@ -177,10 +177,10 @@ int Behave(const compiler::Run& run, Recording& recording) {
       _exit(0);
     case kLiesAboutCycles:
       worker.Cycles(cycles / 2);
-      return worker.Report(WorkerOutcome::kDone);
+      return worker.Report(measure::WorkerOutcome::kDone);
     case kSpoilsHeader:
       worker.Cycles(1);
-      std::memset(static_cast<void*>(&recording.header()), 0xff, sizeof(RecordingHeader));
+      std::memset(static_cast<void*>(&recording.header()), 0xff, sizeof(measure::RecordingHeader));
       DieOf(SIGSEGV);
     case kWritesBinary:
       WriteErrors("caf\xc3\xa9 \xff\xfe\x01\x1b[31m \xc0\xaf end\n\n");
@@ -188,7 +188,7 @@ int Behave(const compiler::Run& run, Recording& recording) {
     case kTellsPlace:
       worker.Cycles(cycles);
       TellPlace(recording.Ints("pairs"));
-      return worker.Report(WorkerOutcome::kDone);
+      return worker.Report(measure::WorkerOutcome::kDone);
     case kContactsLost:
       for (std::uint64_t i = 0; i < cycles; ++i) worker.Cycle(i, i + 2 < cycles);
       DieOf(SIGSEGV);
@@ -196,17 +196,19 @@ int Behave(const compiler::Run& run, Recording& recording) {
       break;
   }
   worker.Cycles(cycles);
-  return worker.Report(WorkerOutcome::kDone);
+  return worker.Report(measure::WorkerOutcome::kDone);
 }
 
 }  // namespace
-}  // namespace cdb::runtime::test
+}  // namespace cdb::tests
+
+using namespace cdb;
+using namespace cdb::tests;
 
 int main() {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() == 1) return 96;  // the driver was gone before
-  const cdb::compiler::Run run =
-      cdb::compiler::RunFromYaml(cdb::runtime::test::ReadAll(cdb::runtime::kRunFd), "the run");
-  auto recording = cdb::runtime::Recording::Open(cdb::runtime::kRecordingFd, run.scene);
-  return cdb::runtime::test::Behave(run, recording);
+  const plan::Run run = plan::RunFromYaml(ReadAll(measure::kRunFd), "the run");
+  auto recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
+  return Behave(run, recording);
 }

@@ -1,4 +1,4 @@
-#include "runtime/schedule/worker.h"
+#include "runtime/process/worker.h"
 #include "runtime/measure/host.h"
 
 #include <gtest/gtest.h>
@@ -16,15 +16,12 @@
 
 #include "tests/runtime/schedule/plans.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
-using test::MakeBehaviourPlan;
-using test::PlanShape;
-using test::TestFolder;
 
-WorkerPrograms TestWorker() {
+process::WorkerPrograms TestWorker() {
   const fs::path program = fs::path(CDB_BINARY_DIR) / "schedule_test_worker";
   return {program, program};
 }
@@ -32,16 +29,16 @@ WorkerPrograms TestWorker() {
 /// Long enough that no machine is too slow for it; a wait ends as soon as the worker does.
 constexpr double kForever = 300;
 
-Ending RunOne(const compiler::Plan& plan, const StopFlag* stop = nullptr) {
-  ProcessLauncher launcher(TestWorker(), 1, stop);
+process::Ending RunOne(const plan::Plan& plan, const process::StopFlag* stop = nullptr) {
+  process::ProcessLauncher launcher(TestWorker(), 1, stop);
   launcher.Start(0, plan.runs.at(0));
-  std::optional<Ending> ending = launcher.Wait(kForever);
+  std::optional<process::Ending> ending = launcher.Wait(kForever);
   if (!ending) throw std::runtime_error("no end");
   return std::move(*ending);
 }
 
 template <typename T>
-std::vector<T> Values(const Ending& ending, std::string_view name) {
+std::vector<T> Values(const process::Ending& ending, std::string_view name) {
   for (const auto& [series, bytes] : ending.result.series) {
     if (series->name != name) continue;
     std::vector<T> values(bytes.size() / sizeof(T));
@@ -56,11 +53,11 @@ bool Has(const std::string& text, std::string_view part) {
 }
 
 TEST(WorkerTest, ARunThatFinishes) {
-  const auto plan = MakeBehaviourPlan({test::kFinishes});
+  const auto plan = MakeBehaviourPlan({kFinishes});
   const double before = static_cast<double>(time(nullptr));
-  const Ending ending = RunOne(plan);
-  const RunResult& result = ending.result;
-  EXPECT_EQ(result.status, Status::kDone) << result.message;
+  const process::Ending ending = RunOne(plan);
+  const store::RunResult& result = ending.result;
+  EXPECT_EQ(result.status, store::Status::kDone) << result.message;
   EXPECT_EQ(result.message, "");
   EXPECT_EQ(result.n_cycles, 10u);
   EXPECT_EQ(result.state_hash, "0123456789abcdef");
@@ -70,7 +67,7 @@ TEST(WorkerTest, ARunThatFinishes) {
   EXPECT_EQ(result.place_ns, 1);
   EXPECT_EQ(result.build_ns, 2);
   EXPECT_EQ(result.fill_fraction, 0.25);
-  EXPECT_EQ(result.host, HostName());
+  EXPECT_EQ(result.host, measure::HostName());
   EXPECT_GE(result.load, 0);
   EXPECT_GE(result.started_s, before - 1);
   EXPECT_GT(ending.wall_s, 0);
@@ -88,16 +85,16 @@ TEST(WorkerTest, ARunThatFinishes) {
 }
 
 TEST(WorkerTest, ARunThatFails) {
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kFails}));
-  EXPECT_EQ(ending.result.status, Status::kFailed);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kFails}));
+  EXPECT_EQ(ending.result.status, store::Status::kFailed);
   EXPECT_EQ(ending.result.message, "the cube is 140 % full");
   EXPECT_EQ(ending.result.n_cycles, 2u);
   EXPECT_EQ(ending.result.state_hash, "");
 }
 
 TEST(WorkerTest, ASignalIsNamed) {
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kSegfaults}));
-  EXPECT_EQ(ending.result.status, Status::kCrashed);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kSegfaults}));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
   EXPECT_EQ(ending.result.n_cycles, 3u);
   EXPECT_EQ(ending.result.message,
             "the worker was ended by signal 11 (SIGSEGV, Segmentation fault)");
@@ -106,8 +103,8 @@ TEST(WorkerTest, ASignalIsNamed) {
 }
 
 TEST(WorkerTest, ACrashTellsTheLastWords) {
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kAborts}));
-  EXPECT_EQ(ending.result.status, Status::kCrashed);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kAborts}));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
   EXPECT_EQ(ending.result.message,
             "the worker was ended by signal 6 (SIGABRT, Aborted): first line\n"
             "assertion `mass > 0` failed");
@@ -116,8 +113,8 @@ TEST(WorkerTest, ACrashTellsTheLastWords) {
 TEST(WorkerTest, WhatACrashedRunFinishedIsKept) {
   PlanShape shape;
   shape.record = {"timing", "counts", "poses"};
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kDiesHalfway}, shape));
-  EXPECT_EQ(ending.result.status, Status::kCrashed);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kDiesHalfway}, shape));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
   EXPECT_TRUE(Has(ending.result.message, "SIGKILL")) << ending.result.message;
   EXPECT_TRUE(Has(ending.result.message, "memory")) << ending.result.message;
   ASSERT_EQ(ending.result.n_cycles, 5u);
@@ -138,9 +135,9 @@ TEST(WorkerTest, WhatACrashedRunFinishedIsKept) {
 TEST(WorkerTest, ATimeoutEndsIt) {
   PlanShape shape;
   shape.timeout_s = 0.25;
-  for (const std::uint64_t seed : {test::kHangs, test::kHangsDeaf}) {
-    const Ending ending = RunOne(MakeBehaviourPlan({seed}, shape));
-    EXPECT_EQ(ending.result.status, Status::kTimedOut);
+  for (const std::uint64_t seed : {kHangs, kHangsDeaf}) {
+    const process::Ending ending = RunOne(MakeBehaviourPlan({seed}, shape));
+    EXPECT_EQ(ending.result.status, store::Status::kTimedOut);
     EXPECT_GE(ending.wall_s, 0.25);
     // On a machine so busy that it had not begun there are none.
     EXPECT_LE(ending.result.n_cycles, 4u);
@@ -152,7 +149,7 @@ TEST(WorkerTest, ATimeoutEndsIt) {
 TEST(WorkerTest, WaitingForATimeoutCostsNoProcessorTime) {
   PlanShape shape;
   shape.timeout_s = 0.5;
-  const auto plan = MakeBehaviourPlan({test::kHangs}, shape);
+  const auto plan = MakeBehaviourPlan({kHangs}, shape);
   const std::clock_t before = std::clock();
   RunOne(plan);
   EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 0.25);
@@ -161,15 +158,15 @@ TEST(WorkerTest, WaitingForATimeoutCostsNoProcessorTime) {
 TEST(WorkerTest, ATimeoutThatIsNotReachedChangesNothing) {
   PlanShape shape;
   shape.timeout_s = 1e300;
-  EXPECT_EQ(RunOne(MakeBehaviourPlan({test::kFinishes}, shape)).result.status, Status::kDone);
+  EXPECT_EQ(RunOne(MakeBehaviourPlan({kFinishes}, shape)).result.status, store::Status::kDone);
 }
 
 TEST(WorkerTest, AFloodOfErrorsIsReadAndDropped) {
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kFloodsErrors}));
-  EXPECT_EQ(ending.result.status, Status::kDone);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kFloodsErrors}));
+  EXPECT_EQ(ending.result.status, store::Status::kDone);
   EXPECT_EQ(ending.result.message, "");
-  const Ending dead = RunOne(MakeBehaviourPlan({test::kFloodsAndDies}));
-  EXPECT_EQ(dead.result.status, Status::kCrashed);
+  const process::Ending dead = RunOne(MakeBehaviourPlan({kFloodsAndDies}));
+  EXPECT_EQ(dead.result.status, store::Status::kCrashed);
   EXPECT_TRUE(dead.result.message.starts_with(
       "the worker ended with exit status 7: the same complaint, over and over\n"))
       << dead.result.message;
@@ -178,38 +175,38 @@ TEST(WorkerTest, AFloodOfErrorsIsReadAndDropped) {
 }
 
 TEST(WorkerTest, AnEndWithoutAReportIsACrash) {
-  for (const std::uint64_t seed : {test::kEndsWithoutReport, test::kClosesFiles}) {
-    const Ending ending = RunOne(MakeBehaviourPlan({seed}));
-    EXPECT_EQ(ending.result.status, Status::kCrashed);
+  for (const std::uint64_t seed : {kEndsWithoutReport, kClosesFiles}) {
+    const process::Ending ending = RunOne(MakeBehaviourPlan({seed}));
+    EXPECT_EQ(ending.result.status, store::Status::kCrashed);
     EXPECT_EQ(ending.result.message, "the worker ended without a report");
     EXPECT_EQ(ending.result.n_cycles, 0u);
   }
 }
 
 TEST(WorkerTest, AReportIsChecked) {
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kLiesAboutCycles}));
-  EXPECT_EQ(ending.result.status, Status::kCrashed);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kLiesAboutCycles}));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
   EXPECT_EQ(ending.result.message, "the worker ended after 5 of 10 cycles");
 }
 
 TEST(WorkerTest, ASpoiledRecordingDoesNoHarm) {
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kSpoilsHeader}));
-  EXPECT_EQ(ending.result.status, Status::kCrashed);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kSpoilsHeader}));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
   EXPECT_LE(ending.result.n_cycles, 10u);
   EXPECT_TRUE(Has(ending.result.message, "SIGSEGV"));
   EXPECT_EQ(ending.result.omitted + ending.result.needs, "");
 }
 
 TEST(WorkerTest, LastWordsAreText) {
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kWritesBinary}));
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kWritesBinary}));
   EXPECT_EQ(ending.result.message, "the worker ended with exit status 1: café ????[31m ?? end");
 }
 
 TEST(WorkerTest, ContactsComeInOrder) {
   PlanShape shape;
   shape.record = {"contacts"};
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kContacts}, shape));
-  EXPECT_EQ(ending.result.status, Status::kDone);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kContacts}, shape));
+  EXPECT_EQ(ending.result.status, store::Status::kDone);
   ASSERT_EQ(ending.result.contacts.size(), 45u);
   std::size_t at = 0;
   for (std::size_t cycle = 0; cycle < 10; ++cycle)
@@ -222,8 +219,8 @@ TEST(WorkerTest, ContactsComeInOrder) {
 TEST(WorkerTest, CyclesWhoseContactsAreLostAreNotCounted) {
   PlanShape shape;
   shape.record = {"contacts", "counts"};
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kContactsLost}, shape));
-  EXPECT_EQ(ending.result.status, Status::kCrashed);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kContactsLost}, shape));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
   EXPECT_EQ(ending.result.n_cycles, 8u);
   EXPECT_EQ(ending.result.contacts.size(), 28u);
   const auto contacts = Values<std::int32_t>(ending, "contacts");
@@ -240,7 +237,7 @@ TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
   sigemptyset(&blocked);
   sigaddset(&blocked, SIGUSR1);
   sigprocmask(SIG_BLOCK, &blocked, &before);
-  const Ending ending = RunOne(MakeBehaviourPlan({test::kTellsPlace}));
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kTellsPlace}));
   sigprocmask(SIG_SETMASK, &before, nullptr);
   signal(SIGPIPE, SIG_DFL);
   close(stray);
@@ -257,13 +254,13 @@ TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
 TEST(WorkerTest, SlotsHaveProcessorsOfTheirOwn) {
   cpu_set_t allowed;
   sched_getaffinity(0, sizeof allowed, &allowed);
-  const auto plan = MakeBehaviourPlan({test::kTellsPlace, test::kTellsPlace});
+  const auto plan = MakeBehaviourPlan({kTellsPlace, kTellsPlace});
   for (const std::size_t slots : {std::size_t{2}, static_cast<std::size_t>(CPU_SETSIZE) + 1}) {
-    ProcessLauncher launcher(TestWorker(), slots, nullptr);
+    process::ProcessLauncher launcher(TestWorker(), slots, nullptr);
     launcher.Start(0, plan.runs[0]);
     launcher.Start(1, plan.runs[1]);
-    const Ending first = launcher.Wait(kForever).value();
-    const Ending second = launcher.Wait(kForever).value();
+    const process::Ending first = launcher.Wait(kForever).value();
+    const process::Ending second = launcher.Wait(kForever).value();
     EXPECT_NE(first.slot, second.slot);
     const auto told = Values<std::int32_t>(first, "pairs");
     const auto other = Values<std::int32_t>(second, "pairs");
@@ -277,8 +274,8 @@ TEST(WorkerTest, SlotsHaveProcessorsOfTheirOwn) {
 }
 
 TEST(WorkerTest, WaitsNoLongerThanAsked) {
-  const auto plan = MakeBehaviourPlan({test::kHangs});
-  ProcessLauncher launcher(TestWorker(), 1, nullptr);
+  const auto plan = MakeBehaviourPlan({kHangs});
+  process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
   launcher.Start(0, plan.runs[0]);
   EXPECT_FALSE(launcher.Wait(0).has_value());
   EXPECT_FALSE(launcher.Wait(0.02).has_value());
@@ -286,24 +283,24 @@ TEST(WorkerTest, WaitsNoLongerThanAsked) {
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "no child is left";
   EXPECT_EQ(errno, ECHILD);
   // The slot is free again.
-  const auto more = MakeBehaviourPlan({test::kFinishes});
+  const auto more = MakeBehaviourPlan({kFinishes});
   launcher.Start(0, more.runs[0]);
-  EXPECT_EQ(launcher.Wait(kForever).value().result.status, Status::kDone);
+  EXPECT_EQ(launcher.Wait(kForever).value().result.status, store::Status::kDone);
 }
 
 TEST(WorkerTest, AStopEndsTheWaiting) {
-  StopFlag stop;
-  const auto plan = MakeBehaviourPlan({test::kHangs});
-  ProcessLauncher launcher(TestWorker(), 1, &stop);
+  process::StopFlag stop;
+  const auto plan = MakeBehaviourPlan({kHangs});
+  process::ProcessLauncher launcher(TestWorker(), 1, &stop);
   launcher.Start(0, plan.runs[0]);
   stop.Request(SIGINT);
   EXPECT_FALSE(launcher.Wait(kForever).has_value());
 }
 
 TEST(WorkerTest, WhatHasEndedIsHandedOutBeforeAStop) {
-  StopFlag stop;
-  const auto plan = MakeBehaviourPlan({test::kEndsWithoutReport});
-  ProcessLauncher launcher(TestWorker(), 1, &stop);
+  process::StopFlag stop;
+  const auto plan = MakeBehaviourPlan({kEndsWithoutReport});
+  process::ProcessLauncher launcher(TestWorker(), 1, &stop);
   launcher.Start(0, plan.runs[0]);
   // Ended, but not yet waited for.
   siginfo_t info = {};
@@ -317,9 +314,9 @@ TEST(WorkerTest, LeavesNoDescriptorBehind) {
   const auto count = [] {
     return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
   };
-  RunOne(MakeBehaviourPlan({test::kFinishes}));
+  RunOne(MakeBehaviourPlan({kFinishes}));
   const auto before = count();
-  for (const std::uint64_t seed : {test::kFinishes, test::kSegfaults, test::kClosesFiles})
+  for (const std::uint64_t seed : {kFinishes, kSegfaults, kClosesFiles})
     RunOne(MakeBehaviourPlan({seed}));
   EXPECT_EQ(count(), before);
 }
@@ -327,15 +324,15 @@ TEST(WorkerTest, LeavesNoDescriptorBehind) {
 TEST(WorkerTest, WhatCannotBeStartedIsNamed) {
   TestFolder folder;
   const fs::path text = folder.path() / "cdb-worker-f32";
-  test::WriteText(text, "no program");
+  WriteText(text, "no program");
   fs::permissions(text, fs::perms::owner_all);
-  const auto plan = MakeBehaviourPlan({test::kFinishes});
+  const auto plan = MakeBehaviourPlan({kFinishes});
   for (const fs::path& program : {text, folder.path() / "gone"}) {
-    ProcessLauncher launcher({program, program}, 1, nullptr);
+    process::ProcessLauncher launcher({program, program}, 1, nullptr);
     try {
       launcher.Start(0, plan.runs[0]);
       ADD_FAILURE() << "started " << program;
-    } catch (const ScheduleError& error) {
+    } catch (const process::ScheduleError& error) {
       EXPECT_TRUE(Has(error.what(), program.string())) << error.what();
     }
   }
@@ -345,28 +342,28 @@ TEST(WorkerTest, NoDescriptorLeftIsAnError) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the sanitizer needs descriptors for its own checks";
 #endif
-  const auto plan = MakeBehaviourPlan({test::kFinishes});
+  const auto plan = MakeBehaviourPlan({kFinishes});
   rlimit before = {};
   getrlimit(RLIMIT_NOFILE, &before);
   for (rlim_t most = 3; most < 19; ++most) {
-    ProcessLauncher launcher(TestWorker(), 1, nullptr);
+    process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
     rlimit few = before;
     few.rlim_cur = most;
     setrlimit(RLIMIT_NOFILE, &few);
-    EXPECT_THROW(launcher.Start(0, plan.runs[0]), ScheduleError) << most;
+    EXPECT_THROW(launcher.Start(0, plan.runs[0]), process::ScheduleError) << most;
     setrlimit(RLIMIT_NOFILE, &before);
   }
-  EXPECT_EQ(RunOne(plan).result.status, Status::kDone);
+  EXPECT_EQ(RunOne(plan).result.status, store::Status::kDone);
 }
 
 TEST(WorkerTest, NoMemoryForTheRecordingIsAnError) {
   PlanShape shape;
   shape.cycles = 2147483647;
   shape.record = {"poses"};
-  auto plan = MakeBehaviourPlan({test::kFinishes}, shape);
+  auto plan = MakeBehaviourPlan({kFinishes}, shape);
   plan.runs[0].scene.groups[0].settings.values.at("quantity") = std::uint64_t{2147483647};
-  ProcessLauncher launcher(TestWorker(), 1, nullptr);
-  EXPECT_THROW(launcher.Start(0, plan.runs[0]), ScheduleError);
+  process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
+  EXPECT_THROW(launcher.Start(0, plan.runs[0]), process::ScheduleError);
 }
 
 TEST(FindWorkersTest, LooksBesideAndInLibexec) {
@@ -375,43 +372,44 @@ TEST(FindWorkersTest, LooksBesideAndInLibexec) {
   const fs::path libexec = root.path() / "libexec" / "cdb";
   fs::create_directories(bin);
   fs::create_directories(libexec);
-  const auto plan = test::MakePlan();
+  const auto plan = MakePlan();
   try {
-    FindWorkers(plan, bin);
+    process::FindWorkers(plan, bin);
     ADD_FAILURE();
-  } catch (const ScheduleError& error) {
+  } catch (const process::ScheduleError& error) {
     for (const std::string& part : {(bin / "cdb-worker-f32").string(),
                                     (libexec / "cdb-worker-f32").string(), std::string("Build")})
       EXPECT_TRUE(Has(error.what(), part)) << error.what();
   }
   const auto install = [](const fs::path& file) {
-    test::WriteText(file, "#!/bin/true\n");
+    WriteText(file, "#!/bin/true\n");
     fs::permissions(file, fs::perms::owner_all);
   };
   install(libexec / "cdb-worker-f32");
-  EXPECT_EQ(FindWorkers(plan, bin).single, libexec / "cdb-worker-f32");
-  EXPECT_TRUE(FindWorkers(plan, bin).double_.empty()) << "not needed";
-  test::WriteText(bin / "cdb-worker-f32", "no program");
-  EXPECT_EQ(FindWorkers(plan, bin).single, libexec / "cdb-worker-f32") << "must be a program";
+  EXPECT_EQ(process::FindWorkers(plan, bin).single, libexec / "cdb-worker-f32");
+  EXPECT_TRUE(process::FindWorkers(plan, bin).double_.empty()) << "not needed";
+  WriteText(bin / "cdb-worker-f32", "no program");
+  EXPECT_EQ(process::FindWorkers(plan, bin).single, libexec / "cdb-worker-f32")
+      << "must be a program";
   install(bin / "cdb-worker-f32");
-  EXPECT_EQ(FindWorkers(plan, bin).single, bin / "cdb-worker-f32");
+  EXPECT_EQ(process::FindWorkers(plan, bin).single, bin / "cdb-worker-f32");
 
   PlanShape shape;
   shape.precision = "double";
-  EXPECT_THROW(FindWorkers(test::MakePlan(shape), bin), ScheduleError);
+  EXPECT_THROW(process::FindWorkers(MakePlan(shape), bin), process::ScheduleError);
   install(bin / "cdb-worker-f64");
-  EXPECT_EQ(FindWorkers(test::MakePlan(shape), bin).double_, bin / "cdb-worker-f64");
-  EXPECT_TRUE(FindWorkers(test::MakePlan(shape), bin).single.empty());
+  EXPECT_EQ(process::FindWorkers(MakePlan(shape), bin).double_, bin / "cdb-worker-f64");
+  EXPECT_TRUE(process::FindWorkers(MakePlan(shape), bin).single.empty());
 }
 
 TEST(TextTailTest, KeepsTheEnd) {
-  TextTail tail;
+  process::TextTail tail;
   EXPECT_EQ(tail.LastLines(), "");
   tail.Append("\n\n");
   EXPECT_EQ(tail.LastLines(), "");
   tail.Append("a\nb\nc\nd\ne\nf\ng\n\n");
   EXPECT_EQ(tail.LastLines(), "c\nd\ne\nf\ng");
-  TextTail one;
+  process::TextTail one;
   one.Append("only");
   EXPECT_EQ(one.LastLines(), "only");
   // One endless line of two-byte characters, cut in the middle of one.
@@ -436,11 +434,11 @@ TEST(TextTailTest, SaysInQuestionMarksWhatIsNoText) {
       {"\xc2\x85", "??"},
       {"\xf0\x80\x80\x80", "????"}};
   for (const auto& [bytes, text] : cases) {
-    TextTail tail;
+    process::TextTail tail;
     tail.Append(bytes);
     EXPECT_EQ(tail.LastLines(), text);
   }
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -14,7 +14,7 @@
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 using testing::ElementsAre;
@@ -131,18 +131,18 @@ class Conventions : public testing::TestWithParam<Kind> {
  protected:
   Conventions() {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    for (const compiler::Run& run : plan_.runs) {
+    for (const plan::Run& run : plan_.runs) {
       const FakeResult fake(run);
-      WriteShard(plan_, run, fake.result, {{"cpu", "cpu " + run.id}, {"compiler", "gcc"}},
-                 folder_.path());
+      store::WriteShard(plan_, run, fake.result, {{"cpu", "cpu " + run.id}, {"compiler", "gcc"}},
+                        folder_.path());
     }
-    for (const compiler::Run& run : plan_.references) {
-      const std::vector<double> samples(SampleShapeOf(run.scene)->Count(), 0.5);
-      RunResult result;
-      result.status = Status::kDone;
-      WriteReference(plan_.Sha256(), run, result, samples, {}, folder_.path());
+    for (const plan::Run& run : plan_.references) {
+      const std::vector<double> samples(measure::SampleShapeOf(run.scene)->Count(), 0.5);
+      store::RunResult result;
+      result.status = store::Status::kDone;
+      store::WriteReference(plan_.Sha256(), run, result, samples, {}, folder_.path());
     }
-    Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
+    store::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
     const bool merged = GetParam().merged;
     if (GetParam().accuracy) groups_.emplace_back("/accuracy");
     if (GetParam().accuracy && merged) groups_.emplace_back("/accuracy/reference");
@@ -172,15 +172,15 @@ class Conventions : public testing::TestWithParam<Kind> {
   }
 
   const TemporaryFolder folder_;
-  const compiler::Plan plan_ =
+  const plan::Plan plan_ =
       MakePlan({NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
                 TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
                2,
                {.cycles = 35000,
                 .objects = 1,
                 .record = {"timing", "stability", "contacts", "poses", "boxes"},
-                .metrics = GetParam().accuracy ? compiler::WordList{"pairs", "position"}
-                                               : compiler::WordList{"none"}});
+                .metrics = GetParam().accuracy ? schema::WordList{"pairs", "position"}
+                                               : schema::WordList{"none"}});
   hid_t file_ = -1;
   std::vector<std::string> groups_ = {"/", "/provenance"};
   std::vector<std::string> datasets_;
@@ -249,13 +249,14 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
     if (name == "contact_point" || name == "contact_normal") expected = {"contact", "xyz"};
     if (name == "contact_distance") expected = {"contact"};
     if (name == "duration") expected.push_back("phase");
-    if (const Series* series = FindSeries(name)) {
+    if (const measure::Series* series = measure::FindSeries(name)) {
       if (series->HasCycles()) expected.emplace_back("cycle");
-      if (series->shape == SeriesShape::kBox)
+      if (series->shape == measure::SeriesShape::kBox)
         expected.insert(expected.end(), {"box_body", "bound"});
-      if (series->shape == SeriesShape::kFilter)
+      if (series->shape == measure::SeriesShape::kFilter)
         expected.insert(expected.end(), {"box_body", "filter"});
-      if (series->shape == SeriesShape::kPose) expected.insert(expected.end(), {"body", "pose"});
+      if (series->shape == measure::SeriesShape::kPose)
+        expected.insert(expected.end(), {"body", "pose"});
     }
     EXPECT_EQ(scales, expected);
   });
@@ -298,7 +299,7 @@ TEST_P(Conventions, FillValuesAreTold) {
     if (name == "status" || name == "verdict" || name == "n_cycles" || H5DSis_scale(dataset) > 0) {
       EXPECT_FALSE(has);
     }
-    const Series* series = FindSeries(name);
+    const measure::Series* series = measure::FindSeries(name);
     if (series == nullptr) return;
     ASSERT_TRUE(has);
     double told = 0, used = 0;
@@ -308,7 +309,7 @@ TEST_P(Conventions, FillValuesAreTold) {
     const hid_t creation = H5Dget_create_plist(dataset);
     H5Pget_fill_value(creation, H5T_NATIVE_DOUBLE, &used);
     H5Pclose(creation);
-    if (series->type == SeriesType::kInt32) {
+    if (series->type == measure::SeriesType::kInt32) {
       EXPECT_EQ(told, -1);
       EXPECT_EQ(used, -1);
     } else {
@@ -319,7 +320,7 @@ TEST_P(Conventions, FillValuesAreTold) {
 
 TEST_P(Conventions, ChunksHoldOneRunAndStayUnderOneMebibyte) {
   ForEachDataset([&](const std::string& name, hid_t dataset) {
-    const Series* series = FindSeries(name);
+    const measure::Series* series = measure::FindSeries(name);
     if (series == nullptr) return;
     const hid_t creation = H5Dget_create_plist(dataset);
     ASSERT_EQ(H5Pget_layout(creation), H5D_CHUNKED);
@@ -391,4 +392,4 @@ INSTANTIATE_TEST_SUITE_P(, Conventions,
                          CaseName);
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "runtime/store/hdf5_file.h"
+#include "runtime/store/hdf5/file.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 using testing::HasSubstr;
@@ -20,7 +20,7 @@ using testing::HasSubstr;
 class Damage : public testing::Test {
  protected:
   Damage() {
-    WriteShard(plan_, run_, FakeResult(run_).result, TestProvenance(), folder_.path());
+    store::WriteShard(plan_, run_, FakeResult(run_).result, TestProvenance(), folder_.path());
     shard_ = ReadFile(path_);
   }
 
@@ -30,34 +30,34 @@ class Damage : public testing::Test {
     SCOPED_TRACE(what);
     WriteFile(path_, bytes);
     try {
-      ReadShardInfo(path_);
+      store::ReadShardInfo(path_);
       ADD_FAILURE() << "was taken for a shard";
-    } catch (const StoreError& error) {
+    } catch (const store::StoreError& error) {
       EXPECT_THAT(error.what(), HasSubstr(path_.string()));
       EXPECT_THAT(error.what(), HasSubstr("remove it and its run is done again"));
     }
-    EXPECT_THROW(Merge(plan_, {}, folder_.path(), folder_ / "out.h5"), StoreError);
+    EXPECT_THROW(store::Merge(plan_, {}, folder_.path(), folder_ / "out.h5"), store::StoreError);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out.h5"));
     ReadAsResult(path_);
   }
 
   static void ReadAsResult(const std::filesystem::path& path) {
     try {
-      const ResultFile file(path);
-      const ResultFile::Cell cell = {{0}, 0};
+      const store::ResultFile file(path);
+      const store::ResultFile::Cell cell = {{0}, 0};
       file.ReadStatus(cell);
       file.ReadText("message", cell);
-      file.ReadDuration(kStep, cell);
+      file.ReadDuration(measure::Phase::kStep, cell);
       file.ReadSeries("energy", cell);
       file.ReadProvenance("run_text");
-    } catch (const StoreError& error) {
+    } catch (const store::StoreError& error) {
       EXPECT_THAT(error.what(), HasSubstr(path.filename().string()));
     }
   }
 
   const TemporaryFolder folder_;
-  const compiler::Plan plan_ = MakePlan({NumberAxis("quantity", {10, 20})}, 1, {.cycles = 50});
-  const compiler::Run& run_ = plan_.runs[0];
+  const plan::Plan plan_ = MakePlan({NumberAxis("quantity", {10, 20})}, 1, {.cycles = 50});
+  const plan::Run& run_ = plan_.runs[0];
   const std::filesystem::path path_ = folder_ / (run_.id + ".h5");
   std::string shard_;
 };
@@ -96,26 +96,26 @@ TEST_F(Damage, HolesAndTails) {
 
 TEST_F(Damage, ChecksumSeesEverySingleByte) {
   const auto bytes = std::as_bytes(std::span(shard_));
-  const std::uint64_t whole = Checksum(bytes);
+  const std::uint64_t whole = store::Checksum(bytes);
   for (std::size_t i = 0; i < 2000; ++i) {
     std::string changed = shard_;
     changed[i] = static_cast<char>(changed[i] + 1);
-    ASSERT_NE(Checksum(std::as_bytes(std::span(changed))), whole) << i;
+    ASSERT_NE(store::Checksum(std::as_bytes(std::span(changed))), whole) << i;
   }
-  EXPECT_NE(Checksum(bytes.first(8)), Checksum(bytes.first(7)));
+  EXPECT_NE(store::Checksum(bytes.first(8)), store::Checksum(bytes.first(7)));
   const std::byte zeros[16] = {};
-  EXPECT_NE(Checksum(std::span(zeros).first(8)), Checksum(std::span(zeros).first(9)));
+  EXPECT_NE(store::Checksum(std::span(zeros).first(8)), store::Checksum(std::span(zeros).first(9)));
 }
 
 TEST_F(Damage, OtherSchemasAndVersionsAreNamed) {
   const auto seal = [&](const char* schema, double version) {
-    h5::File file = h5::File::CreateInMemory();
+    hdf5::File file = hdf5::File::CreateInMemory();
     file.SetText("schema", schema);
-    file.SetNumber("schema_version", h5::Type::kInt32, version);
-    WriteSealed(file.Image(), path_);
+    file.SetNumber("schema_version", hdf5::Type::kInt32, version);
+    store::WriteSealed(file.Image(), path_);
     try {
-      ReadShardInfo(path_);
-    } catch (const StoreError& error) {
+      store::ReadShardInfo(path_);
+    } catch (const store::StoreError& error) {
       return std::string(error.what());
     }
     return std::string();
@@ -126,20 +126,20 @@ TEST_F(Damage, OtherSchemasAndVersionsAreNamed) {
 }
 
 TEST_F(Damage, MergedFilesThatAreCutShortAreRefused) {
-  WriteShard(plan_, plan_.runs[1], FakeResult(plan_.runs[1]).result, {}, folder_.path());
-  Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
+  store::WriteShard(plan_, plan_.runs[1], FakeResult(plan_.runs[1]).result, {}, folder_.path());
+  store::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
   const std::string whole = ReadFile(folder_ / "out.h5");
   for (std::size_t n = 0; n < whole.size(); n += 1 + whole.size() / 300) {
     WriteFile(folder_ / "out.h5", whole.substr(0, n));
-    EXPECT_THROW(ResultFile(folder_ / "out.h5"), StoreError) << "cut to " << n;
+    EXPECT_THROW(store::ResultFile(folder_ / "out.h5"), store::StoreError) << "cut to " << n;
   }
 }
 
 TEST_F(Damage, WhatIsNoResultIsNamed) {
   const auto message = [](const std::filesystem::path& path) {
     try {
-      const ResultFile file(path);
-    } catch (const StoreError& error) {
+      const store::ResultFile file(path);
+    } catch (const store::StoreError& error) {
       return std::string(error.what());
     }
     return std::string();
@@ -148,9 +148,9 @@ TEST_F(Damage, WhatIsNoResultIsNamed) {
   EXPECT_THAT(message(folder_.path()), HasSubstr("is a folder"));
   WriteFile(folder_ / "text.h5", "hello");
   EXPECT_THAT(message(folder_ / "text.h5"), HasSubstr("not a whole result"));
-  h5::File::Create(folder_ / "foreign.h5").Close();
+  hdf5::File::Create(folder_ / "foreign.h5").Close();
   EXPECT_THAT(message(folder_ / "foreign.h5"), HasSubstr("not a result of cdb"));
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

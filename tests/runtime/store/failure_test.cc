@@ -18,10 +18,10 @@
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
-using compiler::Plan;
+using plan::Plan;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -65,7 +65,7 @@ void LimitFiles(rlim_t bytes) {
 std::string ErrorOf(const std::function<void()>& action) {
   try {
     action();
-  } catch (const StoreError& error) {
+  } catch (const store::StoreError& error) {
     return error.what();
   }
   return "";
@@ -79,10 +79,10 @@ Plan SmallPlan(std::size_t n = 6) {
 
 TEST(FullDisk, WhileAShardIsWrittenLosesNothing) {
   const Plan plan = SmallPlan();
-  const compiler::Run& run = plan.runs[0];
+  const plan::Run& run = plan.runs[0];
   const FakeResult fake(run);
   const TemporaryFolder folder;
-  WriteShard(plan, run, fake.result, {}, folder.path());
+  store::WriteShard(plan, run, fake.result, {}, folder.path());
   const std::string before = ReadFile(folder / (run.id + ".h5"));
   for (const std::size_t limit :
        {std::size_t{0}, std::size_t{1}, std::size_t{4096}, before.size() / 2, before.size() - 1}) {
@@ -90,14 +90,15 @@ TEST(FullDisk, WhileAShardIsWrittenLosesNothing) {
     EXPECT_EQ(InChild([&]() -> std::string {
                 LimitFiles(limit);
                 const std::string error =
-                    ErrorOf([&] { WriteShard(plan, run, fake.result, {}, folder.path()); });
+                    ErrorOf([&] { store::WriteShard(plan, run, fake.result, {}, folder.path()); });
                 if (error.find("File too large") == std::string::npos) return "said " + error;
                 if (error.find(run.id) == std::string::npos) return "no file in " + error;
                 if (error.find("make room") == std::string::npos) return "no remedy in " + error;
                 // The driver goes on when there is room again.
                 LimitFiles(RLIM_INFINITY);
-                WriteShard(plan, plan.runs[1], FakeResult(plan.runs[1]).result, {}, folder.path());
-                ReadShardInfo(folder / (plan.runs[1].id + ".h5"));
+                store::WriteShard(plan, plan.runs[1], FakeResult(plan.runs[1]).result, {},
+                                  folder.path());
+                store::ReadShardInfo(folder / (plan.runs[1].id + ".h5"));
                 std::filesystem::remove(folder / (plan.runs[1].id + ".h5"));
                 return "";
               }),
@@ -111,28 +112,29 @@ TEST(FullDisk, WhileMergingLosesNothing) {
   const Plan plan = SmallPlan();
   const TemporaryFolder folder, target;
   for (std::size_t i = 0; i < 3; ++i)
-    WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
+    store::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
   const std::filesystem::path out = target / "out.h5";
-  Merge(plan, {}, folder.path(), out);
+  store::Merge(plan, {}, folder.path(), out);
   const std::string before = ReadFile(out);
   const std::vector<std::string> shards = FilesIn(folder.path());
   for (std::size_t limit = 0; limit < before.size(); limit += 1 + before.size() / 40) {
     SCOPED_TRACE(limit);
-    EXPECT_EQ(InChild([&]() -> std::string {
-                LimitFiles(limit);
-                const std::string error = ErrorOf([&] { Merge(plan, {}, folder.path(), out); });
-                if (error.find(out.string()) == std::string::npos) return "no file in " + error;
-                if (error.find("File too large") == std::string::npos) return "said " + error;
-                if (FilesIn(target.path()).size() != 1) return "left a temporary";
-                if (ReadFile(out) != before) return "changed the result";
-                LimitFiles(RLIM_INFINITY);
-                const TemporaryFolder again;
-                WriteShard(plan, plan.runs[4], FakeResult(plan.runs[4]).result, {}, again.path());
-                Merge(plan, {}, again.path(), again / "out.h5");
-                const ResultFile file(again / "out.h5");
-                return file.ReadStatus({{4}, 0}) == Status::kDone ? "" : "cannot go on";
-              }),
-              "");
+    EXPECT_EQ(
+        InChild([&]() -> std::string {
+          LimitFiles(limit);
+          const std::string error = ErrorOf([&] { store::Merge(plan, {}, folder.path(), out); });
+          if (error.find(out.string()) == std::string::npos) return "no file in " + error;
+          if (error.find("File too large") == std::string::npos) return "said " + error;
+          if (FilesIn(target.path()).size() != 1) return "left a temporary";
+          if (ReadFile(out) != before) return "changed the result";
+          LimitFiles(RLIM_INFINITY);
+          const TemporaryFolder again;
+          store::WriteShard(plan, plan.runs[4], FakeResult(plan.runs[4]).result, {}, again.path());
+          store::Merge(plan, {}, again.path(), again / "out.h5");
+          const store::ResultFile file(again / "out.h5");
+          return file.ReadStatus({{4}, 0}) == store::Status::kDone ? "" : "cannot go on";
+        }),
+        "");
   }
   EXPECT_EQ(FilesIn(folder.path()), shards);
 }
@@ -140,11 +142,12 @@ TEST(FullDisk, WhileMergingLosesNothing) {
 TEST(FullDisk, LeavesTheProcessAbleToEndInPeace) {
   const Plan plan = SmallPlan();
   const TemporaryFolder folder, target;
-  WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
   // HDF5 tidies up when a process ends, and must not meet the file that it could not write.
   const auto fail_and_exit = [&] {
     LimitFiles(20000);
-    const std::string error = ErrorOf([&] { Merge(plan, {}, folder.path(), target / "out.h5"); });
+    const std::string error =
+        ErrorOf([&] { store::Merge(plan, {}, folder.path(), target / "out.h5"); });
     std::size_t open_files = 0;
     for ([[maybe_unused]] const auto& entry :
          std::filesystem::directory_iterator("/proc/self/fd")) {
@@ -172,16 +175,16 @@ TEST(FullDisk, OfARealFileSystemIsNamed) {
     if (!MountSmallDisk(folder.path(), "size=1m")) return "SKIP";
     std::size_t written = 0;
     std::string error;
-    for (const compiler::Run& run : plan.runs) {
+    for (const plan::Run& run : plan.runs) {
       const FakeResult fake(run);
-      error = ErrorOf([&] { WriteShard(plan, run, fake.result, {}, folder.path()); });
+      error = ErrorOf([&] { store::WriteShard(plan, run, fake.result, {}, folder.path()); });
       if (!error.empty()) break;
       ++written;
     }
     if (error.find("No space left on device") == std::string::npos) return "said " + error;
     if (FilesIn(folder.path()).size() != written || written == 0) return "lost or left a file";
-    for (const std::string& name : FilesIn(folder.path())) ReadShardInfo(folder / name);
-    error = ErrorOf([&] { Merge(plan, {}, folder.path(), folder / "out.h5"); });
+    for (const std::string& name : FilesIn(folder.path())) store::ReadShardInfo(folder / name);
+    error = ErrorOf([&] { store::Merge(plan, {}, folder.path(), folder / "out.h5"); });
     if (error.find("No space left on device") == std::string::npos) return "said " + error;
     if (FilesIn(folder.path()).size() != written) return "left a temporary";
     return "";
@@ -199,9 +202,10 @@ TEST(ReadOnlyDisk, IsNamed) {
       return "SKIP";
     const FakeResult fake(plan.runs[0]);
     const std::string shard =
-        ErrorOf([&] { WriteShard(plan, plan.runs[0], fake.result, {}, folder.path()); });
+        ErrorOf([&] { store::WriteShard(plan, plan.runs[0], fake.result, {}, folder.path()); });
     if (shard.find("Read-only file system") == std::string::npos) return "said " + shard;
-    const std::string out = ErrorOf([&] { Merge(plan, {}, shards.path(), folder / "out.h5"); });
+    const std::string out =
+        ErrorOf([&] { store::Merge(plan, {}, shards.path(), folder / "out.h5"); });
     return out.find("Read-only file system") == std::string::npos ? "said " + out : "";
   });
   if (outcome == "SKIP") GTEST_SKIP() << "may not mount here";
@@ -216,13 +220,13 @@ TEST(Folders, ThatCannotBeUsedAreNamed) {
   std::filesystem::create_directory(folder / "out.h5");
   std::filesystem::create_directory(folder / (plan.runs[0].id + ".h5"));
   const auto write = [&](const std::filesystem::path& where) {
-    return ErrorOf([&] { WriteShard(plan, plan.runs[0], fake.result, {}, where); });
+    return ErrorOf([&] { store::WriteShard(plan, plan.runs[0], fake.result, {}, where); });
   };
   EXPECT_THAT(write(folder / "none"), HasSubstr("No such file or directory"));
   EXPECT_THAT(write(folder / "file"), HasSubstr("Not a directory"));
   EXPECT_THAT(write(folder.path()), HasSubstr("Is a directory"));
   const auto merge = [&](const std::filesystem::path& from, const std::filesystem::path& to) {
-    return ErrorOf([&] { Merge(plan, {}, from, to); });
+    return ErrorOf([&] { store::Merge(plan, {}, from, to); });
   };
   const TemporaryFolder empty;
   EXPECT_THAT(merge(folder / "none", folder / "a.h5"), HasSubstr("No such file or directory"));
@@ -236,15 +240,17 @@ TEST(Errors, OfHdf5ArePrintedNowhere) {
   const TemporaryFolder folder;
   WriteFile(folder / "text.h5", "hello");
   testing::internal::CaptureStderr();
-  EXPECT_THROW(ResultFile(folder / "text.h5"), StoreError);
-  std::thread([&] { EXPECT_THROW(ResultFile(folder / "text.h5"), StoreError); }).join();
+  EXPECT_THROW(store::ResultFile(folder / "text.h5"), store::StoreError);
+  std::thread([&] {
+    EXPECT_THROW(store::ResultFile(folder / "text.h5"), store::StoreError);
+  }).join();
   EXPECT_THAT(testing::internal::GetCapturedStderr(), IsEmpty());
 }
 
 TEST(Threads, WriteShardsSideBySide) {
   const Plan plan = SmallPlan(24);
-  const Provenance provenance = TestProvenance();
-  const ShardWriter writer(plan, provenance);
+  const store::Provenance provenance = TestProvenance();
+  const store::ShardWriter writer(plan, provenance);
   const TemporaryFolder folder;
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < 3; ++t)
@@ -253,13 +259,14 @@ TEST(Threads, WriteShardsSideBySide) {
         writer.Write(plan.runs[i], FakeResult(plan.runs[i]).result, folder.path());
     });
   for (std::thread& thread : threads) thread.join();
-  Merge(plan, provenance, folder.path(), folder / "out.h5");
-  const ResultFile file(folder / "out.h5");
-  for (const compiler::Run& run : plan.runs) {
-    const auto values = file.ReadDuration(kStep, {run.at, 0});
+  store::Merge(plan, provenance, folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
+  for (const plan::Run& run : plan.runs) {
+    const auto values = file.ReadDuration(measure::Phase::kStep, {run.at, 0});
     ASSERT_EQ(values.size(), 200u);
     for (std::size_t i = 0; i < 200; ++i)
-      ASSERT_EQ(values[i], ValueAt(run, *FindSeries("duration"), kStep * 200 + i));
+      ASSERT_EQ(values[i], ValueAt(run, *measure::FindSeries("duration"),
+                                   measure::IndexOf(measure::Phase::kStep) * 200 + i));
   }
 }
 
@@ -290,9 +297,9 @@ TEST(Kill, WhileShardsAreWrittenLosesNoFinishedRun) {
   std::size_t finished = 0;
   for (int trial = 0; trial < 60; ++trial) {
     finished = std::max(finished, KillDuring(random, [&](int say) {
-                          const Provenance none;
-                          const ShardWriter writer(plan, none);
-                          for (const compiler::Run& run : plan.runs) {
+                          const store::Provenance none;
+                          const store::ShardWriter writer(plan, none);
+                          for (const plan::Run& run : plan.runs) {
                             writer.Write(run, FakeResult(run).result, folder.path());
                             if (write(say, "x", 1) != 1) _exit(1);
                           }
@@ -300,11 +307,11 @@ TEST(Kill, WhileShardsAreWrittenLosesNoFinishedRun) {
     std::size_t whole = 0;
     for (const std::string& name : FilesIn(folder.path()))
       if (name.ends_with(".h5")) {
-        EXPECT_EQ(ReadShardInfo(folder / name).run_id + ".h5", name);
+        EXPECT_EQ(store::ReadShardInfo(folder / name).run_id + ".h5", name);
         ++whole;
       }
     EXPECT_GE(whole, finished);
-    RemoveStaleTemporaries(folder.path());
+    store::RemoveStaleTemporaries(folder.path());
     EXPECT_EQ(FilesIn(folder.path()).size(), whole) << "a temporary is left";
   }
 }
@@ -313,23 +320,23 @@ TEST(Kill, WhileMergingLeavesTheResultWhole) {
   const Plan plan = SmallPlan(30);
   const TemporaryFolder folder, target;
   for (std::size_t i = 0; i < plan.runs.size(); ++i)
-    WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
+    store::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
   const std::vector<std::string> shards = FilesIn(folder.path());
-  Merge(plan, {}, folder.path(), target / "out.h5");
+  store::Merge(plan, {}, folder.path(), target / "out.h5");
   std::mt19937 random(11);
   for (int trial = 0; trial < 60; ++trial) {
     KillDuring(random, [&](int) {
-      for (;;) Merge(plan, {}, folder.path(), target / "out.h5");
+      for (;;) store::Merge(plan, {}, folder.path(), target / "out.h5");
     });
-    const ResultFile file(target / "out.h5");
-    for (const compiler::Run& run : plan.runs)
-      ASSERT_EQ(file.ReadDuration(kBroad, {run.at, 0}).back(),
-                ValueAt(run, *FindSeries("duration"), 199));
-    RemoveStaleTemporaries(target.path());
+    const store::ResultFile file(target / "out.h5");
+    for (const plan::Run& run : plan.runs)
+      ASSERT_EQ(file.ReadDuration(measure::Phase::kBroad, {run.at, 0}).back(),
+                ValueAt(run, *measure::FindSeries("duration"), 199));
+    store::RemoveStaleTemporaries(target.path());
     ASSERT_THAT(FilesIn(target.path()), ElementsAre("out.h5"));
     ASSERT_EQ(FilesIn(folder.path()), shards);
   }
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

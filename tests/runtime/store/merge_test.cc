@@ -4,23 +4,23 @@
 
 #include <map>
 
-#include "compiler/plan_yaml.h"
+#include "compiler/plan/plan_yaml.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
-using compiler::Plan;
+using plan::Plan;
 
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-ResultFile::Cell CellOf(const compiler::Run& run) { return {run.at, run.rep}; }
+store::ResultFile::Cell CellOf(const plan::Run& run) { return {run.at, run.rep}; }
 
-void ExpectCell(const ResultFile& file, const compiler::Run& run, Status status,
+void ExpectCell(const store::ResultFile& file, const plan::Run& run, store::Status status,
                 std::uint64_t n_cycles) {
-  const ResultFile::Cell cell = CellOf(run);
+  const store::ResultFile::Cell cell = CellOf(run);
   SCOPED_TRACE(run.id);
   const FakeResult fake(run, status, n_cycles);
   ASSERT_EQ(file.ReadStatus(cell), status);
@@ -34,12 +34,14 @@ void ExpectCell(const ResultFile& file, const compiler::Run& run, Status status,
   EXPECT_EQ(file.ReadReal("started", cell), fake.result.started_s);
   EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.peak_rss_bytes);
   const std::uint64_t cycles = run.scene.world.Count("cycles");
-  for (const Series& series : AllSeries()) {
+  for (const measure::Series& series : measure::AllSeries()) {
     if (!series.IsRecordedBy(run.scene)) continue;
-    if (series.shape != SeriesShape::kScalar && series.shape != SeriesShape::kPhase) continue;
-    for (std::size_t phase = 0; phase < kPhaseCount; ++phase) {
-      const bool by_phase = series.shape == SeriesShape::kPhase;
-      const auto values = by_phase ? file.ReadDuration(static_cast<Phase>(phase), cell)
+    if (series.shape != measure::SeriesShape::kScalar &&
+        series.shape != measure::SeriesShape::kPhase)
+      continue;
+    for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase) {
+      const bool by_phase = series.shape == measure::SeriesShape::kPhase;
+      const auto values = by_phase ? file.ReadDuration(static_cast<measure::Phase>(phase), cell)
                                    : file.ReadSeries(series.name, cell);
       ASSERT_EQ(values.size(), n_cycles) << series.name;
       for (std::size_t i = 0; i < n_cycles; ++i)
@@ -59,43 +61,43 @@ Plan Grid() {
 TEST(Merge, PutsEveryRunInItsCell) {
   const Plan plan = Grid();
   const TemporaryFolder folder;
-  std::map<std::string, std::pair<Status, std::uint64_t>> ended;
+  std::map<std::string, std::pair<store::Status, std::uint64_t>> ended;
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     if (i % 7 == 3) continue;  // has not run yet
-    const Status status = i % 5 == 0 ? Status::kFailed : Status::kDone;
-    ended[plan.runs[i].id] = {status, status == Status::kDone ? 6 : i % 6};
+    const store::Status status = i % 5 == 0 ? store::Status::kFailed : store::Status::kDone;
+    ended[plan.runs[i].id] = {status, status == store::Status::kDone ? 6 : i % 6};
     const auto& [how, n_cycles] = ended[plan.runs[i].id];
-    WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i], how, n_cycles).result, TestProvenance(),
-               folder.path());
+    store::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i], how, n_cycles).result,
+                      TestProvenance(), folder.path());
   }
   const std::vector<std::string> shards = FilesIn(folder.path());
   const TemporaryFolder target;
-  Merge(plan, TestProvenance(), folder.path(), target / "out.h5");
+  store::Merge(plan, TestProvenance(), folder.path(), target / "out.h5");
   EXPECT_EQ(FilesIn(folder.path()), shards);
   EXPECT_THAT(FilesIn(target.path()), ElementsAre("out.h5"));
 
-  const ResultFile file(target / "out.h5");
+  const store::ResultFile file(target / "out.h5");
   EXPECT_EQ(file.axes(), plan.axes);
   EXPECT_EQ(file.repeats(), 2u);
   EXPECT_EQ(file.cycles(), 6u);
   EXPECT_EQ(file.plan_sha256(), plan.Sha256());
-  EXPECT_EQ(file.ReadProvenance("plan_text"), compiler::ToYaml(plan));
+  EXPECT_EQ(file.ReadProvenance("plan_text"), plan::ToYaml(plan));
   EXPECT_EQ(file.ReadProvenance("scenario_text"), plan.scenario_text);
   EXPECT_EQ(file.ReadProvenance("cpu"), "a µ-processor");
-  for (const compiler::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.runs) {
     if (const auto found = ended.find(run.id); found != ended.end()) {
       ExpectCell(file, run, found->second.first, found->second.second);
       continue;
     }
-    EXPECT_EQ(file.ReadStatus(CellOf(run)), Status::kMissing);
+    EXPECT_EQ(file.ReadStatus(CellOf(run)), store::Status::kMissing);
     EXPECT_EQ(file.ReadCycleCount(CellOf(run)), 0u);
     EXPECT_EQ(file.ReadText("run_id", CellOf(run)), run.id) << "a missing run is named";
     EXPECT_EQ(file.ReadText("omitted", CellOf(run)) + file.ReadText("needs", CellOf(run)), "");
-    EXPECT_TRUE(file.ReadDuration(kStep, CellOf(run)).empty());
+    EXPECT_TRUE(file.ReadDuration(measure::Phase::kStep, CellOf(run)).empty());
   }
   for (const auto& point : plan.skipped)
     for (std::uint64_t rep = 0; rep < 2; ++rep) {
-      EXPECT_EQ(file.ReadStatus({point, rep}), Status::kSkipped);
+      EXPECT_EQ(file.ReadStatus({point, rep}), store::Status::kSkipped);
       EXPECT_EQ(file.ReadText("run_id", {point, rep}), "");
     }
 }
@@ -106,12 +108,12 @@ TEST(Merge, OneRunAtTwoPointsFillsBoth) {
   plan.runs[3].scene = plan.runs[0].scene;
   plan.runs[3].id = plan.runs[0].id;
   const TemporaryFolder folder;
-  for (const compiler::Run& run : plan.runs)
-    WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
+  for (const plan::Run& run : plan.runs)
+    store::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
   EXPECT_EQ(FilesIn(folder.path()).size(), 3u);
-  Merge(plan, {}, folder.path(), folder / "out.h5");
-  const ResultFile file(folder / "out.h5");
-  for (const compiler::Run& run : plan.runs) ExpectCell(file, run, Status::kDone, 5);
+  store::Merge(plan, {}, folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
+  for (const plan::Run& run : plan.runs) ExpectCell(file, run, store::Status::kDone, 5);
   const double rows = file.ReadReal("contact_first", CellOf(plan.runs[1]));
   EXPECT_EQ(rows, static_cast<double>(FakeResult(plan.runs[0]).result.contacts.size()));
 }
@@ -123,13 +125,13 @@ TEST(Merge, RunsOfOtherLengthsAndRecordsStandSideBySide) {
          {.cycles = 9, .objects = 4, .record = {"poses", "boxes", "contacts", "energy"}});
   Resize(plan.runs[2], {.cycles = 4, .objects = 9, .record = {"counts"}});
   const TemporaryFolder folder;
-  for (const compiler::Run& run : plan.runs)
-    WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
-  Merge(plan, {}, folder.path(), folder / "out.h5");
-  const ResultFile file(folder / "out.h5");
+  for (const plan::Run& run : plan.runs)
+    store::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
+  store::Merge(plan, {}, folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.cycles(), 9u);
-  for (const compiler::Run& run : plan.runs)
-    ExpectCell(file, run, Status::kDone, run.scene.world.Count("cycles"));
+  for (const plan::Run& run : plan.runs)
+    ExpectCell(file, run, store::Status::kDone, run.scene.world.Count("cycles"));
   // Run 2 counts contacts and does not record them.
   EXPECT_EQ(file.ReadReal("contact_first", CellOf(plan.runs[1])), 0);
   const double none = file.ReadReal("contact_first", CellOf(plan.runs[2]));
@@ -139,25 +141,25 @@ TEST(Merge, RunsOfOtherLengthsAndRecordsStandSideBySide) {
 TEST(Merge, OfNoShardsAndOfAGridThatIsAllSkipped) {
   const Plan plan = Grid();
   const TemporaryFolder folder;
-  Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
-  const ResultFile file(folder / "out.h5");
-  for (const compiler::Run& run : plan.runs)
-    EXPECT_EQ(file.ReadStatus(CellOf(run)), Status::kMissing);
+  store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
+  for (const plan::Run& run : plan.runs)
+    EXPECT_EQ(file.ReadStatus(CellOf(run)), store::Status::kMissing);
   EXPECT_EQ(file.ReadProvenance("bullet_version"), "3.24");
 
   const Plan skipped = MakePlan({NumberAxis("quantity", {1, 2})}, 1, {}, {{0}, {1}});
-  Merge(skipped, {}, folder.path(), folder / "skipped.h5");
-  EXPECT_EQ(ResultFile(folder / "skipped.h5").ReadStatus({{1}, 0}), Status::kSkipped);
+  store::Merge(skipped, {}, folder.path(), folder / "skipped.h5");
+  EXPECT_EQ(store::ResultFile(folder / "skipped.h5").ReadStatus({{1}, 0}), store::Status::kSkipped);
 }
 
 TEST(Merge, GrowsWithTheFolder) {
   const Plan plan = Grid();
   const TemporaryFolder folder;
   for (std::size_t n = 0; n < 3; ++n) {
-    WriteShard(plan, plan.runs[n], FakeResult(plan.runs[n]).result, {}, folder.path());
-    Merge(plan, {}, folder.path(), folder / "out.h5");
-    const ResultFile file(folder / "out.h5");
-    for (std::size_t i = 0; i <= n; ++i) ExpectCell(file, plan.runs[i], Status::kDone, 6);
+    store::WriteShard(plan, plan.runs[n], FakeResult(plan.runs[n]).result, {}, folder.path());
+    store::Merge(plan, {}, folder.path(), folder / "out.h5");
+    const store::ResultFile file(folder / "out.h5");
+    for (std::size_t i = 0; i <= n; ++i) ExpectCell(file, plan.runs[i], store::Status::kDone, 6);
   }
 }
 
@@ -167,12 +169,12 @@ TEST(Merge, RefusesAShardOfAnotherPlan) {
   other.axes[1].values[1] = 2.75;
   ASSERT_EQ(other.runs[0].id, plan.runs[0].id) << "the same run in another sweep";
   const TemporaryFolder folder;
-  WriteShard(other, other.runs[0], FakeResult(other.runs[0]).result, {}, folder.path());
+  store::WriteShard(other, other.runs[0], FakeResult(other.runs[0]).result, {}, folder.path());
   WriteFile(folder / "out.h5", "as before");
   try {
-    Merge(plan, {}, folder.path(), folder / "out.h5");
+    store::Merge(plan, {}, folder.path(), folder / "out.h5");
     FAIL() << "was merged";
-  } catch (const StoreError& error) {
+  } catch (const store::StoreError& error) {
     EXPECT_THAT(error.what(), HasSubstr(plan.runs[0].id + ".h5"));
     EXPECT_THAT(error.what(), HasSubstr("another plan"));
     EXPECT_THAT(error.what(), HasSubstr("--fresh"));
@@ -184,21 +186,21 @@ TEST(Merge, RefusesAShardOfAnotherPlan) {
 TEST(Merge, RefusesAShardUnderAnotherName) {
   const Plan plan = Grid();
   const TemporaryFolder folder;
-  WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
   std::filesystem::rename(folder / (plan.runs[0].id + ".h5"), folder / (plan.runs[1].id + ".h5"));
-  EXPECT_THROW(Merge(plan, {}, folder.path(), folder / "out.h5"), StoreError);
+  EXPECT_THROW(store::Merge(plan, {}, folder.path(), folder / "out.h5"), store::StoreError);
 }
 
 TEST(Merge, FactsThatDifferBetweenRunsAreAllKept) {
   const Plan plan = MakePlan({NumberAxis("quantity", {10, 20, 30})}, 1, {});
   const TemporaryFolder folder;
   for (const char* cpu : {"fast", "slow"}) {
-    const compiler::Run& run = plan.runs[cpu == std::string_view("slow") ? 1 : 0];
-    WriteShard(plan, run, FakeResult(run).result, {{"cpu", cpu}, {"compiler", "gcc"}},
-               folder.path());
+    const plan::Run& run = plan.runs[cpu == std::string_view("slow") ? 1 : 0];
+    store::WriteShard(plan, run, FakeResult(run).result, {{"cpu", cpu}, {"compiler", "gcc"}},
+                      folder.path());
   }
-  Merge(plan, {{"cpu", "of the merging machine"}}, folder.path(), folder / "out.h5");
-  const ResultFile file(folder / "out.h5");
+  store::Merge(plan, {{"cpu", "of the merging machine"}}, folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.ReadProvenance("cpu"), "fast; slow");
   EXPECT_EQ(file.ReadProvenance("compiler"), "gcc");
 }
@@ -209,25 +211,26 @@ TEST(Merge, AxesThatAreCalledLikeArraysAreToldApart) {
        NumberAxis("status", {1, 2}), NumberAxis("phase", {1, 2, 3}), NumberAxis("cycle", {7, 8})},
       1, {});
   const TemporaryFolder folder;
-  for (const compiler::Run& run : plan.runs)
-    WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
-  Merge(plan, {}, folder.path(), folder / "out.h5");
-  const ResultFile file(folder / "out.h5");
+  for (const plan::Run& run : plan.runs)
+    store::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
+  store::Merge(plan, {}, folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.axes(), plan.axes);
   EXPECT_TRUE(file.Has("status_axis"));
   EXPECT_TRUE(file.Has("phase_axis"));
-  for (const compiler::Run& run : plan.runs) ExpectCell(file, run, Status::kDone, 5);
+  for (const plan::Run& run : plan.runs) ExpectCell(file, run, store::Status::kDone, 5);
 }
 
 TEST(Merge, RefusesMoreAxesThanHdf5HasDimensions) {
-  std::vector<compiler::Axis> axes;
+  std::vector<plan::Axis> axes;
   for (int i = 0; i < 28; ++i) axes.push_back(NumberAxis("a" + std::to_string(i), {1}));
   const TemporaryFolder folder;
-  Merge(MakePlan(axes, 1, {.record = {"poses"}}), {}, folder.path(), folder / "out.h5");
-  EXPECT_EQ(ResultFile(folder / "out.h5").axes().size(), 28u);
+  store::Merge(MakePlan(axes, 1, {.record = {"poses"}}), {}, folder.path(), folder / "out.h5");
+  EXPECT_EQ(store::ResultFile(folder / "out.h5").axes().size(), 28u);
   axes.push_back(NumberAxis("b", {1}));
-  EXPECT_THROW(Merge(MakePlan(axes, 1, {}), {}, folder.path(), folder / "out29.h5"), StoreError);
+  EXPECT_THROW(store::Merge(MakePlan(axes, 1, {}), {}, folder.path(), folder / "out29.h5"),
+               store::StoreError);
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

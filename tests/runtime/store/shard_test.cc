@@ -8,15 +8,15 @@
 #include <array>
 #include <cmath>
 
-#include "runtime/store/hdf5_file.h"
+#include "runtime/store/hdf5/file.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
-using compiler::Plan;
+using plan::Plan;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -32,17 +32,19 @@ Plan TwoAxes(const SceneSize& size = kEverything) {
 }
 
 /// Every series of a cell that holds one run, value by value.
-void ExpectSeries(const ResultFile& file, const ResultFile::Cell& cell, const compiler::Run& run,
-                  std::uint64_t n_cycles) {
+void ExpectSeries(const store::ResultFile& file, const store::ResultFile::Cell& cell,
+                  const plan::Run& run, std::uint64_t n_cycles) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
-  for (const Series& series : AllSeries()) {
+  for (const measure::Series& series : measure::AllSeries()) {
     if (!series.IsRecordedBy(run.scene)) continue;
-    if (series.shape != SeriesShape::kScalar && series.shape != SeriesShape::kPhase) continue;
-    for (std::size_t phase = 0; phase < kPhaseCount; ++phase) {
-      const bool by_phase = series.shape == SeriesShape::kPhase;
-      const std::vector<double> values = by_phase
-                                             ? file.ReadDuration(static_cast<Phase>(phase), cell)
-                                             : file.ReadSeries(series.name, cell);
+    if (series.shape != measure::SeriesShape::kScalar &&
+        series.shape != measure::SeriesShape::kPhase)
+      continue;
+    for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase) {
+      const bool by_phase = series.shape == measure::SeriesShape::kPhase;
+      const std::vector<double> values =
+          by_phase ? file.ReadDuration(static_cast<measure::Phase>(phase), cell)
+                   : file.ReadSeries(series.name, cell);
       ASSERT_EQ(values.size(), n_cycles) << series.name;
       for (std::size_t i = 0; i < n_cycles; ++i)
         ASSERT_EQ(values[i], ValueAt(run, series, by_phase ? phase * cycles + i : i))
@@ -55,12 +57,12 @@ void ExpectSeries(const ResultFile& file, const ResultFile::Cell& cell, const co
 TEST(Shard, HoldsEverySeriesOfItsRun) {
   const Plan plan = TwoAxes();
   const TemporaryFolder folder;
-  const compiler::Run& run = plan.runs[13];
+  const plan::Run& run = plan.runs[13];
   const FakeResult fake(run);
-  WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+  store::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
   ASSERT_THAT(FilesIn(folder.path()), ElementsAre(run.id + ".h5"));
 
-  const ResultFile file(folder / (run.id + ".h5"));
+  const store::ResultFile file(folder / (run.id + ".h5"));
   EXPECT_EQ(file.plan_sha256(), plan.Sha256());
   EXPECT_EQ(file.title(), plan.title);
   EXPECT_EQ(file.repeats(), 1u);
@@ -72,9 +74,9 @@ TEST(Shard, HoldsEverySeriesOfItsRun) {
     EXPECT_EQ(file.axes()[i].unit, plan.axes[i].unit);
     EXPECT_THAT(file.axes()[i].values, ElementsAre(plan.axes[i].values[run.at[i]]));
   }
-  const ResultFile::Cell cell = {{0, 0, 0}, 0};
+  const store::ResultFile::Cell cell = {{0, 0, 0}, 0};
   ExpectSeries(file, cell, run, 7);
-  EXPECT_EQ(file.ReadStatus(cell), Status::kDone);
+  EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
   EXPECT_EQ(file.ReadCycleCount(cell), 7u);
   EXPECT_EQ(file.ReadText("state_hash", cell), fake.result.state_hash);
   EXPECT_EQ(file.ReadText("run_id", cell), run.id);
@@ -98,43 +100,43 @@ TEST(Shard, HoldsEverySeriesOfItsRun) {
 TEST(Shard, HasNoDatasetThatNobodyAskedFor) {
   const Plan plan = TwoAxes({.record = {"timing"}});
   const TemporaryFolder folder;
-  WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
-  const ResultFile file(folder / (plan.runs[0].id + ".h5"));
-  for (const Series& series : AllSeries())
+  store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  const store::ResultFile file(folder / (plan.runs[0].id + ".h5"));
+  for (const measure::Series& series : measure::AllSeries())
     EXPECT_EQ(file.Has(series.name), series.name == "duration") << series.name;
   for (const char* name : {"body", "pose", "contact", "contact_body", "contact_first"})
     EXPECT_FALSE(file.Has(name)) << name;
-  EXPECT_THROW(file.ReadSeries("pairs", {{0, 0, 0}, 0}), StoreError);
+  EXPECT_THROW(file.ReadSeries("pairs", {{0, 0, 0}, 0}), store::StoreError);
 }
 
 TEST(Shard, OfARunThatCrashedKeepsItsCyclesAndNoMore) {
   const Plan plan = TwoAxes();
   const TemporaryFolder folder;
   for (const std::uint64_t n_cycles : {0, 3}) {
-    const compiler::Run& run = plan.runs[n_cycles];
-    FakeResult fake(run, Status::kCrashed, 7);
+    const plan::Run& run = plan.runs[n_cycles];
+    FakeResult fake(run, store::Status::kCrashed, 7);
     fake.result.n_cycles = n_cycles;  // what is after them is not to be believed
-    WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
-    const ResultFile file(folder / (run.id + ".h5"));
-    const ResultFile::Cell cell = {{0, 0, 0}, 0};
-    EXPECT_EQ(file.ReadStatus(cell), Status::kCrashed);
+    store::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+    const store::ResultFile file(folder / (run.id + ".h5"));
+    const store::ResultFile::Cell cell = {{0, 0, 0}, 0};
+    EXPECT_EQ(file.ReadStatus(cell), store::Status::kCrashed);
     EXPECT_EQ(file.ReadCycleCount(cell), n_cycles);
     EXPECT_EQ(file.ReadText("message", cell), fake.result.message);
     EXPECT_EQ(file.ReadText("state_hash", cell), "");
     ExpectSeries(file, cell, run, n_cycles);
     // Readers of the file itself find fill values after them.
-    const h5::File raw = h5::File::OpenImage(ReadSealed(folder / (run.id + ".h5")));
+    const hdf5::File raw = hdf5::File::OpenImage(store::ReadSealed(folder / (run.id + ".h5")));
     const std::vector<double> pairs = raw.OpenDataset("pairs").Read();
     const std::vector<double> poses = raw.OpenDataset("poses").Read();
     ASSERT_EQ(pairs.size(), 7u);
-    ASSERT_EQ(poses.size(), 7u * 2 * kPoseSize);
+    ASSERT_EQ(poses.size(), 7u * 2 * measure::kPoseSize);
     for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i] == -1, i >= n_cycles) << i;
     for (std::size_t i = 0; i < poses.size(); ++i)
-      EXPECT_EQ(std::isnan(poses[i]), i >= n_cycles * 2 * kPoseSize) << i;
+      EXPECT_EQ(std::isnan(poses[i]), i >= n_cycles * 2 * measure::kPoseSize) << i;
     const std::vector<double> boxes = raw.OpenDataset("boxes").Read();
-    ASSERT_EQ(boxes.size(), 7u * 8 * kBoxSize);
+    ASSERT_EQ(boxes.size(), 7u * 8 * measure::kBoxSize);
     for (std::size_t i = 0; i < boxes.size(); ++i)
-      EXPECT_EQ(std::isnan(boxes[i]), i >= n_cycles * 8 * kBoxSize) << i;
+      EXPECT_EQ(std::isnan(boxes[i]), i >= n_cycles * 8 * measure::kBoxSize) << i;
   }
 }
 
@@ -142,32 +144,34 @@ TEST(Shard, OfARunWithoutObjectsOrAxes) {
   const Plan plan = MakePlan({}, 1, {.cycles = 1, .objects = 0, .record = {"poses", "contacts"}});
   const TemporaryFolder folder;
   FakeResult fake(plan.runs[0]);
-  WriteShard(plan, plan.runs[0], fake.result, {}, folder.path());
-  const ResultFile file(folder / (plan.runs[0].id + ".h5"));
+  store::WriteShard(plan, plan.runs[0], fake.result, {}, folder.path());
+  const store::ResultFile file(folder / (plan.runs[0].id + ".h5"));
   EXPECT_TRUE(file.axes().empty());
-  EXPECT_EQ(file.ReadStatus({{}, 0}), Status::kDone);
+  EXPECT_EQ(file.ReadStatus({{}, 0}), store::Status::kDone);
   EXPECT_EQ(file.ReadSeries("contacts", {{}, 0}).size(), 1u);
 }
 
 TEST(Shard, WrittenTwiceIsTheSame) {
   const Plan plan = TwoAxes();
   const TemporaryFolder folder;
-  const compiler::Run& run = plan.runs[5];
+  const plan::Run& run = plan.runs[5];
   const FakeResult fake(run);
-  for (int i = 0; i < 2; ++i) WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+  for (int i = 0; i < 2; ++i)
+    store::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
   ASSERT_THAT(FilesIn(folder.path()), ElementsAre(run.id + ".h5"));
-  ExpectSeries(ResultFile(folder / (run.id + ".h5")), {{0, 0, 0}, 0}, run, 7);
+  ExpectSeries(store::ResultFile(folder / (run.id + ".h5")), {{0, 0, 0}, 0}, run, 7);
 }
 
 TEST(Shard, InfoNamesRunPlanAndStatus) {
   const Plan plan = TwoAxes();
   const TemporaryFolder folder;
-  const compiler::Run& run = plan.runs[2];
-  WriteShard(plan, run, FakeResult(run, Status::kTimedOut, 4).result, {}, folder.path());
-  const ShardInfo info = ReadShardInfo(folder / (run.id + ".h5"));
+  const plan::Run& run = plan.runs[2];
+  store::WriteShard(plan, run, FakeResult(run, store::Status::kTimedOut, 4).result, {},
+                    folder.path());
+  const store::ShardInfo info = store::ReadShardInfo(folder / (run.id + ".h5"));
   EXPECT_EQ(info.run_id, run.id);
   EXPECT_EQ(info.plan_sha256, plan.Sha256());
-  EXPECT_EQ(info.outcome.status, Status::kTimedOut);
+  EXPECT_EQ(info.outcome.status, store::Status::kTimedOut);
 }
 
 TEST(Shard, LongRunsAreCutIntoChunksUnderOneMebibyte) {
@@ -176,16 +180,16 @@ TEST(Shard, LongRunsAreCutIntoChunksUnderOneMebibyte) {
                                 SceneSize{.cycles = 3, .objects = 40000, .record = {"poses"}}}) {
     const Plan plan = MakePlan({NumberAxis("quantity", {10})}, 1, size);
     const TemporaryFolder folder;
-    WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
-    Merge(plan, {}, folder.path(), folder / "out.h5");
-    ExpectSeries(ResultFile(folder / "out.h5"), {{0}, 0}, plan.runs[0], size.cycles);
+    store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+    store::Merge(plan, {}, folder.path(), folder / "out.h5");
+    ExpectSeries(store::ResultFile(folder / "out.h5"), {{0}, 0}, plan.runs[0], size.cycles);
   }
 }
 
 TEST(StatusNames, AreThoseOfTheContract) {
   std::string names;
-  for (int i = 0; i <= static_cast<int>(Status::kTimedOut); ++i)
-    names += std::string(StatusName(static_cast<Status>(i))) + " ";
+  for (int i = 0; i <= static_cast<int>(store::Status::kTimedOut); ++i)
+    names += std::string(store::StatusName(static_cast<store::Status>(i))) + " ";
   EXPECT_EQ(names, "missing done skipped failed crashed timed_out ");
 }
 
@@ -211,10 +215,10 @@ TEST(StaleTemporaries, OfDeadProcessesOfThisHostAreRemoved) {
   const TemporaryFolder folder;
   for (const std::string& name : kept) WriteFile(folder / name, "x");
   WriteFile(folder / (here + std::to_string(dead) + ".tmp"), "x");
-  RemoveStaleTemporaries(folder.path());
+  store::RemoveStaleTemporaries(folder.path());
   EXPECT_THAT(FilesIn(folder.path()), testing::UnorderedElementsAreArray(kept));
-  EXPECT_THROW(RemoveStaleTemporaries(folder / "nowhere"), StoreError);
+  EXPECT_THROW(store::RemoveStaleTemporaries(folder / "nowhere"), store::StoreError);
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -10,54 +10,54 @@
 #include <stdexcept>
 #include <utility>
 
-#include "compiler/capacity.h"
-#include "compiler/metrics.h"
-#include "compiler/reference.h"
+#include "compiler/plan/capacity.h"
+#include "compiler/plan/reference.h"
+#include "compiler/plan/requested_errors.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 /// Small, and different for each run of a plan.
-std::uint64_t NumberOf(const compiler::Run& run) {
+std::uint64_t NumberOf(const plan::Run& run) {
   return run.scene.world.Count("seed") * 10 + run.rep;
 }
 
 }  // namespace
 
-compiler::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit) {
-  compiler::Axis axis{name, "objects." + name, std::move(unit), {}};
+plan::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit) {
+  plan::Axis axis{name, "objects." + name, std::move(unit), {}};
   for (const double value : values) axis.values.emplace_back(value);
   return axis;
 }
 
-compiler::Axis TextAxis(std::string name, const std::vector<std::string>& values) {
-  compiler::Axis axis{name, name, "", {}};
+plan::Axis TextAxis(std::string name, const std::vector<std::string>& values) {
+  plan::Axis axis{name, name, "", {}};
   for (const std::string& value : values) axis.values.emplace_back(value);
   return axis;
 }
 
-void Resize(compiler::Run& run, const SceneSize& size) {
+void Resize(plan::Run& run, const SceneSize& size) {
   run.scene.world.values["cycles"] = size.cycles;
   run.scene.world.values["record"] = size.record;
   run.scene.world.values["accuracy.metrics"] = size.metrics;
   run.scene.world.values["accuracy.interval"] = 2.0;
-  run.scene.world.values["accuracy.closed_form"] = compiler::Word{"none"};
+  run.scene.world.values["accuracy.closed_form"] = schema::Word{"none"};
   run.scene.world.values["timestep"] = 1.0;
   run.scene.world.values["warmup"] = std::uint64_t{0};
-  run.scene.world.values["world.walls"] = compiler::Word{"all"};
-  run.scene.world.values["trace"] = compiler::Word{"none"};
+  run.scene.world.values["world.walls"] = schema::Word{"all"};
+  run.scene.world.values["trace"] = schema::Word{"none"};
   run.scene.world.values["accuracy.reference.timestep"] = 1.0;
-  run.scene.world.values["accuracy.reference.precision"] = compiler::Word{"double"};
-  run.scene.world.values["accuracy.reference.detector"] = compiler::Word{"dbvt"};
+  run.scene.world.values["accuracy.reference.precision"] = schema::Word{"double"};
+  run.scene.world.values["accuracy.reference.detector"] = schema::Word{"dbvt"};
   run.scene.world.values["accuracy.reference.iterations"] = std::uint64_t{100};
-  run.scene.world.values["accuracy.reference.contact"] = compiler::Word{"same"};
-  run.scene.groups = {{"objects", {{{"quantity", compiler::Value(size.objects)}}}}};
-  run.id = compiler::RunId(run.scene, run.rep);
+  run.scene.world.values["accuracy.reference.contact"] = schema::Word{"same"};
+  run.scene.groups = {{"objects", {{{"quantity", schema::Value(size.objects)}}}}};
+  run.id = plan::RunId(run.scene, run.rep);
 }
 
-compiler::Plan MakePlan(std::vector<compiler::Axis> axes, std::uint64_t repeats,
-                        const SceneSize& size, std::vector<std::vector<std::size_t>> skipped) {
-  compiler::Plan plan;
+plan::Plan MakePlan(std::vector<plan::Axis> axes, std::uint64_t repeats, const SceneSize& size,
+                    std::vector<std::vector<std::size_t>> skipped) {
+  plan::Plan plan;
   plan.benchmark = "fixture";
   plan.title = "A plan for tests – µ";
   plan.source = "fixture.cdb";
@@ -66,7 +66,7 @@ compiler::Plan MakePlan(std::vector<compiler::Axis> axes, std::uint64_t repeats,
   plan.repeats = repeats;
   plan.skipped = std::move(skipped);
   std::uint64_t points = 1;
-  for (const compiler::Axis& axis : plan.axes) points *= axis.values.size();
+  for (const plan::Axis& axis : plan.axes) points *= axis.values.size();
   for (std::uint64_t point = 0; point < points; ++point) {
     std::vector<std::size_t> at(plan.axes.size());
     std::uint64_t rest = point;
@@ -74,7 +74,7 @@ compiler::Plan MakePlan(std::vector<compiler::Axis> axes, std::uint64_t repeats,
       at[i] = rest % plan.axes[i].values.size();
     if (std::ranges::find(plan.skipped, at) != plan.skipped.end()) continue;
     for (std::uint64_t rep = 0; rep < repeats; ++rep) {
-      compiler::Run run;
+      plan::Run run;
       run.at = at;
       run.rep = rep;
       run.scene.world.values["seed"] = point;
@@ -82,41 +82,41 @@ compiler::Plan MakePlan(std::vector<compiler::Axis> axes, std::uint64_t repeats,
       plan.runs.push_back(std::move(run));
     }
   }
-  compiler::AddReferences(plan);
+  plan::AddReferences(plan);
   return plan;
 }
 
-double ValueAt(const compiler::Run& run, const Series& series, std::size_t index) {
+double ValueAt(const plan::Run& run, const measure::Series& series, std::size_t index) {
   if (series.name == "contacts") return ContactsIn(run, index);
-  const auto row = static_cast<double>(&series - AllSeries().data());
+  const auto row = static_cast<double>(&series - measure::AllSeries().data());
   const double whole =
       1e6 * (row + 1) + 1000 * static_cast<double>(NumberOf(run)) + static_cast<double>(index);
-  const bool is_whole = series.type == SeriesType::kInt32 || series.name == "duration";
+  const bool is_whole = series.type == measure::SeriesType::kInt32 || series.name == "duration";
   return is_whole ? whole : whole + 0.1;
 }
 
-std::int32_t ContactsIn(const compiler::Run& run, std::size_t cycle) {
+std::int32_t ContactsIn(const plan::Run& run, std::size_t cycle) {
   return static_cast<std::int32_t>((NumberOf(run) + cycle) % 4);
 }
 
-ContactRecord ContactAt(const compiler::Run& run, std::size_t row) {
+measure::ContactRecord ContactAt(const plan::Run& run, std::size_t row) {
   const auto n = static_cast<double>(NumberOf(run));
   const auto r = static_cast<double>(row);
   return {r, r + 1, {n + 0.1, r + 0.2, 0.3}, {0, 1, n}, -0.001 * (n + 1) * (r + 1)};
 }
 
-FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_cycles) {
+FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t n_cycles) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   const std::uint64_t objects = run.scene.ObjectCount();
-  const std::uint64_t bodies = compiler::BodyCount(run.scene);
-  for (const Series& series : AllSeries()) {
+  const std::uint64_t bodies = plan::BodyCount(run.scene);
+  for (const measure::Series& series : measure::AllSeries()) {
     if (!series.IsRecordedBy(run.scene)) continue;
     const std::size_t count = series.ValueCount(cycles, objects, bodies);
     std::vector<std::byte>& bytes = memory_.emplace_back(count * series.ItemBytes());
-    const std::size_t per_cycle = series.shape == SeriesShape::kPhase ? 1 : count / cycles;
+    const std::size_t per_cycle = series.shape == measure::SeriesShape::kPhase ? 1 : count / cycles;
     for (std::size_t i = 0; i < count; ++i) {
       const bool ran = !series.HasCycles() || i / per_cycle % cycles < n_cycles;
-      if (series.type == SeriesType::kInt32) {
+      if (series.type == measure::SeriesType::kInt32) {
         const std::int32_t value = ran ? static_cast<std::int32_t>(ValueAt(run, series, i)) : -1;
         std::memcpy(&bytes[i * sizeof(value)], &value, sizeof(value));
       } else {
@@ -127,7 +127,7 @@ FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_
     }
   }
   std::size_t next = 0;
-  for (const Series& series : AllSeries())
+  for (const measure::Series& series : measure::AllSeries())
     if (series.IsRecordedBy(run.scene)) result.series.emplace_back(&series, memory_[next++]);
   if (run.scene.world.Lists("record", "contacts")) {
     std::size_t rows = 0;
@@ -135,12 +135,12 @@ FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_
     for (std::size_t row = 0; row < rows; ++row) result.contacts.push_back(ContactAt(run, row));
   }
   const auto n = static_cast<double>(NumberOf(run));
-  for (const compiler::ErrorInfo* error : compiler::ErrorsOf(run.scene)) {
+  for (const schema::ErrorInfo* error : plan::ErrorsOf(run.scene)) {
     auto& values = result.errors.values;
     values[std::string(error->name)] = {n + 0.25};
     if (error->needs_truth) values[std::string(error->name) + "_floor"] = {n + 0.125};
     auto& series = values[std::string(error->name) + "_series"];
-    for (std::size_t i = 0; i < SampleShapeOf(run.scene)->samples; ++i)
+    for (std::size_t i = 0; i < measure::SampleShapeOf(run.scene)->samples; ++i)
       series.push_back(n + static_cast<double>(i) / 4);
   }
   if (!run.reference.empty()) result.errors.truth = run.reference;
@@ -157,7 +157,7 @@ FakeResult::FakeResult(const compiler::Run& run, Status status, std::uint64_t n_
   result.build_ns = 2000 + n;
   result.fill_fraction = 0.125;
   result.harness_ns = 40 + n;
-  if (status == Status::kDone) {
+  if (status == store::Status::kDone) {
     result.state_hash = run.id;
   } else {
     result.message = "ended by signal 11 (SIGSEGV) in cycle " + std::to_string(n_cycles);
@@ -175,7 +175,7 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-Provenance TestProvenance() {
+store::Provenance TestProvenance() {
   return {{"cdb_version", "0.1.0"}, {"bullet_version", "3.24"}, {"cpu", "a µ-processor"}};
 }
 
@@ -198,4 +198,4 @@ void WriteFile(const std::filesystem::path& file, const std::string& bytes) {
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

@@ -7,47 +7,47 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan.h"
+#include "compiler/plan/plan.h"
 #include "runtime/measure/series.h"
 #include "runtime/store/store.h"
 
-namespace cdb::runtime {
+namespace cdb::tests {
 
 struct SceneSize {
   std::uint64_t cycles = 5;
   std::uint64_t objects = 3;
-  compiler::WordList record = {"timing", "counts", "stability"};
-  compiler::WordList metrics = {"none"};
+  schema::WordList record = {"timing", "counts", "stability"};
+  schema::WordList metrics = {"none"};
 };
 
-compiler::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit = "");
-compiler::Axis TextAxis(std::string name, const std::vector<std::string>& values);
+plan::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit = "");
+plan::Axis TextAxis(std::string name, const std::vector<std::string>& values);
 
 /// Every point of the grid but `skipped`, each run with a scene of its own.
-compiler::Plan MakePlan(std::vector<compiler::Axis> axes, std::uint64_t repeats,
-                        const SceneSize& size, std::vector<std::vector<std::size_t>> skipped = {});
+plan::Plan MakePlan(std::vector<plan::Axis> axes, std::uint64_t repeats, const SceneSize& size,
+                    std::vector<std::vector<std::size_t>> skipped = {});
 
 /// Makes the scene of `run` another one, and its id with it.
-void Resize(compiler::Run& run, const SceneSize& size);
+void Resize(plan::Run& run, const SceneSize& size);
 
 /// The value at `index` (in the order of the series' own shape) of a run: whole in integer series
 /// and in `duration`, different for every run, series and index.
-double ValueAt(const compiler::Run& run, const Series& series, std::size_t index);
+double ValueAt(const plan::Run& run, const measure::Series& series, std::size_t index);
 /// Contacts that a run counts in a cycle; 0 to 3.
-std::int32_t ContactsIn(const compiler::Run& run, std::size_t cycle);
+std::int32_t ContactsIn(const plan::Run& run, std::size_t cycle);
 /// The contact in row `row` of a run.
-ContactRecord ContactAt(const compiler::Run& run, std::size_t row);
+measure::ContactRecord ContactAt(const plan::Run& run, std::size_t row);
 
 /// A result whose series hold `ValueAt`, with no values after `n_cycles`.
 class FakeResult {
  public:
-  FakeResult(const compiler::Run& run, Status status, std::uint64_t n_cycles);
-  explicit FakeResult(const compiler::Run& run)
-      : FakeResult(run, Status::kDone, run.scene.world.Count("cycles")) {}
+  FakeResult(const plan::Run& run, store::Status status, std::uint64_t n_cycles);
+  explicit FakeResult(const plan::Run& run)
+      : FakeResult(run, store::Status::kDone, run.scene.world.Count("cycles")) {}
   FakeResult(const FakeResult&) = delete;
   FakeResult& operator=(const FakeResult&) = delete;
 
-  RunResult result;
+  store::RunResult result;
 
  private:
   std::vector<std::vector<std::byte>> memory_;
@@ -67,11 +67,11 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-Provenance TestProvenance();
+store::Provenance TestProvenance();
 
 /// Names of the files in a folder, sorted.
 std::vector<std::string> FilesIn(const std::filesystem::path& folder);
 std::string ReadFile(const std::filesystem::path& file);
 void WriteFile(const std::filesystem::path& file, const std::string& bytes);
 
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

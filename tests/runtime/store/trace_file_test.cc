@@ -13,24 +13,24 @@
 // HDF5 loses the object headers that it refuses; what we forget to close, it closes itself.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
-namespace cdb::runtime {
+namespace cdb::tests {
 namespace {
 
 constexpr std::uint64_t kBodies = 5, kObjects = 4, kCycles = 3;
-const TraceOrigin kOrigin = {
+const store::TraceOrigin kOrigin = {
     "crowd",  "n 5", "0123456789abcdef", "fedcba9876543210", 1.0 / 60, "benchmark crowd { }\n",
     "id: 1\n"};
 
 /// Sides that only their own precision holds; the last body is a plane's.
 double Side(std::uint64_t cycle, std::size_t i, bool is_double) {
-  if (i >= (kBodies - 1) * kBoxSize)
-    return (i % kBoxSize < 3 ? -1 : 1) * std::numeric_limits<double>::infinity();
+  if (i >= (kBodies - 1) * measure::kBoxSize)
+    return (i % measure::kBoxSize < 3 ? -1 : 1) * std::numeric_limits<double>::infinity();
   const double side = static_cast<double>(cycle) + 0.1 * static_cast<double>(i);
   return is_double ? side : static_cast<double>(static_cast<float>(side));
 }
 
-TraceMemory MakeTrace(bool is_double) {
-  TraceMemory trace = TraceMemory::Create({kBodies, kCycles, is_double});
+measure::TraceMemory MakeTrace(bool is_double) {
+  measure::TraceMemory trace = measure::TraceMemory::Create({kBodies, kCycles, is_double});
   trace.filters()[1] = {3, ~0u, 0};
   trace.filters()[kBodies - 1] = {2, 1, 1};
   std::vector<double> sides(trace.shape().PerCycle());
@@ -41,9 +41,9 @@ TraceMemory MakeTrace(bool is_double) {
   return trace;
 }
 
-void Write(const TraceMemory& trace, const std::filesystem::path& file) {
-  WriteTrace(trace, kOrigin, kObjects, std::vector<double>(kCycles * kObjects * kPoseSize, 0.5),
-             file);
+void Write(const measure::TraceMemory& trace, const std::filesystem::path& file) {
+  store::WriteTrace(trace, kOrigin, kObjects,
+                    std::vector<double>(kCycles * kObjects * measure::kPoseSize, 0.5), file);
 }
 
 std::string BytesOf(const std::filesystem::path& file) {
@@ -55,20 +55,20 @@ class TraceFile : public testing::TestWithParam<bool> {};
 
 TEST_P(TraceFile, ReadsBackToTheBit) {
   const TemporaryFolder folder;
-  const TraceMemory trace = MakeTrace(GetParam());
+  const measure::TraceMemory trace = MakeTrace(GetParam());
   Write(trace, folder / "t.h5");
-  const compiler::TraceFacts facts = ReadTraceFacts(folder / "t.h5");
+  const plan::TraceFacts facts = store::ReadTraceFacts(folder / "t.h5");
   EXPECT_EQ(facts.sha256, trace.Sha256());
   EXPECT_EQ(facts.bodies, kBodies);
   EXPECT_EQ(facts.cycles, kCycles);
   EXPECT_EQ(facts.timestep_s, 1.0 / 60);
   EXPECT_EQ(facts.is_double, GetParam());
-  EXPECT_EQ(TracedRun(folder / "t.h5"), kOrigin.run_id);
+  EXPECT_EQ(store::TracedRun(folder / "t.h5"), kOrigin.run_id);
 
-  const TraceMemory loaded = LoadTrace(folder / "t.h5", facts.sha256);
-  TraceReader reader(loaded.fd());
+  const measure::TraceMemory loaded = store::LoadTrace(folder / "t.h5", facts.sha256);
+  measure::TraceReader reader(loaded.fd());
   EXPECT_EQ(reader.shape(), trace.shape());
-  EXPECT_EQ(reader.filters().back(), (TraceFilter{2, 1, 1}));
+  EXPECT_EQ(reader.filters().back(), (measure::TraceFilter{2, 1, 1}));
   for (std::uint64_t cycle : {2, 0, 1}) {
     const auto sides = reader.Read(cycle);
     for (std::size_t i = 0; i < sides.size(); ++i) ASSERT_EQ(sides[i], Side(cycle, i, GetParam()));
@@ -82,8 +82,8 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
   const TemporaryFolder folder;
   const auto why = [&](const std::string& name) -> std::string {
     try {
-      ReadTraceFacts(folder / name);
-    } catch (const StoreError& error) {
+      store::ReadTraceFacts(folder / name);
+    } catch (const store::StoreError& error) {
       return error.what();
     }
     return "nothing wrong";
@@ -92,9 +92,9 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
   EXPECT_NE(why("").find("it is no file"), std::string::npos);
   std::ofstream(folder / "text.h5") << "benchmark b { }";
   EXPECT_NE(why("text.h5").find("it is no trace, or damaged"), std::string::npos);
-  EXPECT_FALSE(TracedRun(folder / "text.h5"));
-  const compiler::Plan plan = MakePlan({}, 1, {.cycles = 1, .objects = 1, .record = {"timing"}});
-  WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  EXPECT_FALSE(store::TracedRun(folder / "text.h5"));
+  const plan::Plan plan = MakePlan({}, 1, {.cycles = 1, .objects = 1, .record = {"timing"}});
+  store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
   EXPECT_NE(why(plan.runs[0].id + ".h5").find("HDF5, but no trace (cdb-results)"),
             std::string::npos);
 }
@@ -102,12 +102,12 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
 TEST(TraceFileErrors, AnotherTraceAndEveryDamageIsRefused) {
   const TemporaryFolder folder;
   Write(MakeTrace(false), folder / "t.h5");
-  const compiler::TraceFacts facts = ReadTraceFacts(folder / "t.h5");
-  EXPECT_THROW(LoadTrace(folder / "t.h5", std::string(64, '0')), StoreError);
+  const plan::TraceFacts facts = store::ReadTraceFacts(folder / "t.h5");
+  EXPECT_THROW(store::LoadTrace(folder / "t.h5", std::string(64, '0')), store::StoreError);
   const std::string whole = BytesOf(folder / "t.h5");
   for (std::size_t cut = 0; cut < whole.size(); cut += 61) {
     std::ofstream(folder / "cut.h5", std::ios::binary) << whole.substr(0, cut);
-    EXPECT_THROW(LoadTrace(folder / "cut.h5", facts.sha256), StoreError) << cut;
+    EXPECT_THROW(store::LoadTrace(folder / "cut.h5", facts.sha256), store::StoreError) << cut;
   }
   // What does not change a box or a filter does no harm.
   for (std::size_t at = 0; at < whole.size(); at += 13) {
@@ -115,11 +115,11 @@ TEST(TraceFileErrors, AnotherTraceAndEveryDamageIsRefused) {
     bent[at] = static_cast<char>(bent[at] ^ 0x10);
     std::ofstream(folder / "bent.h5", std::ios::binary) << bent;
     try {
-      EXPECT_EQ(LoadTrace(folder / "bent.h5", facts.sha256).Sha256(), facts.sha256);
-    } catch (const StoreError&) {
+      EXPECT_EQ(store::LoadTrace(folder / "bent.h5", facts.sha256).Sha256(), facts.sha256);
+    } catch (const store::StoreError&) {
     }
   }
 }
 
 }  // namespace
-}  // namespace cdb::runtime
+}  // namespace cdb::tests

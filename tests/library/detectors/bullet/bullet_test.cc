@@ -8,22 +8,22 @@
 #include "library/detectors/exact_pairs.h"
 #include "tests/library/detectors/box_scenes.h"
 
-namespace cdb::library {
+namespace cdb::tests {
 namespace {
 
 TEST(BulletDetectors, MissNoPairOfMovingBoxes) {
-  for (const DetectorEntry& entry : BulletDetectors()) {
-    if ((entry.phases & kBroad) == 0) continue;
-    for (const std::string_view name : tests::kBoxScenes) {
+  for (const DetectorEntry& entry : bullet::BulletDetectors()) {
+    if (!HasAny(entry.phases, kBroad)) continue;
+    for (const std::string_view name : kBoxScenes) {
       for (const bool walls : {false, true}) {
         SCOPED_TRACE(std::string(entry.name) + " on " + std::string(name));
-        tests::BoxScene moving(name, 400, walls);
+        BoxScene moving(name, 400, walls);
         const std::unique_ptr<Detector> detector(entry.make({}));
         detector->Prepare(moving.View());
         for (int cycle = 0; cycle < 20; ++cycle, moving.Move()) {
           std::vector<Pair> found;
           detector->FindPairs(moving.View(), found);
-          const PairFaults faults = ComparePairs(moving.View(), found);
+          const detectors::PairFaults faults = detectors::ComparePairs(moving.View(), found);
           ASSERT_EQ(faults.missed, 0u) << "cycle " << cycle;
           ASSERT_EQ(faults.duplicate, 0u) << "cycle " << cycle;
           for (const Pair& pair : found) ASSERT_LT(pair.a, pair.b);
@@ -34,4 +34,4 @@ TEST(BulletDetectors, MissNoPairOfMovingBoxes) {
 }
 
 }  // namespace
-}  // namespace cdb::library
+}  // namespace cdb::tests

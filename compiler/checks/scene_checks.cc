@@ -1,0 +1,177 @@
+#include "compiler/checks/scene_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+
+#include "compiler/checks/traced_scene.h"
+#include "compiler/plan/capacity.h"
+#include "compiler/plan/reference.h"
+#include "compiler/plan/trace.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "dsl/check.h"
+
+namespace cdb::checks {
+
+bool SceneChecks::Pass(evaluate::Configuration& configuration, plan::Scene& scene) {
+  if (plan::TraceOf(scene)) return Trace(configuration, scene) && CheckCounts(configuration, scene);
+  return CheckCounts(configuration, scene) && CheckNeeds(configuration, scene) &&
+         CheckAccuracy(configuration, scene);
+}
+
+// Makes it a scene of its trace. False where what is set does not go with one.
+bool SceneChecks::Trace(evaluate::Configuration& configuration, plan::Scene& scene) {
+  std::string why;
+  const auto facts = configuration.scenario().TraceAt(plan::TraceOf(scene)->path, why);
+  CDB_CHECK(facts);
+  const auto faults = LayTrace(configuration.layers(), *facts, scene);
+  for (const TracedFault& fault : faults) {
+    if (!untraceable_.emplace(fault.key, fault.word).second) continue;
+    dsl::Span span = configuration.SpanOf(fault.key, benchmark_);
+    if (!fault.word.empty()) {
+      span = configuration.SpanOfWord(fault.key, fault.word);
+    } else if (fault.kind == &scenario::kContradiction) {
+      span = configuration.layers().settings.at(fault.key).node->path.span;
+    }
+    diagnostics_.Report(*fault.kind, span, fault.message, fault.help);
+  }
+  return faults.empty();
+}
+
+// Limits that several parameters have together.
+bool SceneChecks::CheckCounts(evaluate::Configuration& configuration, const plan::Scene& scene) {
+  const std::uint64_t objects = scene.ObjectCount();
+  const std::uint64_t bodies = plan::BodyCount(scene);
+  if (bodies > 2147483647) {
+    diagnostics_.Report(scenario::kCapacity, benchmark_,
+                        fmt::format("{} objects are more than a run holds", objects),
+                        "2147483647 with the walls");
+    return false;
+  }
+  const bool places_good = CheckPlaces(configuration, scene);
+  if (!CheckLinks(configuration, scene) || !places_good) return false;
+  bool holds = true;
+  for (const char* parameter : {"detector", "narrow_phase"}) {
+    const std::string_view word = scene.world.WordOr(parameter);
+    const auto detector = schema::FindDetector(word, scene.plugins);
+    if (!detector || detector->Holds(bodies)) continue;
+    holds = false;
+    if (!std::exchange(capacity_reported_, true))
+      diagnostics_.Report(
+          scenario::kCapacity,
+          configuration.SpanOf({"", schema::FindParameter(parameter, false)}, benchmark_),
+          fmt::format("'{}' holds at most {} bodies, walls included; here are {}", word,
+                      detector->max_bodies, bodies),
+          fmt::format("skip when quantity > {} and {} == {}, or use {}",
+                      detector->max_bodies - (bodies - objects), parameter, word,
+                      parameter == std::string_view("detector") ? "sap32" : "bullet"));
+  }
+  return holds;
+}
+
+// `at` and `pair` place so many objects and no others.
+bool SceneChecks::CheckPlaces(evaluate::Configuration& configuration, const plan::Scene& scene) {
+  bool good = true;
+  for (const plan::Group& group : scene.groups) {
+    const schema::Call* location = schema::AsCall(group.settings.Get("location"));
+    const std::uint64_t quantity = group.settings.Count("quantity");
+    const bool is_at = location != nullptr && location->name == "at";
+    const bool is_pair = location != nullptr && location->name == "pair";
+    if (!(is_at && quantity > 1) && !(is_pair && quantity != 2)) continue;
+    good = false;
+    if (!misplaced_.emplace(group.name, location->name).second) continue;
+    diagnostics_.Report(
+        scenario::kCapacity,
+        configuration.SpanOf({group.name, schema::FindParameter("location", true)}, benchmark_),
+        fmt::format("'{}' places {}, and the quantity of {} is {}", location->name,
+                    is_at ? "one object" : "two objects", group.name, quantity),
+        is_at ? "write quantity 1, and a group for each object" : "write quantity 2");
+  }
+  return good;
+}
+
+// What links cannot hold.
+bool SceneChecks::CheckLinks(evaluate::Configuration& configuration, const plan::Scene& scene) {
+  bool good = true;
+  for (const plan::Group& group : scene.groups) {
+    if (!group.HasLinks()) continue;
+    const schema::Call* location = schema::AsCall(group.settings.Get("location"));
+    std::string why, hint;
+    if (group.settings.WordOr("mass") == "fixed") {
+      why = "never move, and links would hold nothing";
+      hint = "give them a mass";
+    } else if (group.settings.Count("quantity") == 1 && !group.settings.On("links.anchor")) {
+      why = "are one object, and without links.anchor there is nothing to link it to";
+      hint = "write quantity 2 or links.anchor on";
+    } else if (location != nullptr && location->name == "pile") {
+      why = "settle in a pile, which links would hang in the air";
+      hint = "write another location, line for example";
+    }
+    if (why.empty()) continue;
+    good = false;
+    if (!misplaced_.emplace(group.name, why).second) continue;
+    diagnostics_.Report(
+        scenario::kContradiction,
+        configuration.SpanOf({group.name, schema::FindParameter("links.type", true)}, benchmark_),
+        fmt::format("the {} {}", group.name, why), hint);
+  }
+  return good;
+}
+
+// Whoever names a component wants it left out; where the scene needs it that cannot be.
+bool SceneChecks::CheckNeeds(evaluate::Configuration& configuration, const plan::Scene& scene) {
+  if (scene.world.Lists("omit", "auto") || scene.world.Lists("omit", "none")) return true;
+  bool good = true;
+  for (const plan::PruningDecision& need : plan::AnalysePruning(scene)) {
+    if (need.fate != plan::Decision::kKept ||
+        plan::RequestFor(scene, need.component) != plan::PruningRequest::kByName)
+      continue;
+    good = false;
+    const std::string_view name = schema::InfoOf(need.component).name;
+    const dsl::Span span =
+        configuration.SpanOfWord({"", schema::FindParameter("omit", false)}, name);
+    if (!needed_.emplace(span.source, span.begin, need.component).second) continue;
+    diagnostics_.Report(
+        scenario::kNeeded, span, fmt::format("'{}' cannot be left out: {}", name, need.why),
+        "take it out of the list; omit auto leaves out all that a scene does not need");
+  }
+  return good;
+}
+
+// What is said of errors has to lead to some, and their samples to lie on everyone's cycles.
+bool SceneChecks::CheckAccuracy(evaluate::Configuration& configuration, const plan::Scene& scene) {
+  const auto& settings = configuration.layers().settings;
+  const scenario::ParameterKey metrics{"", schema::FindParameter("accuracy.metrics", false)};
+  const auto said = std::ranges::find_if(settings, [](const auto& setting) {
+    return setting.first.second->name.starts_with("accuracy.");
+  });
+  if (said != settings.end() && !settings.contains(metrics)) {
+    if (std::exchange(inaccurate_, true)) return false;
+    diagnostics_.Report(scenario::kContradiction, said->second.node->path.span,
+                        "accuracy without metrics collects nothing",
+                        "say which errors: accuracy.metrics position, energy");
+    return false;
+  }
+  const auto report = [&](const dsl::DiagnosticKind& kind, std::string_view parameter,
+                          const std::string& message, const std::string& help) {
+    if (!std::exchange(inaccurate_, true))
+      diagnostics_.Report(
+          kind, configuration.SpanOf({"", schema::FindParameter(parameter, false)}, benchmark_),
+          message, help);
+    return false;
+  };
+  const plan::AccuracyFault fault = plan::FindAccuracyFault(scene);
+  if (!fault.parameter.empty())
+    return report(scenario::kContradiction, fault.parameter, fault.message, fault.help);
+  const auto sampling = plan::SamplingOf(scene);
+  if (!sampling) return true;
+  if (!interval_s_) interval_s_ = sampling->interval_s;
+  if (*interval_s_ != sampling->interval_s)
+    return report(scenario::kMisplacedSweep, "accuracy.interval",
+                  "the interval is the same in every run", "their samples are one axis");
+  return true;
+}
+
+}  // namespace cdb::checks

@@ -1,0 +1,54 @@
+// What is wrong with a whole scene though each setting is right: too many bodies, a component that
+// it needs left out, errors that nobody collects, settings that mean nothing on a trace.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "compiler/evaluate/configuration.h"
+#include "compiler/plan/plan.h"
+#include "compiler/plan/pruning.h"
+#include "dsl/diagnostics.h"
+
+namespace cdb::checks {
+
+/// The scenes of one benchmark, which share what is wrong with most of them: each fault is reported
+/// once. Not for several threads.
+class SceneChecks {
+ public:
+  /// `benchmark`: where its name stands, for what no setting is to blame for.
+  SceneChecks(dsl::Span benchmark, dsl::Diagnostics& diagnostics)
+      : benchmark_(benchmark), diagnostics_(diagnostics) {}
+
+  /// Of the scene at the chosen point of `configuration`. One whose detector is run on a trace
+  /// becomes a scene of that trace first. False where something is wrong.
+  bool Pass(evaluate::Configuration& configuration, plan::Scene& scene);
+
+ private:
+  bool Trace(evaluate::Configuration& configuration, plan::Scene& scene);
+  bool CheckCounts(evaluate::Configuration& configuration, const plan::Scene& scene);
+  bool CheckPlaces(evaluate::Configuration& configuration, const plan::Scene& scene);
+  bool CheckLinks(evaluate::Configuration& configuration, const plan::Scene& scene);
+  bool CheckNeeds(evaluate::Configuration& configuration, const plan::Scene& scene);
+  bool CheckAccuracy(evaluate::Configuration& configuration, const plan::Scene& scene);
+
+  dsl::Span benchmark_;
+  dsl::Diagnostics& diagnostics_;
+  // As reported:
+  bool capacity_reported_ = false;
+  std::set<std::pair<std::string, std::string>>
+      misplaced_;  ///< groups, and their layouts or what is wrong with their links
+  /// Words of `omit` that were refused: the reason may be another one in each run.
+  std::set<std::tuple<const dsl::Source*, std::size_t, schema::Component>> needed_;
+  std::set<std::pair<scenario::ParameterKey, std::string>>
+      untraceable_;          ///< settings, and words of `record`, that do not go with a trace
+  bool inaccurate_ = false;  ///< a fault in what is said of accuracy
+
+  std::optional<double> interval_s_;  ///< of the samples, once some run has any
+};
+
+}  // namespace cdb::checks

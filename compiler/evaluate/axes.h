@@ -1,0 +1,38 @@
+// Finds the sweeps of a benchmark and makes axes of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/plan/plan.h"
+
+namespace cdb::evaluate {
+
+/// One sweep of one `Layers`, as an axis.
+struct SweepAxis {
+  std::string name;
+  dsl::Span span;
+  const dsl::Expr* call = nullptr;
+  std::string parameter, unit;
+  std::optional<scenario::ParameterKey> key;  ///< of that parameter
+  /// The argument of a word in which the sweep stands, `ring(radius: sweep(1, 2))`; else null.
+  const schema::ParametrisedWord* word = nullptr;
+  const schema::Parameter* argument = nullptr;
+  int component = -1;         ///< 0, 1, 2: the sweep stands in a vector or a ratio
+  std::pair<int, int> order;  ///< of its statement, and its place therein
+  std::vector<plan::Coordinate> values;
+};
+
+/// All axes of `layers`, in the order in which the sweeps are written. Two of one name are
+/// reported.
+std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, Evaluator& evaluator);
+
+/// Indices into `axes` of those that the values of `key` depend on, through lets and other
+/// parameters too.
+std::vector<std::size_t> Dependencies(const scenario::ParameterKey& key,
+                                      const scenario::Layers& layers,
+                                      const std::vector<SweepAxis>& axes,
+                                      const Evaluator& evaluator);
+
+}  // namespace cdb::evaluate

@@ -1,0 +1,211 @@
+#include "compiler/evaluate/configuration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "compiler/evaluate/convert.h"
+#include "compiler/evaluate/defaults.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "dsl/check.h"
+
+namespace cdb::evaluate {
+namespace {
+
+using dsl::ExprKind;
+
+/// A constant argument as an expression gives it; nullopt for a distribution.
+std::optional<Term> TermOf(const schema::Value& value) {
+  if (const auto* count = std::get_if<std::uint64_t>(&value))
+    return Term{Number::Whole(static_cast<Integer>(*count))};
+  if (const auto* real = std::get_if<double>(&value)) return Term{Number::Real(*real)};
+  if (const auto* word = std::get_if<schema::Word>(&value)) return Term{*word};
+  if (const auto* text = std::get_if<schema::Text>(&value)) return Term{*text};
+  if (const auto* vector = std::get_if<Eigen::Vector3d>(&value)) return Term{*vector};
+  return std::nullopt;
+}
+
+/// The argument that axis `like` sweeps, of a value that is not swept here; nullopt where that is
+/// another word.
+std::optional<Term> ArgumentLike(const SweepAxis& like, const Term& term) {
+  std::optional<schema::Call> call;
+  if (term.call()) call = *term.call();
+  if (term.word() && term.word()->text == like.word->name) call = schema::WithDefaults(*like.word);
+  if (!call || call->name != like.word->name) return std::nullopt;
+  return TermOf(schema::ArgumentOf(*call, like.argument->name));
+}
+
+bool IsDrawn(const schema::Value& value) {
+  const auto* word = std::get_if<schema::Word>(&value);
+  const schema::Call* call = schema::AsCall(value);
+  return std::holds_alternative<schema::Distribution>(value) || (word && word->text == "random") ||
+         (call && std::ranges::any_of(call->arguments, IsDrawn));
+}
+
+void AddSeeds(plan::Scene& scene) {
+  const std::uint64_t seed = scene.world.Count("seed");
+  const auto add = [&](const std::string& stream) {
+    scene.seeds.emplace(stream, plan::StreamSeed(seed, stream));
+  };
+  for (const auto& [name, value] : scene.world.values)
+    if (IsDrawn(value)) add(name);
+  for (const plan::Group& group : scene.groups) {
+    add(group.name + ".location");
+    for (const auto& [name, value] : group.settings.values)
+      if (IsDrawn(value)) add(group.name + "." + name);
+  }
+}
+
+}  // namespace
+
+bool Advance(Point& point, const std::vector<std::size_t>& extents) {
+  for (std::size_t i = extents.size(); i-- > 0;) {
+    if (++point[i] < extents[i]) return true;
+    point[i] = 0;
+  }
+  return false;
+}
+
+Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layers layers,
+                             dsl::Diagnostics& diagnostics)
+    : scenario_(scenario),
+      layers_(std::move(layers)),
+      evaluator_(scenario, layers_, diagnostics),
+      axes_(FindAxes(layers_, evaluator_)) {
+  // Also those that nothing uses: a file is checked whole.
+  for (const auto& [key, let] : layers_.lets)
+    if (let.node->value->kind != ExprKind::kRange) evaluator_.Evaluate(*let.node->value, let.scope);
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    if (!parameter.grouped) {
+      Add({"", &parameter});
+      continue;
+    }
+    for (const std::string& group : layers_.groups) Add({group, &parameter});
+  }
+}
+
+void Configuration::Choose(const Point& point) {
+  for (std::size_t i = 0; i < axes_.size(); ++i) evaluator_.Choose(*axes_[i].call, point[i]);
+  point_ = point;
+}
+
+std::optional<plan::Scene> Configuration::MakeScene() {
+  plan::Scene scene;
+  for (const std::string& group : layers_.groups) scene.groups.push_back({group, {}});
+  bool good = true;
+  for (ParameterValues& values : parameters_) {
+    const schema::Value* value = Find(values);
+    good = good && value != nullptr;
+    if (value == nullptr) continue;
+    plan::Settings* settings = &scene.world;
+    for (plan::Group& group : scene.groups)
+      if (group.name == values.key.first) settings = &group.settings;
+    settings->values.emplace(std::string(values.key.second->name), *value);
+  }
+  if (!good) return std::nullopt;
+  AddSeeds(scene);
+  scene.plugins.assign(scenario_.plugins().begin(), scenario_.plugins().end());
+  scene.KeepUsedPlugins();
+  return scene;
+}
+
+void Configuration::CheckSettings() {
+  Choose(Point(axes_.size(), 0));
+  for (const ParameterValues& values : parameters_) ReportAll(values);
+}
+
+dsl::Span Configuration::SpanOf(const scenario::ParameterKey& key, const dsl::Span& otherwise) {
+  const auto setting = layers_.settings.find(key);
+  if (setting == layers_.settings.end()) return otherwise;
+  return evaluator_.Origin(*setting->second.node->values[0], setting->second.scope).span;
+}
+
+dsl::Span Configuration::SpanOfWord(const scenario::ParameterKey& key, std::string_view word) {
+  const scenario::Placed<dsl::Setting>& setting = layers_.settings.at(key);
+  for (const auto& value : setting.node->values) {
+    const auto term = evaluator_.Evaluate(*value, setting.scope);
+    if (term && term->word() && term->word()->text == word)
+      return evaluator_.Origin(*value, setting.scope).span;
+  }
+  CDB_CHECK(false);
+}
+
+std::optional<Term> Configuration::ConstantFor(const SweepAxis& like) {
+  if (!like.key) return std::nullopt;
+  const std::string& group = like.key->first;
+  if (!group.empty() && std::ranges::find(layers_.groups, group) == layers_.groups.end())
+    return std::nullopt;
+  auto term = evaluator_.EvaluateParameter(*like.key);
+  if (term && like.argument != nullptr) term = ArgumentLike(like, *term);
+  if (!term || term->drawn()) return std::nullopt;
+  if (like.component < 0) return term;
+  const Eigen::Vector3d* parts = term->vector();
+  if (const auto* ratio = std::get_if<schema::Ratio>(&term->what)) parts = &ratio->parts;
+  if (parts == nullptr) return std::nullopt;
+  return Term{Number::Real((*parts)[like.component])};
+}
+
+void Configuration::Add(const scenario::ParameterKey& key) {
+  parameters_.push_back({key, Dependencies(key, layers_, axes_, evaluator_), {}, false});
+}
+
+const schema::Value* Configuration::Find(ParameterValues& values) {
+  if (values.failed) return nullptr;
+  Point at;
+  for (const std::size_t axis : values.axes) at.push_back(point_[axis]);
+  const auto known = values.known.find(at);
+  if (known != values.known.end()) return &known->second;
+  const auto value = Make(values.key);
+  values.failed = !value;
+  if (values.failed) ReportAll(values);
+  return value ? &values.known.emplace(at, *value).first->second : nullptr;
+}
+
+/// Reports every value of a parameter that is no good, as far as a person would read on.
+void Configuration::ReportAll(const ParameterValues& values) {
+  constexpr int kMost = 1000;
+  const Point here = point_;
+  std::vector<std::size_t> extents;
+  for (const std::size_t axis : values.axes) extents.push_back(axes_[axis].values.size());
+  Point at(values.axes.size(), 0);
+  for (int i = 0; i < kMost; ++i) {
+    Point point = here;
+    for (std::size_t a = 0; a < at.size(); ++a) point[values.axes[a]] = at[a];
+    Choose(point);
+    Make(values.key);
+    if (!Advance(at, extents)) break;
+  }
+  Choose(here);
+}
+
+std::optional<schema::Value> Configuration::Make(const scenario::ParameterKey& key) {
+  const schema::Parameter& parameter = *key.second;
+  const auto set = layers_.settings.find(key);
+  const dsl::Setting& setting =
+      set != layers_.settings.end() ? *set->second.node : DefaultSetting(parameter);
+  const scenario::Scope scope =
+      set != layers_.settings.end() ? set->second.scope : scenario::Scope{};
+  if (parameter.type == schema::ParameterType::kWords) {
+    std::vector<std::pair<Term, dsl::Span>> terms;
+    for (const auto& value : setting.values) {
+      const auto term = evaluator_.Evaluate(*value, scope);
+      if (!term) return std::nullopt;
+      terms.emplace_back(*term, evaluator_.Origin(*value, scope).span);
+    }
+    return ConvertList(terms, parameter, evaluator_.diagnostics());
+  }
+  if (setting.values.size() > 1) {
+    evaluator_.diagnostics().Report(
+        scenario::kWrongKind, Join(setting.values.front()->span, setting.values.back()->span),
+        fmt::format("'{}' takes one value, here are {}", parameter.name, setting.values.size()),
+        "sweep(…) makes a run for each, any(…) draws one for each object");
+    return std::nullopt;
+  }
+  const auto term = evaluator_.EvaluateParameter(key);
+  if (!term) return std::nullopt;
+  return evaluator_.ToValue(*term, parameter, *setting.values[0], scope);
+}
+
+}  // namespace cdb::evaluate

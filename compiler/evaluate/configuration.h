@@ -1,0 +1,75 @@
+// A benchmark under one choice of its cases: its axes, and the scene at each of their points.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "compiler/evaluate/axes.h"
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/plan/plan.h"
+#include "compiler/scenario/layers.h"
+#include "compiler/scenario/scenario.h"
+
+namespace cdb::evaluate {
+
+/// An index on each axis.
+using Point = std::vector<std::size_t>;
+
+/// Counts through all points of a grid, the last axis fastest. False at the end.
+bool Advance(Point& point, const std::vector<std::size_t>& extents);
+
+/// Every fault is reported. Not for several threads.
+class Configuration {
+ public:
+  Configuration(const scenario::Scenario& scenario, scenario::Layers layers,
+                dsl::Diagnostics& diagnostics);
+
+  const scenario::Scenario& scenario() const { return scenario_; }
+  const scenario::Layers& layers() const { return layers_; }
+  const std::vector<SweepAxis>& axes() const { return axes_; }
+  Evaluator& evaluator() { return evaluator_; }
+
+  /// What follows is of this point.
+  void Choose(const Point& point);
+
+  /// All settings at the chosen point; nullopt after a diagnostic.
+  std::optional<plan::Scene> MakeScene();
+  /// Looks at every setting by itself.
+  void CheckSettings();
+
+  bool IsSet(const scenario::ParameterKey& key) const { return layers_.settings.contains(key); }
+  /// The place of a parameter's value at the chosen point, for diagnostics about it; `otherwise`
+  /// where it is a default.
+  dsl::Span SpanOf(const scenario::ParameterKey& key, const dsl::Span& otherwise);
+  /// The place of one word of the list that `key` is set to, at the chosen point.
+  dsl::Span SpanOfWord(const scenario::ParameterKey& key, std::string_view word);
+
+  /// The value that axis `like` of another configuration has here, where it is not swept.
+  std::optional<Term> ConstantFor(const SweepAxis& like);
+
+ private:
+  /// The values of one parameter at the points of the axes on which it depends.
+  struct ParameterValues {
+    scenario::ParameterKey key;
+    std::vector<std::size_t> axes;
+    std::map<Point, schema::Value> known;
+    bool failed = false;
+  };
+
+  void Add(const scenario::ParameterKey& key);
+  const schema::Value* Find(ParameterValues& values);
+  void ReportAll(const ParameterValues& values);
+  std::optional<schema::Value> Make(const scenario::ParameterKey& key);
+
+  const scenario::Scenario& scenario_;
+  scenario::Layers layers_;
+  Evaluator evaluator_;
+  std::vector<SweepAxis> axes_;
+  std::vector<ParameterValues> parameters_;
+  Point point_;
+};
+
+}  // namespace cdb::evaluate

@@ -1,0 +1,84 @@
+#include "compiler/plan/expectation.h"
+
+#include <algorithm>
+#include <variant>
+
+#include "compiler/schema/parametrised_words.h"
+#include "dsl/check.h"
+
+namespace cdb::plan {
+namespace {
+
+bool IsZero(const schema::Value& value) {
+  if (const auto* vector = std::get_if<Eigen::Vector3d>(&value)) return vector->isZero(0);
+  const auto* real = std::get_if<double>(&value);
+  return real != nullptr && *real == 0;
+}
+
+bool IsDriven(const Scene& scene) {
+  return schema::AsCall(scene.world.Get("acceleration")) != nullptr ||
+         std::ranges::any_of(scene.groups, [](const Group& group) {
+           return schema::AsCall(group.settings.Get("linear_velocity")) != nullptr ||
+                  schema::AsCall(group.settings.Get("angular_velocity")) != nullptr;
+         });
+}
+
+/// The layout puts objects on the floor or on one another.
+bool Stands(const Group& group) {
+  const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
+  return layout != nullptr &&
+         (layout->name == "stack" || layout->name == "pyramid" || layout->name == "pile");
+}
+
+bool MustRest(const Scene& scene) {
+  const auto* down = std::get_if<Eigen::Vector3d>(&scene.world.Get("acceleration"));
+  return scene.ObjectCount() > 0 && scene.world.WordOr("world.walls") != "none" &&
+         down != nullptr && down->y() < 0 && down->x() == 0 && down->z() == 0 &&
+         std::ranges::all_of(scene.groups, [](const Group& group) {
+           return group.settings.Count("quantity") == 0 ||
+                  (Stands(group) && IsZero(group.settings.Get("linear_velocity")) &&
+                   IsZero(group.settings.Get("angular_velocity")));
+         });
+}
+
+/// Bullet's contacts take the product of both sides' friction and restitution; a wall's restitution
+/// is 1.
+bool KeepsEnergy(const Scene& scene) {
+  return std::ranges::all_of(scene.groups, [](const Group& group) {
+    const schema::Value& restitution = group.settings.Get("restitution");
+    const auto* bounce = std::get_if<double>(&restitution);
+    return bounce != nullptr && *bounce == 1 && IsZero(group.settings.Get("friction")) &&
+           IsZero(group.settings.Get("rolling_friction")) &&
+           group.settings.WordOr("contact_stiffness") == "rigid";
+  });
+}
+
+}  // namespace
+
+std::string_view ExpectationName(Expectation expectation) {
+  constexpr std::string_view kNames[] = {"anything", "rest", "energy", "driven"};
+  return kNames[static_cast<std::size_t>(expectation)];
+}
+
+Expectation ExpectationOf(const Scene& scene) {
+  if (IsDriven(scene)) return Expectation::kDriven;
+  const std::string_view said = scene.world.WordOr("expect");
+  if (said == "anything") return Expectation::kAnything;
+  if (said == "rest") return Expectation::kRest;
+  if (said == "energy") return Expectation::kEnergy;
+  CDB_CHECK(said == "auto");
+  if (MustRest(scene)) return Expectation::kRest;
+  if (KeepsEnergy(scene) && FliesFreely(scene)) return Expectation::kEnergy;
+  return Expectation::kAnything;
+}
+
+bool FliesFreely(const Scene& scene) {
+  return !IsDriven(scene) && std::ranges::all_of(scene.groups, [](const Group& group) {
+    return IsZero(group.settings.Get("linear_damping")) &&
+           IsZero(group.settings.Get("angular_damping")) &&
+           (group.settings.WordOr("links.type") != "spring" ||
+            IsZero(group.settings.Get("links.damping")));
+  });
+}
+
+}  // namespace cdb::plan

@@ -1,0 +1,27 @@
+// What a scene ought to do by physics, so that a verdict can say whether it did.
+#pragma once
+
+#include <string_view>
+
+#include "compiler/plan/plan.h"
+
+namespace cdb::plan {
+
+enum class Expectation {
+  kAnything,  ///< no more than not to gain energy
+  kRest,      ///< to stand where it stands: a stack
+  kEnergy,    ///< to keep its energy: nothing rubs, nothing is damped, bounces are elastic
+  kDriven,    ///< a schedule moves it, so that energy says nothing
+};
+
+/// `anything`, `rest`, `energy`, `driven`.
+std::string_view ExpectationName(Expectation expectation);
+
+/// By the parameter `expect`; where that is `auto`, by the scene's own numbers. A schedule always
+/// drives.
+Expectation ExpectationOf(const Scene& scene);
+
+/// Nothing in the scene takes energy from objects that touch nothing: no damping, no schedule.
+bool FliesFreely(const Scene& scene);
+
+}  // namespace cdb::plan

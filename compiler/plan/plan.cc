@@ -1,0 +1,173 @@
+#include "compiler/plan/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compiler/plan/sha256.h"
+#include "compiler/schema/schema.h"
+#include "dsl/check.h"
+
+namespace cdb::plan {
+namespace {
+
+std::string CanonicalText(const Settings& settings) {
+  std::string text;
+  for (const auto& [name, value] : settings.values)
+    text += fmt::format("{} {}\n", name, schema::ToText(value));
+  return text;
+}
+
+std::string CanonicalText(const Scene& scene) {
+  std::string text = CanonicalText(scene.world);
+  if (scene.role != Role::kMeasured) text += fmt::format("role {}\n", RoleName(scene.role));
+  for (const Group& group : scene.groups)
+    text += fmt::format("group {}\n{}", group.name, CanonicalText(group.settings));
+  for (const auto& [stream, seed] : scene.seeds)
+    text += fmt::format("seed {} {:#x}\n", stream, seed);
+  for (const schema::PluginDetector& plugin : scene.plugins)
+    text += fmt::format("plugin {} {} {} {} {}\n", plugin.name, plugin.sha256, plugin.max_bodies,
+                        plugin.phases, schema::ToText(schema::Value(schema::Text{plugin.path})));
+  return text;
+}
+
+std::string CoordinateText(const Coordinate& coordinate) {
+  if (const auto* number = std::get_if<double>(&coordinate)) return schema::FormatReal(*number);
+  return std::get<std::string>(coordinate);
+}
+
+}  // namespace
+
+std::string_view RoleName(Role role) {
+  constexpr std::string_view kNames[] = {"measured", "reference", "twin"};
+  return kNames[static_cast<std::size_t>(role)];
+}
+
+const schema::Value& Settings::Get(std::string_view name) const {
+  const auto found = values.find(name);
+  CDB_CHECK(found != values.end());
+  return found->second;
+}
+
+double Settings::Real(std::string_view name) const {
+  const schema::Value& value = Get(name);
+  if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
+  const auto* real = std::get_if<double>(&value);
+  CDB_CHECK(real != nullptr);
+  return *real;
+}
+
+std::uint64_t Settings::Count(std::string_view name) const {
+  const auto* count = std::get_if<std::uint64_t>(&Get(name));
+  CDB_CHECK(count != nullptr);
+  return *count;
+}
+
+bool Settings::On(std::string_view name) const {
+  const auto* on = std::get_if<bool>(&Get(name));
+  CDB_CHECK(on != nullptr);
+  return *on;
+}
+
+std::string_view Settings::WordOr(std::string_view name, std::string_view otherwise) const {
+  const auto* word = std::get_if<schema::Word>(&Get(name));
+  return word != nullptr ? std::string_view(word->text) : otherwise;
+}
+
+Eigen::Vector3d Settings::Vector(std::string_view name) const {
+  const auto* vector = std::get_if<Eigen::Vector3d>(&Get(name));
+  CDB_CHECK(vector != nullptr);
+  return *vector;
+}
+
+bool Settings::Lists(std::string_view name, std::string_view word) const {
+  const auto* words = std::get_if<schema::WordList>(&Get(name));
+  CDB_CHECK(words != nullptr);
+  return std::ranges::find(*words, word) != words->end();
+}
+
+bool Group::HasLinks() const {
+  return settings.Count("quantity") > 0 && settings.WordOr("links.type") != "none";
+}
+
+std::uint64_t Scene::ObjectCount() const {
+  std::uint64_t count = 0;
+  for (const Group& group : groups) count += group.settings.Count("quantity");
+  return count;
+}
+
+bool Scene::Uses(std::string_view detector) const {
+  return std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& parameter) {
+    return parameter.TakesDetectors() && world.WordOr(parameter.name) == detector;
+  });
+}
+
+void Scene::KeepUsedPlugins() {
+  std::erase_if(plugins,
+                [this](const schema::PluginDetector& plugin) { return !Uses(plugin.name); });
+}
+
+std::uint64_t StreamSeed(std::uint64_t seed, std::string_view name) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  std::uint64_t z = (seed ^ hash) + 0x9e3779b97f4a7c15;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+  return z ^ (z >> 31);
+}
+
+bool Axis::IsInteger() const {
+  return std::ranges::all_of(values, [](const Coordinate& coordinate) {
+    const auto* number = std::get_if<double>(&coordinate);
+    return number != nullptr && std::floor(*number) == *number && std::fabs(*number) <= 2147483647;
+  });
+}
+
+std::string RunId(const Scene& scene, std::uint64_t rep) {
+  return Sha256Hex(fmt::format("plan {}\nrep {}\n{}", kPlanVersion, rep, CanonicalText(scene)))
+      .substr(0, 16);
+}
+
+std::string Plan::Sha256() const {
+  std::string text = fmt::format("plan {}\n{}\nrepeats {}\n", kPlanVersion, benchmark, repeats);
+  for (const Axis& axis : axes) {
+    text += fmt::format("axis {} {} {}", axis.name, axis.parameter, axis.unit);
+    for (const Coordinate& value : axis.values) text += "\t" + CoordinateText(value);
+    text += '\n';
+  }
+  for (const Run& run : runs)
+    text += fmt::format("run {} {} {}\n", run.id, fmt::join(run.at, " "), run.rep);
+  for (const auto& point : skipped) text += fmt::format("skip {}\n", fmt::join(point, " "));
+  return Sha256Hex(text);
+}
+
+std::uint64_t Plan::MaxCycles() const {
+  std::uint64_t most = 0;
+  for (const Run& run : runs) most = std::max(most, run.scene.world.Count("cycles"));
+  return most;
+}
+
+std::uint64_t Plan::MaxObjects() const {
+  std::uint64_t most = 0;
+  for (const Run& run : runs) most = std::max(most, run.scene.ObjectCount());
+  return most;
+}
+
+bool Plan::Records(std::string_view what) const {
+  return std::ranges::any_of(runs,
+                             [&](const Run& run) { return run.scene.world.Lists("record", what); });
+}
+
+std::string Describe(const Plan& plan, const Run& run) {
+  if (run.scene.role != Role::kMeasured)
+    return fmt::format("{} {}", RoleName(run.scene.role), run.id);
+  std::string text;
+  for (std::size_t i = 0; i < plan.axes.size(); ++i)
+    text +=
+        fmt::format("{} {}, ", plan.axes[i].name, CoordinateText(plan.axes[i].values[run.at[i]]));
+  if (plan.repeats > 1 || plan.axes.empty()) return text + fmt::format("rep {}", run.rep);
+  return text.substr(0, text.size() - 2);
+}
+
+}  // namespace cdb::plan

@@ -1,0 +1,177 @@
+#include "compiler/plan/pruning.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "dsl/check.h"
+
+namespace cdb::plan {
+namespace {
+
+using schema::Component;
+using schema::ComponentInfo;
+using schema::Components;
+using schema::InfoOf;
+
+bool IsConstantZero(const schema::Value& value) {
+  if (const auto* real = std::get_if<double>(&value)) return *real == 0;
+  const auto* vector = std::get_if<Eigen::Vector3d>(&value);
+  return vector != nullptr && vector->isZero(0);
+}
+
+/// The first group, by its name, whose `parameter` is not the constant 0 or off.
+std::optional<std::string> GroupWith(const Scene& scene, std::string_view parameter) {
+  for (const Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0) continue;
+    const schema::Value& value = group.settings.Get(parameter);
+    const auto* on = std::get_if<bool>(&value);
+    if (on != nullptr ? *on : !IsConstantZero(value)) return group.name;
+  }
+  return std::nullopt;
+}
+
+struct Answer {
+  Decision fate;
+  std::string why;
+};
+
+class Analysis {
+ public:
+  explicit Analysis(const Scene& scene)
+      : scene_(scene), ccd_(GroupWith(scene, "ccd")), spin_(GroupWith(scene, "angular_velocity")) {
+    const auto linked = std::ranges::find_if(scene.groups, &Group::HasLinks);
+    if (linked != scene.groups.end()) linked_ = linked->name;
+  }
+
+  Answer Of(Component component, PruningRequest asked) const {
+    switch (component) {
+      case Component::kWalls:
+        if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
+        if (ccd_) return {Decision::kKept, Sweeps()};
+        if (linked_) return {Decision::kKept, Pull()};
+        return {Decision::kOpen, "where each object can get to is known when all are placed"};
+      case Component::kRaycastTree:
+        if (!DetectorIsSweepAndPrune())
+          return {Decision::kAbsent, fmt::format("{} has none", scene_.world.WordOr("detector"))};
+        if (ccd_) return {Decision::kKept, Sweeps()};
+        return {Decision::kLeftOut, "no object has ccd, so nothing casts a ray"};
+      case Component::kDetection:
+        if (asked != PruningRequest::kByName)
+          for (const char* what : {"timing", "counts", "contacts", "pairs", "boxes"})
+            if (scene_.world.Lists("record", what))
+              return {Decision::kKept, fmt::format("record {} asks for it", what)};
+        if (asked != PruningRequest::kByName)
+          for (const char* what : {"contacts", "pairs", "penetration"})
+            if (scene_.world.Lists("accuracy.metrics", what))
+              return {Decision::kKept, fmt::format("accuracy.metrics {} asks for it", what)};
+        return IfNothingTouches();
+      case Component::kSolver:
+        return IfNothingTouches();
+      case Component::kSleeping:
+        if (!scene_.world.On("sleeping")) return {Decision::kAbsent, "sleeping is off"};
+        if (linked_) return {Decision::kKept, Pull()};
+        return {Decision::kOpen, "whether an object can come to rest is known when all are placed"};
+      case Component::kSweptContacts:
+        if (ccd_) return {Decision::kKept, Sweeps()};
+        return {Decision::kLeftOut, "no object has ccd"};
+      case Component::kGravity:
+        if (IsConstantZero(scene_.world.Get("acceleration")))
+          return {Decision::kLeftOut, "the acceleration is 0"};
+        return {Decision::kKept, fmt::format("the acceleration is {}",
+                                             schema::ToText(scene_.world.Get("acceleration")))};
+      case Component::kDamping:
+        for (const char* what : {"linear_damping", "angular_damping"})
+          if (const auto group = GroupWith(scene_, what))
+            return {Decision::kKept, fmt::format("{} have {}", *group, what)};
+        return {Decision::kLeftOut, "no object is damped"};
+      case Component::kRotation:
+        if (spin_) return {Decision::kKept, fmt::format("{} have angular_velocity", *spin_)};
+        if (linked_) return {Decision::kKept, Pull()};
+        return {Decision::kOpen,
+                "whether a touch can set an object spinning is known when all are "
+                "placed"};
+      case Component::kMotionStates:
+        return {Decision::kLeftOut, "nothing draws the scene while it runs"};
+      case Component::kStaticBoxes:
+        // A box that is not updated moves into dbvt's second tree, without its margin, and pairs
+        // are found in another order.
+        if (scene_.world.WordOr("detector") == "dbvt")
+          return {Decision::kKept, "dbvt finds other pairs where boxes are not updated"};
+        if (scene_.world.On("sleeping"))
+          return {Decision::kOpen,
+                  "an object that falls asleep needs its box once more; whether one can is known "
+                  "when all are placed"};
+        return {Decision::kLeftOut, "walls and fixed objects stay where they are"};
+      case Component::kPools:
+        return {Decision::kOpen, "how many contacts there can be is known when all are placed"};
+    }
+    CDB_CHECK(false);
+  }
+
+ private:
+  bool DetectorIsSweepAndPrune() const {
+    return scene_.world.WordOr("detector").starts_with("sap");
+  }
+
+  std::string Sweeps() const { return fmt::format("{} have ccd and look ahead", *ccd_); }
+  std::string Pull() const {
+    return fmt::format("{} are linked and pull at one another", *linked_);
+  }
+
+  Answer IfNothingTouches() const {
+    if (ccd_) return {Decision::kKept, Sweeps()};
+    if (linked_) return {Decision::kKept, Pull()};
+    return {Decision::kOpen, "whether anything can touch is known when all are placed"};
+  }
+
+  const Scene& scene_;
+  std::optional<std::string> ccd_, spin_, linked_;  ///< a group that has it
+};
+
+}  // namespace
+
+PruningRequest RequestFor(const Scene& scene, Component component) {
+  if (scene.world.Lists("omit", "auto")) return PruningRequest::kAuto;
+  return scene.world.Lists("omit", InfoOf(component).name) ? PruningRequest::kByName
+                                                           : PruningRequest::kNo;
+}
+
+std::vector<PruningDecision> AnalysePruning(const Scene& scene) {
+  const Analysis analysis(scene);
+  const bool is_none = scene.world.Lists("omit", "none");
+  std::vector<PruningDecision> needs;
+  needs.reserve(Components().size());
+  for (const ComponentInfo& info : Components()) {
+    const PruningRequest asked = RequestFor(scene, info.component);
+    Answer answer = asked == PruningRequest::kNo
+                        ? Answer{Decision::kKept, is_none ? "omit none" : "omit does not list it"}
+                        : analysis.Of(info.component, asked);
+    needs.push_back({info.component, answer.fate, std::move(answer.why)});
+  }
+  return needs;
+}
+
+std::string DecisionsText(std::span<const PruningDecision> needs) {
+  std::string text;
+  for (const PruningDecision& need : needs) {
+    const char* fate = need.fate == Decision::kLeftOut ? "left out"
+                       : need.fate == Decision::kKept  ? "kept"
+                       : need.fate == Decision::kOpen  ? "open"
+                                                       : "none";
+    text += fmt::format("{}: {}: {}\n", InfoOf(need.component).name, fate, need.why);
+  }
+  return text;
+}
+
+std::string OmittedNames(std::span<const PruningDecision> needs) {
+  std::string names;
+  for (const PruningDecision& need : needs)
+    if (need.fate == Decision::kLeftOut)
+      names += (names.empty() ? "" : " ") + std::string(InfoOf(need.component).name);
+  return names;
+}
+
+}  // namespace cdb::plan

@@ -1,0 +1,38 @@
+// Every kind of diagnostic the compiler reports, listed once. A test holds that each has a golden
+// file.
+#pragma once
+
+#include "dsl/diagnostics.h"
+
+namespace cdb::scenario {
+
+inline constexpr dsl::DiagnosticKind kUnknownName{"unknown-name"};
+inline constexpr dsl::DiagnosticKind kWrongPlace{"wrong-place"};
+inline constexpr dsl::DiagnosticKind kReservedName{"reserved-name"};
+inline constexpr dsl::DiagnosticKind kSetTwice{"set-twice"};
+inline constexpr dsl::DiagnosticKind kWrongKind{"wrong-kind"};
+inline constexpr dsl::DiagnosticKind kOutOfDomain{"out-of-domain"};
+inline constexpr dsl::DiagnosticKind kNotFinite{"not-finite"};
+inline constexpr dsl::DiagnosticKind kBadArguments{"bad-arguments"};
+inline constexpr dsl::DiagnosticKind kBadRange{"bad-range"};
+inline constexpr dsl::DiagnosticKind kMisplacedSweep{"misplaced-sweep"};
+inline constexpr dsl::DiagnosticKind kMisplacedRange{"misplaced-range"};
+inline constexpr dsl::DiagnosticKind kAxisTwice{"axis-twice"};
+inline constexpr dsl::DiagnosticKind kCircular{"circular"};
+inline constexpr dsl::DiagnosticKind kNoSuchFile{"no-such-file"};
+inline constexpr dsl::DiagnosticKind kTooManyRuns{"too-many-runs"};
+inline constexpr dsl::DiagnosticKind kNoRuns{"no-runs"};
+inline constexpr dsl::DiagnosticKind kCapacity{"capacity"};
+inline constexpr dsl::DiagnosticKind kUnavailable{"unavailable"};
+inline constexpr dsl::DiagnosticKind kBadComparison{"bad-comparison"};
+inline constexpr dsl::DiagnosticKind kContradiction{"contradiction"};
+inline constexpr dsl::DiagnosticKind kNeeded{"needed"};
+
+inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
+    &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
+    &kOutOfDomain,    &kNotFinite,  &kBadArguments, &kBadRange,      &kMisplacedSweep,
+    &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
+    &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
+    &kNeeded};
+
+}  // namespace cdb::scenario

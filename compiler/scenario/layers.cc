@@ -1,0 +1,350 @@
+#include "compiler/scenario/layers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/plan/pruning.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/value.h"
+
+namespace cdb::scenario {
+namespace {
+
+constexpr std::string_view kUnnamedGroup = "objects";
+bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
+  const auto blocks = schema::BlocksIn(outer, grouped);
+  return std::ranges::find(blocks, name) != blocks.end();
+}
+
+/// Names that a let may not have. Those of components, errors and closed forms may be had:
+/// `gravity`, `height` and `spin` are names a scene wants, and behind the parameter that takes them
+/// they are words (Evaluator::Resolve).
+bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDetector> plugins) {
+  if (schema::FindDistribution(name) || name == "sweep" || name == "true" || name == "false" ||
+      name == "on" || name == "off")
+    return true;
+  return std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& p) {
+    const bool is_shared = p.word_source == schema::WordSource::kComponents ||
+                           p.word_source == schema::WordSource::kMetrics ||
+                           p.word_source == schema::WordSource::kClosedForms;
+    return p.HasWord(name, plugins) && !(is_shared && !schema::ListsWord(p.words, name));
+  });
+}
+
+/// A parameter as it would be written in a block; empty where it cannot stand there.
+std::string NameIn(const schema::Parameter& parameter, const std::string& block, bool in_group) {
+  if (parameter.grouped && !in_group) return block.empty() ? parameter.FullName() : std::string();
+  if (parameter.grouped != in_group) return {};
+  const std::string name(parameter.name);
+  if (block.empty()) return name;
+  return name.starts_with(block + ".") ? name.substr(block.size() + 1) : std::string();
+}
+
+/// What the user may have meant by a name that there is not: a slip of the hand, or a name from
+/// elsewhere.
+std::string SuggestParameter(std::string_view word, const std::string& block, bool in_group) {
+  std::vector<std::string> names;
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    const std::string name = NameIn(parameter, block, in_group);
+    if (name.empty()) continue;
+    if (schema::ListsWord(parameter.also, word))
+      return fmt::format("did you mean '{}', {}?", name,
+                         parameter.doc.substr(0, parameter.doc.find(';')));
+    names.push_back(name);
+  }
+  const std::string_view near = dsl::DidYouMean(word, {names.begin(), names.end()});
+  return near.empty() ? "`cdb doc parameters` lists all there are"
+                      : fmt::format("did you mean '{}'?", near);
+}
+
+}  // namespace
+
+LayeredBenchmark::LayeredBenchmark(const Scenario& scenario, const BenchmarkRef& benchmark,
+                                   dsl::Diagnostics& diagnostics)
+    : scenario_(scenario), diagnostics_(diagnostics) {
+  Chain(benchmark);
+  for (const BenchmarkRef& layer : chain_) CollectLabels(layer.benchmark->block);
+  for (const BenchmarkRef& layer : chain_) {
+    Place place;
+    place.file = layer.file;
+    place.layer = layers_++;
+    Walk(layer.benchmark->block, place);
+  }
+}
+
+void LayeredBenchmark::Chain(const BenchmarkRef& benchmark) {
+  BenchmarkRef current = benchmark;
+  for (;;) {
+    chain_.insert(chain_.begin(), current);
+    if (!current.benchmark->from) return;
+    const dsl::Name& from = *current.benchmark->from;
+    const auto base = scenario_.FindBenchmark(*current.file, from.text);
+    if (!base) {
+      has_base_ = false;
+      const std::string_view near =
+          dsl::DidYouMean(from.text, scenario_.BenchmarkNames(*current.file));
+      diagnostics_.Report(kUnknownName, from.span, fmt::format("no benchmark '{}'", from.text),
+                          near.empty() ? "" : fmt::format("did you mean '{}'?", near));
+      return;
+    }
+    for (const BenchmarkRef& seen : chain_) {
+      if (seen.benchmark != base->benchmark) continue;
+      has_base_ = false;
+      diagnostics_.Report(kCircular, from.span, fmt::format("'{}' leads back to itself", from.text),
+                          "a benchmark cannot come from one that comes from it");
+      return;
+    }
+    current = *base;
+  }
+}
+
+void LayeredBenchmark::CollectLabels(const dsl::Block& block) {
+  for (const dsl::Statement& statement : block.statements) {
+    if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
+      if (group->kind.text == kUnnamedGroup && group->label) labels_.push_back(group->label->text);
+    } else if (const auto* cases = std::get_if<dsl::Cases>(&statement.what)) {
+      for (const dsl::Case& one : cases->cases) CollectLabels(one.block);
+    }
+  }
+}
+
+void LayeredBenchmark::DeclareGroup(const std::string& name, const Place& place) {
+  groups_.push_back({name, place.case_axis, place.case_index});
+}
+
+void LayeredBenchmark::Once(int layer, const std::string& what, const dsl::Span& span,
+                            const std::string& message) {
+  const auto [first, is_new] = seen_.emplace(std::pair(layer, what), span);
+  if (!is_new)
+    diagnostics_.Report(kSetTwice, span, message, "keep one of them",
+                        {{first->second, "it is here before"}});
+}
+
+void LayeredBenchmark::Walk(const dsl::Block& block, const Place& place) {
+  for (const dsl::Statement& statement : block.statements) {
+    ++order_;
+    if (const auto* let = std::get_if<dsl::Let>(&statement.what)) {
+      WalkLet(*let, place);
+    } else if (const auto* cases = std::get_if<dsl::Cases>(&statement.what)) {
+      WalkCases(*cases, place);
+    } else if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
+      WalkGroup(*group, place);
+    } else if (const auto* setting = std::get_if<dsl::Setting>(&statement.what)) {
+      WalkSetting(*setting, place);
+    } else if (const auto* skip = std::get_if<dsl::Skip>(&statement.what)) {
+      Entry entry;
+      entry.case_axis = place.case_axis;
+      entry.case_index = place.case_index;
+      entry.skip = {skip, {place.file, place.group, place.block, nullptr}, order_};
+      entries_.push_back(std::move(entry));
+    }
+  }
+}
+
+void LayeredBenchmark::WalkLet(const dsl::Let& let, const Place& place) {
+  if (IsWordOfTheLanguage(let.name.text, scenario_.plugins()))
+    diagnostics_.Report(kReservedName, let.name.span,
+                        fmt::format("'{}' is a word of the language", let.name.text),
+                        "give the let another name");
+  Once(place.layer, "let " + Joined(place.group, place.block) + "." + let.name.text, let.name.span,
+       fmt::format("there is a let '{}' already", let.name.text));
+  Entry entry;
+  entry.case_axis = place.case_axis;
+  entry.case_index = place.case_index;
+  entry.let = {&let, {place.file, place.group, place.block, nullptr}, order_};
+  entries_.push_back(std::move(entry));
+}
+
+void LayeredBenchmark::WalkGroup(const dsl::Group& group, const Place& place) {
+  const std::string& kind = group.kind.text;
+  Place inner = place;
+  if (kind == kUnnamedGroup && place.group.empty() && place.block.empty()) {
+    inner.group = group.label ? group.label->text : std::string(kUnnamedGroup);
+    if (group.label &&
+        (HasBlock("", false, inner.group) || HasBlock("", true, inner.group) ||
+         inner.group == kUnnamedGroup || schema::FindParameter(inner.group, false) != nullptr))
+      diagnostics_.Report(kReservedName, group.label->span,
+                          fmt::format("'{}' is a word of the language", inner.group),
+                          "give the group another name");
+    DeclareGroup(inner.group, place);
+  } else if (HasBlock(place.block, !place.group.empty(), kind)) {
+    inner.block = Joined(place.block, kind);
+    if (group.label)
+      diagnostics_.Report(kWrongPlace, group.label->span, fmt::format("'{}' takes no name", kind),
+                          "only objects have groups");
+  } else {
+    ReportBlock(group.kind, place);
+    return;
+  }
+  Walk(group.block, inner);
+}
+
+void LayeredBenchmark::ReportBlock(const dsl::Name& kind, const Place& place) {
+  const bool in_group = !place.group.empty();
+  const bool outermost = !in_group && place.block.empty();
+  const std::string where = Joined(place.group, place.block);
+  const auto blocks = schema::BlocksIn(place.block, in_group);
+  std::vector<std::string_view> kinds(blocks.begin(), blocks.end());
+  if (outermost) kinds.insert(kinds.begin(), kUnnamedGroup);
+  const std::string_view near = dsl::DidYouMean(kind.text, kinds);
+  if (outermost && HasBlock("", true, kind.text)) {
+    diagnostics_.Report(kWrongPlace, kind.span,
+                        fmt::format("'{}' is a block of the objects", kind.text),
+                        fmt::format("write objects {{ {} {{ … }} }}", kind.text));
+  } else if (!outermost && (HasBlock("", false, kind.text) || kind.text == kUnnamedGroup)) {
+    diagnostics_.Report(kWrongPlace, kind.span,
+                        fmt::format("'{}' cannot stand inside '{}'", kind.text, where),
+                        "write it outside this block");
+  } else if (kinds.empty()) {
+    diagnostics_.Report(kWrongPlace, kind.span,
+                        fmt::format("a block cannot stand inside '{}'", where));
+  } else {
+    diagnostics_.Report(
+        kUnknownName, kind.span,
+        fmt::format("no block{} is called '{}'", outermost ? "" : " of '" + where + "'", kind.text),
+        near.empty()
+            ? fmt::format("there {} {}", kinds.size() == 1 ? "is" : "are", fmt::join(kinds, ", "))
+            : fmt::format("did you mean '{}'?", near));
+  }
+}
+
+void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
+  if (place.case_axis >= 0) {
+    diagnostics_.Report(kWrongPlace, cases.keyword, "cases cannot stand inside a case",
+                        "write two `cases` side by side; the runs are their product");
+    return;
+  }
+  CaseAxis axis;
+  axis.name = cases.name ? cases.name->text : "case";
+  axis.span = cases.name ? cases.name->span : cases.keyword;
+  axis.order = order_;
+  // Cases of the same name replace those of a base.
+  auto index = std::ranges::find(case_axes_, axis.name, &CaseAxis::name) - case_axes_.begin();
+  if (index < static_cast<std::ptrdiff_t>(case_axes_.size())) {
+    Once(place.layer, "cases " + axis.name, axis.span,
+         fmt::format("there are cases '{}' already", axis.name));
+    std::erase_if(entries_, [&](const Entry& entry) { return entry.case_axis == index; });
+    std::erase_if(groups_, [&](const GroupDeclaration& g) { return g.case_axis == index; });
+    axis.order = case_axes_[static_cast<std::size_t>(index)].order;
+    case_axes_[static_cast<std::size_t>(index)] = axis;
+  } else {
+    Once(place.layer, "cases " + axis.name, axis.span, {});
+    case_axes_.push_back(axis);
+  }
+  if (cases.cases.empty())
+    diagnostics_.Report(kNoRuns, cases.keyword, "there is no case in it", "name { settings }");
+  for (const dsl::Case& one : cases.cases) {
+    auto& names = case_axes_[static_cast<std::size_t>(index)].names;
+    Place inner = place;
+    inner.case_axis = static_cast<int>(index);
+    inner.case_index = names.size();
+    inner.layer = layers_++;
+    if (std::ranges::find(names, one.name.text) != names.end())
+      diagnostics_.Report(kSetTwice, one.name.span,
+                          fmt::format("there is a case '{}' already", one.name.text),
+                          "give it another name");
+    names.push_back(one.name.text);
+    Walk(one.block, inner);
+  }
+}
+
+bool LayeredBenchmark::IsLet(const std::string& name, const Place& place) const {
+  return scenario_.FindLet(*place.file, name) ||
+         std::ranges::any_of(entries_, [&](const Entry& entry) {
+           return entry.let && entry.let->node->name.text == name;
+         });
+}
+
+std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, const Place& place) {
+  const std::string& text = path.text;
+  const bool in_group = !place.group.empty();
+  if (const schema::Parameter* parameter =
+          schema::FindParameter(Joined(place.block, text), in_group))
+    return {{place.group, parameter}};
+  const auto misplaced = [&](const std::string& message, const std::string& hint) {
+    diagnostics_.Report(kWrongPlace, path.span, message, hint);
+    return std::nullopt;
+  };
+  if (in_group && schema::FindParameter(text, false) != nullptr)
+    return misplaced(fmt::format("'{}' is not of the objects but of the whole run", text),
+                     "write it outside this block");
+  if (!place.block.empty() && schema::FindParameter(text, in_group) != nullptr)
+    return misplaced(fmt::format("'{}' is not of '{}'", text, place.block),
+                     "write it outside this block");
+  if (!in_group && place.block.empty()) {
+    const std::size_t dot = text.find('.');
+    const std::string head = text.substr(0, dot);
+    const bool labelled = std::ranges::find(labels_, head) != labels_.end();
+    if (dot != std::string::npos && (head == kUnnamedGroup || labelled)) {
+      if (const schema::Parameter* parameter = schema::FindParameter(text.substr(dot + 1), true)) {
+        DeclareGroup(head, place);
+        return {{head, parameter}};
+      }
+    }
+    if (schema::FindParameter(text, true) != nullptr)
+      return misplaced(fmt::format("'{}' is of the objects", text),
+                       fmt::format("write objects.{}", text));
+  }
+  if (IsLet(text, place))
+    return misplaced(fmt::format("'{}' is a let, not a parameter", text),
+                     fmt::format("to give it another value write: let {} = …", text));
+  const std::string where = Joined(place.group, place.block);
+  diagnostics_.Report(kUnknownName, path.span,
+                      fmt::format("no parameter{} is called '{}'",
+                                  where.empty() ? "" : " of '" + where + "'", text),
+                      SuggestParameter(text, place.block, in_group));
+  return std::nullopt;
+}
+
+void LayeredBenchmark::WalkSetting(const dsl::Setting& setting, const Place& place) {
+  const auto key = Resolve(setting.path, place);
+  if (!key) return;
+  Once(place.layer, key->first + "/" + std::string(key->second->name), setting.path.span,
+       fmt::format("'{}' is set a second time", setting.path.text));
+  Entry entry;
+  entry.case_axis = place.case_axis;
+  entry.case_index = place.case_index;
+  entry.key = key;
+  entry.setting = {&setting, {place.file, place.group, place.block, key->second}, order_};
+  entries_.push_back(std::move(entry));
+}
+
+Layers LayeredBenchmark::Lay(const std::vector<std::size_t>& chosen) const {
+  Layers layers;
+  for (const GroupDeclaration& group : groups_) {
+    const bool stands = group.case_axis < 0 ||
+                        chosen[static_cast<std::size_t>(group.case_axis)] == group.case_index;
+    if (stands && std::ranges::find(layers.groups, group.name) == layers.groups.end())
+      layers.groups.push_back(group.name);
+  }
+  if (layers.groups.empty()) layers.groups.emplace_back(kUnnamedGroup);
+  const auto lay = [&layers](const Entry& entry) {
+    // What a benchmark lays over its base takes the base's place in the order of axes; what a case
+    // lays over, its own.
+    const auto put = [&entry](auto& map, const auto& key, const auto& placed) {
+      auto& there = map.emplace(key, placed).first->second;
+      const int order = entry.case_axis < 0 ? there.order : placed.order;
+      there = placed;
+      there.order = order;
+    };
+    if (entry.setting) {
+      put(layers.settings, *entry.key, *entry.setting);
+    } else if (entry.let) {
+      const Scope& scope = entry.let->scope;
+      put(layers.lets, std::pair(Joined(scope.group, scope.block), entry.let->node->name.text),
+          *entry.let);
+    } else {
+      layers.skips.push_back(*entry.skip);
+    }
+  };
+  for (const Entry& entry : entries_)
+    if (entry.case_axis < 0) lay(entry);
+  for (const Entry& entry : entries_)
+    if (entry.case_axis >= 0 &&
+        chosen[static_cast<std::size_t>(entry.case_axis)] == entry.case_index)
+      lay(entry);
+  return layers;
+}
+
+}  // namespace cdb::scenario

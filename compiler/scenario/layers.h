@@ -1,0 +1,130 @@
+// A benchmark with everything laid over one another: its bases (`from`), its groups, and one choice
+// of its cases.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "compiler/scenario/scenario.h"
+#include "compiler/schema/schema.h"
+
+namespace cdb::scenario {
+
+/// Where an expression stands, which decides what its names mean.
+struct Scope {
+  const ScenarioFile* file = nullptr;
+  std::string group;  ///< of objects; empty outside of them
+  std::string
+      block;  ///< within the group or the benchmark: `world`, `accuracy.reference`; or empty
+  /// The parameter that is being set; null in a let or a condition. Its own words come before the
+  /// names of parameters: `omit sleeping` is not about the switch `sleeping`.
+  const schema::Parameter* parameter = nullptr;
+};
+
+/// `inner` as it is called outside of the block or group `outer`: `pebbles.links`.
+inline std::string Joined(std::string_view outer, std::string_view inner) {
+  return std::string(outer) + (outer.empty() || inner.empty() ? "" : ".") + std::string(inner);
+}
+/// The block around `block`; empty where there is none.
+inline std::string Outside(std::string_view block) {
+  const std::size_t dot = block.rfind('.');
+  return std::string(block.substr(0, dot == std::string_view::npos ? 0 : dot));
+}
+
+/// A parameter of the world (group empty) or of a group.
+using ParameterKey = std::pair<std::string, const schema::Parameter*>;
+
+/// One statement with its place in the order in which everything was written.
+template <typename Node>
+struct Placed {
+  const Node* node = nullptr;
+  Scope scope;
+  int order = 0;
+};
+
+/// What one run is made from, once its cases are chosen.
+struct Layers {
+  std::vector<std::string> groups;
+  std::map<ParameterKey, Placed<dsl::Setting>> settings;
+  std::map<std::pair<std::string, std::string>, Placed<dsl::Let>>
+      lets;  ///< by group and block, and name
+  std::vector<Placed<dsl::Skip>> skips;
+};
+
+/// `cases load { calm { … } storm { … } }`.
+struct CaseAxis {
+  std::string name;
+  dsl::Span span;
+  int order = 0;
+  std::vector<std::string> names;
+};
+
+/// A benchmark and its bases, checked for names, places and duplicates once, then laid out for each
+/// choice of cases.
+class LayeredBenchmark {
+ public:
+  LayeredBenchmark(const Scenario& scenario, const BenchmarkRef& benchmark,
+                   dsl::Diagnostics& diagnostics);
+
+  /// False where a `from` leads nowhere, so that nothing can be said of what is set.
+  bool has_base() const { return has_base_; }
+  const std::vector<CaseAxis>& case_axes() const { return case_axes_; }
+  /// `chosen`: an index for each case axis.
+  Layers Lay(const std::vector<std::size_t>& chosen) const;
+
+ private:
+  /// A statement, and the case that it belongs to (-1: none).
+  struct Entry {
+    int case_axis = -1;
+    std::size_t case_index = 0;
+    std::optional<ParameterKey> key;  ///< of a setting
+    std::optional<Placed<dsl::Setting>> setting;
+    std::optional<Placed<dsl::Let>> let;
+    std::optional<Placed<dsl::Skip>> skip;
+  };
+  /// What is being walked: the layer (a benchmark's own statements or one case) and the block.
+  struct Place {
+    const ScenarioFile* file = nullptr;
+    std::string group, block;  ///< as of Scope
+    int case_axis = -1;
+    std::size_t case_index = 0;
+    int layer = 0;
+  };
+
+  void Chain(const BenchmarkRef& benchmark);
+  void CollectLabels(const dsl::Block& block);
+  void Walk(const dsl::Block& block, const Place& place);
+  void WalkGroup(const dsl::Group& group, const Place& place);
+  void WalkCases(const dsl::Cases& cases, const Place& place);
+  void WalkSetting(const dsl::Setting& setting, const Place& place);
+  void WalkLet(const dsl::Let& let, const Place& place);
+  bool IsLet(const std::string& name, const Place& place) const;
+  std::optional<ParameterKey> Resolve(const dsl::Name& path, const Place& place);
+  /// Why there is no block of that name here.
+  void ReportBlock(const dsl::Name& kind, const Place& place);
+  void DeclareGroup(const std::string& name, const Place& place);
+  void Once(int layer, const std::string& what, const dsl::Span& span, const std::string& message);
+
+  const Scenario& scenario_;
+  dsl::Diagnostics& diagnostics_;
+  std::vector<BenchmarkRef> chain_;  ///< the base first
+  struct GroupDeclaration {
+    std::string name;
+    int case_axis = -1;
+    std::size_t case_index = 0;
+  };
+  std::vector<std::string> labels_;
+  std::vector<GroupDeclaration> groups_;
+  std::vector<CaseAxis> case_axes_;
+  std::vector<Entry> entries_;
+  std::map<std::pair<int, std::string>, dsl::Span> seen_;
+  bool has_base_ = true;
+  int order_ = 0;
+  int layers_ = 0;
+};
+
+}  // namespace cdb::scenario

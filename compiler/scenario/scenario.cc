@@ -1,0 +1,260 @@
+#include "compiler/scenario/scenario.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "compiler/plan/sha256.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/schema.h"
+#include "dsl/parser.h"
+
+namespace cdb::scenario {
+namespace {
+
+constexpr std::size_t kMaxUses = 64;
+
+/// Calls `visit` for `file` and everything it uses, each once, nearest first; stops when `visit`
+/// returns true.
+template <typename Visit>
+void ForEachVisible(const ScenarioFile& file, Visit visit) {
+  std::vector<const ScenarioFile*> queue = {&file};
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    if (visit(*queue[i])) return;
+    for (const ScenarioFile* used : queue[i]->uses)
+      if (std::ranges::find(queue, used) == queue.end()) queue.push_back(used);
+  }
+}
+
+template <typename Item, typename Visit>
+void ForEachItem(const ScenarioFile& file, Visit visit) {
+  for (const auto& item : file.tree.items)
+    if (const auto* found = std::get_if<Item>(&item)) visit(*found);
+}
+
+}  // namespace
+
+Scenario::Scenario(const std::string& path, const std::string& library, const ReadFile& read,
+                   const PluginSource& plugins, const plan::ReadTrace& read_trace,
+                   dsl::Diagnostics& diagnostics)
+    : library_(library), read_(read), describe_(plugins.describe), read_trace_(read_trace) {
+  for (const std::string& file : plugins.files) LoadPlugin(file, nullptr, diagnostics);
+  main_ = Load(path, nullptr, diagnostics);
+}
+
+const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
+                                   dsl::Diagnostics& diagnostics) {
+  for (const ScenarioFile* open : loading_) {
+    if (open->path != path) continue;
+    diagnostics.Report(kCircular, use->path_span,
+                       fmt::format("'{}' leads back to itself", use->path),
+                       "a file cannot use a file that uses it");
+    return nullptr;
+  }
+  for (const auto& file : files_)
+    if (file->path == path) return file.get();
+
+  std::string why;
+  std::optional<std::string> text = read_(path, why);
+  if (!text) {
+    // The place of a missing main file is the command line; an empty text stands for it.
+    const auto nowhere = std::make_shared<const dsl::Source>(path, "");
+    dsl::Span span = {nowhere.get(), 0, 0};
+    if (use != nullptr) span = use->path_span;
+    auto file = std::make_unique<ScenarioFile>();
+    file->path = path;
+    file->tree.source = nowhere;
+    files_.push_back(std::move(file));
+    diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why));
+    return nullptr;
+  }
+  files_.push_back(std::make_unique<ScenarioFile>());
+  ScenarioFile& file = *files_.back();
+  file.path = path;
+  file.tree = dsl::Parse(std::make_shared<const dsl::Source>(path, std::move(*text)), diagnostics);
+  loading_.push_back(&file);
+  ForEachItem<dsl::Use>(file, [&](const dsl::Use& wanted) {
+    if (wanted.path_span.source == nullptr) return;  // not a path; the parser has said so
+    if (files_.size() + plugin_files_.size() >= kMaxUses) {
+      diagnostics.Report(kTooManyRuns, wanted.span,
+                         fmt::format("a scenario reads at most {} files", kMaxUses));
+      return;
+    }
+    if (wanted.detector) {
+      LoadPlugin(Find(wanted.path, path, ""), &wanted, diagnostics);
+    } else if (const ScenarioFile* used =
+                   Load(Find(wanted.path, path, ".cdb"), &wanted, diagnostics)) {
+      file.uses.push_back(used);
+    }
+  });
+  loading_.pop_back();
+  ForEachItem<dsl::Let>(file, [&](const dsl::Let& let) {
+    let_order_.emplace(&let, static_cast<int>(let_order_.size()));
+  });
+  return &file;
+}
+
+std::string Scenario::Find(const std::string& wanted, const std::string& path,
+                           std::string_view extension) const {
+  namespace fs = std::filesystem;
+  const fs::path beside = fs::path(path).parent_path() / wanted;
+  std::vector<std::string> candidates = {beside.lexically_normal().string()};
+  if (!library_.empty())
+    candidates.push_back((fs::path(library_) / wanted).lexically_normal().string());
+  for (std::string& candidate : candidates)
+    if (!candidate.ends_with(extension)) candidate += extension;
+  std::string ignored;
+  for (const std::string& candidate : candidates)
+    if (read_(candidate, ignored)) return candidate;
+  return candidates[0];
+}
+
+void Scenario::LoadPlugin(const std::string& path, const dsl::Use* use,
+                          dsl::Diagnostics& diagnostics) {
+  if (!plugin_files_.emplace(path, use).second) return;
+  const dsl::Span span = use != nullptr ? use->path_span : dsl::Span{};
+  std::string why;
+  const auto hash = HashOf(path, why);
+  if (!hash) {
+    diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why),
+                       use != nullptr ? "its name counts from the folder of the file that says it"
+                                      : "--plugin takes a shared library");
+    return;
+  }
+  auto detectors = describe_ ? describe_(path, why) : std::nullopt;
+  if (!detectors) {
+    diagnostics.Report(kUnavailable, span,
+                       describe_ ? why : fmt::format("'{}' cannot be looked into here", path));
+    return;
+  }
+  for (schema::PluginDetector& detector : *detectors) {
+    detector.path = path;
+    detector.sha256 = *hash;
+    AddDetector(std::move(detector), use, diagnostics);
+  }
+}
+
+void Scenario::AddDetector(schema::PluginDetector detector, const dsl::Use* use,
+                           dsl::Diagnostics& diagnostics) {
+  const dsl::Span span = use != nullptr ? use->path_span : dsl::Span{};
+  const auto place =
+      std::ranges::lower_bound(plugins_, detector.name, {}, &schema::PluginDetector::name);
+  if (place != plugins_.end() && place->name == detector.name) {
+    const dsl::Use* first = plugin_files_.at(place->path);
+    std::vector<dsl::Note> notes;
+    if (first != nullptr) notes.push_back({first->path_span, "the other is used here"});
+    diagnostics.Report(kSetTwice, span,
+                       fmt::format("'{}' and '{}' both have a detector '{}'", place->path,
+                                   detector.path, detector.name),
+                       "leave one of them out, or give its detector another name",
+                       std::move(notes));
+  } else if (std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& parameter) {
+               return parameter.TakesDetectors() && parameter.HasWord(detector.name);
+             })) {
+    diagnostics.Report(
+        kSetTwice, span,
+        fmt::format("'{}' has a detector '{}', and so has cdb", detector.path, detector.name),
+        "give it another name; `cdb list detectors` shows those that are taken");
+  } else {
+    plugins_.insert(place, std::move(detector));
+  }
+}
+
+void Scenario::CheckNames(dsl::Diagnostics& diagnostics) const {
+  const auto once = [&](auto& seen, const dsl::Name& name, const char* what) {
+    if (name.span.source == nullptr) return;  // it has none, as the parser has said
+    const auto [first, is_new] = seen.emplace(name.text, &name);
+    if (!is_new)
+      diagnostics.Report(kSetTwice, name.span,
+                         fmt::format("there is a {} '{}' already", what, name.text), {},
+                         {{first->second->span, "the first is here"}});
+  };
+  for (const auto& file : files_) {
+    std::map<std::string_view, const dsl::Name*> lets, benchmarks;
+    ForEachItem<dsl::Let>(*file, [&](const dsl::Let& let) { once(lets, let.name, "let"); });
+    ForEachItem<dsl::Benchmark>(
+        *file, [&](const dsl::Benchmark& b) { once(benchmarks, b.name, "benchmark"); });
+  }
+}
+
+std::vector<BenchmarkRef> Scenario::Benchmarks() const {
+  std::vector<BenchmarkRef> all;
+  if (main_ != nullptr)
+    ForEachItem<dsl::Benchmark>(*main_, [&](const dsl::Benchmark& benchmark) {
+      all.push_back({main_, &benchmark});
+    });
+  return all;
+}
+
+std::optional<BenchmarkRef> Scenario::FindBenchmark(const ScenarioFile& file,
+                                                    std::string_view name) const {
+  std::optional<BenchmarkRef> found;
+  ForEachVisible(file, [&](const ScenarioFile& visible) {
+    ForEachItem<dsl::Benchmark>(visible, [&](const dsl::Benchmark& benchmark) {
+      if (!found && benchmark.name.text == name) found = {&visible, &benchmark};
+    });
+    return found.has_value();
+  });
+  return found;
+}
+
+std::optional<LetRef> Scenario::FindLet(const ScenarioFile& file, std::string_view name) const {
+  std::optional<LetRef> found;
+  ForEachVisible(file, [&](const ScenarioFile& visible) {
+    ForEachItem<dsl::Let>(visible, [&](const dsl::Let& let) {
+      if (!found && let.name.text == name) found = {&visible, &let};
+    });
+    return found.has_value();
+  });
+  return found;
+}
+
+std::vector<std::string_view> Scenario::BenchmarkNames(const ScenarioFile& file) const {
+  std::vector<std::string_view> names;
+  ForEachVisible(file, [&](const ScenarioFile& visible) {
+    ForEachItem<dsl::Benchmark>(visible,
+                                [&](const dsl::Benchmark& b) { names.push_back(b.name.text); });
+    return false;
+  });
+  return names;
+}
+
+std::vector<std::string_view> Scenario::LetNames(const ScenarioFile& file) const {
+  std::vector<std::string_view> names;
+  ForEachVisible(file, [&](const ScenarioFile& visible) {
+    ForEachItem<dsl::Let>(visible, [&](const dsl::Let& l) { names.push_back(l.name.text); });
+    return false;
+  });
+  return names;
+}
+
+int Scenario::LetOrder(const dsl::Let& let) const { return let_order_.at(&let); }
+
+std::optional<std::string> Scenario::HashOf(const std::string& path, std::string& why) const {
+  const auto [hash, is_new] = hashes_.try_emplace(path);
+  if (is_new)
+    if (const auto bytes = read_(path, hash->second.why))
+      hash->second.sha256 = plan::Sha256Hex(*bytes);
+  why = hash->second.why;
+  return hash->second.sha256;
+}
+
+std::optional<plan::TraceFacts> Scenario::TraceAt(const std::string& path, std::string& why) const {
+  const auto [trace, is_new] = traces_.try_emplace(path);
+  if (is_new && read_trace_) trace->second.facts = read_trace_(path, trace->second.why);
+  why = read_trace_ ? trace->second.why : "nothing here reads traces";
+  return trace->second.facts;
+}
+
+std::string Scenario::FullText() const {
+  std::string text;
+  for (const auto& file : files_) {
+    if (file.get() != main_) text += fmt::format("\n# ---- {} ----\n", file->path);
+    text += file->tree.source->text();
+  }
+  return text;
+}
+
+}  // namespace cdb::scenario

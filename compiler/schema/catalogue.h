@@ -1,0 +1,70 @@
+// What a scenario can name: object types, detectors, layouts, closed forms. The compiler, `cdb
+// list` and `cdb doc` read these tables.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace cdb::schema {
+
+struct ObjectType {
+  std::string_view name;
+  std::string_view doc;
+};
+
+struct DetectorInfo {
+  std::string_view name;
+  std::string_view doc;
+  std::string_view source;
+  std::string_view phases;       ///< space-separated: `broad`, `narrow`
+  std::string_view family;       ///< of algorithms, comma-separated where it is of several
+  std::uint64_t max_bodies = 0;  ///< objects and walls together; 0 means no limit
+  std::string_view limits = {};  ///< what else it cannot do, or does wrong; may be empty
+  std::string_view part = {};    ///< the optional part it is in; empty for what is always there
+  bool HasPhase(std::string_view phase) const {
+    return phases.find(phase) != std::string_view::npos;
+  }
+  /// So many, walls included.
+  bool Holds(std::uint64_t bodies) const { return max_bodies == 0 || bodies <= max_bodies; }
+};
+
+/// A family of algorithms that the source paper's section 2 names: some detector is of it
+/// (DetectorInfo::family lists it), or `why_not` says why none is.
+struct FamilyInfo {
+  std::string_view name;
+  std::string_view source;
+  std::string_view why_not = {};
+};
+
+/// A shared library of detectors that is built where its Debian package is installed:
+/// `cdb-detectors-<name>.so`, beside the workers in the folder `detectors`.
+struct DetectorPart {
+  std::string_view name;
+  std::string_view package;
+  bool is_built = false;
+};
+
+struct LayoutInfo {
+  std::string_view name;
+  std::string_view doc;
+};
+
+struct ClosedFormInfo {
+  std::string_view name;
+  std::string_view doc;
+};
+
+std::span<const ObjectType> ObjectTypes();
+std::span<const DetectorInfo> Detectors();
+std::span<const DetectorPart> DetectorParts();
+std::span<const FamilyInfo> Families();
+std::span<const LayoutInfo> Layouts();
+/// library/closed_forms/closed_form.h makes them.
+std::span<const ClosedFormInfo> ClosedForms();
+
+/// Null where there is none of that name.
+const DetectorInfo* FindDetector(std::string_view name);
+const DetectorPart* FindDetectorPart(std::string_view name);
+
+}  // namespace cdb::schema

@@ -1,0 +1,104 @@
+#include "compiler/schema/value.h"
+
+#include <fmt/format.h>
+
+#include "compiler/schema/parametrised_words.h"
+#include "dsl/check.h"
+
+namespace cdb::schema {
+namespace {
+
+std::string VectorText(const Eigen::Vector3d& v) {
+  return fmt::format("({}, {}, {})", FormatReal(v.x()), FormatReal(v.y()), FormatReal(v.z()));
+}
+
+constexpr std::pair<std::string_view, DistributionKind> kDistributions[] = {
+    {"uniform", DistributionKind::kUniform},
+    {"normal", DistributionKind::kNormal},
+    {"log_uniform", DistributionKind::kLogUniform},
+    {"any", DistributionKind::kAny}};
+
+std::string QuotedText(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (c == '\n' || c == '\t') {
+      quoted += c == '\n' ? "\\n" : "\\t";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+/// Only what differs from its default; what must be given, without its name.
+std::string CallText(const Call& call) {
+  const ParametrisedWord* info = FindParametrisedWord(call.name);
+  CDB_CHECK(info != nullptr && info->arguments.size() == call.arguments.size());
+  std::string text;
+  for (std::size_t i = 0; i < call.arguments.size(); ++i) {
+    const Parameter& argument = info->arguments[i];
+    const std::string value = ToText(call.arguments[i]);
+    if (value == argument.default_text) continue;
+    if (!text.empty()) text += ", ";
+    if (!argument.default_text.empty()) text += fmt::format("{}: ", argument.name);
+    text += value;
+  }
+  return text.empty() ? call.name : fmt::format("{}({})", call.name, text);
+}
+
+struct TextOf {
+  std::string operator()(bool on) const { return on ? "on" : "off"; }
+  std::string operator()(std::uint64_t count) const { return fmt::format("{}", count); }
+  std::string operator()(double real) const { return FormatReal(real); }
+  std::string operator()(const Word& word) const { return word.text; }
+  std::string operator()(const Eigen::Vector3d& v) const { return VectorText(v); }
+  std::string operator()(const Ratio& r) const {
+    return fmt::format("{} : {} : {}", FormatReal(r.parts.x()), FormatReal(r.parts.y()),
+                       FormatReal(r.parts.z()));
+  }
+  std::string operator()(const WordList& words) const {
+    return fmt::format("{}", fmt::join(words, ", "));
+  }
+  std::string operator()(const Text& text) const { return QuotedText(text.text); }
+  std::string operator()(const Call& call) const { return CallText(call); }
+  std::string operator()(const Distribution& d) const {
+    std::string text = std::string(DistributionName(d.kind)) + "(";
+    for (std::size_t i = 0; i < d.arguments.size(); ++i) {
+      if (i > 0) text += ", ";
+      text += ToText(d.arguments[i]);
+      if (!d.weights.empty() && d.weights[i] != 1) text += " " + FormatReal(d.weights[i]);
+    }
+    return text + ")";
+  }
+};
+
+}  // namespace
+
+std::string_view DistributionName(DistributionKind kind) {
+  for (const auto& [name, candidate] : kDistributions)
+    if (candidate == kind) return name;
+  return {};
+}
+
+std::optional<DistributionKind> FindDistribution(std::string_view name) {
+  for (const auto& [candidate, kind] : kDistributions)
+    if (candidate == name) return kind;
+  return std::nullopt;
+}
+
+bool Distribution::operator==(const Distribution& other) const {
+  return kind == other.kind && arguments == other.arguments && weights == other.weights;
+}
+
+bool Call::operator==(const Call& other) const {
+  return name == other.name && arguments == other.arguments;
+}
+
+std::string FormatReal(double value) { return fmt::format("{}", value); }
+
+std::string ToText(const Value& value) {
+  return std::visit(TextOf{}, static_cast<const Value::variant&>(value));
+}
+
+}  // namespace cdb::schema

@@ -1,0 +1,101 @@
+#include "library/detectors/builtin/auto.h"
+
+#include <algorithm>
+
+#include "library/detectors/builtin/grid.h"
+#include "library/detectors/builtin/skin.h"
+#include "library/detectors/builtin/sweep.h"
+
+namespace cdb::builtin {
+namespace {
+
+/// So many bodies are sorted before a grid is made.
+constexpr std::size_t kFew = 24;
+/// Cycles of skin until it is judged, and where it seems hopeless; of another until skin is tried
+/// again, at first and at most.
+constexpr unsigned kTrial = 24, kShortTrial = 6, kFirstPause = 64, kLastPause = 4096;
+/// Judgements without a sample of sweep after one that showed no gain, at most.
+constexpr unsigned kMostSkipped = 64;
+/// Bodies in a cell from which a sweep may be better.
+constexpr double kCrowded = 64;
+/// In the nanoseconds of skin's costs: of a body, of a test.
+constexpr double kSweepCost = 10, kSweepTestCost = 1.2;
+
+class Auto final : public Detector {
+ public:
+  Auto(const Options& options, const kernels::Kernels& kernels)
+      : sweep_(kernels), grid_(MakeGrid(options, kernels)), skin_(options, kernels) {}
+
+  void Prepare(const Scene& scene) override {
+    sweep_.Prepare(scene);
+    grid_->Prepare(scene);
+    skin_.Prepare(scene);
+    trial_ = left_ = to_skip_ = 0;
+    next_pause_ = kFirstPause;
+    next_skip_ = 1;
+    is_sample_ = false;
+  }
+
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    if (scene.size <= kFew) return sweep_.FindPairs(scene, pairs);
+    if (left_ > 0) {
+      other_->FindPairs(scene, pairs);
+      if (is_sample_) JudgeSweep();
+      if (--left_ == 0) skin_.Forget();
+      return;
+    }
+    skin_.FindPairs(scene, pairs);
+    ++trial_;
+    const bool is_hopeless = trial_ >= kShortTrial && (skin_.ContactCluster() > 16 * kCrowded ||
+                                                       skin_.Cost() > 3 * skin_.GridCost());
+    if (is_hopeless || trial_ >= kTrial) JudgeSkin();
+  }
+
+ private:
+  void JudgeSkin() {
+    trial_ = 0;
+    if (skin_.ContactCluster() > kCrowded && to_skip_ == 0) {
+      other_ = &sweep_;
+      is_sample_ = true;
+      left_ = 1;
+      return;
+    }
+    if (to_skip_ > 0) --to_skip_;
+    if (skin_.Cost() > skin_.GridCost()) {
+      Pause(*grid_);
+    } else {
+      next_pause_ = kFirstPause;
+    }
+  }
+  void JudgeSweep() {
+    is_sample_ = false;
+    if (kSweepCost + kSweepTestCost * sweep_.Tests() < std::min(skin_.Cost(), skin_.GridCost()))
+      return Pause(sweep_);
+    to_skip_ = next_skip_;
+    next_skip_ = std::min(2 * next_skip_, kMostSkipped);
+    if (skin_.Cost() > skin_.GridCost()) Pause(*grid_);
+  }
+  void Pause(Detector& other) {
+    other_ = &other;
+    left_ = next_pause_;
+    next_pause_ = std::min(2 * next_pause_, kLastPause);
+  }
+
+  Sweep sweep_;
+  std::unique_ptr<Detector> grid_;
+  Skin skin_;
+  unsigned trial_ = 0;         ///< cycles of skin
+  unsigned left_ = 0;          ///< cycles of `other_`
+  Detector* other_ = nullptr;  ///< instead of skin
+  bool is_sample_ = false;     ///< other_ is sweep, for one cycle
+  unsigned next_pause_ = kFirstPause;
+  unsigned to_skip_ = 0, next_skip_ = 1;  ///< judgements without a sample of sweep
+};
+
+}  // namespace
+
+std::unique_ptr<Detector> MakeAuto(const Options& options, const kernels::Kernels& kernels) {
+  return std::make_unique<Auto>(options, kernels);
+}
+
+}  // namespace cdb::builtin

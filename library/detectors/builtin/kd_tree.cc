@@ -1,0 +1,112 @@
+#include "library/detectors/builtin/kd_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace cdb::builtin {
+namespace {
+
+constexpr double Vec3::*kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
+/// So few are tested with each other.
+constexpr std::size_t kLeaf = 12;
+constexpr int kDeepest = 64;
+
+class KdTree final : public Detector {
+ public:
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    scene_ = &scene;
+    pairs_ = &pairs;
+    bodies_.clear();
+    for (Id body = 0; body < scene.size; ++body)
+      if (Overlap(scene.boxes[body], scene.boxes[body])) bodies_.push_back(body);  // is a number
+    constexpr Vec3 kLeast = {-INFINITY, -INFINITY, -INFINITY},
+                   kMost = {INFINITY, INFINITY, INFINITY};
+    Cut(0, {kLeast, kMost}, 0);
+  }
+
+ private:
+  /// The bodies from `begin` to the end are those whose boxes reach into `cell`.
+  void Cut(std::size_t begin, const Box& cell, int depth) {
+    const std::size_t end = bodies_.size();
+    double Vec3::*axis = nullptr;
+    double plane = 0;
+    if (end - begin <= kLeaf || depth == kDeepest || !ChooseCut(begin, cell, axis, plane))
+      return TestAll(begin, cell);
+    const auto cut = [&](const Box& half, const auto& reaches) {
+      for (std::size_t i = begin; i < end; ++i)
+        if (reaches(scene_->boxes[bodies_[i]])) bodies_.push_back(bodies_[i]);
+      Cut(end, half, depth + 1);
+      bodies_.resize(end);
+    };
+    Box half = cell;
+    half.upper.*axis = plane;
+    cut(half, [&](const Box& box) { return box.lower.*axis < plane; });
+    half = cell;
+    half.lower.*axis = plane;
+    cut(half, [&](const Box& box) { return box.upper.*axis >= plane; });
+  }
+
+  /// False where no cut leaves clearly fewer on each side and few on both.
+  bool ChooseCut(std::size_t begin, const Box& cell, double Vec3::*& best, double& plane) {
+    double widest = 0;
+    for (const auto axis : kAxes) {
+      double least = INFINITY, most = -INFINITY;
+      for (std::size_t i = begin; i < bodies_.size(); ++i) {
+        const double at = scene_->boxes[bodies_[i]].lower.*axis;
+        if (!std::isfinite(at)) continue;
+        least = std::min(least, std::max(at, cell.lower.*axis));
+        most = std::max(most, at);
+      }
+      if (!(most - least > widest)) continue;
+      widest = most - least;
+      best = axis;
+    }
+    if (best == nullptr) return false;
+    corners_.clear();
+    for (std::size_t i = begin; i < bodies_.size(); ++i)
+      corners_.push_back(std::max(scene_->boxes[bodies_[i]].lower.*best, cell.lower.*best));
+    const auto middle = corners_.begin() + static_cast<std::ptrdiff_t>(corners_.size() / 2);
+    std::ranges::nth_element(corners_, middle);
+    plane = *middle;
+    std::size_t left = 0, right = 0;
+    for (std::size_t i = begin; i < bodies_.size(); ++i) {
+      left += scene_->boxes[bodies_[i]].lower.*best < plane;
+      right += scene_->boxes[bodies_[i]].upper.*best >= plane;
+    }
+    const std::size_t all = bodies_.size() - begin;
+    return left * 10 < all * 9 && right * 10 < all * 9 && 2 * (left + right) < 3 * all;
+  }
+
+  /// A pair is of the one leaf that holds the lower corner of what its boxes share.
+  void TestAll(std::size_t begin, const Box& cell) {
+    for (std::size_t i = begin; i < bodies_.size(); ++i) {
+      for (std::size_t j = i + 1; j < bodies_.size(); ++j) {
+        const Box &a = scene_->boxes[bodies_[i]], &b = scene_->boxes[bodies_[j]];
+        if (!Overlap(a, b) || !IsOf(cell, a, b)) continue;
+        if (!scene_->MayCollide(bodies_[i], bodies_[j])) continue;
+        pairs_->push_back({bodies_[i], bodies_[j]});  // bodies stay in order
+      }
+    }
+  }
+
+  static bool IsOf(const Box& cell, const Box& a, const Box& b) {
+    for (const auto axis : kAxes) {
+      const double corner = std::max(a.lower.*axis, b.lower.*axis);
+      if (corner < cell.lower.*axis) return false;
+      if (corner >= cell.upper.*axis && cell.upper.*axis != INFINITY) return false;
+    }
+    return true;
+  }
+
+  const Scene* scene_ = nullptr;
+  std::vector<Pair>* pairs_ = nullptr;
+  std::vector<Id> bodies_;  ///< a list for each cell from the root down
+  std::vector<double> corners_;
+};
+
+}  // namespace
+
+Detector* MakeKdTree(const Options&) { return new KdTree; }
+
+}  // namespace cdb::builtin

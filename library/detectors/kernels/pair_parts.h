@@ -1,0 +1,55 @@
+// A search for pairs in parts, one for each thread.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "library/detectors/kernels/pair_buffer.h"
+#include "library/detectors/kernels/thread_pool.h"
+
+namespace cdb::kernels {
+
+/// One buffer for each part; one after another they are the list. Errors: what a part throws.
+/// Threads: one caller.
+class PairParts {
+ public:
+  explicit PairParts(unsigned threads) : crew_(std::max(threads, 1u)) {
+    for (unsigned part = 0; part < crew_.size(); ++part)
+      buffers_.push_back(std::make_unique<PairBuffer>());
+  }
+
+  /// Calls find(part, parts, buffer) for all parts, each with its buffer empty: on all threads
+  /// where there is work for `size` bodies or pairs, else in one part.
+  template <typename Find>
+  void Run(std::size_t size, const Find& find) {
+    for (auto& buffer : buffers_) buffer->Clear();
+    if (size < kWorthWaking)
+      find(0u, 1u, *buffers_[0]);
+    else
+      crew_.Run([&](unsigned part) { find(part, crew_.size(), *buffers_[part]); });
+  }
+  PairBuffer& last() { return *buffers_.back(); }
+  std::size_t size() const {
+    std::size_t size = 0;
+    for (const auto& buffer : buffers_) size += buffer->size();
+    return size;
+  }
+  void AppendTo(PairBuffer& pairs) {
+    for (auto& buffer : buffers_) pairs.Append(buffer->pairs());
+  }
+  void AppendTo(std::vector<Pair>& pairs) {
+    pairs.reserve(pairs.size() + size());
+    for (auto& buffer : buffers_)
+      pairs.insert(pairs.end(), buffer->pairs().begin(), buffer->pairs().end());
+  }
+
+ private:
+  /// Waking a thread costs as much as a few hundred bodies.
+  static constexpr std::size_t kWorthWaking = 1500;
+
+  ThreadPool crew_;
+  std::vector<std::unique_ptr<PairBuffer>> buffers_;
+};
+
+}  // namespace cdb::kernels

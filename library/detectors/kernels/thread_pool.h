@@ -1,0 +1,41 @@
+// A few threads that work on the same loop.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace cdb::kernels {
+
+/// `threads` workers, the caller's thread included; the others wait between two calls of Run and
+/// end with the crew. Errors: what a part throws, Run throws, the caller's own first. Threads: one
+/// caller.
+class ThreadPool {
+ public:
+  explicit ThreadPool(unsigned threads);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  unsigned size() const { return static_cast<unsigned>(threads_.size()) + 1; }
+  /// Calls part(0) to part(size() - 1), each on a thread of its own, and waits for all.
+  void Run(const std::function<void(unsigned)>& part);
+
+ private:
+  void Work(unsigned place);
+
+  std::mutex mutex_;
+  std::condition_variable begin_, end_;
+  const std::function<void(unsigned)>* part_ = nullptr;
+  std::uint64_t round_ = 0;
+  unsigned working_ = 0;
+  bool is_over_ = false;
+  std::exception_ptr error_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace cdb::kernels

@@ -1,0 +1,13 @@
+// The small push that makes a reference run's twin.
+#pragma once
+
+#include "compiler/plan/plan.h"
+#include "library/layouts/initial_state.h"
+
+namespace cdb::layouts {
+
+/// Moves every object that is not fixed by kNudge (compiler/reference.h) of its largest side, each
+/// in a direction of its own, drawn from the scene's stream `nudge`.
+void Perturb(const plan::Scene& scene, InitialState& state);
+
+}  // namespace cdb::layouts

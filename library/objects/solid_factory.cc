@@ -1,0 +1,131 @@
+#include "library/objects/solid_factory.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <numbers>
+
+#include "compiler/plan/sha256.h"
+#include "compiler/schema/parametrised_words.h"
+#include "library/meshes/models.h"
+#include "library/meshes/primitives.h"
+#include "library/meshes/topology.h"
+#include "library/objects/decomposition_cache.h"
+#include "library/scene_error.h"
+
+namespace cdb::objects {
+namespace {
+
+using Eigen::Vector3d;
+namespace fs = std::filesystem;
+
+/// The torus, when it keeps its proportions: radii of the ring and of the tube, and its pieces.
+constexpr double kTorusMajor = 3, kTorusMinor = 1;
+constexpr std::size_t kTorusSegments = 16;
+
+ConvexDecomposition TorusForm() {
+  constexpr double major = kTorusMajor * kTorusMajor, minor = kTorusMinor * kTorusMinor;
+  meshes::MassProperties properties;
+  properties.volume = 2 * std::numbers::pi * std::numbers::pi * kTorusMajor * minor;
+  const double across = major / 2 + minor * 5 / 8, along = major + minor * 3 / 4;
+  properties.inertia = Vector3d(across, along, across).asDiagonal();
+  const std::string source =
+      fmt::format("torus {} {} {} {} {}", kTorusMajor, kTorusMinor, kTorusSegments,
+                  meshes::kTorusCorners, meshes::kTorusFineness);
+  return DecomposeOnce("torus", source, [&] {
+    // Corners in multiples of four lie on the axes, so that the mesh is as large as the torus.
+    const meshes::Mesh mesh =
+        meshes::TorusMesh(kTorusMajor, kTorusMinor, kTorusSegments, meshes::kTorusCorners);
+    return MakeDecomposition("torus", mesh, properties,
+                             meshes::TorusHulls(kTorusMajor, kTorusMinor, kTorusSegments));
+  });
+}
+
+ConvexDecomposition FormOfMesh(const std::string& name, const meshes::Mesh& mesh) {
+  return MakeDecomposition(name, mesh, meshes::MassPropertiesOf(mesh),
+                           meshes::Decompose(mesh, name));
+}
+
+/// `made`: how the form is made of the file. Its extension says how it is read.
+std::string SourceOf(const fs::path& file, std::string_view sha256, std::string_view made) {
+  return fmt::format("{} {} {}", made, file.extension().string(), sha256);
+}
+
+ConvexDecomposition FormOfModel(const meshes::Model& model) {
+  const std::string name(model.name);
+  const fs::path file = meshes::PathOf(model, meshes::ModelFolders());
+  const std::string bytes = meshes::ReadMeshFile(file);
+  const std::string_view made = model.has_holes ? "closed mesh" : "mesh";
+  return DecomposeOnce(name, SourceOf(file, plan::Sha256Hex(bytes), made), [&] {
+    return FormOfMesh(name, meshes::ParseModel(model, bytes, file.string()));
+  });
+}
+
+ConvexDecomposition FormOfFile(const schema::Call& call) {
+  const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
+  const std::string name = fmt::format("{}(\"{}\")", call.name, file);
+  const auto* planned = std::get_if<schema::Text>(&ArgumentOf(call, "sha256"));
+  const std::string bytes = meshes::ReadMeshFile(file);
+  const std::string sha256 = plan::Sha256Hex(bytes);
+  if (planned != nullptr && sha256 != planned->text)
+    throw library::SceneError(
+        fmt::format("{}: it is not the file that was planned with; plan again", file));
+  return DecomposeOnce(name, SourceOf(file, sha256, call.name), [&] {
+    const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
+    if (call.name == "mesh") return FormOfMesh(name, meshes::Watertight(mesh, file));
+    const meshes::Hull hull = meshes::ConvexHull(mesh, file);
+    const meshes::Mesh surface = meshes::SurfaceOf(hull);
+    return MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1});
+  });
+}
+
+/// Null for what has a closed form.
+std::shared_ptr<const ConvexDecomposition> FormOf(const schema::Value& type) {
+  if (const schema::Call* call = schema::AsCall(type))
+    return std::make_shared<const ConvexDecomposition>(FormOfFile(*call));
+  const std::string& name = std::get<schema::Word>(type).text;
+  if (name == "torus") return std::make_shared<const ConvexDecomposition>(TorusForm());
+  if (const meshes::Model* model = meshes::FindModel(name))
+    return std::make_shared<const ConvexDecomposition>(FormOfModel(*model));
+  return nullptr;
+}
+
+}  // namespace
+
+Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const Vector3d& aspect) {
+  const auto* word = std::get_if<schema::Word>(&type);
+  const std::string name = word != nullptr ? word->text : schema::ToText(type);
+  auto found = forms_.find(name);
+  if (found == forms_.end()) found = forms_.emplace(name, FormOf(type)).first;
+  const auto& form = found->second;
+  Solid solid;
+  solid.sides = size.cwiseProduct(aspect);
+  if (form == nullptr) {
+    solid.shape = ShapeOf(name);
+    return solid;
+  }
+  solid.shape = Shape::kCompound;
+  if (aspect == Vector3d::Ones()) solid.sides = size.cwiseProduct(form->proportions);
+  auto& compound = compounds_[{form.get(), solid.sides.x(), solid.sides.y(), solid.sides.z()}];
+  if (compound == nullptr) compound = std::make_shared<const Compound>(form, solid.sides);
+  solid.compound = compound;
+  return solid;
+}
+
+std::vector<std::shared_ptr<const ConvexDecomposition>> SolidFactory::Forms() const {
+  std::vector<std::shared_ptr<const ConvexDecomposition>> forms;
+  for (const auto& [name, form] : forms_)
+    if (form != nullptr) forms.push_back(form);
+  return forms;
+}
+
+std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms) {
+  std::string text;
+  for (const auto& form : forms)
+    text += fmt::format("{}: {} hull{}, volume error {:.3g} %, IoU {:.3f}\n", form->name,
+                        form->pieces.size(), form->pieces.size() == 1 ? "" : "s",
+                        100 * form->volume_error, form->iou);
+  return text;
+}
+
+}  // namespace cdb::objects

@@ -1,0 +1,147 @@
+#include "runtime/cli/plan_runner.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/provenance.h"
+#include "runtime/report/console.h"
+#include "runtime/schedule/progress.h"
+
+namespace cdb::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The shards of `out.h5` lie in `out.runs`.
+fs::path ShardFolder(fs::path out) { return out.replace_extension(".runs"); }
+
+bool IsComplete(const store::ResultFile& file, const plan::Plan& plan) {
+  return std::ranges::all_of(plan.runs, [&](const plan::Run& run) {
+    return file.ReadStatus({run.at, run.rep}) != store::Status::kMissing;
+  });
+}
+
+/// The result that stands there already. Empty where there is none or it has to be made anew.
+bool IsThereAlready(const fs::path& out, const plan::Plan& plan) {
+  std::error_code error;
+  if (!fs::exists(out, error)) return false;
+  const store::ResultFile file(out);
+  if (file.plan_sha256() != plan.Sha256())
+    throw CommandError(fmt::format(
+        "'{}' holds the results of another plan and is left as it is; name another file "
+        "by -o, or say --fresh to write over it",
+        out.string()));
+  return IsComplete(file, plan);
+}
+
+/// Says to other runners that somebody works in a folder of shards. Shared while runs are carried
+/// out; the last one out gets it for itself, and only then may shards be removed.
+class FolderLock {
+ public:
+  /// Makes the folder where there is none.
+  explicit FolderLock(const fs::path& folder) : folder_(folder) {
+    for (;;) {
+      std::error_code error;
+      fs::create_directories(folder, error);
+      fd_ = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (fd_ < 0)
+        throw CommandError(fmt::format(
+            "cannot make the folder '{}' for the shards: {}; nothing was changed: choose another "
+            "place by -o",
+            folder.string(), error ? error.message() : std::strerror(errno)));
+      // Where the file system knows no locks, two runners on one result are the user's to avoid.
+      flock(fd_, LOCK_SH);
+      struct stat here = {}, there = {};
+      if (fstat(fd_, &here) == 0 && stat(folder.c_str(), &there) == 0 &&
+          here.st_ino == there.st_ino && here.st_dev == there.st_dev)
+        return;
+      close(fd_);  // removed by the runner that held it
+    }
+  }
+  /// A folder that nothing came into goes again.
+  ~FolderLock() {
+    if (TakeForMyself()) rmdir(folder_.c_str());
+    close(fd_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+  /// False where another runner is at work.
+  bool TakeForMyself() { return flock(fd_, LOCK_EX | LOCK_NB) == 0; }
+
+ private:
+  fs::path folder_;
+  int fd_ = -1;
+};
+
+/// Removes the shards that `Merge` has verified, and nothing else.
+void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto* runs : {&plan.runs, &plan.references})
+    for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
+  fs::remove(folder / "plan.yaml", ignored);
+  fs::remove(folder, ignored);
+}
+
+}  // namespace
+
+PlanRunner::PlanRunner(PlanRunnerOptions options)
+    : options_(std::move(options)), provenance_(CollectProvenance()), signals_(stop_) {
+  provenance_["jobs"] = fmt::format("{}", options_.jobs);
+  std::string plugins;
+  for (const std::string& plugin : options_.plugins)
+    plugins += " --plugin " + report::ShellWord(plugin);
+  if (!plugins.empty()) provenance_["plugins"] = plugins.substr(1);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+ExecutedPlan PlanRunner::CarryOut(const plan::Plan& plan, const fs::path& out) const {
+  const fs::path folder = ShardFolder(out);
+  std::error_code error;
+  if (!options_.fresh && IsThereAlready(out, plan)) {
+    // Shards are still there where the last runner was killed right after it had merged them.
+    if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
+    if (!options_.is_quiet)
+      report::Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
+    return {{}, folder, true};
+  }
+  FolderLock lock(folder);
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  execute.jobs = options_.jobs;
+  execute.shard = options_.shard;
+  execute.fresh = options_.fresh;
+  execute.provenance = provenance_;
+  execute.stop = &stop_;
+  schedule::ProgressListener silent;
+  schedule::Progress progress(schedule::StandardError());
+  schedule::ProgressListener& listener =
+      options_.is_quiet ? silent : static_cast<schedule::ProgressListener&>(progress);
+  ExecutedPlan end = {schedule::Execute(plan, execute, listener), folder, false};
+  if (end.summary.signal != 0) {
+    report::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
+                            end.summary.ended(), end.summary.ended() + end.summary.left,
+                            folder.string()));
+    return end;
+  }
+  if (options_.shard.count > 1) return end;
+  store::RemoveStaleTemporaries(out.has_parent_path() ? out.parent_path() : ".");
+  // Another runner may have been faster with the same plan.
+  if (options_.fresh || !IsThereAlready(out, plan)) store::Merge(plan, provenance_, folder, out);
+  if (lock.TakeForMyself()) RemoveShards(plan, folder);
+  end.is_merged = true;
+  return end;
+}
+
+}  // namespace cdb::cli

@@ -1,0 +1,53 @@
+// A plan to its results file: runs what is missing, merges the shards, removes them.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/process/stop.h"
+#include "runtime/schedule/schedule.h"
+#include "runtime/store/store.h"
+
+namespace cdb::cli {
+
+struct PlanRunnerOptions {
+  std::size_t jobs = 1;
+  bool fresh = false;                     ///< start over
+  bool is_quiet = false;                  ///< no progress
+  schedule::ShardChoice shard = {};       ///< the part of each plan that is run
+  std::vector<std::string> plugins = {};  ///< libraries that the scenario file does not name
+};
+
+struct ExecutedPlan {
+  schedule::Summary summary;  ///< nothing where all was there already
+  std::filesystem::path shards;
+  bool is_merged = false;  ///< `out` is complete; not where only a shard of it was asked for
+};
+
+/// Carries out the plans of one command. While it lives, signals ask it to stop, and a pipe that
+/// nobody reads any more does not end it. Provenance is taken once. Threads: one; one at a time in
+/// a process.
+class PlanRunner {
+ public:
+  explicit PlanRunner(PlanRunnerOptions options);
+
+  /// `out`: the results file; its shards lie beside it. Goes on where an earlier call stopped.
+  /// Stopped by a signal, says so and keeps what ended. Throws CommandError, StoreError; then
+  /// everything finished is kept.
+  ExecutedPlan CarryOut(const plan::Plan& plan, const std::filesystem::path& out) const;
+
+  bool is_stopped() const { return stop_.requested(); }
+  /// Of a command that was stopped: 128 + the signal.
+  int StoppedStatus() const { return 128 + stop_.signal(); }
+
+ private:
+  PlanRunnerOptions options_;
+  store::Provenance provenance_;
+  process::StopFlag stop_;
+  process::StopOnSignals signals_;
+};
+
+}  // namespace cdb::cli

@@ -1,0 +1,158 @@
+#include "runtime/engine/detection/adapter_broad_phase.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "dsl/check.h"
+
+namespace cdb::detection {
+namespace {
+
+/// Bullet has no infinity: this is the side of its planes' boxes.
+constexpr double kFar = BT_LARGE_FLOAT;
+
+btVector3 Finite(const Vec3& v) {
+  const auto part = [](double x) { return static_cast<btScalar>(std::clamp(x, -kFar, kFar)); };
+  return {part(v.x), part(v.y), part(v.z)};
+}
+
+Vec3 ToVec3(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+}  // namespace
+
+btBroadphasePair* OrderedPairCache::addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) {
+  is_sorted_ = false;
+  return btHashedOverlappingPairCache::addOverlappingPair(a, b);
+}
+
+void* OrderedPairCache::removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
+                                              btDispatcher* dispatcher) {
+  is_sorted_ = false;
+  return btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
+}
+
+void OrderedPairCache::processAllOverlappingPairs(btOverlapCallback* callback,
+                                                  btDispatcher* dispatcher,
+                                                  const btDispatcherInfo& info) {
+  if (!info.m_deterministicOverlappingPairs)
+    return btHashedOverlappingPairCache::processAllOverlappingPairs(callback, dispatcher);
+  if (!is_sorted_) Sort();
+  btBroadphasePairArray& pairs = getOverlappingPairArray();
+  for (auto place = order_.rbegin(); place != order_.rend(); ++place) {
+    const bool is_removed = callback->processOverlap(pairs[static_cast<int>(place->at)]);
+    CDB_CHECK(!is_removed);  // nobody who asks for this order removes
+  }
+}
+
+// By the first body with a count, as there are few pairs of each, and then by the second.
+void OrderedPairCache::Sort() {
+  const btBroadphasePairArray& pairs = std::as_const(*this).getOverlappingPairArray();
+  const auto body = [this](const btBroadphaseProxy* proxy) {
+    return static_cast<std::uint32_t>(proxy - first_);
+  };
+  std::ranges::fill(begins_, 0);
+  for (int i = 0; i < pairs.size(); ++i) ++begins_[body(pairs[i].m_pProxy0) + 1];
+  for (std::size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
+  order_.resize(static_cast<std::size_t>(pairs.size()));
+  for (int i = 0; i < pairs.size(); ++i)
+    order_[begins_[body(pairs[i].m_pProxy0)]++] = {body(pairs[i].m_pProxy1),
+                                                   static_cast<std::uint32_t>(i)};
+  std::uint32_t begin = 0;
+  for (std::size_t i = 0; begin < order_.size(); begin = begins_[i++])
+    std::sort(order_.begin() + begin, order_.begin() + begins_[i],
+              [](const Place& a, const Place& b) { return a.second < b.second; });
+  is_sorted_ = true;
+}
+
+AdapterBroadPhase::AdapterBroadPhase(NamedDetector detector, SceneView& view)
+    : detector_(std::move(detector)),
+      view_(view),
+      proxies_(view.size()),
+      cache_(proxies_.data(), view.size()) {}
+
+void AdapterBroadPhase::Prepare() {
+  try {
+    detector_.detector->Prepare(view_.For(detector_.WantsPoses()));
+  } catch (...) {
+    Blame(detector_, "Prepare", view_.cycle());
+  }
+}
+
+btBroadphaseProxy* AdapterBroadPhase::createProxy(const btVector3& lower, const btVector3& upper,
+                                                  int /*shape_type*/, void* object, int group,
+                                                  int mask, btDispatcher* /*dispatcher*/) {
+  CDB_CHECK(added_ < view_.size() && object == &view_.body(added_));
+  const Id id = added_++;
+  btBroadphaseProxy& proxy = proxies_[id];
+  proxy.m_clientObject = object;
+  proxy.m_collisionFilterGroup = group;
+  proxy.m_collisionFilterMask = mask;
+  proxy.m_uniqueId = static_cast<int>(added_);
+  view_.SetBox(id, lower, upper);
+  view_.SetFilter(id, group, mask);
+  return &proxy;
+}
+
+void AdapterBroadPhase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) {
+  cache_.removeOverlappingPairsContainingProxy(proxy, dispatcher);
+  proxy->m_clientObject = nullptr;
+}
+
+void AdapterBroadPhase::setAabb(btBroadphaseProxy* proxy, const btVector3& lower,
+                                const btVector3& upper, btDispatcher* /*dispatcher*/) {
+  view_.SetBox(IdOf(proxy), lower, upper);
+}
+
+void AdapterBroadPhase::getAabb(btBroadphaseProxy* proxy, btVector3& lower,
+                                btVector3& upper) const {
+  const Box& box = view_.box(IdOf(proxy));
+  lower = Finite(box.lower);
+  upper = Finite(box.upper);
+}
+
+// What moves along the ray is the box `lower` to `upper` around it; the callback looks closer.
+void AdapterBroadPhase::rayTest(const btVector3& from, const btVector3& to,
+                                btBroadphaseRayCallback& callback, const btVector3& lower,
+                                const btVector3& upper) {
+  btVector3 least = from, most = from;
+  least.setMin(to);
+  most.setMax(to);
+  aabbTest(least + lower, most + upper, callback);
+}
+
+void AdapterBroadPhase::aabbTest(const btVector3& lower, const btVector3& upper,
+                                 btBroadphaseAabbCallback& callback) {
+  const Box box = {ToVec3(lower), ToVec3(upper)};
+  for (const btBroadphaseProxy& proxy : proxies_)
+    if (proxy.m_clientObject != nullptr && Overlap(box, view_.box(IdOf(&proxy))))
+      callback.process(&proxy);
+}
+
+void AdapterBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
+  view_.BeginCycle();
+  const Scene scene = view_.For(detector_.WantsPoses());
+  found_.clear();
+  const auto is_kept = [this](const Pair& pair) {
+    return cache_.findPair(&proxies_[pair.a], &proxies_[pair.b]) != nullptr;
+  };
+  try {
+    detector_.detector->FindPairs(scene, found_);
+    if (keeps_list_) list_ = found_;
+    if (!changes_.Update(scene, found_, is_kept)) return;
+  } catch (...) {
+    Blame(detector_, "FindPairs", view_.cycle());
+  }
+  for (const Pair& pair : changes_.went())
+    cache_.removeOverlappingPair(&proxies_[pair.a], &proxies_[pair.b], dispatcher);
+  for (const Pair& pair : changes_.came())
+    cache_.addOverlappingPair(&proxies_[pair.a], &proxies_[pair.b]);
+}
+
+void AdapterBroadPhase::getBroadphaseAabb(btVector3& lower, btVector3& upper) const {
+  lower = btVector3(-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT);
+  upper = -lower;
+}
+
+}  // namespace cdb::detection

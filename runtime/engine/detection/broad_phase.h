@@ -1,0 +1,23 @@
+// Bullet's own broad phases, by the name of their detector.
+#pragma once
+
+#include <btBulletCollisionCommon.h>
+
+#include <memory>
+#include <string_view>
+
+namespace cdb::detection {
+
+struct BroadPhaseOptions {
+  std::string_view detector;
+  std::size_t bodies = 0;  ///< room for so many objects and walls
+  btVector3 lower, upper;  ///< where sweep and prune counts its steps from; what leaves this box is
+                           ///< still found, with more pairs
+  bool raycast_tree = true;  ///< sweep and prune keeps its tree for ray casts
+};
+
+/// Throws library::SceneError for a detector that this build has not got, or more bodies than it
+/// takes (the catalogue's limit).
+std::unique_ptr<btBroadphaseInterface> MakeBroadPhase(const BroadPhaseOptions& options);
+
+}  // namespace cdb::detection

@@ -1,0 +1,34 @@
+// The library's solids as detectors are told of them.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "library/detectors/detector.h"
+#include "library/objects/solid.h"
+
+namespace cdb::detection {
+
+/// Owns what the shapes refer to; equal solids share it. Not for several threads.
+class DetectorShapes {
+ public:
+  /// Valid while this lives. Tetrahedra and compounds of one piece are hulls.
+  Shape Of(const objects::Solid& solid);
+
+ private:
+  struct Pieces {
+    std::deque<std::vector<Vec3>> vertices;
+    std::deque<std::vector<Face>> faces;
+    std::vector<Hull> hulls;
+    void Add(std::vector<Vec3> points, std::vector<Face> sides);
+  };
+  using Key = std::tuple<const objects::Compound*, double, double, double>;
+
+  const Pieces& PiecesOf(const objects::Solid& solid);
+
+  std::map<Key, Pieces> pieces_;
+};
+
+}  // namespace cdb::detection

@@ -1,0 +1,140 @@
+#include "runtime/engine/detection/detectors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <span>
+#include <system_error>
+
+#include "compiler/schema/catalogue.h"
+#include "library/detectors/builtin/builtin.h"
+#include "library/detectors/bullet/bullet.h"
+#include "library/detectors/plugin.h"
+#include "library/scene_error.h"
+#include "runtime/engine/detection/plugin_detectors.h"
+
+namespace cdb::detection {
+namespace {
+
+using library::SceneError;
+
+const DetectorEntry* Find(std::span<const DetectorEntry> entries, std::string_view name) {
+  const auto entry = std::ranges::find(entries, name, &DetectorEntry::name);
+  return entry == entries.end() ? nullptr : &*entry;
+}
+
+/// The file of an optional part: as built, beside the worker; as installed, in lib.
+std::string FileOf(const schema::DetectorPart& part) {
+  const std::filesystem::path folder =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const std::string file = fmt::format("cdb-detectors-{}.so", part.name);
+  for (const char* place : {"detectors", "../lib/cdb/detectors"}) {
+    std::error_code error;
+    if (std::filesystem::exists(folder / place / file, error)) return folder / place / file;
+  }
+  return {};
+}
+
+const DetectorEntry* FindInPart(std::string_view name, std::string_view part_name) {
+  const schema::DetectorPart* part = schema::FindDetectorPart(part_name);
+  if (part == nullptr) return nullptr;
+  const std::string file = FileOf(*part);
+  if (file.empty())
+    throw SceneError(fmt::format(
+        "detector `{}` is in the part `{}`, which this cdb {}; {}", name, part->name,
+        part->is_built ? "was built with but does not find" : "was built without",
+        part->is_built ? fmt::format("put cdb-detectors-{}.so into the folder detectors beside "
+                                     "cdb-worker-f64, or install cdb again",
+                                     part->name)
+                       : fmt::format("install {} and build cdb again", part->package)));
+  try {
+    return detectors::FindEntry(detectors::LoadPlugin(file), name);
+  } catch (const detectors::PluginError& error) {
+    throw SceneError(fmt::format("detector `{}`: {}", name, error.what()));
+  }
+}
+
+const DetectorEntry* FindAnywhere(std::string_view name) {
+  if (const DetectorEntry* entry = Find(builtin::BuiltinDetectors(), name)) return entry;
+  if (const DetectorEntry* entry = Find(bullet::BulletDetectors(), name)) return entry;
+  const schema::DetectorInfo* info = schema::FindDetector(name);
+  return info == nullptr ? nullptr : FindInPart(name, info->part);
+}
+
+}  // namespace
+
+NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene) {
+  const Options options{static_cast<unsigned>(scene.world.Count("threads"))};
+  const auto plugin = std::ranges::find(scene.plugins, name, &schema::PluginDetector::name);
+  const bool is_plugin = plugin != scene.plugins.end();
+  const auto index = static_cast<std::size_t>(plugin - scene.plugins.begin());
+  const DetectorEntry* entry = is_plugin ? &LoadPluginDetector(scene, index) : FindAnywhere(name);
+  if (entry == nullptr)
+    throw SceneError(fmt::format("detector `{}` is not part of this version", name));
+  NamedDetector made{.name = std::string(name),
+                     .phases = entry->phases,
+                     .max_bodies = entry->max_bodies,
+                     .detector = nullptr};
+  const auto failed = [&](std::string_view why) {
+    return SceneError(fmt::format("detector `{}` cannot be made: {}", name, why));
+  };
+  try {
+    made.detector = is_plugin ? MakePluginDetector(index, *entry, options)
+                              : std::unique_ptr<Detector>(entry->make(options));
+  } catch (const std::exception& error) {
+    throw failed(error.what());
+  } catch (...) {
+    throw failed("it throws what is no std::exception");
+  }
+  if (made.detector == nullptr) throw failed("its function returns nothing");
+  return made;
+}
+
+Detectors MakeDetectors(const plan::Scene& scene) {
+  const std::string_view name = scene.world.WordOr("detector");
+  const std::string_view narrow = scene.world.WordOr("narrow_phase");
+  const bool own_contacts = narrow == "own" || narrow == name;
+  if ((own_contacts || narrow == "bullet") && Find(bullet::BulletDetectors(), name) != nullptr)
+    return {};
+  Detectors detectors;
+  detectors.broad = MakeDetector(name, scene);
+  if (!HasAny(detectors.broad.phases, cdb::kBroad))
+    throw SceneError(fmt::format(
+        "detector `{0}` finds contacts but no pairs; write it as `narrow_phase {0}`", name));
+  if (own_contacts) {
+    if (HasAny(detectors.broad.phases, cdb::kNarrow)) detectors.narrow = detectors.broad;
+  } else if (narrow != "bullet") {
+    detectors.narrow = MakeDetector(narrow, scene);
+    if (!HasAny(detectors.narrow.phases, cdb::kNarrow))
+      throw SceneError(
+          fmt::format("narrow_phase `{}` finds pairs but no contacts; choose another, "
+                      "or bullet",
+                      narrow));
+  }
+  return detectors;
+}
+
+void Blame(const NamedDetector& detector, std::string_view in, std::uint64_t cycle) {
+  const auto blamed = [&](std::string_view why) {
+    return SceneError(fmt::format("detector `{}` failed in {}{}: {}", detector.name, in,
+                                  cycle > 0 ? fmt::format(" of cycle {}", cycle) : "", why));
+  };
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    throw blamed(error.what());
+  } catch (...) {
+    throw blamed("it throws what is no std::exception");
+  }
+}
+
+void CheckHolds(std::string_view detector, std::uint64_t max_bodies, std::size_t bodies) {
+  if (max_bodies == 0 || bodies <= max_bodies) return;
+  throw SceneError(
+      fmt::format("detector `{}` takes at most {} bodies, objects and walls together; this scene "
+                  "has {}; choose another detector or fewer objects",
+                  detector, max_bodies, bodies));
+}
+
+}  // namespace cdb::detection

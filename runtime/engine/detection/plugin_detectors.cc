@@ -1,0 +1,117 @@
+#include "runtime/engine/detection/plugin_detectors.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "compiler/plan/sha256.h"
+#include "library/detectors/plugin.h"
+#include "library/scene_error.h"
+#include "runtime/measure/file_descriptor_io.h"
+#include "runtime/measure/plugin_call.h"
+
+namespace cdb::detection {
+namespace {
+
+using library::SceneError;
+using schema::PluginDetector;
+
+/// Of the one run that this process carries out; null where nobody listens.
+std::atomic<std::uint32_t>* noted_in = nullptr;
+
+class Note {
+ public:
+  Note(measure::PluginCall call, std::size_t index) { Set(measure::PluginCallCode(call, index)); }
+  ~Note() { Set(0); }
+  Note(const Note&) = delete;
+  Note& operator=(const Note&) = delete;
+
+ private:
+  static void Set(std::uint32_t code) {
+    if (noted_in != nullptr) noted_in->store(code, std::memory_order_relaxed);
+  }
+};
+
+std::string HashOf(const PluginDetector& plugin) {
+  const int fd = open(plugin.path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0)
+    throw SceneError(fmt::format("detector `{}`: cannot read its library '{}': {}", plugin.name,
+                                 plugin.path, std::generic_category().message(errno)));
+  try {
+    const std::string bytes = measure::ReadAll(fd);
+    close(fd);
+    return plan::Sha256Hex(bytes);
+  } catch (const std::system_error& error) {
+    close(fd);
+    throw SceneError(
+        fmt::format("detector `{}`: its library '{}': {}", plugin.name, plugin.path, error.what()));
+  }
+}
+
+class WatchedDetector final : public Detector {
+ public:
+  WatchedDetector(std::size_t index, std::unique_ptr<Detector> detector)
+      : index_(index), detector_(std::move(detector)) {}
+
+  void Prepare(const Scene& scene) override {
+    const Note note(measure::PluginCall::kPrepare, index_);
+    detector_->Prepare(scene);
+  }
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    const Note note(measure::PluginCall::kFindPairs, index_);
+    detector_->FindPairs(scene, pairs);
+  }
+  bool Handles(const Scene& scene, Id a, Id b) const override {
+    const Note note(measure::PluginCall::kHandles, index_);
+    return detector_->Handles(scene, a, b);
+  }
+  void FindContacts(const Scene& scene, std::span<const Pair> pairs,
+                    std::vector<Contact>& contacts) override {
+    const Note note(measure::PluginCall::kFindContacts, index_);
+    detector_->FindContacts(scene, pairs, contacts);
+  }
+
+ private:
+  const std::size_t index_;
+  const std::unique_ptr<Detector> detector_;
+};
+
+}  // namespace
+
+NotesPluginCalls::NotesPluginCalls(std::atomic<std::uint32_t>& place) { noted_in = &place; }
+NotesPluginCalls::~NotesPluginCalls() { noted_in = nullptr; }
+
+const DetectorEntry& LoadPluginDetector(const plan::Scene& scene, std::size_t index) {
+  const PluginDetector& plugin = scene.plugins[index];
+  if (HashOf(plugin) != plugin.sha256)
+    throw SceneError(
+        fmt::format("detector `{}`: '{}' is another file than the one that was planned with; plan "
+                    "again, or put the old one back",
+                    plugin.name, plugin.path));
+  const Note note(measure::PluginCall::kLoad, index);
+  try {
+    const DetectorEntry* entry =
+        detectors::FindEntry(detectors::LoadPlugin(plugin.path), plugin.name);
+    if (entry != nullptr) return *entry;
+  } catch (const detectors::PluginError& error) {
+    throw SceneError(fmt::format("detector `{}`: {}", plugin.name, error.what()));
+  }
+  throw SceneError(fmt::format("'{}' has no detector `{}`", plugin.path, plugin.name));
+}
+
+std::unique_ptr<Detector> MakePluginDetector(std::size_t index, const DetectorEntry& entry,
+                                             const Options& options) {
+  std::unique_ptr<Detector> detector;
+  {
+    const Note note(measure::PluginCall::kMake, index);
+    detector.reset(entry.make(options));
+  }
+  if (detector == nullptr) return nullptr;
+  return std::make_unique<WatchedDetector>(index, std::move(detector));
+}
+
+}  // namespace cdb::detection

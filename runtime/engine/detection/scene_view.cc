@@ -1,0 +1,89 @@
+#include "runtime/engine/detection/scene_view.h"
+
+#include <limits>
+
+namespace cdb::detection {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+Vec3 ToVec3(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+bool IsPlane(const btRigidBody& wall) {
+  return wall.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
+}
+
+/// Walls are what MakeWall of the engine makes them.
+Shape WallShape(const btRigidBody& wall) {
+  if (IsPlane(wall)) {
+    const auto& plane = static_cast<const btStaticPlaneShape&>(*wall.getCollisionShape());
+    return {.kind = ShapeKind::kPlane,
+            .half = {kInfinite, kInfinite, kInfinite},
+            .centre = {0, 0, 0},
+            .normal = ToVec3(plane.getPlaneNormal()),
+            .hulls = {}};
+  }
+  const auto& box = static_cast<const btBoxShape&>(*wall.getCollisionShape());
+  return {.kind = ShapeKind::kBox,
+          .half = ToVec3(box.getHalfExtentsWithMargin()),
+          .centre = {0, 0, 0},
+          .normal = {0, 0, 0},
+          .hulls = {}};
+}
+
+}  // namespace
+
+SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
+                     const std::vector<std::unique_ptr<btRigidBody>>& walls,
+                     const layouts::InitialState& state) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    bodies_.push_back(objects[i].get());
+    shapes_.push_back(shape_parts_.Of(state.objects[i].solid));
+  }
+  first_plane_ = static_cast<Id>(objects.size() + walls.size());
+  for (const auto& wall : walls) {
+    if (IsPlane(*wall)) first_plane_ = static_cast<Id>(objects.size());
+    bodies_.push_back(wall.get());
+    shapes_.push_back(WallShape(*wall));
+  }
+  boxes_.assign(size(), {{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
+  filters_.resize(size());
+  for (Id id = 0; id < size(); ++id) filters_[id].is_fixed = body(id).isStaticObject();
+}
+
+void SceneView::SetFilter(Id id, int group, int mask) {
+  filters_[id].group = static_cast<std::uint32_t>(group);
+  filters_[id].mask = static_cast<std::uint32_t>(mask);
+}
+
+void SceneView::TakePoses() {
+  poses_.resize(size());
+  is_asleep_.resize(size());
+  for (Id id = 0; id < size(); ++id) {
+    const btTransform& pose = body(id).getWorldTransform();
+    const btMatrix3x3& basis = pose.getBasis();
+    poses_[id] = {ToVec3(pose.getOrigin()), ToVec3(basis.getColumn(0)), ToVec3(basis.getColumn(1)),
+                  ToVec3(basis.getColumn(2))};
+    // Bullet marks fixed bodies as asleep.
+    is_asleep_[id] = !body(id).isActive() && !filters_[id].is_fixed;
+  }
+  has_poses_ = true;
+}
+
+Scene SceneView::For(bool wants_poses) {
+  Scene scene = {.size = size(),
+                 .boxes = boxes_,
+                 .filters = filters_,
+                 .poses = {},
+                 .shapes = shapes_,
+                 .is_asleep = {}};
+  if (!wants_poses) return scene;
+  if (!has_poses_) TakePoses();
+  scene.poses = poses_;
+  scene.is_asleep = is_asleep_;
+  return scene;
+}
+
+}  // namespace cdb::detection

@@ -1,0 +1,65 @@
+// The bodies of an engine as its detectors see them.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "library/detectors/detector.h"
+#include "library/layouts/initial_state.h"
+#include "runtime/engine/detection/detector_shapes.h"
+
+namespace cdb::detection {
+
+/// Objects, then the walls that the world holds, numbered without gaps in the order in which the
+/// world is given them. Boxes are Bullet's, with the 0.02 m that it adds to each side for contacts
+/// to come, but for those of planes, which are infinite. Not for several threads.
+class SceneView {
+ public:
+  /// The bodies must outlive it.
+  SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
+            const std::vector<std::unique_ptr<btRigidBody>>& walls,
+            const layouts::InitialState& state);
+
+  std::size_t size() const { return bodies_.size(); }
+  btRigidBody& body(Id id) const { return *bodies_[id]; }
+  /// A plane's box stays as it is.
+  void SetBox(Id id, const btVector3& lower, const btVector3& upper) {
+    if (id >= first_plane_) return;
+    boxes_[id] = {Exact(lower), Exact(upper)};
+  }
+  const Box& box(Id id) const { return boxes_[id]; }
+  void SetFilter(Id id, int group, int mask);
+
+  /// A new cycle: poses are to be taken anew.
+  void BeginCycle() {
+    ++cycle_;
+    has_poses_ = false;
+  }
+  /// From 1, those of the warm-up too; 0 before the first.
+  std::uint64_t cycle() const { return cycle_; }
+  /// What a detector is given now. Poses and who sleeps are taken once a cycle, and only when asked
+  /// for.
+  Scene For(bool wants_poses);
+
+ private:
+  static Vec3 Exact(const btVector3& v) {
+    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+  }
+  void TakePoses();
+
+  std::vector<btRigidBody*> bodies_;
+  Id first_plane_;  ///< planes come last
+  DetectorShapes shape_parts_;
+  std::vector<Shape> shapes_;
+  std::vector<Box> boxes_;
+  std::vector<Filter> filters_;
+  std::vector<Pose> poses_;
+  std::vector<std::uint8_t> is_asleep_;
+  std::uint64_t cycle_ = 0;
+  bool has_poses_ = false;
+};
+
+}  // namespace cdb::detection

@@ -1,0 +1,66 @@
+// Whether bodies move as their velocities say. Bullet adds v dt to a place and g dt to a velocity
+// in its own precision: far away or fast, that is too little, too much or nothing at all.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "runtime/engine/world/engine.h"
+
+namespace cdb::probes {
+
+/// The engine must outlive it. Not for several threads.
+class MotionWatch {
+ public:
+  /// What else than gravity acted on a body in a cycle.
+  enum Touch : char {
+    kFree,
+    kHeld,    ///< changed its velocity: a contact, a link
+    kPushed,  ///< moved it besides: an overlap
+  };
+
+  explicit MotionWatch(world::Engine& engine);
+
+  /// Call once before the first cycle: where the objects' ways begin.
+  void Begin();
+
+  /// What one cycle showed; NaN where there was nothing to see.
+  struct Seen {
+    /// Farthest way of an object from its place at Begin, before that was rounded to Bullet's
+    /// precision, over its least side.
+    double displacement = 0;
+    /// 1 and what the sum of |dx| along an axis is more than that of |v| dt, over the latter along
+    /// the object's fastest axis: how much of its way rounding gives or takes. Since the object was
+    /// last pushed; of all objects and axes the one farthest from 1. Ways below a hundredth of the
+    /// object's least side are not looked at: what is lost of them does not matter.
+    double motion_ratio = std::numeric_limits<double>::quiet_NaN();
+    /// Least sum of dv along g over sum of |g| dt since an object's last contact, from four cycles
+    /// on. Not of objects that are damped.
+    double fall_ratio = std::numeric_limits<double>::quiet_NaN();
+    /// Least angle turned over |w| dt in this cycle, of objects that turn by more than 0.05 rad.
+    double turn_ratio = std::numeric_limits<double>::quiet_NaN();
+  };
+
+  /// Call after each cycle. `touches`: by body, a Touch.
+  Seen After(std::span<const char> touches);
+
+ private:
+  struct Track {
+    Eigen::Vector3d start;  ///< as the scene has it, not rounded
+    btVector3 position;
+    btMatrix3x3 basis;
+    btVector3 velocity;
+    double least_side;
+    bool is_damped;
+    Eigen::Vector3d gone, to_go;  ///< since the last contact, along each axis
+    double gained, due;
+  };
+
+  void Forget(Track& track) const;
+
+  world::Engine& engine_;
+  std::vector<Track> tracks_;  ///< by object
+};
+
+}  // namespace cdb::probes

@@ -1,0 +1,326 @@
+#include "runtime/engine/probes/probes.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <limits>
+#include <system_error>
+
+#include "compiler/plan/expectation.h"
+#include "runtime/engine/probes/memory.h"
+#include "runtime/engine/world/conversions.h"
+
+namespace cdb::probes {
+namespace {
+
+using Eigen::Vector3d;
+
+bool IsFinite(const btVector3& v) {
+  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+}
+
+/// Kinetic and potential; energy is the two and the integrator's own term.
+struct Energy {
+  double kinetic = 0, other = 0;
+};
+
+/// x* = x + v dt with v = v + g dt: v^2/2 - g.x + dt g.v/2 stays as it is in free flight.
+Energy EnergyOf(const world::Engine& engine) {
+  const Vector3d& g = engine.acceleration();
+  const double half_timestep = static_cast<double>(engine.timestep()) / 2;
+  Energy energy;
+  for (std::size_t i = 0; i < engine.objects().size(); ++i) {
+    const layouts::ObjectState& object = engine.initial_state().objects[i];
+    if (object.IsFixed()) continue;
+    const btRigidBody& body = *engine.objects()[i];
+    const Vector3d v = world::ToEigen(body.getLinearVelocity());
+    // The axes of a body are its principal ones.
+    const Vector3d spin =
+        world::ToEigen(body.getAngularVelocity() * body.getWorldTransform().getBasis());
+    const Vector3d inertia = object.solid.InertiaPerMass();
+    energy.kinetic += object.mass / 2 * (v.squaredNorm() + inertia.dot(spin.cwiseAbs2()));
+    const Vector3d x = world::ToEigen(body.getWorldTransform().getOrigin());
+    energy.other += object.mass * (half_timestep * g.dot(v) - g.dot(x));
+  }
+  return energy;
+}
+
+/// Bullet says BT_LARGE_FLOAT for the sides of a plane's box.
+double WithInfinity(btScalar side) {
+  if (std::fabs(side) < BT_LARGE_FLOAT) return static_cast<double>(side);
+  return std::copysign(std::numeric_limits<double>::infinity(), static_cast<double>(side));
+}
+
+bool IsFinite(const btRigidBody& body) {
+  const btMatrix3x3& basis = body.getWorldTransform().getBasis();
+  return IsFinite(body.getWorldTransform().getOrigin()) && IsFinite(basis[0]) &&
+         IsFinite(basis[1]) && IsFinite(basis[2]) && IsFinite(body.getLinearVelocity()) &&
+         IsFinite(body.getAngularVelocity());
+}
+
+void WriteAll(int fd, const char* bytes, std::size_t size) {
+  while (size > 0) {
+    const ssize_t written = write(fd, bytes, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0)
+      throw std::system_error(errno, std::generic_category(), "cannot write the contacts");
+    bytes += written;
+    size -= static_cast<std::size_t>(written);
+  }
+}
+
+}  // namespace
+
+Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording,
+               int contacts_fd)
+    : engine_(engine),
+      header_(recording.header()),
+      cycles_(scene.world.Count("cycles")),
+      is_driven_(ExpectationOf(scene) == plan::Expectation::kDriven),
+      streams_contacts_(scene.world.Lists("record", "contacts")),
+      all_walls_(scene.world.WordOr("world.walls") == "all"),
+      floor_(scene.world.WordOr("world.walls") == "floor"),
+      contacts_fd_(contacts_fd),
+      standing_walls_(pruning::StandingWalls(scene)),
+      duration_(recording.Reals("duration")),
+      kinetic_energy_(recording.Reals("kinetic_energy")),
+      energy_(recording.Reals("energy")),
+      max_penetration_(recording.Reals("max_penetration")),
+      penetration_ratio_(recording.Reals("penetration_ratio")),
+      max_speed_(recording.Reals("max_speed")),
+      displacement_(recording.Reals("displacement")),
+      motion_ratio_(recording.Reals("motion_ratio")),
+      fall_ratio_(recording.Reals("fall_ratio")),
+      turn_ratio_(recording.Reals("turn_ratio")),
+      heap_(recording.Reals("heap")),
+      poses_(recording.Reals("poses")),
+      joint_gap_(recording.Reals("joint_gap")),
+      boxes_(recording.Reals("boxes")),
+      box_filters_(recording.Reals("box_filters")),
+      pairs_(recording.Ints("pairs")),
+      manifolds_(recording.Ints("manifolds")),
+      contacts_(recording.Ints("contacts")),
+      escaped_(recording.Ints("escaped")),
+      asleep_(recording.Ints("asleep")),
+      removed_(recording.Ints("removed")),
+      non_finite_(recording.Ints("non_finite")) {
+  if (motion_ratio_.empty()) return;
+  motion_watch_.emplace(engine);
+  touches_.resize(engine.objects().size() + pruning::kWallCount);
+  least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < engine.objects().size(); ++i)
+    least_sides_[i] = 2 * engine.initial_state().objects[i].solid.LeastHalfExtent();
+}
+
+void Probes::Begin() {
+  if (!box_filters_.empty()) RecordFilters();
+  if (!motion_watch_) return;
+  motion_watch_->Begin();
+  SetScales();
+}
+
+void Probes::SetScales() {
+  const Energy energy = EnergyOf(engine_);
+  const double pull = engine_.acceleration().norm();
+  header_.initial_energy = energy.kinetic + energy.other +
+                           engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
+  header_.energy_scale = energy.kinetic;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
+    const double mass = engine_.initial_state().objects[i].mass;
+    smallest = std::min(smallest, least_sides_[i]);
+    // What is at rest without gravity has no energy of its own to measure against: a hundredth of
+    // its side a second.
+    header_.energy_scale +=
+        mass * (pull * engine_.side() + std::pow(0.01 * least_sides_[i], 2) / 2);
+  }
+  header_.least_side = smallest;
+  header_.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
+}
+
+double Probes::SmallerSide(int a, int b) const {
+  return std::min(least_sides_[static_cast<std::size_t>(a)],
+                  least_sides_[static_cast<std::size_t>(b)]);
+}
+
+void Probes::Record(std::uint64_t cycle) {
+  if (!duration_.empty() && engine_.timed_world() != nullptr) {
+    const auto durations = engine_.timed_world()->Durations();
+    for (std::size_t phase = 0; phase < durations.size(); ++phase)
+      duration_[phase * cycles_ + cycle] = durations[phase];
+  }
+  // First, as the rest may use the heap.
+  if (!heap_.empty()) heap_[cycle] = HeapBytes();
+  if (!pairs_.empty()) pairs_[cycle] = engine_.world().getPairCache()->getNumOverlappingPairs();
+  if (!manifolds_.empty() || !contacts_.empty() || !max_penetration_.empty())
+    RecordManifolds(cycle);
+  if (!max_speed_.empty()) RecordStability(cycle);
+  if (motion_watch_) RecordMotion(cycle);
+  if (!energy_.empty()) RecordEnergy(cycle);
+  if (!poses_.empty()) RecordPoses(cycle);
+  if (!boxes_.empty()) RecordBoxes(cycle);
+  RecordLinks(cycle);
+}
+
+void Probes::RecordLinks(std::uint64_t cycle) {
+  const world::Links& links = engine_.links();
+  if (!energy_.empty())
+    energy_[cycle] += links.SpringEnergy(static_cast<double>(engine_.timestep()));
+  // "No value" where there is no joint.
+  if (!joint_gap_.empty() && links.HasJoints()) joint_gap_[cycle] = links.LargestGap();
+}
+
+void Probes::RecordManifolds(std::uint64_t cycle) {
+  btDispatcher& dispatcher = *engine_.world().getDispatcher();
+  std::int32_t manifolds = 0, contacts = 0;
+  double deepest = 0, deepest_ratio = 0;
+  std::ranges::fill(touches_, 0);
+  if (!touches_.empty()) engine_.links().MarkHeld(touches_, MotionWatch::kHeld);
+  contact_records_.clear();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+    const int count = manifold.getNumContacts();
+    if (count == 0) continue;
+    const int a = manifold.getBody0()->getUserIndex();
+    const int b = manifold.getBody1()->getUserIndex();
+    ++manifolds;
+    contacts += count;
+    for (int j = 0; j < count; ++j) {
+      const btManifoldPoint& point = manifold.getContactPoint(j);
+      const double distance = static_cast<double>(point.getDistance());
+      deepest = std::max(deepest, -distance);
+      if (!touches_.empty())
+        for (const int body : {a, b}) {
+          char& touch = touches_[static_cast<std::size_t>(body)];
+          touch = std::max<char>(touch, distance < 0 ? MotionWatch::kPushed : MotionWatch::kHeld);
+        }
+      if (distance < 0 && !least_sides_.empty())
+        deepest_ratio = std::max(deepest_ratio, -distance / SmallerSide(a, b));
+      if (!streams_contacts_) continue;
+      const Vector3d at = world::ToEigen(point.getPositionWorldOnA());
+      const Vector3d normal = world::ToEigen(point.m_normalWorldOnB);
+      contact_records_.push_back({static_cast<double>(a),
+                                  static_cast<double>(b),
+                                  {at.x(), at.y(), at.z()},
+                                  {normal.x(), normal.y(), normal.z()},
+                                  distance});
+    }
+  }
+  if (!manifolds_.empty()) manifolds_[cycle] = manifolds;
+  if (!contacts_.empty()) contacts_[cycle] = contacts;
+  if (!max_penetration_.empty()) max_penetration_[cycle] = deepest;
+  if (!penetration_ratio_.empty()) penetration_ratio_[cycle] = deepest_ratio;
+  if (!contact_records_.empty())
+    WriteAll(contacts_fd_, reinterpret_cast<const char*>(contact_records_.data()),
+             contact_records_.size() * sizeof(measure::ContactRecord));
+}
+
+bool Probes::IsBeyondWall(const btVector3& centre) const {
+  const double half = engine_.side() / 2;
+  const Vector3d at = world::ToEigen(centre);
+  if (all_walls_) return at.cwiseAbs().maxCoeff() > half;
+  return floor_ && at.y() < -half;
+}
+
+/// Past this, Bullet takes the body out, or where it may not sleep leaves its box where it was
+/// (btCollisionWorld::updateSingleAabb).
+bool Probes::IsTooLarge(const btRigidBody& body) const {
+  constexpr btScalar kMostDiagonal = btScalar(1e6);
+  const btScalar way = body.getLinearVelocity().length() * engine_.timestep();
+  const btScalar disc = body.getCollisionShape()->getAngularMotionDisc();
+  if (4 * (disc + way) < kMostDiagonal) return false;
+  btVector3 lower, upper, swept_lower, swept_upper;
+  const btCollisionShape& shape = *body.getCollisionShape();
+  shape.getAabb(body.getWorldTransform(), lower, upper);
+  shape.getAabb(body.getInterpolationWorldTransform(), swept_lower, swept_upper);
+  lower.setMin(swept_lower);
+  upper.setMax(swept_upper);
+  return !((upper - lower).length() < kMostDiagonal);
+}
+
+void Probes::RecordStability(std::uint64_t cycle) {
+  double fastest = 0;
+  std::int32_t escaped = 0, asleep = 0, removed = 0, non_finite = 0;
+  for (const auto& body : engine_.objects()) {
+    if (!IsFinite(*body)) {
+      ++non_finite;
+      continue;
+    }
+    escaped += IsBeyondWall(body->getWorldTransform().getOrigin());
+    if (body->isStaticObject()) continue;  // Bullet marks fixed bodies as asleep
+    fastest = std::max(fastest, world::ToEigen(body->getLinearVelocity()).norm());
+    asleep += body->getActivationState() == ISLAND_SLEEPING;
+    removed += body->getActivationState() == DISABLE_SIMULATION || IsTooLarge(*body);
+  }
+  max_speed_[cycle] = fastest;
+  escaped_[cycle] = escaped;
+  asleep_[cycle] = asleep;
+  removed_[cycle] = removed;
+  non_finite_[cycle] = non_finite;
+}
+
+void Probes::RecordMotion(std::uint64_t cycle) {
+  const MotionWatch::Seen seen = motion_watch_->After(touches_);
+  displacement_[cycle] = seen.displacement;
+  motion_ratio_[cycle] = seen.motion_ratio;
+  // A schedule changes velocities too.
+  if (!is_driven_) fall_ratio_[cycle] = seen.fall_ratio;
+  turn_ratio_[cycle] = seen.turn_ratio;
+}
+
+void Probes::RecordEnergy(std::uint64_t cycle) {
+  const Energy energy = EnergyOf(engine_);
+  if (!kinetic_energy_.empty()) kinetic_energy_[cycle] = energy.kinetic;
+  energy_[cycle] = energy.kinetic + energy.other;
+}
+
+void Probes::RecordPoses(std::uint64_t cycle) {
+  auto at = poses_.subspan(cycle * engine_.objects().size() * measure::kPoseSize).begin();
+  for (const auto& body : engine_.objects()) {
+    const btTransform& pose = body->getWorldTransform();
+    const btQuaternion turn = pose.getRotation();
+    for (int i = 0; i < 3; ++i) *at++ = static_cast<double>(pose.getOrigin()[i]);
+    for (const btScalar part : {turn.x(), turn.y(), turn.z(), turn.w()})
+      *at++ = static_cast<double>(part);
+  }
+}
+
+/// Of the bodies with a box: the walls that stand follow the objects without a gap.
+std::size_t Probes::PlaceOfWall(const btRigidBody& wall) const {
+  const auto index =
+      static_cast<unsigned>(wall.getUserIndex()) - static_cast<unsigned>(engine_.objects().size());
+  return engine_.objects().size() +
+         static_cast<std::size_t>(std::popcount(standing_walls_ & ((1u << index) - 1)));
+}
+
+void Probes::RecordFilters() {
+  const auto record = [&](std::size_t place, const btRigidBody& body) {
+    const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
+    double* filter = &box_filters_[place * measure::kFilterSize];
+    filter[0] = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
+    filter[1] = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
+    filter[2] = body.isStaticObject() ? 1 : 0;
+  };
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) record(i, *engine_.objects()[i]);
+  for (const auto& wall : engine_.walls()) record(PlaceOfWall(*wall), *wall);
+}
+
+/// A broad phase keeps the box that it was given until it is given the next.
+void Probes::RecordBoxes(std::uint64_t cycle) {
+  const std::size_t bodies = box_filters_.size() / measure::kFilterSize;
+  const auto record = [&](std::size_t place, const btRigidBody& body) {
+    btVector3 lower, upper;
+    engine_.world().getBroadphase()->getAabb(
+        const_cast<btBroadphaseProxy*>(body.getBroadphaseHandle()), lower, upper);
+    double* box = &boxes_[(cycle * bodies + place) * measure::kBoxSize];
+    for (const btVector3* corner : {&lower, &upper})
+      for (int axis = 0; axis < 3; ++axis) *box++ = WithInfinity((*corner)[axis]);
+  };
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) record(i, *engine_.objects()[i]);
+  for (const auto& wall : engine_.walls()) record(PlaceOfWall(*wall), *wall);
+}
+
+}  // namespace cdb::probes

@@ -1,0 +1,59 @@
+// Takes what a scene records between two cycles. Nothing here runs inside a timed cycle, and
+// nothing is taken that the scene does not record.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "runtime/engine/probes/motion_watch.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/measure/recording.h"
+
+namespace cdb::probes {
+
+/// Engine and recording must outlive it. Not for several threads.
+class Probes {
+ public:
+  /// `contacts_fd` receives the ContactRecords of `record contacts`; without effect otherwise.
+  Probes(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording,
+         int contacts_fd);
+
+  /// Call once before the first recorded cycle: where the objects' ways begin.
+  void Begin();
+  /// Call after each recorded cycle. Throws std::system_error where a contact cannot be written.
+  void Record(std::uint64_t cycle);
+
+ private:
+  void RecordManifolds(std::uint64_t cycle);
+  void RecordStability(std::uint64_t cycle);
+  void RecordEnergy(std::uint64_t cycle);
+  void SetScales();
+  void RecordPoses(std::uint64_t cycle);
+  void RecordBoxes(std::uint64_t cycle);
+  void RecordFilters();
+  std::size_t PlaceOfWall(const btRigidBody& wall) const;
+  void RecordLinks(std::uint64_t cycle);
+  void RecordMotion(std::uint64_t cycle);
+  bool IsBeyondWall(const btVector3& centre) const;
+  bool IsTooLarge(const btRigidBody& body) const;
+  double SmallerSide(int a, int b) const;
+
+  world::Engine& engine_;
+  measure::RecordingHeader& header_;
+  const std::uint64_t cycles_;
+  const bool is_driven_, streams_contacts_, all_walls_, floor_;
+  const int contacts_fd_;
+  const unsigned standing_walls_;
+  std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, penetration_ratio_;
+  std::span<double> max_speed_, displacement_, motion_ratio_, fall_ratio_, turn_ratio_, heap_,
+      poses_, joint_gap_, boxes_, box_filters_;
+  std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_;
+  std::optional<MotionWatch> motion_watch_;  ///< of `record stability`; and,
+  std::vector<char> touches_;                ///< by body, walls too: has a contact in this cycle
+  std::vector<double> least_sides_;          ///< by body; infinite for walls
+  std::vector<measure::ContactRecord> contact_records_;
+};
+
+}  // namespace cdb::probes

@@ -1,0 +1,46 @@
+// Takes a run's samples between two cycles, in the pass that has no clock.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "runtime/engine/probes/exact_geometry.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/measure/recording.h"
+
+namespace cdb::probes {
+
+/// The scene asks for samples. Engine and recording must outlive it. Not for several threads.
+class Sampler {
+ public:
+  Sampler(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording);
+
+  /// Call before the first step, then before and after each one.
+  void Begin();
+  void BeforeStep();
+  void AfterStep();
+  /// All samples are taken.
+  bool IsComplete() const { return taken_ == shape_.samples; }
+
+ private:
+  void Take();
+  void TakeStates();
+  void TakeMotion();
+  void TakeContacts();
+  void TakePairs();
+  void TakeGeometry();
+  double& Value(measure::Observable which);
+  double SizeOf(const btCollisionObject* body) const;
+
+  world::Engine& engine_;
+  const measure::SampleShape shape_;
+  const std::span<double> values_;
+  const std::uint64_t cycles_per_sample_;
+  const bool wants_pairs_, wants_geometry_;
+  std::uint64_t steps_ = 0;
+  std::size_t taken_ = 0;
+  std::vector<BodyPair> exact_;         ///< whose boxes overlapped when the detector last looked
+  std::vector<ExactOverlap> overlaps_;  ///< of then
+};
+
+}  // namespace cdb::probes

@@ -1,0 +1,207 @@
+#include "runtime/engine/worker/replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "library/detectors/detector.h"
+#include "library/detectors/exact_pairs.h"
+#include "library/scene_error.h"
+#include "runtime/engine/detection/detectors.h"
+#include "runtime/engine/probes/memory.h"
+#include "runtime/engine/worker/run_scene.h"
+#include "runtime/engine/world/timed_world.h"
+#include "runtime/measure/trace_memory.h"
+
+namespace cdb::worker {
+namespace {
+
+/// The trace's bodies as a detector sees them.
+class TracedScene {
+ public:
+  explicit TracedScene(int fd) : trace_(fd), boxes_(trace_.shape().bodies) {
+    for (const measure::TraceFilter& filter : trace_.filters())
+      filters_.push_back({filter.group, filter.mask, filter.is_fixed != 0});
+    scene_.size = boxes_.size();
+    scene_.boxes = boxes_;
+    scene_.filters = filters_;
+  }
+
+  const measure::TraceShape& shape() const { return trace_.shape(); }
+  const Scene& scene() const { return scene_; }
+
+  void MoveTo(std::uint64_t cycle) {
+    const double* side = trace_.Read(cycle).data();
+    for (Box& box : boxes_) {
+      box = {{side[0], side[1], side[2]}, {side[3], side[4], side[5]}};
+      side += measure::kBoxSize;
+    }
+  }
+
+ private:
+  measure::TraceReader trace_;
+  std::vector<Box> boxes_;
+  std::vector<Filter> filters_;
+  Scene scene_;
+};
+
+detection::NamedDetector MakeFor(const plan::Scene& scene, const TracedScene& traced) {
+  const std::string_view name = scene.world.WordOr("detector");
+  detection::NamedDetector detector = detection::MakeDetector(name, scene);
+  detection::CheckHolds(name, detector.max_bodies, traced.shape().bodies);
+  if (!HasAny(detector.phases, cdb::kBroad) || HasAny(detector.phases, cdb::kNeedsPoses))
+    throw library::SceneError(
+        fmt::format("detector `{}` {}, and a trace has boxes alone; run it in a live world", name,
+                    !HasAny(detector.phases, cdb::kBroad) ? "lists no pairs" : "needs poses"));
+  return detector;
+}
+
+/// Refuses what is no pair of bodies.
+void CheckPairs(const TracedScene& traced, std::string_view name, std::span<const Pair> pairs) {
+  const std::size_t bodies = traced.scene().size;
+  for (const Pair& pair : pairs)
+    if (!(pair.a < pair.b && pair.b < bodies))
+      throw library::SceneError(
+          fmt::format("detector `{}` lists the pair {}, {}; a pair is two of the bodies 0 to {}, "
+                      "the lower one first",
+                      name, pair.a, pair.b, bodies - 1));
+}
+
+std::string HashOf(std::vector<Pair> pairs) {
+  std::ranges::sort(pairs);
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const Pair& pair : pairs)
+    for (std::uint64_t bits = std::uint64_t{pair.a} << 32 | pair.b, i = 0; i < 8; ++i, bits >>= 8)
+      hash = (hash ^ (bits & 0xff)) * 0x100000001b3;
+  return fmt::format("{:016x}", hash);
+}
+
+/// A run's cycles on its trace.
+class Replay {
+ public:
+  Replay(const plan::Run& run, measure::Recording& recording, int trace_fd)
+      : run_(run),
+        recording_(recording),
+        traced_(trace_fd),
+        warmup_(run.scene.world.Count("warmup")),
+        cycles_(run.scene.world.Count("cycles")) {
+    if (warmup_ + cycles_ > traced_.shape().cycles)
+      throw library::SceneError(fmt::format("the trace has {} cycles, and this run has {}",
+                                            traced_.shape().cycles, warmup_ + cycles_));
+  }
+
+  void Time() {
+    measure::RecordingHeader& header = recording_.header();
+    const auto duration = recording_.Reals("duration"), heap = recording_.Reals("heap");
+    const auto counts = recording_.Ints("pairs");
+    const std::int64_t build_begin = world::Now();
+    const detection::NamedDetector detector = Prepared();
+    header.build_ns = static_cast<double>(world::Now() - build_begin);
+    for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
+      traced_.MoveTo(i);
+      pairs_.clear();
+      const std::int64_t begin = world::Now();
+      detector.detector->FindPairs(traced_.scene(), pairs_);
+      const std::int64_t end = world::Now();
+      CheckPairs(traced_, detector.name, pairs_);
+      // As the engine does with them.
+      std::erase_if(
+          pairs_, [this](const Pair& pair) { return !traced_.scene().MayCollide(pair.a, pair.b); });
+      if (i < warmup_) continue;
+      const std::uint64_t cycle = i - warmup_;
+      if (!heap.empty()) heap[cycle] = probes::HeapBytes();
+      if (!duration.empty())
+        for (const measure::Phase phase :
+             {measure::Phase::kBroad, measure::Phase::kDetect, measure::Phase::kStep})
+          duration[measure::IndexOf(phase) * cycles_ + cycle] = static_cast<double>(end - begin);
+      if (!counts.empty()) counts[cycle] = Count(pairs_.size());
+      header.cycles_done.store(cycle + 1, std::memory_order_release);
+    }
+    const std::string hash = HashOf(pairs_);
+    std::memcpy(header.state_hash, hash.c_str(), hash.size() + 1);
+    header.peak_rss_bytes = probes::PeakRssBytes();
+    header.harness_ns = HarnessNs();
+  }
+
+  /// The same cycles once more from the start with a detector made anew, held against brute force.
+  void Judge() {
+    if (recording_.Ints("missed_pairs").empty()) return;
+    const auto series = [&](const char* name, std::uint64_t cycle, std::size_t count) {
+      recording_.Ints(name)[cycle] = Count(count);
+    };
+    const detection::NamedDetector detector = Prepared();
+    for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
+      traced_.MoveTo(i);
+      pairs_.clear();
+      detector.detector->FindPairs(traced_.scene(), pairs_);
+      CheckPairs(traced_, detector.name, pairs_);
+      if (i < warmup_) continue;
+      const detectors::PairFaults faults = detectors::ComparePairs(traced_.scene(), pairs_);
+      series("exact_pairs", i - warmup_, faults.exact);
+      series("missed_pairs", i - warmup_, faults.missed);
+      series("phantom_pairs", i - warmup_, faults.phantom);
+      series("duplicate_pairs", i - warmup_, faults.duplicate);
+    }
+  }
+
+ private:
+  static std::int32_t Count(std::size_t count) {
+    return static_cast<std::int32_t>(
+        std::min<std::size_t>(count, std::numeric_limits<std::int32_t>::max()));
+  }
+
+  /// Of a cycle: its two stamps, and the call of a detector that does nothing. The median of 101.
+  double HarnessNs() {
+    const detection::NamedDetector idle = detection::MakeDetector("null", run_.scene);
+    std::vector<Pair> none;
+    std::array<double, 101> times;
+    for (double& time : times) {
+      const std::int64_t begin = world::Now();
+      idle.detector->FindPairs(traced_.scene(), none);
+      time = static_cast<double>(world::Now() - begin);
+    }
+    std::ranges::nth_element(times, times.begin() + times.size() / 2);
+    return times[times.size() / 2];
+  }
+
+  detection::NamedDetector Prepared() {
+    traced_.MoveTo(0);
+    detection::NamedDetector detector = MakeFor(run_.scene, traced_);
+    detector.detector->Prepare(traced_.scene());
+    return detector;
+  }
+
+  const plan::Run& run_;
+  measure::Recording& recording_;
+  TracedScene traced_;
+  const std::uint64_t warmup_, cycles_;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace
+
+void ReplayTrace(const plan::Run& run, measure::Recording& recording, int trace_fd) {
+  try {
+    Replay replay(run, recording, trace_fd);
+    replay.Time();
+    replay.Judge();
+    recording.header().outcome.store(measure::WorkerOutcome::kDone, std::memory_order_release);
+  } catch (const std::bad_alloc&) {
+    ReportFailure(recording, "out of memory; a smaller trace needs less");
+  } catch (const std::exception& error) {
+    ReportFailure(recording, error.what());
+  } catch (...) {
+    ReportFailure(recording, "the detector throws what is no std::exception");
+  }
+}
+
+}  // namespace cdb::worker

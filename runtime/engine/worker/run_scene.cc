@@ -1,0 +1,168 @@
+#include "runtime/engine/worker/run_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "compiler/plan/reference.h"
+#include "library/layouts/initial_state.h"
+#include "library/layouts/perturbation.h"
+#include "library/layouts/placement.h"
+#include "library/objects/solid_factory.h"
+#include "runtime/engine/probes/memory.h"
+#include "runtime/engine/probes/pair_referee.h"
+#include "runtime/engine/probes/probes.h"
+#include "runtime/engine/probes/sampler.h"
+#include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/worker/harness.h"
+#include "runtime/engine/worker/settle.h"
+#include "runtime/engine/world/schedules.h"
+
+namespace cdb::worker {
+namespace {
+
+template <std::size_t size>
+void CopyText(const std::string& text, char (&to)[size]) {
+  const std::size_t length = std::min(text.size(), size - 1);
+  std::memcpy(to, text.data(), length);
+  to[length] = '\0';
+}
+
+/// One cycle after the other, with what belongs to each.
+class Stepper {
+ public:
+  Stepper(const plan::Scene& scene, world::Engine& engine)
+      : engine_(engine), schedules_(scene, engine), tripwire_(engine) {}
+
+  void Step() {
+    schedules_.BeforeStep(steps_++);
+    tripwire_.BeforeStep();
+    engine_.Step();
+    tripwire_.AfterStep();
+  }
+
+ private:
+  world::Engine& engine_;
+  world::Schedules schedules_;
+  world::OmissionGuard tripwire_;
+  std::uint64_t steps_ = 0;
+};
+
+bool RecordsPairs(const plan::Scene& scene) { return scene.world.Lists("record", "pairs"); }
+
+/// Times and memory are of a run that nobody referees.
+bool WantsSecondPass(const plan::Scene& scene) {
+  return plan::SamplingOf(scene) ||
+         (RecordsPairs(scene) &&
+          (scene.world.Lists("record", "timing") || scene.world.Lists("record", "memory")));
+}
+
+void RunCycles(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording,
+               int contacts_fd) {
+  probes::Probes probes(scene, engine, recording, contacts_fd);
+  std::optional<probes::PairReferee> referee;
+  if (RecordsPairs(scene) && !WantsSecondPass(scene)) referee.emplace(engine, recording);
+  const std::uint64_t warmup = scene.world.Count("warmup");
+  const std::uint64_t cycles = scene.world.Count("cycles");
+  Stepper stepper(scene, engine);
+  for (std::uint64_t i = 0; i < warmup; ++i) stepper.Step();
+  probes.Begin();
+  for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
+    if (referee) referee->BeforeStep();
+    stepper.Step();
+    probes.Record(cycle);
+    if (referee) referee->AfterStep(cycle);
+    recording.header().cycles_done.store(cycle + 1, std::memory_order_release);
+  }
+}
+
+/// All of it once, in a world that nobody has stepped yet, for samples and for the referee.
+void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
+                     measure::Recording& recording) {
+  std::optional<probes::Sampler> sampler;
+  if (plan::SamplingOf(scene)) sampler.emplace(scene, engine, recording);
+  std::optional<probes::PairReferee> referee;
+  if (RecordsPairs(scene)) referee.emplace(engine, recording);
+  Stepper stepper(scene, engine);
+  const std::uint64_t warmup = scene.world.Count("warmup");
+  const std::uint64_t steps = warmup + scene.world.Count("cycles");
+  if (sampler) sampler->Begin();
+  for (std::uint64_t i = 0; i < steps; ++i) {
+    if (sampler) sampler->BeforeStep();
+    if (referee && i >= warmup) referee->BeforeStep();
+    stepper.Step();
+    if (sampler) sampler->AfterStep();
+    if (referee && i >= warmup) referee->AfterStep(i - warmup);
+  }
+}
+
+/// The same run once more without a clock, from the start, for what is held against the truth
+/// alone. It has to go the same way.
+void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Recording& recording) {
+  plan::Scene quiet = scene;
+  quiet.world.values.insert_or_assign("record", schema::WordList{});
+  world::Engine engine(quiet, first.initial_state(), first.omissions());
+  RunWithoutClock(scene, engine, recording);
+  const std::string hash = probes::StateHash(engine);
+  if (hash != recording.header().state_hash)
+    throw std::runtime_error(
+        fmt::format("the pass that looks for errors ended in the state {} and the timed one in {}: "
+                    "this run does not repeat itself, and neither pass can be trusted",
+                    hash, recording.header().state_hash));
+}
+
+}  // namespace
+
+void ReportFailure(measure::Recording& recording, const std::string& message) {
+  CopyText(message, recording.header().message);
+  recording.header().outcome.store(measure::WorkerOutcome::kFailed, std::memory_order_release);
+}
+
+std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording& recording,
+                                        int contacts_fd, const std::string& keep_walls) {
+  measure::RecordingHeader& header = recording.header();
+  std::unique_ptr<world::Engine> engine;
+  try {
+    const std::int64_t place_begin = world::Now();
+    layouts::InitialState state = layouts::DrawObjects(run.scene);
+    header.fill_fraction = state.fill_fraction;  // known also where placing fails
+    CopyText(objects::ModelsText(state.forms), header.models);
+    layouts::Place(run.scene, state);
+    if (HasPile(run.scene)) SettlePiles(run.scene, state);
+    if (run.scene.role == plan::Role::kTwin) layouts::Perturb(run.scene, state);
+    const std::int64_t build_begin = world::Now();
+    header.place_ns = static_cast<double>(build_begin - place_begin);
+    pruning::Omissions omissions = pruning::DecideOmissions(run.scene, state);
+    if (!keep_walls.empty()) omissions.Keep(schema::Component::kWalls, keep_walls);
+    engine = std::make_unique<world::Engine>(run.scene, std::move(state), std::move(omissions));
+    header.build_ns = static_cast<double>(world::Now() - build_begin);
+    CopyText(plan::OmittedNames(engine->omissions().needs), header.omitted);
+    CopyText(plan::DecisionsText(engine->omissions().needs), header.needs);
+    if (run.scene.role == plan::Role::kMeasured) {
+      header.harness_ns = HarnessNs(run.scene, *engine);
+      RunCycles(run.scene, *engine, recording, contacts_fd);
+    } else {
+      RunWithoutClock(run.scene, *engine, recording);
+      header.cycles_done.store(run.scene.world.Count("cycles"), std::memory_order_release);
+    }
+    CopyText(probes::StateHash(*engine), header.state_hash);
+    header.peak_rss_bytes = probes::PeakRssBytes();
+    if (run.scene.role == plan::Role::kMeasured && WantsSecondPass(run.scene))
+      RunAgain(run.scene, *engine, recording);
+    header.outcome.store(measure::WorkerOutcome::kDone, std::memory_order_release);
+  } catch (const world::OmissionGuardTripped& tripped) {
+    if (RequestFor(run.scene, schema::Component::kWalls) == plan::PruningRequest::kAuto) throw;
+    ReportFailure(recording, fmt::format("omit walls: this scene needs them: {}", tripped.what()));
+  } catch (const std::bad_alloc&) {
+    ReportFailure(recording, "out of memory; fewer objects or fewer cycles need less");
+  } catch (const std::exception& error) {
+    ReportFailure(recording, error.what());
+  }
+  return engine;
+}
+
+}  // namespace cdb::worker

@@ -1,0 +1,46 @@
+// Piles: objects that drop from above and come to rest before the first cycle.
+//
+// Settled in double precision and with one detector, whatever the run's, so that every run of a
+// sweep begins with the same heap.
+#pragma once
+
+#include <cstdint>
+
+#include "compiler/plan/plan.h"
+#include "library/layouts/initial_state.h"
+
+namespace cdb::worker {
+
+/// Some group that is not empty has `location pile`.
+bool HasPile(const plan::Scene& scene);
+
+/// A little larger than they are, so that the objects do not overlap when they are themselves
+/// again: the first factor, and those tried when it was not enough.
+inline constexpr double kSettleGrowth[] = {1.02, 1.04, 1.08};
+/// At rest: of all but so many, which contacts keep trembling, no point moves faster than this, in
+/// units of sqrt(g d), d being the mean diameter, for kRestChecks looks in a row, a unit of time
+/// (sqrt(d / g)) apart.
+inline constexpr double kRestSpeed = 0.02;
+inline constexpr double kRestless = 0.02;  ///< of the objects
+inline constexpr int kRestChecks = 5;
+/// Units of time, beside that of the fall, after which a pile is given up.
+inline constexpr double kSettleTime = 400;
+
+/// Gives every object of a pile the pose in which it comes to rest, from that in which it was
+/// dropped; velocities stay as they were drawn. A push to the side and a spin, drawn from the
+/// stream `<group>.location`, keep equal objects from standing in columns. Other objects stand
+/// still the while. The pile comes to rest under the scene's acceleration, which must point
+/// downwards, friction and margins, with damping and without bounces.
+///
+/// In the single-precision build, the double-precision worker beside this program does it. What was
+/// settled before is taken from the cache (library/content_cache.h).
+/// Throws library::SceneError where there is no floor, no gravity, where nothing comes to rest, or
+/// the objects would overlap; std::system_error where the other worker cannot be started.
+void SettlePiles(const plan::Scene& scene, layouts::InitialState& state);
+
+/// The other end of it, for a worker that is given kSettleOption: `run` is settled and the poses,
+/// or why there are none, are written to `fd`. Throws std::system_error where that cannot be.
+inline constexpr const char* kSettleOption = "--settle";
+void SettleForAnother(const plan::Run& run, int fd);
+
+}  // namespace cdb::worker

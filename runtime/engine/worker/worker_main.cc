@@ -1,0 +1,138 @@
+// The worker: one process for one run. `cdb run` starts it with three descriptors
+// (runtime/measure/recording.h); it reads the run, writes the recording and ends.
+// Exit status: 0 when the recording says how the run ended, 2 when that was not possible.
+
+#include <LinearMath/btScalar.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/trace.h"
+#include "library/detectors/description.h"
+#include "library/detectors/plugin.h"
+#include "runtime/engine/detection/plugin_detectors.h"
+#include "runtime/engine/probes/memory.h"
+#include "runtime/engine/worker/replay.h"
+#include "runtime/engine/worker/run_scene.h"
+#include "runtime/engine/worker/settle.h"
+#include "runtime/engine/world/precision.h"
+#include "runtime/measure/file_descriptor_io.h"
+
+namespace cdb::worker {
+namespace {
+
+constexpr int kCannotReport = 2;
+/// Followed by the reason; a worker gives it to itself.
+constexpr const char* kKeepWalls = "--keep-walls";
+
+bool HasDescriptors() {
+  for (const int fd : {measure::kRunFd, measure::kRecordingFd, measure::kContactsFd})
+    if (fcntl(fd, F_GETFD) < 0) return false;
+  return true;
+}
+
+/// The same run from the start in a process that has done nothing yet, with all walls.
+[[noreturn]] void StartAgain(const char* program, measure::Recording& recording,
+                             const world::OmissionGuardTripped& tripped) {
+  recording.Clear();
+  if (lseek(measure::kRunFd, 0, SEEK_SET) != 0 || ftruncate(measure::kContactsFd, 0) != 0 ||
+      lseek(measure::kContactsFd, 0, SEEK_SET) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot start again");
+  execl("/proc/self/exe", program, kKeepWalls, tripped.what(), nullptr);
+  throw std::system_error(errno, std::generic_category(), "cannot start again");
+}
+
+/// What a library offers, for `cdb` (kDescribeOption). The library may print what it likes, or
+/// without end.
+int DescribeLibrary(const std::string& path) {
+  const int out = dup(STDOUT_FILENO);
+  constexpr rlimit kLimit = {1 << 20, 1 << 20};
+  if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0 || setrlimit(RLIMIT_FSIZE, &kLimit) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot look into a library");
+  try {
+    measure::WriteAll(out, detectors::DescriptionOf(detectors::LoadPlugin(path)));
+    return 0;
+  } catch (const detectors::PluginError& error) {
+    measure::WriteAll(out, error.what());
+    return detectors::kNoPlugin;
+  }
+}
+
+void RunWorker(const char* program, const std::string& keep_walls) {
+  const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
+  measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
+  const detection::NotesPluginCalls notes(recording.header().plugin_call);
+  const std::string mismatch = world::PrecisionMismatch();
+  if (!mismatch.empty()) {
+    ReportFailure(recording, mismatch);
+  } else if (run.scene.world.WordOr("precision") != world::EnginePrecision()) {
+    ReportFailure(recording,
+                  fmt::format("the run asks for {} precision, this worker has {}",
+                              run.scene.world.WordOr("precision"), world::EnginePrecision()));
+  } else {
+    try {
+      if (plan::TraceOf(run.scene)) {
+        ReplayTrace(run, recording, measure::kTraceFd);
+      } else {
+        RunScene(run, recording, measure::kContactsFd, keep_walls)
+            .release();  // the system takes it down
+      }
+    } catch (const world::OmissionGuardTripped& tripped) {
+      StartAgain(program, recording, tripped);
+    }
+  }
+  // Where the run did not get that far.
+  if (std::isnan(recording.header().peak_rss_bytes))
+    recording.header().peak_rss_bytes = probes::PeakRssBytes();
+}
+
+}  // namespace
+}  // namespace cdb::worker
+
+int main(int argc, char** argv) {
+  using namespace cdb;
+  using namespace cdb::worker;
+  if (argc == 2 && std::string_view(argv[1]) == "--version") {
+    fmt::print("cdb {}, Bullet {}.{}, {} precision\n", CDB_VERSION, btGetVersion() / 100,
+               btGetVersion() % 100, world::EnginePrecision());
+    return 0;
+  }
+  const bool describes = argc == 3 && std::string_view(argv[1]) == detectors::kDescribeOption;
+  const bool settles = argc == 2 && std::string_view(argv[1]) == kSettleOption;
+  const bool keeps_walls = argc == 3 && std::string_view(argv[1]) == kKeepWalls;
+  if (!describes && !settles && ((argc != 1 && !keeps_walls) || !HasDescriptors())) {
+    fmt::print(stderr,
+               "{}: this program runs one run of a plan for `cdb run` and is not started by hand; "
+               "use `cdb run FILE.cdb`\n",
+               argv[0]);
+    return kCannotReport;
+  }
+  try {
+    // A runner that is killed must not leave workers behind.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (describes) {
+      _exit(DescribeLibrary(argv[2]));
+    } else if (settles) {
+      SettleForAnother(plan::RunFromYaml(measure::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
+    } else {
+      RunWorker(argv[0], keeps_walls ? argv[2] : "");
+    }
+    std::fflush(nullptr);
+    _exit(0);  // nothing left to take down that the system does not
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", argv[0], error.what());
+    return kCannotReport;
+  }
+}

@@ -1,0 +1,35 @@
+// Numbers between Eigen, which is double, and Bullet, which is what this worker is built for.
+#pragma once
+
+#include <LinearMath/btMatrix3x3.h>
+
+#include <Eigen/Core>
+
+namespace cdb::world {
+
+inline btVector3 ToBullet(const Eigen::Vector3d& v) {
+  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
+}
+
+inline btMatrix3x3 BasisOf(const Eigen::Matrix3d& m) {
+  btMatrix3x3 basis;
+  for (int row = 0; row < 3; ++row) basis[row] = ToBullet(Eigen::Vector3d(m.row(row)));
+  return basis;
+}
+
+inline Eigen::Vector3d ToEigen(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+/// `v` as Bullet has it. By way of memory: GCC 12 at -O2 takes ToEigen(ToBullet(v)) for v itself,
+/// its vectorizer forgets the rounding.
+inline Eigen::Vector3d RoundedForBullet(const Eigen::Vector3d& v) {
+  Eigen::Vector3d rounded;
+  for (int axis = 0; axis < 3; ++axis) {
+    const volatile btScalar component = static_cast<btScalar>(v[axis]);
+    rounded[axis] = static_cast<double>(component);
+  }
+  return rounded;
+}
+
+}  // namespace cdb::world

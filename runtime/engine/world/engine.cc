@@ -1,0 +1,333 @@
+#include "runtime/engine/world/engine.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string>
+
+#include "dsl/check.h"
+#include "library/scene_error.h"
+#include "library/walls.h"
+#include "runtime/engine/detection/adapter_broad_phase.h"
+#include "runtime/engine/detection/adapter_dispatcher.h"
+#include "runtime/engine/detection/broad_phase.h"
+#include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/precision.h"
+
+namespace cdb::world {
+namespace {
+
+using layouts::ObjectState;
+using library::SceneError;
+using schema::Component;
+
+/// Bullet's own group of what moves, and one of our own for each wall, so that an object can be
+/// without it.
+constexpr int kObjectGroup = btBroadphaseProxy::DefaultFilter;
+constexpr int WallGroup(int wall) { return 64 << wall; }
+
+bool IsFinite(const btVector3& v) {
+  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+}
+
+/// The timestep in Bullet's precision.
+btScalar TimestepOf(const plan::Scene& scene) {
+  const double seconds = scene.world.Real("timestep");
+  const auto timestep = static_cast<btScalar>(seconds);
+  if (!(timestep > 0) || !std::isfinite(timestep) || !std::isfinite(1 / timestep))
+    throw SceneError(fmt::format("timestep {:.6g} s is out of reach of {} precision", seconds,
+                                 EnginePrecision()));
+  return timestep;
+}
+
+btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
+                                                  btCollisionShape* shape) {
+  const auto mass = static_cast<btScalar>(object.mass);
+  const btVector3 inertia = mass * ToBullet(object.solid.InertiaPerMass());
+  const Eigen::Quaterniond& turn = object.pose.orientation;
+  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
+  info.m_startWorldTransform.setRotation(
+      {static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
+       static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())});
+  info.m_startWorldTransform.setOrigin(ToBullet(object.pose.position));
+  info.m_friction = static_cast<btScalar>(object.friction);
+  info.m_rollingFriction = static_cast<btScalar>(object.rolling_friction);
+  info.m_restitution = static_cast<btScalar>(object.restitution);
+  info.m_linearDamping = static_cast<btScalar>(object.linear_damping);
+  info.m_angularDamping = static_cast<btScalar>(object.angular_damping);
+  return info;
+}
+
+/// Bullet divides by masses and moments, and takes what overflows without a word.
+void CheckRange(std::size_t index, const ObjectState& object, const btVector3& inertia) {
+  const auto refuse = [&](const char* what) {
+    throw SceneError(fmt::format("the {} of object {} is out of reach of {} precision", what,
+                                 index + 1, EnginePrecision()));
+  };
+  if (!IsFinite(ToBullet(object.pose.position))) refuse("place");
+  if (!IsFinite(ToBullet(object.solid.sides))) refuse("size");
+  if (!(ToBullet(object.solid.sides) * btVector3(1, 1, 1)).length2()) refuse("size");
+  if (!IsFinite(ToBullet(object.linear_velocity))) refuse("linear velocity");
+  if (!IsFinite(ToBullet(object.angular_velocity))) refuse("angular velocity");
+  if (object.IsFixed()) return;
+  const auto mass = static_cast<btScalar>(object.mass);
+  if (!std::isfinite(mass) || !std::isfinite(1 / mass)) refuse("mass");
+  for (int axis = 0; axis < 3; ++axis)
+    if (!std::isfinite(inertia[axis]) || !std::isfinite(1 / inertia[axis]))
+      refuse("moment of inertia");
+}
+
+/// How far sweep and prune should count: the cube, and where walls are missing also as far as an
+/// object can fly in the run.
+double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
+  const double half = scene.world.Real("world.side") / 2;
+  if (scene.world.WordOr("world.walls") == "all") return half;
+  double fastest = 0;
+  for (const ObjectState& object : state.objects)
+    fastest = std::max(fastest, object.linear_velocity.norm());
+  const double seconds =
+      scene.world.Real("timestep") *
+      static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
+  const double flight = fastest * seconds + state.acceleration.norm() * seconds * seconds / 2;
+  // Bullet takes bodies out of the simulation near 1e6.
+  return std::min(half + flight, std::max(half, 1e6));
+}
+
+btDefaultCollisionConstructionInfo PoolSizes(const pruning::Omissions& omissions) {
+  btDefaultCollisionConstructionInfo info;
+  if (omissions.Omits(Component::kPools))
+    info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize =
+        std::max(omissions.pool_size, 1);
+  return info;
+}
+
+/// Stands where Bullet wants a solver and none is ever called.
+class NoSolver : public btConstraintSolver {
+ public:
+  btScalar solveGroup(btCollisionObject**, int, btPersistentManifold**, int, btTypedConstraint**,
+                      int, const btContactSolverInfo&, btIDebugDraw*, btDispatcher*) override {
+    CDB_CHECK(false);
+  }
+  void reset() override {}
+  btConstraintSolverType getSolverType() const override { return BT_SEQUENTIAL_IMPULSE_SOLVER; }
+};
+
+std::unique_ptr<btConstraintSolver> MakeSolver(const pruning::Omissions& omissions) {
+  if (omissions.Omits(Component::kSolver)) return std::make_unique<NoSolver>();
+  return std::make_unique<btSequentialImpulseConstraintSolver>();
+}
+
+}  // namespace
+
+Engine::Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions)
+    : Engine(scene, std::move(state), omissions,
+             omissions.Omits(Component::kDetection) ? detection::Detectors{}
+                                                    : detection::MakeDetectors(scene)) {}
+
+Engine::Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions,
+               const detection::Detectors& detectors)
+    : scene_(scene),
+      state_(std::move(state)),
+      omissions_(std::move(omissions)),
+      standing_(pruning::StandingWalls(scene)),
+      side_(scene.world.Real("world.side")),
+      timestep_(TimestepOf(scene)),
+      faithful_(scene.world.WordOr("contact") == "faithful"),
+      sleeping_(scene.world.On("sleeping")),
+      acceleration_(state_.acceleration),
+      configuration_(PoolSizes(omissions_)),
+      solver_(MakeSolver(omissions_)) {
+  const btVector3 acceleration = ToBullet(state_.acceleration);
+  if (!IsFinite(acceleration))
+    throw SceneError(
+        fmt::format("the acceleration is out of reach of {} precision", EnginePrecision()));
+  objects_.reserve(state_.objects.size());
+  for (const ObjectState& object : state_.objects) MakeObject(object);
+  for (int wall = 0; wall < pruning::kWallCount; ++wall)
+    if ((standing_ & 1 << wall) != 0 && IsKept(wall)) MakeWall(wall);
+  SettleRotation();
+  MakeDetection(detectors);
+  links_ = std::make_unique<Links>(scene_, state_, objects_, *world_);
+}
+
+void Engine::MakeDetection(const detection::Detectors& detectors) {
+  const auto reach = static_cast<btScalar>(Reach(scene_, state_));
+  if (!std::isfinite(reach))
+    throw SceneError(fmt::format("world.side is out of reach of {} precision", EnginePrecision()));
+  const std::size_t bodies =
+      state_.objects.size() + static_cast<std::size_t>(std::popcount(standing_));
+  if (!detectors.broad) {
+    CDB_CHECK(!detectors.narrow);
+    const btVector3 corner(reach, reach, reach);
+    dispatcher_ = std::make_unique<btCollisionDispatcher>(&configuration_);
+    broad_phase_ = detection::MakeBroadPhase(
+        {.detector = omissions_.Omits(Component::kDetection) ? "simple" : detector(),
+         .bodies = bodies,
+         .lower = -corner,
+         .upper = corner,
+         .raycast_tree = !omissions_.Omits(Component::kRaycastTree)});
+    return MakeWorld();
+  }
+  for (const detection::NamedDetector* detector : {&detectors.broad, &detectors.narrow})
+    detection::CheckHolds(detector->name, detector->max_bodies, bodies);
+  scene_view_ = std::make_unique<detection::SceneView>(objects_, walls_, state_);
+  auto broad_phase = std::make_unique<detection::AdapterBroadPhase>(detectors.broad, *scene_view_);
+  detection::AdapterBroadPhase& broad = *broad_phase;
+  broad_phase_ = std::move(broad_phase);
+  detection::AdapterDispatcher* narrow = nullptr;
+  if (detectors.narrow) {
+    auto dispatcher = std::make_unique<detection::AdapterDispatcher>(
+        &configuration_, detectors.narrow, *scene_view_);
+    narrow = dispatcher.get();
+    dispatcher_ = std::move(dispatcher);
+  } else {
+    dispatcher_ = std::make_unique<btCollisionDispatcher>(&configuration_);
+  }
+  MakeWorld();
+  broad.Prepare();
+  if (narrow != nullptr && detectors.narrow.detector != detectors.broad.detector) narrow->Prepare();
+}
+
+Engine::~Engine() {
+  // Bullet looks through all pairs for each body that it removes; without pairs that is nothing.
+  btOverlappingPairCache* cache = broad_phase_->getOverlappingPairCache();
+  while (cache->getNumOverlappingPairs() > 0) {
+    const btBroadphasePair last =
+        cache->getOverlappingPairArray()[cache->getNumOverlappingPairs() - 1];
+    if (cache->removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, dispatcher_.get()) ==
+            nullptr &&
+        cache->findPair(last.m_pProxy0, last.m_pProxy1) != nullptr)
+      break;
+  }
+}
+
+void Engine::SetUpSolver() {
+  btContactSolverInfo& info = world_->getSolverInfo();
+  info.m_numIterations = static_cast<int>(scene_.world.Count("solver.iterations"));
+  info.m_erp = info.m_erp2 = static_cast<btScalar>(scene_.world.Real("solver.erp"));
+  const double warm_start = scene_.world.Real("solver.warm_start");
+  info.m_warmstartingFactor = static_cast<btScalar>(warm_start);
+  if (warm_start == 0) info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;
+  // Speculative contacts eat the rebound, and so does split impulse for shallow ones.
+  if (faithful_) info.m_splitImpulsePenetrationThreshold = 0;
+}
+
+void Engine::SetAcceleration(const Eigen::Vector3d& acceleration) {
+  acceleration_ = acceleration;
+  // Bullet gives gravity to those that are awake.
+  for (const auto& body : objects_)
+    if (!body->isStaticObject()) body->activate(true);
+  world_->setGravity(ToBullet(acceleration));
+}
+
+bool Engine::IsKept(int wall) const {
+  return omissions_.walls.empty() || std::ranges::any_of(omissions_.walls, [&](std::uint8_t kept) {
+           return (kept & 1 << wall) != 0;
+         });
+}
+
+void Engine::MakeObject(const ObjectState& object) {
+  btCollisionShape* shape = shapes_.Get(object.solid, object.margin);
+  const auto info = BodyInfo(object, shape);
+  CheckRange(objects_.size(), object, info.m_localInertia);
+  auto body = std::make_unique<btRigidBody>(info);
+  if (!object.IsFixed()) {
+    body->setLinearVelocity(ToBullet(object.linear_velocity));
+    body->setAngularVelocity(ToBullet(object.angular_velocity));
+    if (!sleeping_) body->setActivationState(DISABLE_DEACTIVATION);
+  }
+  if (std::isfinite(object.contact_stiffness))
+    body->setContactStiffnessAndDamping(static_cast<btScalar>(object.contact_stiffness),
+                                        static_cast<btScalar>(object.contact_damping));
+  if (object.ccd) {
+    // Bullet sweeps convex shapes alone, and says nothing.
+    if (!shape->isConvex())
+      throw SceneError(
+          fmt::format("object {}: ccd is for convex types, and it is a compound; set "
+                      "ccd off for its group",
+                      objects_.size() + 1));
+    const auto radius = static_cast<btScalar>(object.solid.InnerRadius());
+    body->setCcdMotionThreshold(radius);
+    body->setCcdSweptSphereRadius(radius);
+  }
+  body->setUserIndex(static_cast<int>(objects_.size()));
+  objects_.push_back(std::move(body));
+}
+
+void Engine::MakeWall(int wall) {
+  const int axis = wall / 2, sign = wall % 2 == 0 ? -1 : 1;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  if (scene_.world.WordOr("world.wall_shape") == "plane") {
+    centre[axis] = sign * side_ / 2;
+    wall_shapes_.push_back(std::make_unique<btStaticPlaneShape>(
+        ToBullet(-sign * Eigen::Vector3d::Unit(axis)), btScalar(0)));
+  } else {
+    const double thickness = pruning::kWallThickness * side_;
+    Eigen::Vector3d half = Eigen::Vector3d::Constant(side_ / 2 + thickness);
+    half[axis] = thickness / 2;
+    centre[axis] = sign * (side_ + thickness) / 2;
+    wall_shapes_.push_back(std::make_unique<btBoxShape>(ToBullet(half)));
+  }
+  btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, wall_shapes_.back().get());
+  info.m_startWorldTransform.setOrigin(ToBullet(centre));
+  info.m_friction = static_cast<btScalar>(library::kWallFriction);
+  info.m_restitution = static_cast<btScalar>(library::kWallRestitution);
+  auto body = std::make_unique<btRigidBody>(info);
+  body->setUserIndex(static_cast<int>(objects_.size()) + wall);
+  walls_.push_back(std::move(body));
+}
+
+void Engine::SettleRotation() {
+  if (!omissions_.Omits(Component::kRotation)) return;
+  const auto turning = std::ranges::find_if(objects_, [&](const auto& body) {
+    return !body->isStaticObject() && !MayOmitRotation(*body, timestep_);
+  });
+  if (turning == objects_.end()) return;
+  const std::string why =
+      fmt::format("object {} turns by rounding, without any spin", turning - objects_.begin() + 1);
+  if (plan::RequestFor(scene_, Component::kRotation) == plan::PruningRequest::kByName)
+    throw SceneError(fmt::format("omit rotation: this scene needs it: {}", why));
+  omissions_.Keep(Component::kRotation, why);
+}
+
+void Engine::MakeWorld() {
+  if (scene_.world.Lists("record", "timing")) {
+    auto world = std::make_unique<TimedWorld>(dispatcher_.get(), broad_phase_.get(), solver_.get(),
+                                              &configuration_, omissions_);
+    timed_world_ = world.get();
+    world_ = std::move(world);
+  } else {
+    world_ = std::make_unique<LeanWorld>(dispatcher_.get(), broad_phase_.get(), solver_.get(),
+                                         &configuration_, omissions_);
+  }
+  world_->setGravity(ToBullet(state_.acceleration));
+  world_->getDispatchInfo().m_deterministicOverlappingPairs =
+      scene_.world.WordOr("pair_order") == "sorted";
+  SetUpSolver();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    btRigidBody& body = *objects_[i];
+    if (faithful_) body.setContactProcessingThreshold(0);
+    int without = 0;
+    for (int wall = 0; wall < pruning::kWallCount; ++wall)
+      if (IsWithoutWall(i, wall)) without |= WallGroup(wall);
+    if (without == 0) {
+      world_->addRigidBody(&body);
+    } else {
+      world_->addRigidBody(&body, kObjectGroup, btBroadphaseProxy::AllFilter & ~without);
+    }
+  }
+  for (const auto& wall : walls_) {
+    if (faithful_) wall->setContactProcessingThreshold(0);
+    if (omissions_.walls.empty()) {
+      world_->addRigidBody(wall.get());
+    } else {
+      world_->addRigidBody(wall.get(),
+                           WallGroup(wall->getUserIndex() - static_cast<int>(objects_.size())),
+                           kObjectGroup);
+    }
+  }
+}
+
+}  // namespace cdb::world

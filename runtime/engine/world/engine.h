@@ -1,0 +1,106 @@
+// One scene in Bullet: built from the plan, advanced cycle by cycle.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "library/layouts/initial_state.h"
+#include "runtime/engine/detection/detectors.h"
+#include "runtime/engine/detection/scene_view.h"
+#include "runtime/engine/world/lean_world.h"
+#include "runtime/engine/world/links.h"
+#include "runtime/engine/world/shapes.h"
+#include "runtime/engine/world/timed_world.h"
+#include "runtime/pruning/omissions.h"
+
+namespace cdb::world {
+
+/// Holds only what the run does not leave out; every body moves as it would with all of it.
+///
+/// Walls are fixed bodies with the friction and restitution of library/walls.h. `plane` walls are
+/// infinite half spaces; `box` walls are a tenth of the cube's side thick and reach over its edges.
+/// A fixed object keeps its place: its velocities are drawn and left out. Not for several threads.
+class Engine {
+ public:
+  /// Builds the world of `state`, which MakeInitialState drew from `scene`, without what
+  /// `omissions` leaves out of it (SettleNeeds of the same two). Bodies are added object by object
+  /// in the plan's order, then the walls -x, +x, -y, +y, -z, +z that stand and that some object
+  /// keeps. Throws library::SceneError for what the detector or the precision cannot hold, and
+  /// where `omit` names what only the built world shows to be needed.
+  Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions);
+  /// The same with these instead of the detectors that the scene names.
+  Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions,
+         const detection::Detectors& detectors);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// One cycle: one internal step of the scene's timestep.
+  void Step() {
+    if (timed_world_ != nullptr) {
+      timed_world_->TimedStep(timestep_);
+    } else {
+      world_->stepSimulation(timestep_, 1, timestep_);
+    }
+  }
+
+  /// What is left out; may be less than it was built with.
+  const pruning::Omissions& omissions() const { return omissions_; }
+  /// `wall` (0 to 5: -x, +x, -y, +y, -z, +z) stands in the scene, and this object is without it.
+  bool IsWithoutWall(std::size_t object, int wall) const {
+    return !omissions_.walls.empty() && (standing_ & ~omissions_.walls[object] & 1 << wall) != 0;
+  }
+  std::string_view detector() const { return scene_.world.WordOr("detector"); }
+  /// The bodies as detectors see them; null where both phases are Bullet's own.
+  const detection::SceneView* scene_view() const { return scene_view_.get(); }
+
+  /// Null where the scene does not record timing; its cycles run without a clock.
+  const TimedWorld* timed_world() const { return timed_world_; }
+  btDiscreteDynamicsWorld& world() { return *world_; }
+  const layouts::InitialState& initial_state() const { return state_; }
+  /// The objects, in the order of the initial state; a body's getUserIndex is its place here, a
+  /// wall's the number of objects and its own.
+  const std::vector<std::unique_ptr<btRigidBody>>& objects() const { return objects_; }
+  const std::vector<std::unique_ptr<btRigidBody>>& walls() const { return walls_; }
+  const Links& links() const { return *links_; }
+  /// As it is now; in the engine, rounded to its precision. Setting it wakes all who sleep.
+  const Eigen::Vector3d& acceleration() const { return acceleration_; }
+  void SetAcceleration(const Eigen::Vector3d& acceleration);
+  btScalar timestep() const { return timestep_; }
+  double side() const { return side_; }
+
+ private:
+  void MakeDetection(const detection::Detectors& detectors);
+  bool IsKept(int wall) const;  ///< by any object
+  void MakeObject(const layouts::ObjectState& object);
+  void MakeWall(int wall);
+  void SettleRotation();
+  void MakeWorld();
+  void SetUpSolver();
+
+  // What follows uses what stands before it, the world all of it.
+  const plan::Scene scene_;
+  const layouts::InitialState state_;
+  pruning::Omissions omissions_;
+  const std::uint8_t standing_;  ///< walls of the scene, by their bits
+  const double side_;
+  const btScalar timestep_;
+  const bool faithful_, sleeping_;
+  Eigen::Vector3d acceleration_;
+  ShapePool shapes_;
+  std::vector<std::unique_ptr<btCollisionShape>> wall_shapes_;
+  std::vector<std::unique_ptr<btRigidBody>> objects_, walls_;
+  btDefaultCollisionConfiguration configuration_;
+  std::unique_ptr<btConstraintSolver> solver_;
+  std::unique_ptr<detection::SceneView> scene_view_;  ///< where a detector is not Bullet's own
+  std::unique_ptr<btCollisionDispatcher> dispatcher_;
+  std::unique_ptr<btBroadphaseInterface> broad_phase_;
+  std::unique_ptr<LeanWorld> world_;
+  std::unique_ptr<Links> links_;
+  TimedWorld* timed_world_ = nullptr;  ///< `world_`, where it is one
+};
+
+}  // namespace cdb::world

@@ -1,0 +1,59 @@
+// Bullet's discrete world without the passes that a scene does not need.
+//
+// Each pass that is left out would have changed nothing, or is replaced by what it would have come
+// to, so that every body moves as it does in Bullet's own world, to the bit (Bullet 3.24):
+//   detection       not called; no pair, no manifold
+//   solver          calculateSimulationIslands is not called, and in solveConstraints velocities
+//                   become (v + 0) + (F m^-1) dt and the same of the spin with the gyroscopic
+//                   impulse, as btSequentialImpulseConstraintSolver does to bodies without contact
+//   sleeping        updateActivationState is not called: all stay active
+//   swept_contacts  createPredictiveContacts is not called
+//   gravity         applyGravity is not called: it would add 0
+//   damping         applyDamping is not called: it would multiply by 1
+//   rotation        only places move; turning by 0 must give the same orientation (MayOmitRotation)
+//   motion_states   synchronizeMotionStates is not called: no body has one
+//   static_boxes    from the second cycle on only the boxes of active bodies are updated
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include "runtime/pruning/omissions.h"
+
+namespace cdb::world {
+
+/// Not for several threads.
+class LeanWorld : public btDiscreteDynamicsWorld {
+ public:
+  /// What the arguments point to must outlive it. `solver` is never called where it is left out.
+  LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phase,
+            btConstraintSolver* solver, btCollisionConfiguration* configuration,
+            const pruning::Omissions& omissions);
+
+  void updateAabbs() override;
+  void performDiscreteCollisionDetection() override;
+  void solveConstraints(btContactSolverInfo& info) override;
+  void applyGravity() override;
+  void synchronizeMotionStates() override;
+
+ protected:
+  bool Omits(schema::Component component) const {
+    return (omitted_ >> static_cast<int>(component) & 1) != 0;
+  }
+
+  void predictUnconstraintMotion(btScalar timestep) override;
+  void createPredictiveContacts(btScalar timestep) override;
+  void calculateSimulationIslands() override;
+  void updateActivationState(btScalar timestep) override;
+  void integrateTransforms(btScalar timestep) override;
+
+ private:
+  void ApplyForces(btRigidBody& body, btScalar timestep);
+
+  unsigned omitted_ = 0;  ///< bit by component
+};
+
+/// The body stays as it is turned, to the bit, while nothing touches it: it does not spin, and
+/// Bullet's way from matrix to quaternion and back ends where it began.
+bool MayOmitRotation(btRigidBody& body, btScalar timestep);
+
+}  // namespace cdb::world

@@ -1,0 +1,58 @@
+// Watches a run whose walls are left out in part, and ends it at the first sign that this could
+// change how an object moves.
+//
+// Without walls a run is the same as with them, by induction over its cycles, as long as
+//   - no object whose wall is left out comes so near that Bullet would make a contact of it;
+//   - no moving object is in two manifolds with contacts at once: Bullet solves the contacts of an
+//     island in an order that depends on all pairs there are;
+//   - with dbvt, no object that has ever been in a pair with another one wants to sleep: dbvt drops
+//     pairs a few at a time, the more slowly the more pairs there are, and a pair keeps both awake.
+#pragma once
+
+#include <array>
+#include <stdexcept>
+#include <vector>
+
+#include "runtime/engine/world/engine.h"
+
+namespace cdb::world {
+
+/// The run must start again with all its walls; what() says why.
+class OmissionGuardTripped : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Does nothing where the engine has all walls. The engine must outlive it. Not for several
+/// threads.
+class OmissionGuard {
+ public:
+  explicit OmissionGuard(Engine& engine);
+
+  /// Call before each step: the places that the step's detection will see. Throws Tripped.
+  void BeforeStep() const {
+    if (is_set_) CheckWalls();
+  }
+  /// Call after each step. Throws Tripped.
+  void AfterStep() {
+    if (is_set_) CheckOrder();
+  }
+
+ private:
+  /// Where an object's centre may be without a closer look.
+  struct Room {
+    std::array<btScalar, 3> lower, upper;
+  };
+
+  void CheckWalls() const;
+  void CheckOutside(std::size_t object) const;
+  void CheckOrder();
+  void CheckSleepers();
+
+  Engine& engine_;
+  const bool is_set_, watches_sleepers_;
+  std::vector<Room> rooms_;
+  std::vector<char> touches_, has_met_;  ///< by object
+};
+
+}  // namespace cdb::world

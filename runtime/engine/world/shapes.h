@@ -1,0 +1,72 @@
+// Bullet shapes of the library's solids.
+#pragma once
+
+#include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
+#include <btBulletCollisionCommon.h>
+
+#include <map>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "library/objects/solid.h"
+
+namespace cdb::world {
+
+/// Any solid by its support function; Bullet's general convex algorithm (GJK and EPA) takes it. For
+/// what Bullet has no shape of its own: ellipsoids, cylinders, cones and capsules on an ellipse,
+/// tetrahedra, and every cone, as Bullet's has its origin at half the height and adds its margin
+/// outside. The core is the solid with `margin` taken off each half extent, so that core and margin
+/// together have the solid's extents.
+class SolidShape : public btConvexInternalShape {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  SolidShape(const objects::Solid& solid, btScalar margin);
+
+  btVector3 localGetSupportingVertex(const btVector3& direction) const override;
+  btVector3 localGetSupportingVertexWithoutMargin(const btVector3& direction) const override;
+  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* directions,
+                                                         btVector3* points,
+                                                         int count) const override;
+  void getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const override;
+  void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
+  const char* getName() const override { return "solid"; }
+
+ private:
+  objects::Solid solid_;
+  btVector3 core_;       ///< half extents of the core
+  btScalar core_shift_;  ///< y of the core's box centre
+};
+
+/// The outermost point of a shape that is convex, or a compound of convex ones, along `direction`,
+/// in its own frame, margin and all.
+btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& direction);
+
+/// Makes shapes and owns them; equal solids with equal margins share one, and compounds of one form
+/// share its vertices whatever their size. Not for several threads.
+class ShapePool {
+ public:
+  /// Valid while the pool lives: convex, or a btCompoundShape of convex ones. A ball's margin is
+  /// its radius and a plane has none: `margin` is then without effect. 0.04, the default, stands
+  /// for Bullet's own rule: 0.04 m, or a tenth of the least half extent (of any piece) where that
+  /// is less. Any other margin is taken as it is. Throws library::SceneError where it is not less
+  /// than the least half extent.
+  btCollisionShape* Get(const objects::Solid& solid, double margin);
+  std::size_t size() const { return shapes_.size(); }
+
+ private:
+  using Key = std::tuple<objects::Shape, const objects::Compound*, double, double, double, double>;
+  using Points = std::vector<btVector3>;  ///< of one piece
+
+  std::unique_ptr<btCollisionShape> MakeCompound(const objects::Compound& compound,
+                                                 btScalar margin);
+  std::vector<Points>& PointsOf(const objects::ConvexDecomposition& form);
+
+  std::map<const objects::ConvexDecomposition*, std::vector<Points>> points_;
+  std::vector<std::unique_ptr<Points>> own_points_;        ///< of what is one piece
+  std::vector<std::unique_ptr<btCollisionShape>> pieces_;  ///< of compounds
+  std::map<Key, std::unique_ptr<btCollisionShape>> shapes_;
+};
+
+}  // namespace cdb::world

@@ -1,0 +1,56 @@
+// The world with a clock at the borders of its phases.
+//
+// What each phase holds (Bullet 3.24, one call of stepSimulation with one internal step):
+//   detect     performDiscreteCollisionDetection, that is broad and narrow, nothing between them
+//     broad    updateAabbs and computeOverlappingPairs: boxes moved, pairs found and lost
+//     narrow   dispatchAllCollisionPairs: contacts of the pairs, manifolds refreshed
+//   solve      solveConstraints: islands built from the manifolds, contacts set up and solved;
+//   gravity,
+//              applied forces and gyroscopic torque become velocity here
+//   integrate  integrateTransforms: positions and orientations moved; sweeps of `ccd`
+//   step       all of stepSimulation
+// In none of the first five, but in step: gravity as a force, predictUnconstraintMotion (damping
+// and the predicted poses), createPredictiveContacts (the first sweep of `ccd`),
+// calculateSimulationIslands (which bodies are joined and which islands sleep),
+// updateActivationState, clearing the forces.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "runtime/engine/world/lean_world.h"
+#include "runtime/measure/series.h"
+
+namespace cdb::world {
+
+/// Monotonic time in ns.
+std::int64_t Now();
+
+/// Stamps the clock so many times a step; stores nothing else. Not for several threads.
+class TimedWorld final : public LeanWorld {
+ public:
+  static constexpr std::size_t kStamps = 9;
+  using LeanWorld::LeanWorld;
+
+  /// One internal step of `timestep` s, stamped.
+  void TimedStep(btScalar timestep);
+  /// Nanoseconds of each phase of the last TimedStep, each the difference of its own two stamps.
+  std::array<double, measure::kPhaseCount> Durations() const;
+
+  void performDiscreteCollisionDetection() override;
+  void solveConstraints(btContactSolverInfo& info) override;
+
+ protected:
+  void integrateTransforms(btScalar timestep) override;
+
+ private:
+  /// Neighbours share a stamp: broad ends where narrow begins.
+  struct Stamps {
+    std::int64_t step_begin, detect_begin, broad_end, detect_end;
+    std::int64_t solve_begin, solve_end, integrate_begin, integrate_end, step_end;
+  };
+  static_assert(sizeof(Stamps) == kStamps * sizeof(std::int64_t));
+  Stamps stamps_ = {};
+};
+
+}  // namespace cdb::world

@@ -1,0 +1,164 @@
+#include "runtime/process/collect.h"
+
+#include <fmt/format.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <limits>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "compiler/schema/value.h"
+#include "runtime/measure/plugin_call.h"
+#include "runtime/process/process.h"
+
+namespace cdb::process {
+namespace {
+
+/// Text in shared memory that a crashing process may have written over.
+template <std::size_t kSize>
+std::string BoundedText(const char (&text)[kSize]) {
+  return std::string(text, strnlen(text, kSize));
+}
+
+/// What a worker wrote before it ended; empty where a crash left something else there.
+std::string LinesOf(std::string text) {
+  const bool is_text = std::ranges::all_of(
+      text, [](unsigned char c) { return c < 0x7f && (c >= ' ' || c == '\n'); });
+  return is_text ? text : std::string();
+}
+
+std::string CrashText(const ProcessEnd& end, std::string_view trouble, const std::string& where) {
+  std::string text(trouble);
+  if (end.wait_status != 0) text = "the worker " + EndText(end.wait_status);
+  if (!where.empty()) text += " in " + where;
+  return end.last_lines.empty() ? text : text + ": " + end.last_lines;
+}
+
+/// Sets what belongs to `cycle` and later ones to `none`.
+template <typename T>
+void ClearFrom(std::span<T> values, const measure::Series& series, std::uint64_t cycle,
+               std::uint64_t cycles, T none) {
+  if (!series.HasCycles()) return;
+  if (series.shape == measure::SeriesShape::kPhase) {
+    for (std::size_t row = 0; row + cycles <= values.size(); row += cycles)
+      std::ranges::fill(values.subspan(row + cycle, cycles - cycle), none);
+  } else {
+    std::ranges::fill(values.subspan(values.size() / cycles * cycle), none);
+  }
+}
+
+void ClearUnfinished(measure::Recording& recording, std::uint64_t n_cycles, std::uint64_t cycles) {
+  for (const measure::Series& series : measure::AllSeries()) {
+    if (recording.Bytes(series).empty()) continue;
+    if (series.type == measure::SeriesType::kInt32) {
+      ClearFrom<std::int32_t>(recording.Ints(series.name), series, n_cycles, cycles, -1);
+    } else {
+      ClearFrom<double>(recording.Reals(series.name), series, n_cycles, cycles,
+                        std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+}
+
+/// The contacts of the first cycles; fewer cycles where a worker died before it had written the
+/// contacts of all that it finished.
+std::vector<measure::ContactRecord> ReadContacts(int fd, std::span<const std::int32_t> counts,
+                                                 std::uint64_t& n_cycles) {
+  struct stat status = {};
+  if (fstat(fd, &status) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot read the contacts of a run");
+  const std::uint64_t written =
+      static_cast<std::uint64_t>(status.st_size) / sizeof(measure::ContactRecord);
+  std::uint64_t wanted = 0;
+  std::uint64_t cycle = 0;
+  for (; cycle < n_cycles; ++cycle) {
+    const auto count = static_cast<std::uint64_t>(std::max(counts[cycle], 0));
+    if (wanted + count > written) break;
+    wanted += count;
+  }
+  n_cycles = cycle;
+  std::vector<measure::ContactRecord> contacts(wanted);
+  auto* to = reinterpret_cast<char*>(contacts.data());
+  for (std::size_t at = 0; at < wanted * sizeof(measure::ContactRecord);) {
+    const ssize_t got =
+        pread(fd, to + at, wanted * sizeof(measure::ContactRecord) - at, static_cast<off_t>(at));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0)
+      throw std::system_error(got < 0 ? errno : EIO, std::generic_category(),
+                              "cannot read the contacts of a run");
+    at += static_cast<std::size_t>(got);
+  }
+  return contacts;
+}
+
+}  // namespace
+
+store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::Recording& recording,
+                         int contacts_fd) {
+  const measure::RecordingHeader& header = recording.header();
+  const std::uint64_t cycles = run.scene.world.Count("cycles");
+  const measure::WorkerOutcome outcome = header.outcome.load(std::memory_order_acquire);
+  store::RunResult result;
+  result.n_cycles = std::min(header.cycles_done.load(std::memory_order_acquire), cycles);
+  const std::uint64_t reported = result.n_cycles;
+  if (run.scene.world.Lists("record", "contacts"))
+    result.contacts = ReadContacts(contacts_fd, recording.Ints("contacts"), result.n_cycles);
+
+  const std::string where =
+      measure::PluginCallText(header.plugin_call.load(std::memory_order_relaxed), run.scene);
+  const bool has_exited = WIFEXITED(end.wait_status) && WEXITSTATUS(end.wait_status) == 0;
+  if (has_exited && outcome == measure::WorkerOutcome::kDone && result.n_cycles == cycles) {
+    result.status = store::Status::kDone;
+    result.state_hash = BoundedText(header.state_hash);
+  } else if (has_exited && outcome == measure::WorkerOutcome::kFailed) {
+    result.status = store::Status::kFailed;
+    result.message = BoundedText(header.message);
+    if (result.message.empty()) result.message = "the worker failed without a reason";
+  } else if (end.is_timed_out && !has_exited) {
+    result.status = store::Status::kTimedOut;
+    result.message = fmt::format("ended at its timeout of {} s after {} of {} cycles{}{}",
+                                 schema::FormatReal(run.scene.world.Real("timeout")),
+                                 result.n_cycles, cycles, where.empty() ? "" : ", in ", where);
+  } else {
+    result.status = store::Status::kCrashed;
+    std::string trouble = "the worker ended without a report";
+    if (outcome == measure::WorkerOutcome::kDone)
+      trouble = reported < cycles
+                    ? fmt::format("the worker ended after {} of {} cycles", reported, cycles)
+                    : "the worker ended without all of its contacts";
+    result.message = CrashText(end, trouble, where);
+  }
+  if (result.status != store::Status::kFailed) {
+    const measure::Verdict ending =
+        result.status == store::Status::kTimedOut  ? measure::Verdict::kTimedOut
+        : result.status == store::Status::kCrashed ? measure::Verdict::kCrashed
+                                                   : measure::Verdict::kUnknown;
+    result.judgement = measure::Judge(run.scene, recording, result.n_cycles, ending);
+  }
+  if (result.status != store::Status::kDone) ClearUnfinished(recording, result.n_cycles, cycles);
+
+  result.omitted = BoundedText(header.omitted);
+  result.needs = BoundedText(header.needs);
+  result.models = BoundedText(header.models);
+  if (!has_exited) {
+    result.omitted = LinesOf(std::move(result.omitted));
+    result.needs = LinesOf(std::move(result.needs));
+    result.models = LinesOf(std::move(result.models));
+  }
+  result.peak_rss_bytes = header.peak_rss_bytes;
+  result.place_ns = header.place_ns;
+  result.build_ns = header.build_ns;
+  result.fill_fraction = header.fill_fraction;
+  result.harness_ns = header.harness_ns;
+  for (const measure::Series& series : measure::AllSeries())
+    if (const auto bytes = recording.Bytes(series); !bytes.empty())
+      result.series.emplace_back(&series, bytes);
+  return result;
+}
+
+}  // namespace cdb::process

@@ -1,0 +1,65 @@
+// Starting worker programs: descriptors, signals, and how a process ended, in words.
+#pragma once
+
+#include <spawn.h>
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace cdb::process {
+
+/// A descriptor of our own, closed at its end. What a worker gets are copies.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd = -1) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Descriptor() { Close(); }
+  void Close();
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// A file without a name. Throws ScheduleError.
+Descriptor MemoryFile(const char* name);
+
+/// Becomes readable when the process has ended. Throws ScheduleError.
+Descriptor WatchProcess(pid_t pid);
+
+/// What a worker is started with: standard input empty, standard output dropped unless it is given,
+/// no signal ignored or blocked, a process group of its own. Throws ScheduleError.
+class SpawnPlan {
+ public:
+  SpawnPlan();
+  ~SpawnPlan();
+  SpawnPlan(const SpawnPlan&) = delete;
+  SpawnPlan& operator=(const SpawnPlan&) = delete;
+
+  /// A copy of `from`, as `to` over there.
+  void Give(int from, int to);
+  /// Nothing beside what was given is open over there.
+  pid_t Start(const std::filesystem::path& program, std::vector<std::string> arguments = {});
+
+ private:
+  posix_spawn_file_actions_t actions_;
+  posix_spawnattr_t attributes_;
+  std::vector<Descriptor> sources_;
+  int last_ = 2;  ///< the highest that is given, or standard error
+};
+
+/// `was ended by signal 11 (SIGSEGV, Segmentation fault)`, `ended with exit status 3`.
+std::string EndText(int wait_status);
+
+/// The world refused. Throws ScheduleError: what, and the system's words for `error`.
+[[noreturn]] void FailToStart(std::string_view what, int error);
+
+}  // namespace cdb::process

@@ -1,0 +1,29 @@
+// The traces that workers are given, each read from its file once for as many runs as want it.
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <utility>
+
+#include "compiler/plan/trace.h"
+#include "runtime/measure/trace_memory.h"
+
+namespace cdb::process {
+
+/// Keeps the last few: a worker's copy of the descriptor keeps its own alive. Not for several
+/// threads.
+class TraceCache {
+ public:
+  explicit TraceCache(std::size_t places) : places_(places) {}
+
+  /// The descriptor of the trace, valid until as many others were asked for as there are places.
+  /// Throws StoreError, std::system_error.
+  int Get(const plan::TraceName& name);
+
+ private:
+  std::size_t places_;
+  std::list<std::pair<plan::TraceName, measure::TraceMemory>>
+      traces_;  ///< the last asked for first
+};
+
+}  // namespace cdb::process

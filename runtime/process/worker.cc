@@ -1,0 +1,375 @@
+#include "runtime/process/worker.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/trace.h"
+#include "dsl/check.h"
+#include "runtime/measure/host.h"
+#include "runtime/measure/plugin_call.h"
+#include "runtime/process/collect.h"
+#include "runtime/process/process.h"
+
+namespace cdb::process {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC
+
+Descriptor RunFile(const plan::Run& run) {
+  const std::string text = plan::RunToYaml(run);
+  Descriptor fd = MemoryFile("cdb-run");
+  // A worker reads from the start: pwrite leaves the shared offset there.
+  const ssize_t written = pwrite(fd.get(), text.data(), text.size(), 0);
+  if (written != static_cast<ssize_t>(text.size()))
+    FailToStart("no memory to start a run", written < 0 ? errno : ENOSPC);
+  return fd;
+}
+
+/// What we start while it lives starts on `cpu`: a child inherits, so there is no moment at which
+/// it runs elsewhere.
+class OnCpu {
+ public:
+  explicit OnCpu(int cpu) {
+    is_set_ = sched_getaffinity(0, sizeof before_, &before_) == 0;
+    cpu_set_t only;
+    CPU_ZERO(&only);
+    CPU_SET(cpu, &only);
+    if (is_set_) is_set_ = sched_setaffinity(0, sizeof only, &only) == 0;
+  }
+  ~OnCpu() {
+    if (is_set_) sched_setaffinity(0, sizeof before_, &before_);
+  }
+  OnCpu(const OnCpu&) = delete;
+  OnCpu& operator=(const OnCpu&) = delete;
+
+ private:
+  cpu_set_t before_ = {};
+  bool is_set_ = false;
+};
+
+/// A processor for each slot; empty where there are not enough, or where one slot has no rival.
+std::vector<int> ChooseCpus(std::size_t slots) {
+  cpu_set_t allowed;
+  if (slots < 2 || sched_getaffinity(0, sizeof allowed, &allowed) != 0) return {};
+  std::vector<int> cpus;
+  for (int cpu = 0; cpu < CPU_SETSIZE && cpus.size() < slots; ++cpu)
+    if (CPU_ISSET(cpu, &allowed)) cpus.push_back(cpu);
+  return cpus.size() == slots ? cpus : std::vector<int>();
+}
+
+constexpr const char* kSingleWorker = "cdb-worker-f32";
+
+fs::path OwnFolder() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) FailToStart("cannot tell where this program is (/proc/self/exe)", error.value());
+  return self.parent_path();
+}
+
+fs::path FindWorker(const fs::path& folder, const char* name) {
+  const fs::path places[] = {folder / name, (folder / "../libexec/cdb" / name).lexically_normal()};
+  for (const fs::path& place : places) {
+    std::error_code error;
+    if (fs::is_regular_file(place, error) && access(place.c_str(), X_OK) == 0) return place;
+  }
+  throw ScheduleError(
+      fmt::format("cannot find the worker program {0}: there is neither {1} nor {2}. Build or "
+                  "install it beside cdb (the target is {0})",
+                  name, places[0].string(), places[1].string()));
+}
+
+double SecondsSinceEpoch() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+double LoadAverage() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_point start) {
+  if (!scene.world.WordOr("timeout").empty()) return std::nullopt;
+  const double seconds = scene.world.Real("timeout");
+  constexpr double kLongest = 1e9;  // past it the clock's counter could overflow
+  return start + std::chrono::duration_cast<Clock::duration>(
+                     std::chrono::duration<double>(std::min(seconds, kLongest)));
+}
+
+/// The length of the printable UTF-8 character at the start of `text`; 0 where there is none.
+std::size_t PrintableLength(std::string_view text) {
+  const auto byte = [text](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+  };
+  const unsigned first = byte(0);
+  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
+  const std::size_t length = first >= 0xc2 && first < 0xe0   ? 2
+                             : first >= 0xe0 && first < 0xf0 ? 3
+                             : first >= 0xf0 && first < 0xf5 ? 4
+                                                             : 0;
+  if (length == 0) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  // Overlong forms, surrogates and what lies past the last code point are told by the second byte;
+  // 0xc2 0x80–0x9f are control characters.
+  const unsigned second = byte(1);
+  const bool is_bad = (first == 0xc2 && second < 0xa0) || (first == 0xe0 && second < 0xa0) ||
+                      (first == 0xed && second > 0x9f) || (first == 0xf0 && second < 0x90) ||
+                      (first == 0xf4 && second > 0x8f);
+  return is_bad ? 0 : length;
+}
+
+}  // namespace
+
+// ---- finding ------------------------------------------------------------------------------------
+
+WorkerPrograms FindWorkers(const plan::Plan& plan) { return FindWorkers(plan, OwnFolder()); }
+
+fs::path FindAnyWorker() { return FindWorker(OwnFolder(), kSingleWorker); }
+
+WorkerPrograms FindWorkers(const plan::Plan& plan, const fs::path& folder) {
+  WorkerPrograms programs;
+  const auto needs = [&plan](std::string_view precision) {
+    const auto is_of_it = [precision](const plan::Run& run) {
+      return run.scene.world.WordOr("precision") == precision;
+    };
+    return std::ranges::any_of(plan.runs, is_of_it) ||
+           std::ranges::any_of(plan.references, is_of_it);
+  };
+  if (needs("single")) programs.single = FindWorker(folder, kSingleWorker);
+  if (needs("double")) programs.double_ = FindWorker(folder, "cdb-worker-f64");
+  return programs;
+}
+
+// ---- standard error -----------------------------------------------------------------------------
+
+void TextTail::Append(std::string_view text) {
+  text_.append(text.substr(text.size() - std::min(text.size(), kMaxBytes)));
+  if (text_.size() > kMaxBytes) text_.erase(0, text_.size() - kMaxBytes);
+}
+
+std::string TextTail::LastLines() const {
+  constexpr std::size_t kMaxLines = 5;
+  constexpr std::size_t kMaxLength = 1000;
+  std::string_view rest = text_;
+  while (rest.ends_with('\n')) rest.remove_suffix(1);
+  std::size_t from = rest.size();
+  for (std::size_t lines = 0; lines < kMaxLines && from > 0; ++lines) {
+    const std::size_t end_of_line = rest.rfind('\n', from - 1);
+    from = end_of_line == std::string_view::npos ? 0 : end_of_line;
+  }
+  rest.remove_prefix(from > 0 ? from + 1 : 0);
+  const bool is_cut = rest.size() > kMaxLength;
+  if (is_cut) rest.remove_prefix(rest.size() - kMaxLength);
+  std::string text = is_cut ? "..." : "";
+  // The first bytes may be the end of a character that was cut in two.
+  while (is_cut && !rest.empty() && (static_cast<unsigned char>(rest[0]) & 0xc0) == 0x80)
+    rest.remove_prefix(1);
+  while (!rest.empty()) {
+    const std::size_t length = PrintableLength(rest);
+    if (length > 0) {
+      text += rest.substr(0, length);
+    } else {
+      text += rest[0] == '\n' ? '\n' : rest[0] == '\t' ? ' ' : '?';
+    }
+    rest.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return text;
+}
+
+// ---- processes ----------------------------------------------------------------------------------
+
+struct ProcessLauncher::Worker {
+  const plan::Run* run = nullptr;
+  std::size_t slot = 0;
+  std::unique_ptr<measure::Recording> recording;
+  Descriptor contacts;
+  Descriptor errors;  // read end of its standard error; closed at its end
+  TextTail tail;
+  double started_s = 0;
+  double load = 0;
+  Clock::time_point start;
+  std::optional<Clock::time_point> deadline;
+  bool is_timed_out = false;
+  pid_t pid = -1;
+  Descriptor pidfd;  // readable when it has ended
+
+  ~Worker() {
+    if (pid < 0) return;
+    Kill();
+    while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  /// Safe while it is not reaped: its id cannot have been given to another.
+  void Kill() const { kill(-pid, SIGKILL); }
+};
+
+ProcessLauncher::ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop)
+    : programs_(std::move(programs)),
+      stop_(stop),
+      traces_(slots),
+      cpus_(ChooseCpus(slots)),
+      workers_(slots) {}
+
+ProcessLauncher::~ProcessLauncher() = default;
+
+Pulse ProcessLauncher::PulseOf(std::size_t slot) const {
+  CDB_CHECK(slot < workers_.size() && workers_[slot]);
+  const measure::RecordingHeader& header = workers_[slot]->recording->header();
+  return {header.cycles_done.load(std::memory_order_relaxed),
+          measure::PluginCallText(header.plugin_call.load(std::memory_order_relaxed),
+                                  workers_[slot]->run->scene)};
+}
+
+void ProcessLauncher::StopAll() {
+  for (const auto& worker : workers_)
+    if (worker) worker->Kill();  // all at once, then wait for each
+  for (auto& worker : workers_) worker.reset();
+}
+
+void ProcessLauncher::Start(std::size_t slot, const plan::Run& run) {
+  CDB_CHECK(slot < workers_.size() && !workers_[slot]);
+  auto worker = std::make_unique<Worker>();
+  worker->run = &run;
+  worker->slot = slot;
+  try {
+    worker->recording = std::make_unique<measure::Recording>(measure::Recording::Create(run.scene));
+  } catch (const std::runtime_error& error) {
+    throw ScheduleError(fmt::format("{} ({})", error.what(), run.id));
+  }
+  worker->contacts = MemoryFile("cdb-contacts");
+  const Descriptor text = RunFile(run);
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) FailToStart("no descriptor to start a run", errno);
+  worker->errors = Descriptor(ends[0]);
+  const Descriptor their_errors(ends[1]);
+  fcntl(ends[0], F_SETFL, O_NONBLOCK);  // ours; theirs may block until we have read
+
+  SpawnPlan spawn;
+  spawn.Give(their_errors.get(), STDERR_FILENO);
+  spawn.Give(text.get(), measure::kRunFd);
+  spawn.Give(worker->recording->fd(), measure::kRecordingFd);
+  spawn.Give(worker->contacts.get(), measure::kContactsFd);
+  if (const auto trace = plan::TraceOf(run.scene)) {
+    try {
+      spawn.Give(traces_.Get(*trace), measure::kTraceFd);
+    } catch (const std::system_error& error) {
+      throw ScheduleError(error.what());
+    } catch (const store::StoreError& error) {
+      throw ScheduleError(error.what());
+    }
+  }
+
+  worker->load = LoadAverage();
+  worker->started_s = SecondsSinceEpoch();
+  worker->start = Clock::now();
+  worker->deadline = Deadline(run.scene, worker->start);
+  const bool is_single = run.scene.world.WordOr("precision") == "single";
+  {
+    std::optional<OnCpu> pinned;
+    if (!cpus_.empty()) pinned.emplace(cpus_[slot]);
+    worker->pid = spawn.Start(is_single ? programs_.single : programs_.double_);
+  }
+  worker->pidfd = WatchProcess(worker->pid);
+  workers_[slot] = std::move(worker);
+}
+
+std::optional<Ending> ProcessLauncher::Wait(double seconds) {
+  const Clock::time_point until =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                         std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e9)));
+  while (true) {
+    Clock::time_point next = until;
+    std::vector<pollfd> watched;
+    for (const auto& worker : workers_) {
+      if (!worker) continue;
+      watched.push_back({worker->pidfd.get(), POLLIN, 0});
+      watched.push_back({worker->errors.get(), POLLIN, 0});  // -1 once closed: poll skips it
+      if (worker->deadline && !worker->is_timed_out) next = std::min(next, *worker->deadline);
+    }
+    if (stop_ != nullptr) watched.push_back({stop_->fd(), POLLIN, 0});
+
+    const auto left = std::max(next - Clock::now(), Clock::duration::zero());
+    const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
+    const timespec timeout = {
+        whole.count(), std::chrono::duration_cast<std::chrono::nanoseconds>(left - whole).count()};
+    if (ppoll(watched.data(), watched.size(), &timeout, nullptr) < 0 && errno != EINTR)
+      FailToStart("cannot wait for a worker", errno);
+
+    std::size_t i = 0;
+    Worker* ended = nullptr;
+    const Clock::time_point now = Clock::now();
+    for (const auto& worker : workers_) {
+      if (!worker) continue;
+      const bool has_ended = watched[i].revents != 0;
+      if (watched[i + 1].revents != 0) DrainErrors(*worker);
+      i += 2;
+      if (has_ended) {
+        ended = worker.get();
+      } else if (worker->deadline && !worker->is_timed_out && now >= *worker->deadline) {
+        worker->is_timed_out = true;
+        worker->Kill();
+      }
+    }
+    if (ended != nullptr) return Reap(*ended);
+    if ((stop_ != nullptr && stop_->requested()) || now >= until) return std::nullopt;
+  }
+}
+
+void ProcessLauncher::DrainErrors(Worker& worker) {
+  char buffer[16384];
+  // Bounded, so that a worker that never stops writing cannot hold us here.
+  for (int rounds = 0; rounds < 64 && worker.errors.get() >= 0; ++rounds) {
+    const ssize_t got = read(worker.errors.get(), buffer, sizeof buffer);
+    if (got > 0) {
+      worker.tail.Append({buffer, static_cast<std::size_t>(got)});
+    } else if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
+      worker.errors.Close();
+    } else if (errno == EAGAIN) {
+      return;
+    }
+  }
+}
+
+Ending ProcessLauncher::Reap(Worker& worker) {
+  Ending ending;
+  ending.slot = worker.slot;
+  ending.wall_s = std::chrono::duration<double>(Clock::now() - worker.start).count();
+  // What it left running goes with it, before its number can be given to others.
+  worker.Kill();
+  DrainErrors(worker);
+  ProcessEnd end;
+  while (waitpid(worker.pid, &end.wait_status, 0) < 0) {
+    if (errno != EINTR) FailToStart("cannot wait for a worker", errno);
+  }
+  worker.pid = -1;
+  end.is_timed_out = worker.is_timed_out;
+  end.last_lines = worker.tail.LastLines();
+  try {
+    ending.result = Collect(*worker.run, end, *worker.recording, worker.contacts.get());
+  } catch (const std::system_error& error) {
+    throw ScheduleError(error.what());
+  }
+  ending.result.started_s = worker.started_s;
+  ending.result.load = worker.load;
+  ending.result.host = measure::HostName();
+  ending.recording = std::move(worker.recording);
+  workers_[worker.slot].reset();
+  return ending;
+}
+
+}  // namespace cdb::process

@@ -1,0 +1,75 @@
+// The real launcher: one process a run, the worker program of the run's precision.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/process/launcher.h"
+#include "runtime/process/stop.h"
+#include "runtime/process/trace_cache.h"
+
+namespace cdb::process {
+
+/// The worker programs; empty where no run of the plan needs it.
+struct WorkerPrograms {
+  std::filesystem::path single;   ///< cdb-worker-f32
+  std::filesystem::path double_;  ///< cdb-worker-f64
+};
+
+/// Looks beside this program, then in ../libexec/cdb of its folder, for what the plan needs. Throws
+/// ScheduleError, which says where it looked and what to do.
+WorkerPrograms FindWorkers(const plan::Plan& plan);
+/// The same for a program in `folder`.
+WorkerPrograms FindWorkers(const plan::Plan& plan, const std::filesystem::path& folder);
+
+/// One of them, whichever precision, for what needs no run. Throws ScheduleError.
+std::filesystem::path FindAnyWorker();
+
+/// The end of what a worker wrote to standard error, for the message of a crash: at most
+/// kMaxBytes, however much was written.
+class TextTail {
+ public:
+  static constexpr std::size_t kMaxBytes = 8192;
+  void Append(std::string_view text);
+  /// The last lines, at most five, printable: what is neither UTF-8 nor printable becomes `?`.
+  std::string LastLines() const;
+
+ private:
+  std::string text_;
+};
+
+/// Runs workers as processes: standard input empty, standard output dropped, standard error kept
+/// for the message, each in a process group of its own so that Ctrl-C reaches only us. A run's
+/// timeout ends its worker with SIGKILL. With several slots and as many processors, each slot's
+/// worker stays on a processor of its own.
+class ProcessLauncher : public Launcher {
+ public:
+  /// `stop` may be null.
+  ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop);
+  ~ProcessLauncher() override;
+
+  void Start(std::size_t slot, const plan::Run& run) override;
+  std::optional<Ending> Wait(double seconds) override;
+  Pulse PulseOf(std::size_t slot) const override;
+  void StopAll() override;
+
+ private:
+  struct Worker;
+  void DrainErrors(Worker& worker);
+  Ending Reap(Worker& worker);
+
+  WorkerPrograms programs_;
+  const StopFlag* stop_;
+  TraceCache traces_;
+  std::vector<int> cpus_;  // of each slot; empty where workers go where they like
+  std::vector<std::unique_ptr<Worker>> workers_;
+};
+
+}  // namespace cdb::process

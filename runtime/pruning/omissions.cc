@@ -1,0 +1,168 @@
+#include "runtime/pruning/omissions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "dsl/check.h"
+#include "library/scene_error.h"
+#include "runtime/pruning/reachability.h"
+#include "runtime/pruning/trajectory.h"
+
+namespace cdb::pruning {
+namespace {
+
+using plan::Decision;
+using plan::PruningDecision;
+using schema::Component;
+
+/// Bullet switches off a body whose box has this diagonal, m; half of it, to be safe.
+constexpr double kLargestBox = 5e5;
+/// Where more objects than these may meet one another, contacts that share an object are likely,
+/// and the run would soon have to start again with all walls.
+constexpr std::size_t kLargestCrowd = 64;
+/// Entries of Bullet's pools, and enough for boxes that overlap where nothing touches.
+constexpr int kBulletsPool = 4096, kFewPairs = 64;
+
+class Settlement {
+ public:
+  Settlement(const plan::Scene& scene, const layouts::InitialState& state)
+      : forecast_(AnalyseReachability(scene, state)),
+        rests_(scene.world.On("sleeping") &&
+               (!forecast_.nothing_touches || forecast_.longest_rest >= kSleepAfter)) {
+    const auto standing = static_cast<std::size_t>(std::popcount(StandingWalls(scene)));
+    for (std::size_t i = 0; i < state.objects.size(); ++i) {
+      const bool is_fixed = state.objects[i].IsFixed();
+      (is_fixed ? fixed_ : moving_) += 1;
+      if (is_fixed) continue;
+      all_ += standing;
+      kept_ += static_cast<std::size_t>(std::popcount(forecast_.walls[i]));
+    }
+    pool_size_ = PoolSize();
+  }
+
+  PruningDecision Settle(Component component) const {
+    const auto decide = [&](bool leave_out, std::string why) {
+      return PruningDecision{component, leave_out ? Decision::kLeftOut : Decision::kKept,
+                             std::move(why)};
+    };
+    switch (component) {
+      case Component::kWalls:
+        return Walls();
+      case Component::kDetection:
+        if (forecast_.largest_box >= kLargestBox)
+          return decide(false, fmt::format("a box grows to {:.4g} m, which detection has to see",
+                                           forecast_.largest_box));
+        [[fallthrough]];
+      case Component::kSolver:
+        // Islands decide who sleeps, and pairs who is in an island, touch or no touch.
+        if (forecast_.nothing_touches && rests_) return decide(false, Rest());
+        return decide(forecast_.nothing_touches, forecast_.closest);
+      case Component::kSleeping:
+      case Component::kStaticBoxes:
+        if (!forecast_.nothing_touches) return decide(false, forecast_.closest);
+        return decide(!rests_, Rest());
+      case Component::kRotation:
+        return decide(forecast_.nothing_touches, forecast_.closest);
+      case Component::kPools:
+        if (pool_size_ >= kBulletsPool)
+          return decide(false,
+                        fmt::format("more than {} pairs can be there at once", kBulletsPool));
+        return decide(
+            true, fmt::format("room for {} pairs at once instead of {}", pool_size_, kBulletsPool));
+      default:
+        CDB_CHECK(false);  // the numbers alone settle the rest
+    }
+  }
+
+  const std::vector<std::uint8_t>& walls() const { return forecast_.walls; }
+  int pool_size() const { return pool_size_; }
+
+ private:
+  std::string Rest() const {
+    return fmt::format("an object is slow for at most {:.3g} s; sleep comes after {:.3g}",
+                       forecast_.longest_rest, kSleepAfter);
+  }
+
+  bool LeavesWallsOut() const { return forecast_.largest_crowd <= kLargestCrowd && kept_ < all_; }
+
+  PruningDecision Walls() const {
+    const auto need = [](Decision fate, std::string why) {
+      return PruningDecision{Component::kWalls, fate, std::move(why)};
+    };
+    if (LeavesWallsOut())
+      return need(Decision::kLeftOut, fmt::format("for {} of {} pairs of object and wall; {}",
+                                                  all_ - kept_, all_, forecast_.closest));
+    if (all_ == 0) return need(Decision::kKept, "nothing moves that could reach one");
+    if (kept_ == all_)
+      return need(Decision::kKept,
+                  fmt::format("every object may reach every wall; {}", forecast_.closest));
+    return need(Decision::kKept,
+                fmt::format("{} objects may meet one another, more than {}; {}",
+                            forecast_.largest_crowd, kLargestCrowd, forecast_.closest));
+  }
+
+  /// Those there can be; no more than a few, beside the walls that are kept, where the objects are
+  /// so far apart that walls can be left out; never more than Bullet's own.
+  int PoolSize() const {
+    const double most = moving_ * (moving_ - 1) / 2 + moving_ * fixed_ + static_cast<double>(all_);
+    double enough = kBulletsPool;
+    if (forecast_.nothing_touches) enough = kFewPairs;
+    if (LeavesWallsOut()) enough = kFewPairs + static_cast<double>(kept_);
+    return static_cast<int>(std::min({most, enough, double{kBulletsPool}}));
+  }
+
+  const Reachability forecast_;
+  const bool rests_;
+  double moving_ = 0, fixed_ = 0;   ///< objects
+  std::size_t all_ = 0, kept_ = 0;  ///< pairs of a moving object and a wall
+  int pool_size_ = 0;
+};
+
+}  // namespace
+
+std::uint8_t StandingWalls(const plan::Scene& scene) {
+  const std::string_view walls = scene.world.WordOr("world.walls");
+  constexpr std::uint8_t kAll = (1 << kWallCount) - 1, kFloor = 1 << 2;
+  return walls == "all" ? kAll : walls == "floor" ? kFloor : 0;
+}
+
+bool Omissions::Omits(Component component) const {
+  return needs[static_cast<std::size_t>(component)].fate == Decision::kLeftOut;
+}
+
+void Omissions::Keep(Component component, std::string why) {
+  needs[static_cast<std::size_t>(component)] = {component, Decision::kKept, std::move(why)};
+  if (component == Component::kWalls) walls.clear();
+}
+
+Omissions DecideOmissions(const plan::Scene& scene, const layouts::InitialState& state) {
+  Omissions omissions;
+  omissions.needs = plan::AnalysePruning(scene);
+  const bool has_open =
+      std::ranges::count(omissions.needs, Decision::kOpen, &PruningDecision::fate) > 0;
+  if (!has_open) return omissions;
+  const Settlement settlement(scene, state);
+  for (PruningDecision& need : omissions.needs) {
+    if (need.fate == Decision::kOpen) need = settlement.Settle(need.component);
+    if (need.fate == Decision::kKept &&
+        plan::RequestFor(scene, need.component) == plan::PruningRequest::kByName)
+      throw library::SceneError(
+          fmt::format("omit {}: this scene needs it: {}", InfoOf(need.component).name, need.why));
+  }
+  if (omissions.Omits(Component::kWalls)) omissions.walls = settlement.walls();
+  omissions.pool_size = settlement.pool_size();
+  return omissions;
+}
+
+Omissions KeepEverything(const plan::Scene& scene) {
+  Omissions omissions;
+  omissions.needs = plan::AnalysePruning(scene);
+  for (PruningDecision& need : omissions.needs)
+    if (need.fate != Decision::kAbsent) need = {need.component, Decision::kKept, "omit none"};
+  return omissions;
+}
+
+}  // namespace cdb::pruning

@@ -1,0 +1,250 @@
+#include "runtime/pruning/reachability.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "compiler/schema/parametrised_words.h"
+#include "library/layouts/exact_layouts.h"
+#include "runtime/pruning/contact_clusters.h"
+#include "runtime/pruning/omissions.h"
+#include "runtime/pruning/swept_boxes.h"
+#include "runtime/pruning/trajectory.h"
+
+namespace cdb::pruning {
+namespace {
+
+using Eigen::Vector3d;
+using layouts::ObjectState;
+
+/// m: Bullet's boxes are larger by 0.02 on each side.
+constexpr double kBoxGrowth = 0.1;
+/// Where this many tests an object, and more in all, are not enough, the scene is too dense to
+/// forecast; a sparse one needs a hundredth.
+constexpr std::uint64_t kTestsOfOne = 64, kMinTests = 1'000'000;
+
+/// Free objects are tested against one another as they fall, where their ways are straight;
+/// whoever is fixed or slowed against all in the world.
+enum Kind : std::uint8_t { kStill, kFree, kSlow };
+constexpr SweepPartners kFalling = {0, 1 << kFree, 0, 0};
+constexpr SweepPartners kWorld = {1 << kFree | 1 << kSlow, 1 << kStill | 1 << kSlow,
+                                  1 << kStill | 1 << kFree | 1 << kSlow, 0};
+
+/// An object with a wall or another object, named when the text is made.
+struct Encounter {
+  double rank = std::numeric_limits<double>::infinity();  ///< s until they meet, or m between them
+  std::size_t object = 0, other = 0;
+  int wall = -1;
+
+  bool HasHappened() const { return std::isfinite(rank); }
+  void TakeIfLess(const Encounter& encounter) {
+    if (encounter.rank < rank) *this = encounter;
+  }
+};
+
+std::string Names(const Encounter& encounter) {
+  return fmt::format("objects {} and {}", std::min(encounter.object, encounter.other) + 1,
+                     std::max(encounter.object, encounter.other) + 1);
+}
+
+std::string MeetingText(const Encounter& meeting) {
+  if (meeting.wall >= 0)
+    return fmt::format("object {} may touch the wall {} at {:.4g} s", meeting.object + 1,
+                       kWallNames[meeting.wall], meeting.rank);
+  return fmt::format("{} may touch at {:.4g} s", Names(meeting), meeting.rank);
+}
+
+std::string EscapeText(const Encounter& escape) {
+  if (escape.wall >= 0)
+    return fmt::format("object {} stays {:.4g} m from the wall {}", escape.object + 1, escape.rank,
+                       kWallNames[escape.wall]);
+  if (escape.HasHappened())
+    return fmt::format("{} stay {:.4g} m apart", Names(escape), escape.rank);
+  return "no wall stands, and no two objects come near one another";
+}
+
+/// What makes the objects' motion unknown before it happens, if something does.
+std::optional<std::string> WhatChanges(const plan::Scene& scene) {
+  if (schema::AsCall(scene.world.Get("acceleration")) != nullptr)
+    return "the acceleration changes while it runs";
+  for (const plan::Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0) continue;
+    for (const char* velocity : {"linear_velocity", "angular_velocity"})
+      if (schema::AsCall(group.settings.Get(velocity)) != nullptr)
+        return fmt::format("the {} of {} is set again while it runs", velocity, group.name);
+    if (layouts::IsPile(group)) return fmt::format("{} settle before the first cycle", group.name);
+    if (group.HasLinks()) return fmt::format("{} are linked and pull at one another", group.name);
+    if (group.settings.On("overlap"))
+      return fmt::format("{} may begin inside one another", group.name);
+  }
+  return std::nullopt;
+}
+
+class Forecaster {
+ public:
+  Forecaster(const plan::Scene& scene, const layouts::InitialState& state)
+      : what_changes_(WhatChanges(scene)),
+        state_(state),
+        horizon_(HorizonOf(scene)),
+        room_(scene, horizon_),
+        tests_left_(kTestsOfOne * state.objects.size() + kMinTests) {
+    flights_.reserve(state.objects.size());
+    for (const ObjectState& object : state.objects)
+      flights_.push_back(TrajectoryOf(object, state.acceleration, scene, horizon_));
+    crowds_.emplace(scene, state, horizon_, room_, flights_);
+  }
+
+  Reachability Make() {
+    forecast_.walls.assign(flights_.size(), 0);
+    if (std::ranges::all_of(state_.objects, &ObjectState::IsFixed)) {
+      forecast_.nothing_touches = true;
+      forecast_.closest = "no object moves";
+      return std::move(forecast_);
+    }
+    for (std::size_t i = 0; i < flights_.size(); ++i) {
+      if (flights_[i].motion == Motion::kFixed) continue;
+      const double diagonal = 2 * std::sqrt(3.0) * flights_[i].radius;
+      forecast_.largest_box = std::max(
+          forecast_.largest_box,
+          diagonal + flights_[i].FastestUntil(horizon_.end) * horizon_.timestep + kBoxGrowth);
+      forecast_.longest_rest = std::max(
+          forecast_.longest_rest, LongestRest(state_.objects[i], state_.acceleration, horizon_));
+    }
+    if (const auto why = Follow()) GiveUp(*why);
+    return std::move(forecast_);
+  }
+
+ private:
+  /// What keeps the search from an answer, if something does.
+  std::optional<std::string> Follow() {
+    if (what_changes_) return what_changes_;
+    for (std::size_t i = 0; i < flights_.size(); ++i) {
+      if (flights_[i].motion != Motion::kFixed && state_.objects[i].ccd)
+        return fmt::format("object {} has ccd, which looks for contacts ahead of it", i + 1);
+      if (!IsFinite(i))
+        return fmt::format("object {} gets too far for the forecast's numbers", i + 1);
+    }
+    for (std::size_t i = 0; i < flights_.size(); ++i)
+      if (flights_[i].motion != Motion::kFixed) MeetWalls(i);
+    if (!MeetObjects(kFalling) || !MeetObjects(kWorld))
+      return "too many objects come near one another to follow them all";
+    forecast_.nothing_touches = !meeting_.HasHappened();
+    if (forecast_.nothing_touches) {
+      forecast_.closest = EscapeText(escape_);
+      return std::nullopt;
+    }
+    if (auto why = crowds_->Follow(tests_left_)) return why;
+    forecast_.walls = crowds_->walls();
+    forecast_.largest_crowd = crowds_->Largest();
+    forecast_.closest = MeetingText(meeting_);
+    return std::nullopt;
+  }
+
+  bool IsFinite(std::size_t object) const {
+    const Trajectory& flight = flights_[object];
+    const Box path = flight.PathUntil(horizon_.end);
+    const Box falling = flight.FallingPathUntil(horizon_.end, state_.acceleration);
+    // Squares of distances must be finite too.
+    const double squares = path.min().squaredNorm() + path.max().squaredNorm() +
+                           falling.min().squaredNorm() + falling.max().squaredNorm() +
+                           flight.slack.squaredNorm() +
+                           std::pow(flight.FastestUntil(horizon_.end), 2) +
+                           std::pow(flight.radius + flight.threshold, 2);
+    return std::isfinite(squares) && squares < kLargestSquare;
+  }
+
+  void GiveUp(const std::string& why) {
+    forecast_.nothing_touches = false;
+    forecast_.largest_crowd = 0;
+    for (std::size_t i = 0; i < flights_.size(); ++i) {
+      if (flights_[i].motion == Motion::kFixed) continue;
+      forecast_.walls[i] = room_.standing();
+      ++forecast_.largest_crowd;
+    }
+    forecast_.closest =
+        meeting_.HasHappened() ? fmt::format("{}; {}", MeetingText(meeting_), why) : why;
+  }
+
+  void MeetWalls(std::size_t object) {
+    const Trajectory& flight = flights_[object];
+    const Box path = flight.PathUntil(horizon_.end);
+    for (int wall = 0; wall < kWallCount; ++wall) {
+      if (!room_.Stands(wall)) continue;
+      const int axis = wall / 2;
+      const double reach = flight.extent[axis] + flight.threshold + flight.slack[axis];
+      const double gap = room_.Gap(wall, path, reach);
+      if (gap > 0) {
+        escape_.TakeIfLess({gap + flight.threshold, object, object, wall});
+        continue;
+      }
+      const double time = FirstTime(horizon_.end, [&](double t) {
+        return !(room_.Gap(wall, flight.PathUntil(t), reach) > 0);
+      });
+      meeting_.TakeIfLess({time, object, object, wall});
+      crowds_->MeetWall(object, wall, time);
+    }
+  }
+
+  /// False where there are too many.
+  bool MeetObjects(const SweepPartners& partners) {
+    std::vector<SweptBox> boxes;
+    boxes.reserve(flights_.size());
+    for (std::size_t i = 0; i < flights_.size(); ++i) {
+      const Trajectory& flight = flights_[i];
+      const Kind kind = flight.motion == Motion::kFixed  ? kStill
+                        : flight.motion == Motion::kFree ? kFree
+                                                         : kSlow;
+      if (partners[kind] == 0) continue;
+      const Box path = &partners == &kFalling
+                           ? flight.FallingPathUntil(horizon_.end, state_.acceleration)
+                           : flight.PathUntil(horizon_.end);
+      // Half of each threshold is more than the smaller one.
+      const Vector3d grown =
+          flight.extent + flight.slack + Vector3d::Constant(flight.threshold / 2);
+      boxes.push_back(
+          {{path.min() - grown, path.max() + grown}, static_cast<std::uint32_t>(i), kind});
+    }
+    return Sweep(std::move(boxes), partners, tests_left_,
+                 [&](std::uint32_t a, std::uint32_t b) { MeetPair(a, b); });
+  }
+
+  void MeetPair(std::size_t a, std::size_t b) {
+    if (flights_[a].motion == Motion::kFixed) std::swap(a, b);
+    const bool is_slowed =
+        flights_[a].motion == Motion::kSlowed || flights_[b].motion == Motion::kSlowed;
+    const Approach approach = is_slowed ? BoxApproachOf(flights_[a], flights_[b], horizon_.end)
+                                        : ApproachOf(flights_[a], flights_[b], horizon_.end);
+    if (!approach.meets) {
+      escape_.TakeIfLess(
+          {approach.gap + std::min(flights_[a].threshold, flights_[b].threshold), a, b});
+      return;
+    }
+    meeting_.TakeIfLess({approach.time, a, b});
+    crowds_->MeetObject(a, b, approach.time);
+  }
+
+  /// m^2: beyond it products of squares overflow.
+  static constexpr double kLargestSquare = 1e150;
+
+  const std::optional<std::string> what_changes_;
+  const layouts::InitialState& state_;
+  const Horizon horizon_;
+  const Room room_;
+  std::vector<Trajectory> flights_;
+  std::optional<ContactClusters> crowds_;
+  std::uint64_t tests_left_;
+  Encounter meeting_, escape_;
+  Reachability forecast_;
+};
+
+}  // namespace
+
+Reachability AnalyseReachability(const plan::Scene& scene, const layouts::InitialState& state) {
+  return Forecaster(scene, state).Make();
+}
+
+}  // namespace cdb::pruning

@@ -1,0 +1,69 @@
+#include "runtime/report/cells.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/plan/plan_yaml.h"
+#include "runtime/report/console.h"
+#include "runtime/report/table.h"
+
+namespace cdb::report {
+
+using Cell = store::ResultFile::Cell;
+
+std::vector<Cell> AllCells(const store::ResultFile& file) {
+  std::vector<Cell> cells;
+  std::vector<std::size_t> at(file.axes().size(), 0);
+  for (;;) {
+    for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) cells.push_back({at, rep});
+    std::size_t i = at.size();
+    while (i > 0 && ++at[i - 1] == file.axes()[i - 1].values.size()) at[--i] = 0;
+    if (i == 0) return cells;
+  }
+}
+
+std::string PlaceText(const store::ResultFile& file, const Cell& cell) {
+  std::string text;
+  for (std::size_t i = 0; i < cell.at.size(); ++i)
+    text += fmt::format("{} {}, ", file.axes()[i].name, CoordinateText(file.axes()[i], cell.at[i]));
+  return text + fmt::format("rep {}", cell.rep);
+}
+
+std::string OnlyCommand(const store::ResultFile& file, const Cell& cell) {
+  std::string command = fmt::format("cdb run {} -b {} --only {}", ShellWord(file.source()),
+                                    file.benchmark(), file.ReadText("run_id", cell));
+  const std::string plugins = file.ReadProvenance("plugins");
+  return plugins.empty() ? command : command + " " + plugins;
+}
+
+std::optional<std::size_t> DetectorAxis(const store::ResultFile& file) {
+  const auto axis = std::ranges::find(file.axes(), "detector", &plan::Axis::parameter);
+  if (axis == file.axes().end() || !axis->IsText()) return std::nullopt;
+  return static_cast<std::size_t>(axis - file.axes().begin());
+}
+
+std::optional<plan::Plan> ReadPlan(const store::ResultFile& file) {
+  try {
+    return plan::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");
+  } catch (const plan::PlanError&) {
+    return std::nullopt;
+  }
+}
+
+CellDetectors::CellDetectors(const store::ResultFile& file)
+    : file_(file), axis_(DetectorAxis(file)) {
+  if (axis_) return;
+  const auto plan = ReadPlan(file);
+  if (!plan) return;
+  for (const plan::Run& run : plan->runs)
+    by_run_.emplace(run.id, run.scene.world.WordOr("detector"));
+}
+
+std::string CellDetectors::Of(const Cell& cell) const {
+  if (axis_) return CoordinateText(file_.axes()[*axis_], cell.at[*axis_]);
+  const auto found = by_run_.find(file_.ReadText("run_id", cell));
+  return found == by_run_.end() ? "" : found->second;
+}
+
+}  // namespace cdb::report

@@ -1,0 +1,48 @@
+// Columns of text that line up.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+
+namespace cdb::report {
+
+/// A table for a terminal: a head, a rule, rows. Numbers to the right, words to the left.
+class Table {
+ public:
+  /// `right`: aligned to the right.
+  void AddColumn(std::string head, bool right);
+  void AddRow(std::vector<std::string> cells);
+  bool empty() const { return rows_.empty(); }
+  /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
+  std::string Text() const;
+
+ private:
+  struct Column {
+    std::string head;
+    bool right;
+  };
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// The unit in which a number of nanoseconds is read most easily.
+struct TimeUnit {
+  const char* name;
+  double ns;
+  static TimeUnit For(double ns) {
+    if (ns >= 1e9) return {"s", 1e9};
+    if (ns >= 1e6) return {"ms", 1e6};
+    if (ns >= 1e3) return {"us", 1e3};
+    return {"ns", 1};
+  }
+};
+
+/// Three significant digits without an exponent: `0.0123`, `1.23`, `12345`.
+std::string ShortNumber(double value);
+
+/// A value on an axis.
+std::string CoordinateText(const plan::Axis& axis, std::size_t index);
+
+}  // namespace cdb::report

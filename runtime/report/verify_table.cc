@@ -1,0 +1,113 @@
+#include "runtime/report/verify_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "runtime/report/findings.h"
+#include "runtime/report/table.h"
+
+namespace cdb::report {
+namespace {
+
+/// What is wrong with a detector, the worst first.
+enum class Fault { kMissesPairs, kMissesContacts, kFails, kNone };
+
+Fault FaultOf(const DetectorFindings& of) {
+  if (of.missed > 0) return Fault::kMissesPairs;
+  if (of.missed_contacts > 0) return Fault::kMissesContacts;
+  return of.failed_runs > 0 ? Fault::kFails : Fault::kNone;
+}
+
+std::string Verdict(const DetectorFindings& of) {
+  switch (FaultOf(of)) {
+    case Fault::kMissesPairs:
+      return "wrong: misses pairs";
+    case Fault::kMissesContacts:
+      return "wrong: misses contacts";
+    case Fault::kFails:
+      return fmt::format("failed: {} of {}", of.failed_runs, of.AllRuns());
+    case Fault::kNone:
+      break;
+  }
+  if (of.cycles == 0) return "nothing to judge";
+  if (of.duplicate > 0) return "lists pairs twice";
+  return of.phantom > 0 ? "superset" : "exact";
+}
+
+std::string ErrorText(double value) {
+  return std::isnan(value) ? "-" : fmt::format("{:.1e}", value);
+}
+
+class Verified {
+ public:
+  Verified(const store::ResultFile& file) : file_(file), all_(FindingsOf(file)) {
+    std::erase_if(all_, [](const DetectorFindings& of) { return of.AllRuns() == 0; });
+    std::ranges::stable_sort(all_, {}, FaultOf);
+  }
+
+  bool IsGood() const {
+    return std::ranges::all_of(all_, [](const auto& of) { return FaultOf(of) == Fault::kNone; });
+  }
+
+  std::string Text() const {
+    Table table;
+    table.AddColumn("detector", false);
+    for (const char* head : {"points", "cycles", "exact pairs", "missed", "phantom", "duplicate",
+                             "contacts missed", "depth error", "normal error"})
+      table.AddColumn(head, true);
+    table.AddColumn("verdict", false);
+    std::string below;
+    for (const DetectorFindings& of : all_) {
+      std::vector<std::string> row = {of.detector};
+      for (const std::uint64_t count : {std::uint64_t{of.AllRuns()}, of.cycles, of.exact, of.missed,
+                                        of.phantom, of.duplicate, of.missed_contacts})
+        row.push_back(fmt::format("{}", count));
+      for (const double error : {of.depth_error, of.normal_error}) row.push_back(ErrorText(error));
+      row.push_back(Verdict(of));
+      table.AddRow(std::move(row));
+      below += Below(of);
+    }
+    return table.Text() + (below.empty() ? "" : "\n" + below);
+  }
+
+ private:
+  /// Where it goes wrong, and how to see that.
+  std::string Below(const DetectorFindings& of) const {
+    std::string text;
+    const auto add = [&](const std::string& what, const store::ResultFile::Cell& cell) {
+      text += fmt::format("  {} {}\n    {}\n", of.detector, what, OnlyCommand(file_, cell));
+    };
+    const auto from = [&](const char* what, const std::optional<DetectorFindings::Place>& first) {
+      if (first)
+        add(fmt::format("{} from cycle {} of {} on", what, first->cycle,
+                        PlaceText(file_, first->cell)),
+            first->cell);
+    };
+    from("misses pairs", of.first_missed);
+    from("misses contacts", of.first_missed_contact);
+    from("lists pairs twice", of.first_duplicate);
+    if (of.first_failed)
+      add(fmt::format("{} at {}: {}", store::StatusName(file_.ReadStatus(*of.first_failed)),
+                      PlaceText(file_, *of.first_failed),
+                      file_.ReadText("message", *of.first_failed)),
+          *of.first_failed);
+    return text;
+  }
+
+  const store::ResultFile& file_;
+  std::vector<DetectorFindings> all_;
+};
+
+}  // namespace
+
+VerifyText VerifyTable(const store::ResultFile& file, const std::vector<std::string>& left_out) {
+  const Verified verified(file);
+  std::string text = fmt::format("{}\n{}", file.title(), verified.Text());
+  for (const std::string& line : left_out) text += fmt::format("  Left out: {}.\n", line);
+  return {text, verified.IsGood()};
+}
+
+}  // namespace cdb::report

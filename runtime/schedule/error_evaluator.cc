@@ -1,0 +1,114 @@
+#include "runtime/schedule/error_evaluator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "compiler/plan/reference.h"
+#include "dsl/check.h"
+#include "library/closed_forms/closed_form.h"
+#include "runtime/accuracy/errors.h"
+
+namespace cdb::schedule {
+namespace {
+
+/// A reference and its twin, for runs that take turns between two of them.
+constexpr std::size_t kKept = 4;
+
+measure::RunErrors AgainstForm(const plan::Run& run, const measure::Samples& samples) {
+  const layouts::InitialState state = layouts::MakeInitialState(run.scene);
+  const auto form = closed_forms::MakeClosedForm(run.scene.world.WordOr("accuracy.closed_form"),
+                                                 run.scene, state);
+  return accuracy::CollectErrors(run.scene, samples, accuracy::StandardOf(*form, samples).get(),
+                                 nullptr, nullptr);
+}
+
+void Append(std::string& to, const std::string& text) { to += (to.empty() ? "" : "; ") + text; }
+
+}  // namespace
+
+ErrorEvaluator::ErrorEvaluator(const plan::Plan& plan, std::filesystem::path folder)
+    : plan_(plan), plan_sha256_(plan.Sha256()), folder_(std::move(folder)) {
+  for (const plan::Run& run : plan.references) references_.emplace(run.id, &run);
+}
+
+const store::ReferenceShard& ErrorEvaluator::Find(const std::string& id) {
+  const auto kept = std::ranges::find(kept_, id, [](const auto& one) { return one.first; });
+  if (kept != kept_.end()) {
+    kept_.splice(kept_.begin(), kept_, kept);
+    return kept_.front().second;
+  }
+  const plan::Run& run = *references_.at(id);
+  kept_.emplace_front(id, store::ReadReference(plan_sha256_, run, folder_ / (id + ".h5")));
+  if (kept_.size() > kKept) kept_.pop_back();
+  return kept_.front().second;
+}
+
+measure::RunErrors ErrorEvaluator::ErrorsOf(const plan::Run& run, store::Status status,
+                                            const measure::Recording& recording) {
+  measure::RunErrors errors;
+  const std::string_view form = run.scene.world.WordOr("accuracy.closed_form");
+  const std::string truth = form != "none" ? std::string(form) : run.reference;
+  if (status != store::Status::kDone) {
+    errors.message = "the run did not end well";
+    errors.truth = truth;
+    return errors;
+  }
+  const auto sampling = plan::SamplingOf(run.scene);
+  CDB_CHECK(sampling);
+  const measure::Samples samples{*measure::SampleShapeOf(run.scene), sampling->interval_s,
+                                 recording.SampleValues()};
+  try {
+    if (form != "none") {
+      errors = AgainstForm(run, samples);
+    } else if (!run.reference.empty()) {
+      errors = AgainstReference(run, samples);
+    } else {
+      errors = accuracy::CollectErrors(run.scene, samples, nullptr, nullptr, nullptr);
+    }
+  } catch (const std::exception& error) {
+    Append(errors.message, error.what());
+  }
+  errors.truth = truth;
+  return errors;
+}
+
+measure::RunErrors ErrorEvaluator::AgainstReference(const plan::Run& run,
+                                                    const measure::Samples& samples) {
+  std::string trouble;
+  const auto find = [&](const std::string& id) -> std::optional<measure::Samples> {
+    try {
+      const store::ReferenceShard& shard = Find(id);
+      const std::string name = Describe(plan_, *references_.at(id));
+      measure::Samples found{shard.shape, samples.interval_s, shard.values};
+      if (shard.status != store::Status::kDone) {
+        Append(trouble,
+               fmt::format("{}: {}: {}", name, store::StatusName(shard.status), shard.message));
+      } else if (!found.IsFinite()) {
+        Append(trouble, fmt::format("{}: a state is not a number", name));
+      } else if (found.shape != samples.shape) {
+        Append(trouble, fmt::format("{}: has other samples than the run", name));
+      } else {
+        return found;
+      }
+    } catch (const store::StoreError& error) {
+      Append(trouble, error.what());
+    }
+    return std::nullopt;
+  };
+  const auto reference = find(run.reference);
+  const auto twin = find(run.twin);
+  measure::RunErrors errors;
+  if (reference && twin) {
+    const auto standard = accuracy::StandardOf(*reference);
+    errors = accuracy::CollectErrors(run.scene, samples, standard.get(), &*reference, &*twin);
+  } else {
+    errors = accuracy::CollectErrors(run.scene, samples, nullptr, nullptr, nullptr);
+    Append(errors.message, trouble);
+  }
+  return errors;
+}
+
+}  // namespace cdb::schedule

@@ -1,0 +1,39 @@
+// Errors of the runs of a plan: finds what each is held against, among the shards or by physics.
+#pragma once
+
+#include <filesystem>
+#include <list>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "compiler/plan/plan.h"
+#include "runtime/measure/recording.h"
+#include "runtime/store/reference_shard.h"
+
+namespace cdb::schedule {
+
+/// Plan and folder of shards outlive it. Not for several threads.
+class ErrorEvaluator {
+ public:
+  ErrorEvaluator(const plan::Plan& plan, std::filesystem::path folder);
+
+  /// The errors of a run that has ended with `status`, from the samples in its recording. What is
+  /// not to be had has no value, and the message says why; nothing is thrown for it.
+  measure::RunErrors ErrorsOf(const plan::Run& run, store::Status status,
+                              const measure::Recording& recording);
+
+ private:
+  /// The shard of a reference, read once and kept while it is one of the last that were asked for.
+  /// Throws StoreError.
+  const store::ReferenceShard& Find(const std::string& id);
+  measure::RunErrors AgainstReference(const plan::Run& run, const measure::Samples& samples);
+
+  const plan::Plan& plan_;
+  const std::string plan_sha256_;
+  const std::filesystem::path folder_;
+  std::map<std::string, const plan::Run*, std::less<>> references_;
+  std::list<std::pair<std::string, store::ReferenceShard>> kept_;  ///< the last asked for first
+};
+
+}  // namespace cdb::schedule
