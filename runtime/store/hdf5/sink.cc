@@ -73,6 +73,9 @@ herr_t TruncateDriver(H5FD_t* file, hid_t, hbool_t) {
 
 constexpr H5FD_class_t MakeDriver() {
   H5FD_class_t driver = {};
+#ifdef H5FD_CLASS_VERSION  // HDF5 1.14 checks it; 1.10 has no such member
+  driver.version = H5FD_CLASS_VERSION;
+#endif
   driver.name = "cdb";
   driver.maxaddr = (haddr_t{1} << 62) - 1;
   driver.fc_degree = H5F_CLOSE_STRONG;

@@ -151,10 +151,10 @@ class Conventions : public testing::TestWithParam<Kind> {
     for (const std::string& group : groups_) {
       const hid_t id = H5Gopen2(file_, group.c_str(), H5P_DEFAULT);
       for (const std::string& name : LinksInOrder(id)) {
-        H5O_info_t info;
-        H5Oget_info_by_name(id, name.c_str(), &info, H5P_DEFAULT);
-        if (info.type == H5O_TYPE_DATASET)
+        const hid_t object = H5Oopen(id, name.c_str(), H5P_DEFAULT);
+        if (H5Iget_type(object) == H5I_DATASET)
           datasets_.push_back(group == "/" ? name : group.substr(1) + "/" + name);
+        H5Oclose(object);
       }
       H5Gclose(id);
     }

@@ -1,9 +1,9 @@
 // Boost.Geometry's R-tree, packed anew every cycle, and asked once for every body.
 //
 // Source: S. Leutenegger et al., STR: a simple and efficient algorithm for R-tree packing, 1997.
-#include <boost/function_output_iterator.hpp>
 #include <boost/geometry.hpp>
 #include <boost/geometry/index/rtree.hpp>
+#include <boost/iterator/function_output_iterator.hpp>
 #include <vector>
 
 #include "library/detectors/kernels/finite_boxes.h"

@@ -2,8 +2,12 @@
 //
 // Embree counts in float: boxes are rounded outwards for it, and what it finds is tested again as
 // it came, as Embree's manual asks of the callback.
-// Source: Embree 3.13, doc/src/api (rtcCollide).
+// Source: Embree 3.13 and 4.3, doc/src/api (rtcCollide).
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <cmath>
 #include <limits>
