@@ -24,12 +24,12 @@ const DetectorEntry* Find(std::span<const DetectorEntry> entries, std::string_vi
   return entry == entries.end() ? nullptr : &*entry;
 }
 
-/// The file of an optional part: as built, beside the worker; as installed, in lib.
+/// The file of an optional part: as built, beside the worker; as installed, in the folder of libraries.
 std::string FileOf(const schema::DetectorPart& part) {
   const std::filesystem::path folder =
       std::filesystem::read_symlink("/proc/self/exe").parent_path();
   const std::string file = fmt::format("cdb-detectors-{}.so", part.name);
-  for (const char* place : {"detectors", "../lib/cdb/detectors"}) {
+  for (const char* place : {"detectors", CDB_INSTALLED_DETECTORS}) {
     std::error_code error;
     if (std::filesystem::exists(folder / place / file, error)) return folder / place / file;
   }
