@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compiler/schema/catalogue.h"
+#include "compiler/schema/parameter_ref.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
 #include "compiler/schema/value.h"
