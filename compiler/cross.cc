@@ -20,17 +20,15 @@ void AddPlugins(std::span<const schema::PluginDetector> plugins, plan::Scene& sc
 
 }  // namespace
 
-plan::Plan Cross(const plan::Plan& plan, std::string_view parameter,
+plan::Plan Cross(const plan::Plan& plan, schema::WorldParameter parameter,
                  const std::vector<std::string>& words,
                  std::span<const schema::PluginDetector> plugins) {
-  const schema::Parameter* row = schema::FindParameter(parameter, false);
-  CDB_CHECK(row != nullptr && std::ranges::all_of(words, [&](const auto& word) {
-              return row->HasWord(word, plugins);
-            }));
-  if (std::ranges::find(plan.axes, parameter, &plan::Axis::parameter) != plan.axes.end())
-    return plan;
+  CDB_CHECK(std::ranges::all_of(
+      words, [&](const auto& word) { return (*parameter).HasWord(word, plugins); }));
+  const std::string name(parameter.name());
+  if (std::ranges::find(plan.axes, name, &plan::Axis::parameter) != plan.axes.end()) return plan;
   plan::Plan crossed = plan;
-  plan::Axis axis{std::string(parameter), std::string(parameter), std::string(row->unit), {}};
+  plan::Axis axis{name, name, std::string((*parameter).unit), {}};
   axis.values.assign(words.begin(), words.end());
   crossed.axes.insert(crossed.axes.begin(), std::move(axis));
   crossed.runs.clear();
@@ -38,7 +36,7 @@ plan::Plan Cross(const plan::Plan& plan, std::string_view parameter,
   for (std::size_t i = 0; i < words.size(); ++i) {
     for (plan::Run run : plan.runs) {
       run.at.insert(run.at.begin(), i);
-      run.scene.world.values.insert_or_assign(std::string(parameter), schema::Word{words[i]});
+      run.scene.world.Set(parameter, schema::Word{words[i]});
       AddPlugins(plugins, run.scene);
       run.scene.KeepUsedPlugins();
       run.id = plan::RunId(run.scene, run.rep);

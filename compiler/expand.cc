@@ -171,7 +171,7 @@ class Expander {
       count *= static_cast<double>(axis.axis.values.size());
       plan_.axes.push_back(axis.axis);
     }
-    const schema::Parameter* repeats = schema::FindParameter("repeats", false);
+    const schema::Parameter* repeats = schema::WorldParameter("repeats").get();
     std::optional<std::uint64_t> value;
     for (const auto& configuration : configurations_) {
       const dsl::Span span = configuration->SpanOf({"", repeats}, benchmark_.benchmark->name.span);

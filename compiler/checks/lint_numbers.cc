@@ -42,7 +42,7 @@ constexpr double kHeavySingle = 1.45e7, kHeavyDouble = 7e15;
 
 /// The objects of one group by the bounds of what they draw. SI units.
 struct Objects {
-  const plan::Settings* settings = nullptr;
+  const plan::GroupSettings* settings = nullptr;
   std::size_t index = 0;
   double quantity = 0;
   Vector3d least_sides, most_sides;
@@ -126,7 +126,7 @@ class SceneNumbers {
   }
 
  private:
-  void AddGroup(const plan::Settings& settings, std::size_t index) {
+  void AddGroup(const plan::GroupSettings& settings, std::size_t index) {
     Objects objects;
     objects.settings = &settings;
     objects.index = index;
@@ -301,7 +301,7 @@ class SceneNumbers {
         [this](double excess) { return cycles_ * excess; });
   }
 
-  static bool MayBeOn(const Objects& objects, std::string_view name) {
+  static bool MayBeOn(const Objects& objects, schema::GroupParameter name) {
     const auto* on = std::get_if<bool>(&objects.settings->Get(name));
     return on == nullptr || *on;
   }
@@ -492,7 +492,7 @@ class SceneNumbers {
     }
   }
 
-  const plan::Settings& world_;
+  const plan::WorldSettings& world_;
   const double timestep_, iterations_, cycles_;
   const bool rests_;
   const double side_;

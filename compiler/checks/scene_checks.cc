@@ -53,20 +53,20 @@ bool SceneChecks::CheckCounts(evaluate::Configuration& configuration, const plan
   const bool places_good = CheckPlaces(configuration, scene);
   if (!CheckLinks(configuration, scene) || !places_good) return false;
   bool holds = true;
-  for (const char* parameter : {"detector", "narrow_phase"}) {
+  using DetectorParameter = schema::ParameterRef<false, schema::ValueKind::kWord>;
+  for (const auto parameter : {DetectorParameter("detector"), DetectorParameter("narrow_phase")}) {
     const std::string_view word = scene.world.WordOr(parameter);
     const auto detector = schema::FindDetector(word, scene.plugins);
     if (!detector || detector->Holds(bodies)) continue;
     holds = false;
     if (!std::exchange(capacity_reported_, true))
-      diagnostics_.Report(
-          scenario::kCapacity,
-          configuration.SpanOf({"", schema::FindParameter(parameter, false)}, benchmark_),
-          fmt::format("'{}' holds at most {} bodies, walls included; here are {}", word,
-                      detector->max_bodies, bodies),
-          fmt::format("skip when quantity > {} and {} == {}, or use {}",
-                      detector->max_bodies - (bodies - objects), parameter, word,
-                      parameter == std::string_view("detector") ? "sap32" : "bullet"));
+      diagnostics_.Report(scenario::kCapacity,
+                          configuration.SpanOf({"", parameter.get()}, benchmark_),
+                          fmt::format("'{}' holds at most {} bodies, walls included; here are {}",
+                                      word, detector->max_bodies, bodies),
+                          fmt::format("skip when quantity > {} and {} == {}, or use {}",
+                                      detector->max_bodies - (bodies - objects), parameter.name(),
+                                      word, parameter.name() == "detector" ? "sap32" : "bullet"));
   }
   return holds;
 }
@@ -84,7 +84,7 @@ bool SceneChecks::CheckPlaces(evaluate::Configuration& configuration, const plan
     if (!misplaced_.emplace(group.name, location->name).second) continue;
     diagnostics_.Report(
         scenario::kCapacity,
-        configuration.SpanOf({group.name, schema::FindParameter("location", true)}, benchmark_),
+        configuration.SpanOf({group.name, schema::GroupParameter("location").get()}, benchmark_),
         fmt::format("'{}' places {}, and the quantity of {} is {}", location->name,
                     is_at ? "one object" : "two objects", group.name, quantity),
         is_at ? "write quantity 1, and a group for each object" : "write quantity 2");
@@ -114,7 +114,7 @@ bool SceneChecks::CheckLinks(evaluate::Configuration& configuration, const plan:
     if (!misplaced_.emplace(group.name, why).second) continue;
     diagnostics_.Report(
         scenario::kContradiction,
-        configuration.SpanOf({group.name, schema::FindParameter("links.type", true)}, benchmark_),
+        configuration.SpanOf({group.name, schema::GroupParameter("links.type").get()}, benchmark_),
         fmt::format("the {} {}", group.name, why), hint);
   }
   return good;
@@ -131,7 +131,7 @@ bool SceneChecks::CheckNeeds(evaluate::Configuration& configuration, const plan:
     good = false;
     const std::string_view name = schema::InfoOf(need.component).name;
     const dsl::Span span =
-        configuration.SpanOfWord({"", schema::FindParameter("omit", false)}, name);
+        configuration.SpanOfWord({"", schema::WorldParameter("omit").get()}, name);
     if (!needed_.emplace(span.source, span.begin, need.component).second) continue;
     diagnostics_.Report(
         scenario::kNeeded, span, fmt::format("'{}' cannot be left out: {}", name, need.why),
@@ -143,7 +143,7 @@ bool SceneChecks::CheckNeeds(evaluate::Configuration& configuration, const plan:
 // What is said of errors has to lead to some, and their samples to lie on everyone's cycles.
 bool SceneChecks::CheckAccuracy(evaluate::Configuration& configuration, const plan::Scene& scene) {
   const auto& settings = configuration.layers().settings;
-  const scenario::ParameterKey metrics{"", schema::FindParameter("accuracy.metrics", false)};
+  const scenario::ParameterKey metrics{"", schema::WorldParameter("accuracy.metrics").get()};
   const auto said = std::ranges::find_if(settings, [](const auto& setting) {
     return setting.first.second->name.starts_with("accuracy.");
   });
@@ -154,22 +154,20 @@ bool SceneChecks::CheckAccuracy(evaluate::Configuration& configuration, const pl
                         "say which errors: accuracy.metrics position, energy");
     return false;
   }
-  const auto report = [&](const dsl::DiagnosticKind& kind, std::string_view parameter,
+  const auto report = [&](const dsl::DiagnosticKind& kind, const schema::Parameter* parameter,
                           const std::string& message, const std::string& help) {
     if (!std::exchange(inaccurate_, true))
-      diagnostics_.Report(
-          kind, configuration.SpanOf({"", schema::FindParameter(parameter, false)}, benchmark_),
-          message, help);
+      diagnostics_.Report(kind, configuration.SpanOf({"", parameter}, benchmark_), message, help);
     return false;
   };
   const plan::AccuracyFault fault = plan::FindAccuracyFault(scene);
-  if (!fault.parameter.empty())
+  if (fault.parameter != nullptr)
     return report(scenario::kContradiction, fault.parameter, fault.message, fault.help);
   const auto sampling = plan::SamplingOf(scene);
   if (!sampling) return true;
   if (!interval_s_) interval_s_ = sampling->interval_s;
   if (*interval_s_ != sampling->interval_s)
-    return report(scenario::kMisplacedSweep, "accuracy.interval",
+    return report(scenario::kMisplacedSweep, schema::WorldParameter("accuracy.interval").get(),
                   "the interval is the same in every run", "their samples are one axis");
   return true;
 }

@@ -10,13 +10,19 @@
 namespace cdb::checks {
 namespace {
 
-constexpr std::string_view kMeaningful[] = {"trace",  "detector", "threads", "repeats",
-                                            "warmup", "cycles",   "timeout", "record"};
+constexpr schema::WorldParameter kMeaningful[] = {"trace",  "detector", "threads", "repeats",
+                                                  "warmup", "cycles",   "timeout", "record"};
 constexpr std::string_view kRecorded[] = {"timing", "counts", "memory", "pairs"};
 
-template <typename Names>
-bool Holds(const Names& names, std::string_view name) {
-  return std::ranges::find(names, name) != std::end(names);
+bool IsMeaningful(const schema::Parameter& parameter) {
+  return std::ranges::find(kMeaningful, &parameter, &schema::WorldParameter::get) !=
+         std::end(kMeaningful);
+}
+
+std::string MeaningfulNames() {
+  std::vector<std::string_view> names;
+  for (const schema::WorldParameter parameter : kMeaningful) names.push_back(parameter.name());
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -24,28 +30,27 @@ bool Holds(const Names& names, std::string_view name) {
 std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const plan::TraceFacts& facts,
                                   plan::Scene& scene) {
   std::vector<TracedFault> faults;
-  const auto is_set = [&](std::string_view name) {
-    return layers.settings.contains({"", schema::FindParameter(name, false)});
+  const auto is_set = [&](schema::WorldParameter parameter) {
+    return layers.settings.contains({"", parameter.get()});
   };
-  const auto set = [&](const char* name, schema::Value value) {
-    scene.world.values.insert_or_assign(name, std::move(value));
+  const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
+    scene.world.Set(parameter, std::move(value));
   };
   for (const auto& [key, setting] : layers.settings)
-    if (key.second->grouped || !Holds(kMeaningful, key.second->name))
-      faults.push_back(
-          {&scenario::kContradiction,
-           key,
-           {},
-           fmt::format("'{}' means nothing on a trace", setting.node->path.text),
-           fmt::format("leave it out; what can be set there: {}", fmt::join(kMeaningful, ", "))});
+    if (!IsMeaningful(*key.second))
+      faults.push_back({&scenario::kContradiction,
+                        key,
+                        {},
+                        fmt::format("'{}' means nothing on a trace", setting.node->path.text),
+                        "leave it out; what can be set there: " + MeaningfulNames()});
 
   const std::uint64_t warmup = scene.world.Count("warmup");
-  const char* which = is_set("cycles") ? "cycles" : "warmup";
+  const schema::WorldParameter of_cycles = "cycles", of_warmup = "warmup";
   if (!is_set("cycles")) set("cycles", facts.cycles - std::min(facts.cycles - 1, warmup));
   const std::uint64_t cycles = scene.world.Count("cycles");
   if (warmup > facts.cycles || cycles > facts.cycles - warmup)
     faults.push_back({&scenario::kCapacity,
-                      {"", schema::FindParameter(which, false)},
+                      {"", (is_set(of_cycles) ? of_cycles : of_warmup).get()},
                       {},
                       fmt::format("the trace has {} cycles, and this asks for {}", facts.cycles,
                                   warmup + cycles),
@@ -53,10 +58,10 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const plan::Tr
                                        : "warmup leaves at least one to time"});
 
   if (!is_set("record")) set("record", schema::WordList{"counts", "timing"});
-  for (const std::string& word : std::get<schema::WordList>(scene.world.Get("record")))
-    if (!Holds(kRecorded, word))
+  for (const std::string& word : scene.world.Words("record"))
+    if (std::ranges::find(kRecorded, word) == std::end(kRecorded))
       faults.push_back({&scenario::kContradiction,
-                        {"", schema::FindParameter("record", false)},
+                        {"", schema::WorldParameter("record").get()},
                         word,
                         fmt::format("'{}' cannot be recorded on a trace, which has boxes and no "
                                     "bodies",
@@ -66,7 +71,7 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const plan::Tr
   // The plan says of its own accord how large the scene is; what it says of objects beside that has
   // no effect.
   scene.groups.resize(1);
-  scene.groups[0].settings.values.insert_or_assign("quantity", facts.bodies);
+  scene.groups[0].settings.Set("quantity", facts.bodies);
   scene.seeds.clear();
   set("world.walls", schema::Word{"none"});
   set("timestep", facts.timestep_s);

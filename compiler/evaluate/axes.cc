@@ -45,7 +45,7 @@ class Walker {
         Sweeps(*value, setting->second.scope, found);
     } else if (key.second->name == "world.side") {
       for (const std::string& group : layers_.groups)
-        Sweeps(scenario::ParameterKey{group, schema::FindParameter("quantity", true)}, found);
+        Sweeps(scenario::ParameterKey{group, schema::GroupParameter("quantity").get()}, found);
     }
   }
 

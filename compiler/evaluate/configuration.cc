@@ -49,11 +49,11 @@ void AddSeeds(plan::Scene& scene) {
   const auto add = [&](const std::string& stream) {
     scene.seeds.emplace(stream, plan::StreamSeed(seed, stream));
   };
-  for (const auto& [name, value] : scene.world.values)
+  for (const auto& [name, value] : scene.world)
     if (IsDrawn(value)) add(name);
   for (const plan::Group& group : scene.groups) {
     add(group.name + ".location");
-    for (const auto& [name, value] : group.settings.values)
+    for (const auto& [name, value] : group.settings)
       if (IsDrawn(value)) add(group.name + "." + name);
   }
 }
@@ -102,7 +102,7 @@ std::optional<plan::Scene> Configuration::MakeScene() {
     plan::Settings* settings = &scene.world;
     for (plan::Group& group : scene.groups)
       if (group.name == values.key.first) settings = &group.settings;
-    settings->values.emplace(std::string(values.key.second->name), *value);
+    settings->SetValue(*values.key.second, *value);
   }
   if (!good) return std::nullopt;
   AddSeeds(scene);

@@ -256,7 +256,7 @@ std::optional<Term> Evaluator::EvaluateParameter(const scenario::ParameterKey& k
   if (key.second->name == "world.side" && set == layers_.settings.end()) {
     Number objects = Number::Whole(0);
     for (const std::string& group : layers_.groups) {
-      const auto quantity = EvaluateParameter({group, schema::FindParameter("quantity", true)});
+      const auto quantity = EvaluateParameter({group, schema::GroupParameter("quantity").get()});
       if (!quantity || !quantity->number()) return std::nullopt;
       objects = objects + *quantity->number();
     }

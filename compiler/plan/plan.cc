@@ -14,7 +14,7 @@ namespace {
 
 std::string CanonicalText(const Settings& settings) {
   std::string text;
-  for (const auto& [name, value] : settings.values)
+  for (const auto& [name, value] : settings)
     text += fmt::format("{} {}\n", name, schema::ToText(value));
   return text;
 }
@@ -44,49 +44,6 @@ std::string_view RoleName(Role role) {
   return kNames[static_cast<std::size_t>(role)];
 }
 
-const schema::Value& Settings::Get(std::string_view name) const {
-  const auto found = values.find(name);
-  CDB_CHECK(found != values.end());
-  return found->second;
-}
-
-double Settings::Real(std::string_view name) const {
-  const schema::Value& value = Get(name);
-  if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
-  const auto* real = std::get_if<double>(&value);
-  CDB_CHECK(real != nullptr);
-  return *real;
-}
-
-std::uint64_t Settings::Count(std::string_view name) const {
-  const auto* count = std::get_if<std::uint64_t>(&Get(name));
-  CDB_CHECK(count != nullptr);
-  return *count;
-}
-
-bool Settings::On(std::string_view name) const {
-  const auto* on = std::get_if<bool>(&Get(name));
-  CDB_CHECK(on != nullptr);
-  return *on;
-}
-
-std::string_view Settings::WordOr(std::string_view name, std::string_view otherwise) const {
-  const auto* word = std::get_if<schema::Word>(&Get(name));
-  return word != nullptr ? std::string_view(word->text) : otherwise;
-}
-
-Eigen::Vector3d Settings::Vector(std::string_view name) const {
-  const auto* vector = std::get_if<Eigen::Vector3d>(&Get(name));
-  CDB_CHECK(vector != nullptr);
-  return *vector;
-}
-
-bool Settings::Lists(std::string_view name, std::string_view word) const {
-  const auto* words = std::get_if<schema::WordList>(&Get(name));
-  CDB_CHECK(words != nullptr);
-  return std::ranges::find(*words, word) != words->end();
-}
-
 bool Group::HasLinks() const {
   return settings.Count("quantity") > 0 && settings.WordOr("links.type") != "none";
 }
@@ -99,7 +56,8 @@ std::uint64_t Scene::ObjectCount() const {
 
 bool Scene::Uses(std::string_view detector) const {
   return std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& parameter) {
-    return parameter.TakesDetectors() && world.WordOr(parameter.name) == detector;
+    return parameter.TakesDetectors() &&
+           world.ValueOf(parameter) == schema::Value(schema::Word{std::string(detector)});
   });
 }
 

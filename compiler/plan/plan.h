@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "compiler/plan/settings.h"
 #include "compiler/schema/plugins.h"
 #include "compiler/schema/value.h"
 
@@ -18,33 +19,10 @@ namespace cdb::plan {
 /// Raised with every other plan format than this one. Part of every run's id.
 inline constexpr int kPlanVersion = 5;
 
-/// The settings of the world or of one group of objects, by the parameter's name without its group:
-/// `timestep`, `world.side`; in a group `quantity`, `size`. Complete: what the file leaves out has
-/// the schema's default.
-class Settings {
- public:
-  std::map<std::string, schema::Value, std::less<>> values;
-
-  bool Has(std::string_view name) const { return values.find(name) != values.end(); }
-  /// The value; a name that the schema does not have is our own bug (CDB_CHECK).
-  const schema::Value& Get(std::string_view name) const;
-  /// The value as a number, a count, a switch, a word. Another type is our own bug; `Real` takes
-  /// counts too.
-  double Real(std::string_view name) const;
-  std::uint64_t Count(std::string_view name) const;
-  bool On(std::string_view name) const;
-  /// The word, or empty where the value is not a word (`mass fixed` against `mass 1`).
-  std::string_view WordOr(std::string_view name, std::string_view otherwise = {}) const;
-  Eigen::Vector3d Vector(std::string_view name) const;
-  bool Lists(std::string_view name, std::string_view word) const;
-
-  bool operator==(const Settings&) const = default;
-};
-
 /// One `objects` group of a run.
 struct Group {
   std::string name;  ///< `objects` where the file gives none
-  Settings settings;
+  GroupSettings settings;
   /// It has objects, and `links.type` holds them together.
   bool HasLinks() const;
   bool operator==(const Group&) const = default;
@@ -60,7 +38,7 @@ std::string_view RoleName(Role role);
 /// All that decides a run's result.
 struct Scene {
   Role role = Role::kMeasured;
-  Settings world;             ///< every parameter that is not of a group
+  WorldSettings world;        ///< every parameter that is not of a group
   std::vector<Group> groups;  ///< at least one
   /// The seed of every stream of random numbers, by its name: `objects.location`, `pebbles.size`,
   /// `acceleration`. A stream is listed for each distribution the scene draws from; 64 bits,

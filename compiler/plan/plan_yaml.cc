@@ -74,7 +74,7 @@ struct WriteValue {
 };
 
 void WriteSettings(YAML::Emitter& out, const Settings& settings) {
-  for (const auto& [name, value] : settings.values) {
+  for (const auto& [name, value] : settings) {
     out << YAML::Key << name << YAML::Value;
     WriteValue{out}.Write(value);
   }
@@ -210,20 +210,21 @@ class Reader {
     return ReadConstant(node, parameter);
   }
 
-  Settings ReadSettings(const YAML::Node& map, bool grouped,
-                        std::span<const schema::PluginDetector> plugins = {}) const {
+  template <bool kGrouped>
+  SettingsOf<kGrouped> ReadSettings(const YAML::Node& map,
+                                    std::span<const schema::PluginDetector> plugins = {}) const {
     if (!map.IsMap()) Fail(map.Mark(), "a map of settings should be here");
-    Settings settings;
+    SettingsOf<kGrouped> settings;
     for (const auto& entry : map) {
       const std::string& key = Text(entry.first);
-      if (grouped && key == "name") continue;
-      const schema::Parameter* parameter = schema::FindParameter(key, grouped);
+      if (kGrouped && key == "name") continue;
+      const schema::Parameter* parameter = schema::FindParameter(key, kGrouped);
       if (parameter == nullptr)
         Fail(entry.first.Mark(), fmt::format("this version has no parameter `{}`", key));
-      settings.values.insert_or_assign(key, ReadValue(entry.second, *parameter, plugins));
+      settings.SetValue(*parameter, ReadValue(entry.second, *parameter, plugins));
     }
     for (const schema::Parameter& parameter : schema::Schema())
-      if (parameter.grouped == grouped && !settings.Has(parameter.name))
+      if (parameter.grouped == kGrouped && !settings.Has(parameter))
         Fail(map.Mark(), fmt::format("`{}` is missing", parameter.name));
     return settings;
   }
@@ -235,9 +236,9 @@ class Reader {
     run.rep = Count(Member(node, "rep"));
     if (node["role"]) run.scene.role = ReadRole(node["role"]);
     if (node["plugins"]) run.scene.plugins = ReadPlugins(node["plugins"]);
-    run.scene.world = ReadSettings(Member(node, "world"), false, run.scene.plugins);
+    run.scene.world = ReadSettings<false>(Member(node, "world"), run.scene.plugins);
     for (const YAML::Node& group : Member(node, "groups"))
-      run.scene.groups.push_back({Text(Member(group, "name")), ReadSettings(group, true)});
+      run.scene.groups.push_back({Text(Member(group, "name")), ReadSettings<true>(group)});
     if (run.scene.groups.empty()) Fail(node.Mark(), "a run needs a group of objects");
     for (const auto& entry : Member(node, "seeds"))
       run.scene.seeds.emplace(Text(entry.first), Count(entry.second));
@@ -428,7 +429,7 @@ class Reader {
   /// What a plan that was compiled keeps to, and its ids do not vouch for.
   void CheckAccuracy(const YAML::Node& node, const Scene& scene) const {
     const AccuracyFault fault = FindAccuracyFault(scene);
-    if (!fault.parameter.empty()) Fail(node.Mark(), fault.message);
+    if (fault.parameter != nullptr) Fail(node.Mark(), fault.message);
   }
 
   void CheckPlace(const YAML::Node& node, const Plan& plan,

@@ -23,7 +23,7 @@ bool IsConstantZero(const schema::Value& value) {
 }
 
 /// The first group, by its name, whose `parameter` is not the constant 0 or off.
-std::optional<std::string> GroupWith(const Scene& scene, std::string_view parameter) {
+std::optional<std::string> GroupWith(const Scene& scene, schema::GroupParameter parameter) {
   for (const Group& group : scene.groups) {
     if (group.settings.Count("quantity") == 0) continue;
     const schema::Value& value = group.settings.Get(parameter);
@@ -83,9 +83,10 @@ class Analysis {
         return {Decision::kKept, fmt::format("the acceleration is {}",
                                              schema::ToText(scene_.world.Get("acceleration")))};
       case Component::kDamping:
-        for (const char* what : {"linear_damping", "angular_damping"})
+        for (const auto what :
+             {schema::GroupParameter("linear_damping"), schema::GroupParameter("angular_damping")})
           if (const auto group = GroupWith(scene_, what))
-            return {Decision::kKept, fmt::format("{} have {}", *group, what)};
+            return {Decision::kKept, fmt::format("{} have {}", *group, what.name())};
         return {Decision::kLeftOut, "no object is damped"};
       case Component::kRotation:
         if (spin_) return {Decision::kKept, fmt::format("{} have angular_velocity", *spin_)};

@@ -42,7 +42,7 @@ std::string IntervalThatWouldDo(double wanted, double timestep, double other) {
 
 /// `every 60` counts cycles: as many of the reference's as last as long.
 bool StretchSchedules(Settings& settings, double from_s, double to_s) {
-  for (auto& [name, value] : settings.values) {
+  for (auto& [name, value] : settings) {
     const schema::Call* call = schema::AsCall(value);
     if (call == nullptr || call->name != "every") continue;
     const auto cycles = std::get<std::uint64_t>(schema::ArgumentOf(*call, "cycles"));
@@ -71,20 +71,20 @@ std::optional<std::uint64_t> WholeSteps(double span_s, double timestep_s) {
 
 AccuracyFault FindAccuracyFault(const Scene& scene) {
   if (ErrorsOf(scene).empty()) return {};
-  const Settings& world = scene.world;
+  const WorldSettings& world = scene.world;
   const double interval = world.Real("accuracy.interval"), timestep = world.Real("timestep");
   const bool needs_reference = NeedsReference(scene);
   const double reference = needs_reference ? world.Real("accuracy.reference.timestep") : timestep;
   for (const auto& [step, whose] : {std::pair{timestep, "the run"}, {reference, "the reference"}})
     if (!WholeSteps(interval, step))
-      return {"accuracy.interval",
+      return {schema::WorldParameter("accuracy.interval").get(),
               fmt::format("an interval of {} s is no whole number of time steps of {}, {} s",
                           SecondsText(interval, interval), whose, SecondsText(step, step)),
               IntervalThatWouldDo(interval, timestep, reference)};
   const std::uint64_t cycles = world.Count("warmup") + world.Count("cycles");
   const std::uint64_t samples = cycles / *WholeSteps(interval, timestep);
   if (samples == 0)
-    return {"accuracy.interval",
+    return {schema::WorldParameter("accuracy.interval").get(),
             fmt::format("the run ends before its first sample: it lasts {} s and the interval is "
                         "{} s",
                         schema::FormatReal(static_cast<double>(cycles) * timestep),
@@ -92,7 +92,7 @@ AccuracyFault FindAccuracyFault(const Scene& scene) {
             "take a shorter interval or more cycles"};
   if (!needs_reference) return {};
   if (samples > kMostCycles / *WholeSteps(interval, reference))
-    return {"accuracy.reference.timestep",
+    return {schema::WorldParameter("accuracy.reference.timestep").get(),
             fmt::format("the reference would have {:.3g} cycles",
                         static_cast<double>(samples) * interval / reference),
             fmt::format("a run has at most {}: take a longer time step", kMostCycles)};
@@ -101,7 +101,7 @@ AccuracyFault FindAccuracyFault(const Scene& scene) {
   for (Group& group : stretched.groups)
     whole = StretchSchedules(group.settings, timestep, reference) && whole;
   if (!whole)
-    return {"accuracy.reference.timestep",
+    return {schema::WorldParameter("accuracy.reference.timestep").get(),
             "a schedule changes after cycles that are no whole number of the reference's",
             "take a reference.timestep that divides the time step of the run"};
   const std::uint64_t bodies = BodyCount(scene);
@@ -109,7 +109,7 @@ AccuracyFault FindAccuracyFault(const Scene& scene) {
   const auto detector = schema::FindDetector(detector_name, scene.plugins);
   CDB_CHECK(detector);
   if (!detector->Holds(bodies))
-    return {"accuracy.reference.detector",
+    return {schema::WorldParameter("accuracy.reference.detector").get(),
             fmt::format("'{}' holds at most {} bodies, walls included; here are {}", detector_name,
                         detector->max_bodies, bodies),
             "use dbvt"};
@@ -136,8 +136,8 @@ Scene ReferenceOf(const Scene& scene) {
   CDB_CHECK(sampling);
   Scene reference = scene;
   reference.role = Role::kReference;
-  const auto set = [&](const char* name, schema::Value value) {
-    reference.world.values.insert_or_assign(name, std::move(value));
+  const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
+    reference.world.Set(parameter, std::move(value));
   };
   const auto& world = scene.world;
   const double timestep = world.Real("accuracy.reference.timestep");
@@ -147,8 +147,8 @@ Scene ReferenceOf(const Scene& scene) {
   // As far as the last sample of any run goes that asks for it.
   set("cycles", (sampling->count - 1) * *steps);
   set("warmup", std::uint64_t{0});
-  for (const char* name : {"precision", "detector"})
-    set(name, world.Get("accuracy.reference." + std::string(name)));
+  set("precision", world.Get("accuracy.reference.precision"));
+  set("detector", world.Get("accuracy.reference.detector"));
   // The contacts too are those of the reference's detector.
   set("narrow_phase", schema::Word{"own"});
   set("pair_order", schema::Word{"listed"});

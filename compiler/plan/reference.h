@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "compiler/plan/plan.h"
 
@@ -22,9 +21,9 @@ struct Sampling {
 
 /// Why the errors that a scene asks for cannot be had; no parameter where they can.
 struct AccuracyFault {
-  std::string_view parameter;  ///< what is to be changed: `accuracy.interval`, `cycles`
-  std::string message;         ///< what is wrong
-  std::string help;            ///< what would do
+  const schema::Parameter* parameter = nullptr;  ///< to be changed: `accuracy.interval`, `cycles`
+  std::string message;                           ///< what is wrong
+  std::string help;                              ///< what would do
 };
 AccuracyFault FindAccuracyFault(const Scene& scene);
 

@@ -13,9 +13,7 @@ using schema::WordList;
 /// Most runs of most plans ask for none, and there may be many.
 bool AsksForNone(const WordList& metrics) { return metrics.size() == 1 && metrics[0] == "none"; }
 
-const WordList& MetricsOf(const Scene& scene) {
-  return std::get<WordList>(scene.world.Get("accuracy.metrics"));
-}
+const WordList& MetricsOf(const Scene& scene) { return scene.world.Words("accuracy.metrics"); }
 
 template <typename Words>
 std::vector<const ErrorInfo*> ErrorsNamed(const Words& words) {

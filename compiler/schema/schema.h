@@ -1,5 +1,5 @@
 // THE table of parameters. The checker, `did you mean`, `cdb doc`, the plan and the results read
-// it; to add a parameter, add its row here and the code that uses it.
+// it; to add a parameter, add its row to parameter_table.h and the code that uses it.
 #pragma once
 
 #include <limits>
@@ -58,7 +58,6 @@ struct Parameter {
   std::string_view default_text;  ///< as `.cdb` writes it
   std::string_view words;         ///< space-separated words it takes as well
   WordSource word_source = WordSource::kOwn;
-  std::string_view component;   ///< the part of the engine that it wakes
   std::string_view doc;         ///< one line
   std::string_view also = {};   ///< space-separated names that people try first, to put them right
   std::string_view calls = {};  ///< space-separated words with arguments that it takes: calls.h
@@ -92,7 +91,8 @@ std::span<const Parameter> Schema();
 /// schema's names say, in its order.
 std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped);
 
-/// Null where there is none. `name` is without its group.
+/// For a name that is known only at run time: null where there is none. `name` is without its
+/// group. A name in the code is a WorldParameter or a GroupParameter (parameter_ref.h).
 const Parameter* FindParameter(std::string_view name, bool grouped);
 
 }  // namespace cdb::schema

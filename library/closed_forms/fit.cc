@@ -30,9 +30,11 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
   if (IsScheduled(scene.world.Get("acceleration")))
     Refuse("the acceleration is on a schedule", "give it one value");
   for (const plan::Group& group : scene.groups)
-    for (const char* velocity : {"linear_velocity", "angular_velocity"})
+    for (const auto velocity :
+         {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
       if (IsScheduled(group.settings.Get(velocity)))
-        Refuse(fmt::format("{}.{} is on a schedule", group.name, velocity), "give it one value");
+        Refuse(fmt::format("{}.{} is on a schedule", group.name, velocity.name()),
+               "give it one value");
   for (std::size_t i = 0; i < size(); ++i) {
     if (object(i).IsFixed()) Refuse(Name(i) + " is fixed", "give it a mass");
     if (object(i).linear_damping != 0 || object(i).angular_damping != 0)

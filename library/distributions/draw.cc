@@ -86,16 +86,15 @@ Stream NamedStream(const plan::Scene& scene, std::string_view group, std::string
   return Stream(found->second);
 }
 
-Draw::Draw(const plan::Scene& scene, const plan::Group* group, std::string_view parameter)
-    : parameter_(schema::FindParameter(parameter, group != nullptr)),
-      value_(&Scheduled((group != nullptr ? group->settings : scene.world).Get(parameter))),
+Draw::Draw(const plan::Scene& scene, const plan::Group* group, const schema::Parameter& parameter)
+    : parameter_(&parameter),
+      value_(&Scheduled(group != nullptr ? group->settings.ValueOf(parameter)
+                                         : scene.world.ValueOf(parameter))),
       distribution_(AsDistribution(*value_)),
-      name_(FullName(group != nullptr ? group->name : "", parameter)),
+      name_(FullName(group != nullptr ? group->name : "", parameter.name)),
       stream_(distribution_ == nullptr && !IsRandomWord(*value_)
                   ? Stream(0)
-                  : NamedStream(scene, group != nullptr ? group->name : "", parameter)) {
-  CDB_CHECK(parameter_ != nullptr);
-}
+                  : NamedStream(scene, group != nullptr ? group->name : "", parameter.name)) {}
 
 const Value& Draw::Choose() {
   const Value* value = value_;

@@ -23,9 +23,14 @@ class Draw {
  public:
   static constexpr int kMaxRedraws = 100000;
 
-  /// `group` is null for the world. Throws SceneError where the plan has no seed for a
-  /// distribution; a name that the schema does not have is our own bug.
-  Draw(const plan::Scene& scene, const plan::Group* group, std::string_view parameter);
+  /// Throws SceneError where the plan has no seed for a distribution.
+  Draw(const plan::Scene& scene, schema::ParameterRef<false, schema::ValueKind::kDrawn> parameter)
+      : Draw(scene, nullptr, *parameter) {}
+  Draw(const plan::Scene& scene, const plan::Group& group,
+       schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter)
+      : Draw(scene, &group, *parameter) {}
+  /// For a parameter that is known only at run time; `group` is null for one of the world.
+  Draw(const plan::Scene& scene, const plan::Group* group, const schema::Parameter& parameter);
 
   double Real();
   bool On();

@@ -28,8 +28,8 @@ Eigen::Quaterniond DrawOrientation(distributions::Draw& orientation) {
 void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactory& solids,
                std::vector<ObjectState>& objects) {
   const plan::Group& group = scene.groups[index];
-  const auto draw = [&](std::string_view parameter) {
-    return distributions::Draw(scene, &group, parameter);
+  const auto draw = [&](schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
+    return distributions::Draw(scene, group, parameter);
   };
   const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
   distributions::Draw type = draw("type"), size = draw("size"), mass = draw("mass");
@@ -92,7 +92,7 @@ InitialState DrawObjects(const plan::Scene& scene) {
   objects::SolidFactory solids;
   for (std::size_t i = 0; i < scene.groups.size(); ++i) DrawGroup(scene, i, solids, state.objects);
   state.forms = solids.Forms();
-  state.acceleration = distributions::Draw(scene, nullptr, "acceleration").Vector();
+  state.acceleration = distributions::Draw(scene, "acceleration").Vector();
   const double side = scene.world.Real("world.side");
   for (const ObjectState& object : state.objects) state.fill_fraction += object.solid.Volume();
   state.fill_fraction /= side * side * side;

@@ -55,9 +55,9 @@ std::string Arguments(const std::vector<const ParametrisedWord*>& calls) {
   return table.Text();
 }
 
-std::vector<const ParametrisedWord*> CallsOf(std::string_view parameter, bool grouped) {
+std::vector<const ParametrisedWord*> CallsOf(const Parameter& parameter) {
   std::vector<const ParametrisedWord*> calls;
-  for (const std::string_view name : schema::FindParameter(parameter, grouped)->AllCalls())
+  for (const std::string_view name : parameter.AllCalls())
     calls.push_back(schema::FindParametrisedWord(name));
   return calls;
 }
@@ -84,7 +84,7 @@ std::string OneParameter(const Parameter& parameter) {
   text += fmt::format("  takes    {}\n", parameter.Takes());
   text += fmt::format("  default  {}\n", parameter.default_text);
   if (!parameter.unit.empty()) text += fmt::format("  unit     {}\n", parameter.unit);
-  const auto calls = CallsOf(parameter.name, parameter.grouped);
+  const auto calls = CallsOf(parameter);
   return calls.empty() ? text : text + "\n" + Words("with arguments", calls);
 }
 
@@ -169,11 +169,17 @@ std::string Names(const char* title, const Rows& rows, Doc doc) {
   return table.Text();
 }
 
-std::string Objects() { return Words("objects", schema::ObjectTypes(), CallsOf("type", true)); }
+std::string Objects() {
+  return Words("objects", schema::ObjectTypes(), CallsOf(*schema::GroupParameter("type")));
+}
 
-std::string Layouts() { return Words("layouts", schema::Layouts(), CallsOf("location", true)); }
+std::string Layouts() {
+  return Words("layouts", schema::Layouts(), CallsOf(*schema::GroupParameter("location")));
+}
 
-std::string Schedules() { return Words("schedules", CallsOf("acceleration", false)); }
+std::string Schedules() {
+  return Words("schedules", CallsOf(*schema::WorldParameter("acceleration")));
+}
 
 /// The scenarios of the library, a table for each folder, with their first comment line.
 std::string Scenarios() {

@@ -132,21 +132,20 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
   return std::move(result.plans);
 }
 
-void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
+void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,
                 std::span<const schema::PluginDetector> plugins) {
-  const schema::Parameter* row = schema::FindParameter(parameter, false);
   std::set<std::string_view> seen;
   for (const std::string& word : words) {
-    const auto all = row->AllWords(plugins);
-    if (!row->HasWord(word, plugins)) {
+    const auto all = (*parameter).AllWords(plugins);
+    if (!(*parameter).HasWord(word, plugins)) {
       const std::string_view near = dsl::DidYouMean(word, all);
-      throw CommandError(fmt::format("--{} {}: {}", parameter, word,
+      throw CommandError(fmt::format("--{} {}: {}", parameter.name(), word,
                                      near.empty()
                                          ? fmt::format("there are {}", fmt::join(all, ", "))
                                          : fmt::format("did you mean '{}'?", near)));
     }
     if (!seen.insert(word).second)
-      throw CommandError(fmt::format("--{} names '{}' twice", parameter, word));
+      throw CommandError(fmt::format("--{} names '{}' twice", parameter.name(), word));
   }
 }
 

@@ -42,7 +42,7 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
 
 /// Throws CommandError for a word that neither the parameter nor, where it takes detectors,
 /// `plugins` has, or that is there twice.
-void CheckWords(std::string_view parameter, const std::vector<std::string>& words,
+void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,
                 std::span<const schema::PluginDetector> plugins = {});
 
 /// The whole text of a file. Throws CommandError.

@@ -30,8 +30,8 @@ plan::Plan TracePlan(plan::Plan plan) {
       throw CommandError(
           fmt::format("{}: {} runs on a trace already; trace a benchmark of a live world",
                       plan.benchmark, plan::Describe(plan, run)));
-    const auto set = [&](const char* name, schema::Value value) {
-      run.scene.world.values.insert_or_assign(name, std::move(value));
+    const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
+      run.scene.world.Set(parameter, std::move(value));
     };
     set("record", schema::WordList{"boxes", "poses"});
     set("pair_order", schema::Word{"sorted"});

@@ -111,8 +111,8 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   bare.repeats = 1;
   std::erase_if(bare.runs, [](const Run& run) { return run.rep > 0; });
   for (Run& run : bare.runs) {
-    const auto set = [&](const char* name, schema::Value value) {
-      run.scene.world.values.insert_or_assign(name, std::move(value));
+    const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
+      run.scene.world.Set(parameter, std::move(value));
     };
     set("record", schema::WordList{"pairs"});
     set("accuracy.metrics", schema::WordList{"none"});

@@ -73,9 +73,10 @@ std::optional<std::string> WhatChanges(const plan::Scene& scene) {
     return "the acceleration changes while it runs";
   for (const plan::Group& group : scene.groups) {
     if (group.settings.Count("quantity") == 0) continue;
-    for (const char* velocity : {"linear_velocity", "angular_velocity"})
+    for (const auto velocity :
+         {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
       if (schema::AsCall(group.settings.Get(velocity)) != nullptr)
-        return fmt::format("the {} of {} is set again while it runs", velocity, group.name);
+        return fmt::format("the {} of {} is set again while it runs", velocity.name(), group.name);
     if (layouts::IsPile(group)) return fmt::format("{} settle before the first cycle", group.name);
     if (group.HasLinks()) return fmt::format("{} are linked and pull at one another", group.name);
     if (group.settings.On("overlap"))

@@ -30,7 +30,7 @@ TimeEstimate::TimeEstimate(const std::vector<const plan::Run*>& to_do) {
 }
 
 TimeEstimate::Kind TimeEstimate::KindOf(const plan::Run& run) {
-  const plan::Settings& world = run.scene.world;
+  const plan::WorldSettings& world = run.scene.world;
   const bool is_limited = world.WordOr("timeout").empty();
   return {std::string(world.WordOr("detector")),
           std::max(1.0, static_cast<double>(run.scene.ObjectCount())),

@@ -26,7 +26,7 @@ struct Rivals {
 /// Two runs of one point have the same.
 std::string PointKey(const plan::Run& run) {
   plan::Scene scene = run.scene;
-  scene.world.values.erase("detector");
+  scene.world.Erase("detector");
   scene.plugins.clear();
   return plan::RunId(scene, 0);
 }
@@ -93,7 +93,7 @@ std::vector<const plan::Run*> ReferencesOf(const plan::Plan& plan,
 }
 
 double EstimatedWork(const plan::Run& run) {
-  const plan::Settings& world = run.scene.world;
+  const plan::WorldSettings& world = run.scene.world;
   const auto cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));
   const auto objects = static_cast<double>(run.scene.ObjectCount());
   // A cycle of an empty world costs about as much as ten objects, a process and its shard about as

@@ -88,8 +88,8 @@ Result RunRound(const plan::Scene& scene, std::uint64_t cycles, std::uint64_t ro
 void RunScene(const std::string& name, plan::Scene scene, std::uint64_t rounds,
               std::uint64_t cycles) {
   if (scene.world.WordOr("precision") != world::EnginePrecision()) return;
-  scene.world.values.insert_or_assign("record", schema::WordList{"timing"});
-  scene.world.values.insert_or_assign("omit", schema::WordList{"auto"});
+  scene.world.Set("record", schema::WordList{"timing"});
+  scene.world.Set("omit", schema::WordList{"auto"});
   cycles = std::min(cycles, scene.world.Count("cycles"));
   std::vector<Result> results;
   for (std::uint64_t round = 0; round < rounds; ++round)

@@ -50,7 +50,7 @@ class Side {
 
  private:
   static plan::Scene With(plan::Scene scene, schema::WordList record) {
-    scene.world.values.insert_or_assign("record", std::move(record));
+    scene.world.Set("record", std::move(record));
     return scene;
   }
   const plan::Scene scene_;
@@ -93,8 +93,7 @@ Result RunRound(const plan::Scene& scene, std::uint64_t cycles, std::uint64_t ro
 
 void RunScene(const std::string& name, plan::Scene scene, std::uint64_t rounds,
               std::uint64_t cycles) {
-  scene.world.values.insert_or_assign("precision",
-                                      schema::Word{std::string(world::EnginePrecision())});
+  scene.world.Set("precision", schema::Word{std::string(world::EnginePrecision())});
   cycles = std::min(cycles, scene.world.Count("cycles"));
   std::vector<double> changes, steps, probes;
   for (std::uint64_t round = 0; round < rounds; ++round) {

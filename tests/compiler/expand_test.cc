@@ -239,7 +239,7 @@ TEST(Base, LaysItsOwnOver) {
       "benchmark b from a { objects.mass 3; cycles sweep(7, 8); let s = 5; detector sap }",
       {}, 1);
   EXPECT_EQ(Axes(plan), "cycles: 7 8");
-  const plan::Settings& objects = plan.runs[0].scene.groups[0].settings;
+  const plan::GroupSettings& objects = plan.runs[0].scene.groups[0].settings;
   EXPECT_EQ(objects.Real("mass"), 3);
   EXPECT_EQ(objects.Real("size"), 5);
 }

@@ -119,7 +119,7 @@ TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
   EXPECT_TRUE(back == plan);
   EXPECT_EQ(plan::ToYaml(back), plan::ToYaml(plan));
   // What a plan holds means the same in a scenario.
-  const plan::Settings& objects = plan.runs[0].scene.groups[0].settings;
+  const plan::GroupSettings& objects = plan.runs[0].scene.groups[0].settings;
   const std::string text = "benchmark b { acceleration " +
                            schema::ToText(plan.runs[0].scene.world.Get("acceleration")) +
                            "\nobjects { location " + schema::ToText(objects.Get("location")) +

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compiler/schema/catalogue.h"
+#include "compiler/schema/parameter_ref.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
 #include "compiler/schema/value.h"
@@ -45,13 +46,13 @@ class Maker {
         scenario_.settings, [](const auto& setting) { return setting.starts_with("timestep "); });
     if (has_timestep || Below(2) == 0) return;
     scenario_.settings.push_back("accuracy.metrics " +
-                                 Constant(*schema::FindParameter("accuracy.metrics", false)));
+                                 Constant(*schema::WorldParameter("accuracy.metrics")));
     scenario_.settings.emplace_back("accuracy.interval 1 / 60");
-    for (const char* name : {"closed_form", "reference.contact", "reference.iterations"}) {
-      const schema::Parameter& parameter =
-          *schema::FindParameter("accuracy." + std::string(name), false);
+    for (const schema::WorldParameter parameter : std::initializer_list<schema::WorldParameter>{
+             "accuracy.closed_form", "accuracy.reference.contact",
+             "accuracy.reference.iterations"}) {
       if (Below(2) == 0)
-        scenario_.settings.push_back(parameter.FullName() + " " + Constant(parameter));
+        scenario_.settings.push_back((*parameter).FullName() + " " + Constant(*parameter));
     }
   }
 

@@ -34,7 +34,7 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
     EXPECT_EQ(run.reference, plan.references[0].id);
     EXPECT_EQ(run.twin, plan.references[1].id);
   }
-  const plan::Settings& world = plan.references[0].scene.world;
+  const plan::WorldSettings& world = plan.references[0].scene.world;
   EXPECT_DOUBLE_EQ(world.Real("timestep"), 1.0 / 3840);
   EXPECT_EQ(world.Count("cycles"), 7680u);
   EXPECT_EQ(world.WordOr("precision"), "double");

@@ -18,7 +18,6 @@ TEST(Schema, NamesAreUniqueAndDocumented) {
   for (const schema::Parameter& parameter : schema::Schema()) {
     EXPECT_TRUE(names.insert(parameter.FullName()).second) << parameter.name;
     EXPECT_FALSE(parameter.doc.empty()) << parameter.name;
-    EXPECT_FALSE(parameter.component.empty()) << parameter.name;
     EXPECT_EQ(schema::FindParameter(parameter.name, parameter.grouped), &parameter);
   }
   EXPECT_EQ(schema::FindParameter("colour", false), nullptr);
@@ -29,11 +28,11 @@ TEST(Schema, EveryDefaultIsAValueOfItsParameter) {
   ASSERT_EQ(result.plans.size(), 1u);
   const plan::Scene& scene = result.plans[0].runs[0].scene;
   for (const schema::Parameter& parameter : schema::Schema()) {
-    const plan::Settings& settings = parameter.grouped ? scene.groups[0].settings : scene.world;
-    EXPECT_TRUE(settings.Has(parameter.name)) << parameter.name;
+    const bool is_there =
+        parameter.grouped ? scene.groups[0].settings.Has(parameter) : scene.world.Has(parameter);
+    EXPECT_TRUE(is_there) << parameter.name;
   }
-  EXPECT_EQ(scene.world.values.size() + scene.groups[0].settings.values.size(),
-            schema::Schema().size());
+  EXPECT_EQ(scene.world.size() + scene.groups[0].settings.size(), schema::Schema().size());
 }
 
 // The paper, section 3.1: the ten parameters and their defaults, and the seed.
@@ -41,7 +40,7 @@ TEST(Schema, DefaultsAreThePapers) {
   const compiler::Compilation result = CompileText("benchmark b { }");
   ASSERT_EQ(result.plans.size(), 1u);
   const plan::Scene& scene = result.plans[0].runs[0].scene;
-  const plan::Settings& objects = scene.groups[0].settings;
+  const plan::GroupSettings& objects = scene.groups[0].settings;
   EXPECT_EQ(scene.world.Count("cycles"), 1000u);
   EXPECT_EQ(objects.Count("quantity"), 10u);
   EXPECT_EQ(objects.WordOr("type"), "sphere");
@@ -57,8 +56,8 @@ TEST(Schema, DefaultsAreThePapers) {
 }
 
 TEST(Schema, WordsComeFromTheCatalogue) {
-  const schema::Parameter& detector = *schema::FindParameter("detector", false);
-  const schema::Parameter& narrow_phase = *schema::FindParameter("narrow_phase", false);
+  const schema::Parameter& detector = *schema::WorldParameter("detector");
+  const schema::Parameter& narrow_phase = *schema::WorldParameter("narrow_phase");
   for (const auto& row : schema::Detectors()) {
     EXPECT_EQ(detector.HasWord(row.name), row.HasPhase("broad")) << row.name;
     EXPECT_EQ(narrow_phase.HasWord(row.name), row.HasPhase("narrow")) << row.name;
@@ -67,7 +66,7 @@ TEST(Schema, WordsComeFromTheCatalogue) {
 }
 
 TEST(Schema, OmitTakesEveryComponent) {
-  const schema::Parameter& omit = *schema::FindParameter("omit", false);
+  const schema::Parameter& omit = *schema::WorldParameter("omit");
   for (const schema::ComponentInfo& info : schema::Components()) {
     EXPECT_TRUE(omit.HasWord(info.name)) << info.name;
     EXPECT_FALSE(omit.StandsAlone(info.name)) << info.name;
@@ -75,7 +74,7 @@ TEST(Schema, OmitTakesEveryComponent) {
   EXPECT_TRUE(omit.StandsAlone("auto") && omit.StandsAlone("none"));
   EXPECT_EQ(omit.Takes().find("auto, none, or a list of walls, raycast_tree, "), 0u)
       << omit.Takes();
-  EXPECT_FALSE(schema::FindParameter("timeout", false)->StandsAlone("none"));
+  EXPECT_FALSE((*schema::WorldParameter("timeout")).StandsAlone("none"));
 }
 
 TEST(Schema, BlocksFollowFromItsNames) {
@@ -121,10 +120,10 @@ TEST(ParametrisedWords, AreDocumentedAndTakenBySomething) {
 }
 
 TEST(ParametrisedWords, AreShownWithWhatTheyNeed) {
-  const std::string location = schema::FindParameter("location", true)->Takes();
+  const std::string location = (*schema::GroupParameter("location")).Takes();
   EXPECT_EQ(location,
             "one of uniform, normal, grid, stack, pyramid, pile, ring, line, at( ), pair( )");
-  EXPECT_EQ(schema::FindParameter("acceleration", false)->Takes(),
+  EXPECT_EQ((*schema::WorldParameter("acceleration")).Takes(),
             "a vector (x, y, z), or 0, or every( ), or rotating( ), or a distribution");
   EXPECT_EQ(
       schema::ToText(schema::Value(*schema::WithDefaults(*schema::FindParametrisedWord("stack")))),

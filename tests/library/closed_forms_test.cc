@@ -311,10 +311,10 @@ struct Refusal {
 };
 
 TEST(ClosedForms, RefuseWhatIsNotOfThem) {
-  const auto group = [](const char* name, schema::Value value, std::size_t at = 0) {
+  const auto group = [](schema::GroupParameter name, schema::Value value, std::size_t at = 0) {
     return [=](plan::Scene& scene) { SetGroup(scene, name, value, at); };
   };
-  const auto world = [](const char* name, schema::Value value) {
+  const auto world = [](schema::WorldParameter name, schema::Value value) {
     return [=](plan::Scene& scene) { SetWorld(scene, name, value); };
   };
   const schema::Value up = Vector3d(0, 9.8, 0), none = Vector3d(0, 0, 0), x = Vector3d(1, 0, 0);

@@ -16,8 +16,9 @@ using schema::Distribution;
 using schema::DistributionKind;
 using schema::Value;
 
-distributions::Draw GroupDraw(const plan::Scene& scene, std::string_view name) {
-  return distributions::Draw(scene, &scene.groups[0], name);
+distributions::Draw GroupDraw(const plan::Scene& scene,
+                              schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
+  return distributions::Draw(scene, scene.groups[0], parameter);
 }
 
 TEST(Draw, ConstantsGiveThemselves) {
@@ -25,7 +26,7 @@ TEST(Draw, ConstantsGiveThemselves) {
   EXPECT_EQ(GroupDraw(scene, "size").Real(), 50);
   EXPECT_EQ(GroupDraw(scene, "type").Choice(), Word("sphere"));
   EXPECT_FALSE(GroupDraw(scene, "ccd").On());
-  EXPECT_EQ(distributions::Draw(scene, nullptr, "acceleration").Vector(), Vector3d(0, -9.8, 0));
+  EXPECT_EQ(distributions::Draw(scene, "acceleration").Vector(), Vector3d(0, -9.8, 0));
   std::string_view word;
   EXPECT_FALSE(GroupDraw(scene, "contact_stiffness").RealOrWord(&word).has_value());
   EXPECT_EQ(word, "rigid");
@@ -117,7 +118,7 @@ TEST(Draw, AScheduleDrawsOnAndOn) {
            Call{"rotating", {Vector3d(1, 2, 3), Vector3d(0, 0, 1), 4.0}});
   EXPECT_EQ(GroupDraw(scene, "angular_velocity").Vector(), Vector3d(1, 2, 3));
   SetWorld(scene, "acceleration", Call{"every", {std::uint64_t{1}, Vector3d(4, 5, 6)}});
-  EXPECT_EQ(distributions::Draw(scene, nullptr, "acceleration").Vector(), Vector3d(4, 5, 6));
+  EXPECT_EQ(distributions::Draw(scene, "acceleration").Vector(), Vector3d(4, 5, 6));
 }
 
 TEST(Draw, AChoiceIsAWordOrAModel) {

@@ -169,30 +169,33 @@ struct PaperScene {
                                          return std::optional<std::string>("benchmark d { }");
                                        }).plans.at(0);
     plan::Scene scene = defaults.runs[0].scene;
-    scene.world.values.insert_or_assign("cycles", cycles);
-    scene.world.values.insert_or_assign("acceleration", acceleration);
-    scene.world.values.insert_or_assign("seed", std::uint64_t{0xAAAAAAAAAA});
-    scene.world.values.insert_or_assign("world.side", 50.0 * static_cast<double>(quantity));
-    scene.world.values.insert_or_assign("world.walls", schema::Word{"all"});
-    scene.world.values.insert_or_assign("precision", schema::Word{"single"});
-    scene.world.values.insert_or_assign("detector", schema::Word{detector});
-    scene.world.values.insert_or_assign("omit", schema::WordList{"none"});
-    auto& objects = scene.groups[0].settings.values;
-    objects.insert_or_assign("quantity", quantity);
-    objects.insert_or_assign("type", type);
-    objects.insert_or_assign("aspect", aspect);
-    objects.insert_or_assign("location", location);
-    objects.insert_or_assign("size", size);
-    objects.insert_or_assign("mass", mass);
-    objects.insert_or_assign("linear_velocity", linear_velocity);
-    objects.insert_or_assign("angular_velocity", angular_velocity);
+    scene.world.Set("cycles", cycles);
+    scene.world.Set("acceleration", acceleration);
+    scene.world.Set("seed", std::uint64_t{0xAAAAAAAAAA});
+    scene.world.Set("world.side", 50.0 * static_cast<double>(quantity));
+    scene.world.Set("world.walls", schema::Word{"all"});
+    scene.world.Set("precision", schema::Word{"single"});
+    scene.world.Set("detector", schema::Word{detector});
+    scene.world.Set("omit", schema::WordList{"none"});
+    auto& objects = scene.groups[0].settings;
+    objects.Set("quantity", quantity);
+    objects.Set("type", type);
+    objects.Set("aspect", aspect);
+    objects.Set("location", location);
+    objects.Set("size", size);
+    objects.Set("mass", mass);
+    objects.Set("linear_velocity", linear_velocity);
+    objects.Set("angular_velocity", angular_velocity);
     return scene;
   }
 };
 
 void ExpectSettings(const plan::Settings& settings, const plan::Settings& expected) {
-  for (const auto& [name, value] : expected.values)
-    EXPECT_EQ(schema::ToText(settings.Get(name)), schema::ToText(value)) << name;
+  ASSERT_EQ(settings.size(), expected.size());
+  for (auto at = settings.begin(); const auto& [name, value] : expected) {
+    EXPECT_EQ(at->first, name);
+    EXPECT_EQ(schema::ToText(at++->second), schema::ToText(value)) << name;
+  }
   EXPECT_TRUE(settings == expected);
 }
 

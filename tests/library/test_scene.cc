@@ -48,9 +48,9 @@ plan::Scene DefaultScene(std::uint64_t quantity, double side) {
   scene.groups.push_back({"objects", {}});
   for (const schema::Parameter& parameter : schema::Schema()) {
     if (parameter.grouped) {
-      SetGroup(scene, parameter.name, DefaultValue(parameter));
+      scene.groups[0].settings.SetValue(parameter, DefaultValue(parameter));
     } else {
-      SetWorld(scene, parameter.name, DefaultValue(parameter));
+      scene.world.SetValue(parameter, DefaultValue(parameter));
     }
   }
   SetWorld(scene, "cycles", std::uint64_t{10});

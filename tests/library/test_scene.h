@@ -23,12 +23,12 @@ inline schema::Value Normal(schema::Value mean, schema::Value deviation) {
 /// One of sphere, cuboid, cylinder and cone.
 schema::Value AnyType();
 
-inline void SetWorld(plan::Scene& scene, std::string_view name, schema::Value value) {
-  scene.world.values.insert_or_assign(std::string(name), std::move(value));
+inline void SetWorld(plan::Scene& scene, schema::WorldParameter parameter, schema::Value value) {
+  scene.world.Set(parameter, std::move(value));
 }
-inline void SetGroup(plan::Scene& scene, std::string_view name, schema::Value value,
+inline void SetGroup(plan::Scene& scene, schema::GroupParameter parameter, schema::Value value,
                      std::size_t group = 0) {
-  scene.groups[group].settings.values.insert_or_assign(std::string(name), std::move(value));
+  scene.groups[group].settings.Set(parameter, std::move(value));
 }
 inline schema::Value Word(std::string_view text) { return schema::Word{std::string(text)}; }
 /// A layout with arguments as the plan holds it; those that are not given have their defaults.

@@ -104,7 +104,7 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
 /// alone. It has to go the same way.
 void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Recording& recording) {
   plan::Scene quiet = scene;
-  quiet.world.values.insert_or_assign("record", schema::WordList{});
+  quiet.world.Set("record", schema::WordList{});
   world::Engine engine(quiet, first.initial_state(), first.omissions());
   RunWithoutClock(scene, engine, recording);
   const std::string hash = probes::StateHash(engine);

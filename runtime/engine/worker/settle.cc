@@ -78,8 +78,8 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
 /// The scene as it settles: with all that Bullet has, and nothing recorded.
 plan::Scene QuietScene(const Settling& settling) {
   plan::Scene scene = settling.scene;
-  const auto set = [&](const char* name, schema::Value value) {
-    scene.world.values.insert_or_assign(name, std::move(value));
+  const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
+    scene.world.Set(parameter, std::move(value));
   };
   set("precision", schema::Word{"double"});
   set("detector", schema::Word{"dbvt"});
@@ -299,8 +299,9 @@ std::string KeyOf(const Settling& settling) {
   plan::Run run;
   run.scene = QuietScene(settling);
   // These decide how long a run is and what it shows.
-  for (const char* name : {"cycles", "warmup", "timeout", "repeats"})
-    run.scene.world.values.erase(name);
+  for (const schema::WorldParameter parameter :
+       std::initializer_list<schema::WorldParameter>{"cycles", "warmup", "timeout", "repeats"})
+    run.scene.world.Erase(parameter);
   return library::CacheKeyOf(
       fmt::format("{}\nBullet {}\n{}\n{}{}", kVersion, btGetVersion(), meshes::DecomposerVersion(),
                   objects::ModelsText(settling.dropped.forms), plan::RunToYaml(run)));

@@ -84,7 +84,7 @@ Links::~Links() {
   for (const Link& link : links_) world_.removeConstraint(link.constraint.get());
 }
 
-void Links::Add(const plan::Settings& settings, btRigidBody& first, btRigidBody& second,
+void Links::Add(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
                 const btVector3& from) {
   if (first.isStaticObject() && second.isStaticObject()) return;
   const std::string_view type = settings.WordOr("links.type");

@@ -54,7 +54,7 @@ class Links {
   };
 
   /// `from` is where the first of the two stands, or would.
-  void Add(const plan::Settings& settings, btRigidBody& first, btRigidBody& second,
+  void Add(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
            const btVector3& from);
 
   btDiscreteDynamicsWorld& world_;

@@ -12,6 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 using schema::ArgumentOf;
+using schema::GroupParameter;
+using schema::WorldParameter;
 
 bool IsDueAt(const schema::Call& call, std::uint64_t step) {
   return call.name != "every" || step % std::get<std::uint64_t>(ArgumentOf(call, "cycles")) == 0;
@@ -20,20 +22,20 @@ bool IsDueAt(const schema::Call& call, std::uint64_t step) {
 }  // namespace
 
 Schedules::Schedules(const plan::Scene& scene, Engine& engine) : scene_(scene), engine_(engine) {
-  Add(Target::kAcceleration, nullptr, "acceleration", 0, 1);
+  Add(Target::kAcceleration, nullptr, *WorldParameter("acceleration"), 0, 1);
   std::size_t first = 0;
   for (const plan::Group& group : scene.groups) {
     const std::size_t end = first + group.settings.Count("quantity");
-    Add(Target::kLinearVelocity, &group, "linear_velocity", first, end);
-    Add(Target::kAngularVelocity, &group, "angular_velocity", first, end);
+    Add(Target::kLinearVelocity, &group, *GroupParameter("linear_velocity"), first, end);
+    Add(Target::kAngularVelocity, &group, *GroupParameter("angular_velocity"), first, end);
     first = end;
   }
 }
 
-void Schedules::Add(Target target, const plan::Group* group, std::string_view parameter,
+void Schedules::Add(Target target, const plan::Group* group, const schema::Parameter& parameter,
                     std::size_t first, std::size_t end) {
-  const plan::Settings& settings = group != nullptr ? group->settings : scene_.world;
-  const schema::Call* call = schema::AsCall(settings.Get(parameter));
+  const schema::Call* call = schema::AsCall(group != nullptr ? group->settings.ValueOf(parameter)
+                                                             : scene_.world.ValueOf(parameter));
   if (call == nullptr) return;
   Row row{target, call, nullptr, first, end};
   if (call->name == "every") {

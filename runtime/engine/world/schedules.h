@@ -37,8 +37,8 @@ class Schedules {
     std::size_t first = 0, end = 0;             ///< objects
   };
 
-  void Add(Target target, const plan::Group* group, std::string_view parameter, std::size_t first,
-           std::size_t end);
+  void Add(Target target, const plan::Group* group, const schema::Parameter& parameter,
+           std::size_t first, std::size_t end);
   void Apply(Row& row, std::uint64_t step);
   Eigen::Vector3d ValueAt(Row& row, std::uint64_t step) const;
 

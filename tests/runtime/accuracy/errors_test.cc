@@ -176,8 +176,8 @@ TEST(Horizon, IsWhereTheTwinIsATenthOfASizeAway) {
 
 plan::Scene Asking(schema::WordList metrics) {
   plan::Scene scene;
-  scene.world.values["accuracy.metrics"] = std::move(metrics);
-  scene.world.values["timestep"] = 0.5;
+  scene.world.Set("accuracy.metrics", std::move(metrics));
+  scene.world.Set("timestep", 0.5);
   return scene;
 }
 

@@ -51,8 +51,7 @@ std::vector<plan::Scene> ScaledDown(plan::Scene scene) {
   const double part = std::min(1.0, kMostObjects / std::max(objects, 1.0));
   for (plan::Group& group : scene.groups) {
     const auto quantity = static_cast<double>(group.settings.Count("quantity"));
-    group.settings.values.insert_or_assign("quantity",
-                                           static_cast<std::uint64_t>(std::ceil(part * quantity)));
+    group.settings.Set("quantity", static_cast<std::uint64_t>(std::ceil(part * quantity)));
   }
   SetWorld(scene, "cycles", std::min(kMostCycles, scene.world.Count("cycles")));
   SetWorld(scene, "warmup", std::min<std::uint64_t>(2, scene.world.Count("warmup")));
@@ -136,8 +135,8 @@ class RandomScene {
     if (Chance(0.2)) {
       plan::Group fixed = scene.groups[0];
       fixed.name = "fixed";
-      fixed.settings.values.insert_or_assign("mass", Word("fixed"));
-      fixed.settings.values.insert_or_assign("quantity", std::uint64_t{1 + Below(4)});
+      fixed.settings.Set("mass", Word("fixed"));
+      fixed.settings.Set("quantity", std::uint64_t{1 + Below(4)});
       scene.groups.push_back(std::move(fixed));
     }
     if (Chance(0.05)) SetGroup(scene, "ccd", true);

@@ -23,7 +23,9 @@ struct HandMade {
 
   static constexpr double kStep = 1.0 / 64;
 
-  void Set(const char* name, schema::Value value) { SetWorld(scene, name, std::move(value)); }
+  void Set(schema::WorldParameter parameter, schema::Value value) {
+    SetWorld(scene, parameter, std::move(value));
+  }
   /// The index of a ball of radius 1 m and mass 1 kg.
   std::size_t Add(const Eigen::Vector3d& place,
                   const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero(), double mass = 1) {

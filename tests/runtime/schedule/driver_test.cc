@@ -157,7 +157,7 @@ TEST_F(DriverTest, ASignalKeepsWhatIsFinishedAndEndsTheWorkers) {
   // The runs of the second quantity never end.
   plan::Plan plan = MakePlan({.quantities = {1, 2}, .detectors = {"dbvt", "sap"}});
   for (const std::size_t i : {2, 3}) {
-    plan.runs[i].scene.world.values.at("seed") = std::uint64_t{kHangsDeaf};
+    plan.runs[i].scene.world.Set("seed", std::uint64_t{kHangsDeaf});
     plan.runs[i].id = plan::RunId(plan.runs[i].scene, plan.runs[i].rep);
   }
   for (const int signal_number : {SIGINT, SIGTERM}) {

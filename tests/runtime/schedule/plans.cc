@@ -13,7 +13,6 @@
 namespace cdb::tests {
 namespace {
 
-using plan::Settings;
 using schema::ParameterType;
 using schema::Value;
 using schema::Word;
@@ -43,35 +42,31 @@ Value AnyValue(const schema::Parameter& parameter) {
   return Word{std::string(parameter.AllWords().at(0))};
 }
 
-Settings AnySettings(bool grouped) {
-  Settings settings;
+template <bool kGrouped>
+plan::SettingsOf<kGrouped> AnySettings() {
+  plan::SettingsOf<kGrouped> settings;
   for (const schema::Parameter& parameter : schema::Schema())
-    if (parameter.grouped == grouped)
-      settings.values.emplace(std::string(parameter.name), AnyValue(parameter));
+    if (parameter.grouped == kGrouped) settings.SetValue(parameter, AnyValue(parameter));
   return settings;
-}
-
-void Set(Settings& settings, const std::string& name, Value value) {
-  settings.values.at(name) = std::move(value);
 }
 
 plan::Run MakeRun(const PlanShape& shape, std::uint64_t quantity, const std::string& detector,
                   std::uint64_t seed, std::uint64_t rep) {
-  static const Settings world = AnySettings(false);
-  static const Settings group = AnySettings(true);
+  static const plan::WorldSettings world = AnySettings<false>();
+  static const plan::GroupSettings group = AnySettings<true>();
   plan::Run run;
   run.rep = rep;
   run.scene.world = world;
   run.scene.groups.push_back({"objects", group});
-  Set(run.scene.groups[0].settings, "quantity", quantity);
-  Set(run.scene.world, "cycles", shape.cycles);
-  Set(run.scene.world, "warmup", std::uint64_t{0});
-  Set(run.scene.world, "seed", seed);
-  Set(run.scene.world, "detector", Word{detector});
-  Set(run.scene.world, "precision", Word{shape.precision});
-  Set(run.scene.world, "repeats", shape.repeats);
-  Set(run.scene.world, "record", schema::WordList(shape.record));
-  if (shape.timeout_s > 0) Set(run.scene.world, "timeout", shape.timeout_s);
+  run.scene.groups[0].settings.Set("quantity", quantity);
+  run.scene.world.Set("cycles", shape.cycles);
+  run.scene.world.Set("warmup", std::uint64_t{0});
+  run.scene.world.Set("seed", seed);
+  run.scene.world.Set("detector", Word{detector});
+  run.scene.world.Set("precision", Word{shape.precision});
+  run.scene.world.Set("repeats", shape.repeats);
+  run.scene.world.Set("record", schema::WordList(shape.record));
+  if (shape.timeout_s > 0) run.scene.world.Set("timeout", shape.timeout_s);
   run.scene.seeds.emplace("objects.location", plan::StreamSeed(seed, "objects.location"));
   run.id = plan::RunId(run.scene, rep);
   return run;

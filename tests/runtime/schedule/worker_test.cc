@@ -361,7 +361,7 @@ TEST(WorkerTest, NoMemoryForTheRecordingIsAnError) {
   shape.cycles = 2147483647;
   shape.record = {"poses"};
   auto plan = MakeBehaviourPlan({kFinishes}, shape);
-  plan.runs[0].scene.groups[0].settings.values.at("quantity") = std::uint64_t{2147483647};
+  plan.runs[0].scene.groups[0].settings.Set("quantity", std::uint64_t{2147483647});
   process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
   EXPECT_THROW(launcher.Start(0, plan.runs[0]), process::ScheduleError);
 }

@@ -37,21 +37,22 @@ plan::Axis TextAxis(std::string name, const std::vector<std::string>& values) {
 }
 
 void Resize(plan::Run& run, const SceneSize& size) {
-  run.scene.world.values["cycles"] = size.cycles;
-  run.scene.world.values["record"] = size.record;
-  run.scene.world.values["accuracy.metrics"] = size.metrics;
-  run.scene.world.values["accuracy.interval"] = 2.0;
-  run.scene.world.values["accuracy.closed_form"] = schema::Word{"none"};
-  run.scene.world.values["timestep"] = 1.0;
-  run.scene.world.values["warmup"] = std::uint64_t{0};
-  run.scene.world.values["world.walls"] = schema::Word{"all"};
-  run.scene.world.values["trace"] = schema::Word{"none"};
-  run.scene.world.values["accuracy.reference.timestep"] = 1.0;
-  run.scene.world.values["accuracy.reference.precision"] = schema::Word{"double"};
-  run.scene.world.values["accuracy.reference.detector"] = schema::Word{"dbvt"};
-  run.scene.world.values["accuracy.reference.iterations"] = std::uint64_t{100};
-  run.scene.world.values["accuracy.reference.contact"] = schema::Word{"same"};
-  run.scene.groups = {{"objects", {{{"quantity", schema::Value(size.objects)}}}}};
+  run.scene.world.Set("cycles", size.cycles);
+  run.scene.world.Set("record", size.record);
+  run.scene.world.Set("accuracy.metrics", size.metrics);
+  run.scene.world.Set("accuracy.interval", 2.0);
+  run.scene.world.Set("accuracy.closed_form", schema::Word{"none"});
+  run.scene.world.Set("timestep", 1.0);
+  run.scene.world.Set("warmup", std::uint64_t{0});
+  run.scene.world.Set("world.walls", schema::Word{"all"});
+  run.scene.world.Set("trace", schema::Word{"none"});
+  run.scene.world.Set("accuracy.reference.timestep", 1.0);
+  run.scene.world.Set("accuracy.reference.precision", schema::Word{"double"});
+  run.scene.world.Set("accuracy.reference.detector", schema::Word{"dbvt"});
+  run.scene.world.Set("accuracy.reference.iterations", std::uint64_t{100});
+  run.scene.world.Set("accuracy.reference.contact", schema::Word{"same"});
+  run.scene.groups = {{"objects", {}}};
+  run.scene.groups[0].settings.Set("quantity", size.objects);
   run.id = plan::RunId(run.scene, run.rep);
 }
 
@@ -77,7 +78,7 @@ plan::Plan MakePlan(std::vector<plan::Axis> axes, std::uint64_t repeats, const S
       plan::Run run;
       run.at = at;
       run.rep = rep;
-      run.scene.world.values["seed"] = point;
+      run.scene.world.Set("seed", point);
       Resize(run, size);
       plan.runs.push_back(std::move(run));
     }

@@ -1,0 +1,71 @@
+#include "compiler/plan/settings.h"
+
+#include <algorithm>
+
+#include "dsl/check.h"
+
+namespace cdb::plan {
+namespace {
+
+template <typename T>
+const T& As(const schema::Value& value) {
+  const T* typed = std::get_if<T>(&value);
+  CDB_CHECK(typed != nullptr);
+  return *typed;
+}
+
+}  // namespace
+
+const schema::Value& Settings::ValueOf(const schema::Parameter& parameter) const {
+  const auto found = values_.find(parameter.name);
+  CDB_CHECK(found != values_.end());
+  return found->second;
+}
+
+template <bool kGrouped>
+double SettingsOf<kGrouped>::Real(Parameter<schema::ValueKind::kReal> parameter) const {
+  const schema::Value& value = Get(parameter);
+  if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
+  return As<double>(value);
+}
+
+template <bool kGrouped>
+std::uint64_t SettingsOf<kGrouped>::Count(Parameter<schema::ValueKind::kCount> parameter) const {
+  return As<std::uint64_t>(Get(parameter));
+}
+
+template <bool kGrouped>
+bool SettingsOf<kGrouped>::On(Parameter<schema::ValueKind::kSwitch> parameter) const {
+  return As<bool>(Get(parameter));
+}
+
+template <bool kGrouped>
+std::string_view SettingsOf<kGrouped>::WordOr(Parameter<schema::ValueKind::kWord> parameter,
+                                              std::string_view otherwise) const {
+  const auto* word = std::get_if<schema::Word>(&Get(parameter));
+  return word != nullptr ? std::string_view(word->text) : otherwise;
+}
+
+template <bool kGrouped>
+Eigen::Vector3d SettingsOf<kGrouped>::Vector(
+    Parameter<schema::ValueKind::kVector> parameter) const {
+  return As<Eigen::Vector3d>(Get(parameter));
+}
+
+template <bool kGrouped>
+const schema::WordList& SettingsOf<kGrouped>::Words(
+    Parameter<schema::ValueKind::kWords> parameter) const {
+  return As<schema::WordList>(Get(parameter));
+}
+
+template <bool kGrouped>
+bool SettingsOf<kGrouped>::Lists(Parameter<schema::ValueKind::kWords> parameter,
+                                 std::string_view word) const {
+  const schema::WordList& words = Words(parameter);
+  return std::ranges::find(words, word) != words.end();
+}
+
+template class SettingsOf<false>;
+template class SettingsOf<true>;
+
+}  // namespace cdb::plan

@@ -1,0 +1,78 @@
+// The settings of the world and of groups of objects.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "compiler/schema/parameter_ref.h"
+#include "compiler/schema/value.h"
+
+namespace cdb::plan {
+
+/// Values by the parameter's name without its group: `timestep`, `world.side`; in a group
+/// `quantity`, `size`. Here for parameters that are known only at run time; code that names a
+/// parameter uses SettingsOf.
+class Settings {
+ public:
+  using Values = std::map<std::string, schema::Value, std::less<>>;
+
+  /// In the order of their names.
+  Values::const_iterator begin() const { return values_.begin(); }
+  Values::const_iterator end() const { return values_.end(); }
+  Values::iterator begin() { return values_.begin(); }
+  Values::iterator end() { return values_.end(); }
+  std::size_t size() const { return values_.size(); }
+
+  bool Has(const schema::Parameter& parameter) const { return values_.contains(parameter.name); }
+  /// The value, which must be there (CDB_CHECK).
+  const schema::Value& ValueOf(const schema::Parameter& parameter) const;
+  void SetValue(const schema::Parameter& parameter, schema::Value value) {
+    values_.insert_or_assign(std::string(parameter.name), std::move(value));
+  }
+  void EraseValue(const schema::Parameter& parameter) {
+    values_.erase(std::string(parameter.name));
+  }
+
+  bool operator==(const Settings&) const = default;
+
+ private:
+  Values values_;
+};
+
+/// The settings of the world, or of a group. Complete: what the file leaves out has the schema's
+/// default. A parameter of the other, one that does not exist or one of another type is a compile
+/// error; a value that is missing or, where the parameter takes several types, has another is our
+/// own bug (CDB_CHECK).
+template <bool kGrouped>
+class SettingsOf : public Settings {
+ public:
+  template <schema::ValueKind kKind = schema::ValueKind::kAny>
+  using Parameter = schema::ParameterRef<kGrouped, kKind>;
+
+  const schema::Value& Get(Parameter<> parameter) const { return ValueOf(*parameter); }
+  /// Counts too.
+  double Real(Parameter<schema::ValueKind::kReal> parameter) const;
+  std::uint64_t Count(Parameter<schema::ValueKind::kCount> parameter) const;
+  bool On(Parameter<schema::ValueKind::kSwitch> parameter) const;
+  /// The word, or `otherwise` where the value is not a word (`mass fixed` against `mass 1`).
+  std::string_view WordOr(Parameter<schema::ValueKind::kWord> parameter,
+                          std::string_view otherwise = {}) const;
+  Eigen::Vector3d Vector(Parameter<schema::ValueKind::kVector> parameter) const;
+  const schema::WordList& Words(Parameter<schema::ValueKind::kWords> parameter) const;
+  bool Lists(Parameter<schema::ValueKind::kWords> parameter, std::string_view word) const;
+
+  void Set(Parameter<> parameter, schema::Value value) { SetValue(*parameter, std::move(value)); }
+  void Erase(Parameter<> parameter) { EraseValue(*parameter); }
+
+  bool operator==(const SettingsOf&) const = default;
+};
+
+using WorldSettings = SettingsOf<false>;
+using GroupSettings = SettingsOf<true>;
+
+extern template class SettingsOf<false>;
+extern template class SettingsOf<true>;
+
+}  // namespace cdb::plan

@@ -1,0 +1,79 @@
+// A parameter that the code names: `WorldParameter("timestep")`, `GroupParameter("size")`. A name
+// that the table does not have is a compile error, and so is a parameter that cannot have the kind
+// of value that is asked for.
+#pragma once
+
+#include <string_view>
+
+#include "compiler/schema/parameter_table.h"
+
+namespace cdb::schema {
+
+/// How a parameter's value is read.
+enum class ValueKind {
+  kAny,
+  kReal,   ///< numbers and counts
+  kCount,  ///< whole numbers
+  kSwitch,
+  kWord,   ///< one word, also where it stands for a number: `mass fixed`
+  kWords,  ///< a list
+  kVector,
+  kDrawn,  ///< constants and distributions
+};
+
+constexpr bool MayBe(const Parameter& parameter, ValueKind kind) {
+  switch (kind) {
+    case ValueKind::kAny:
+      return true;
+    case ValueKind::kReal:
+      return parameter.type == ParameterType::kReal || parameter.type == ParameterType::kCount;
+    case ValueKind::kCount:
+      return parameter.type == ParameterType::kCount;
+    case ValueKind::kSwitch:
+      return parameter.type == ParameterType::kSwitch;
+    case ValueKind::kWord:
+      return parameter.type == ParameterType::kWord ||
+             (parameter.type != ParameterType::kWords && !parameter.words.empty());
+    case ValueKind::kWords:
+      return parameter.type == ParameterType::kWords;
+    case ValueKind::kVector:
+      return parameter.type == ParameterType::kVector;
+    case ValueKind::kDrawn:
+      return parameter.distribution;
+  }
+  return false;
+}
+
+/// Not constexpr: a constant expression that calls one of them does not compile, and the compiler's
+/// message has its name.
+void NoSuchParameter();
+void ParameterHasAnotherKind();
+
+/// A row of the table, of the world or, where `kGrouped`, of a group.
+template <bool kGrouped, ValueKind kKind = ValueKind::kAny>
+class ParameterRef {
+ public:
+  /// Implicit, so that `settings.Real("timestep")` reads as it is meant.
+  consteval ParameterRef(const char* name) {
+    for (const Parameter& parameter : kParameters)
+      if (parameter.grouped == kGrouped && parameter.name == name) row_ = &parameter;
+    if (row_ == nullptr) NoSuchParameter();
+    if (!MayBe(*row_, kKind)) ParameterHasAnotherKind();
+  }
+  template <ValueKind kOther>
+  requires(kKind == ValueKind::kAny &&
+           kOther != ValueKind::kAny) constexpr ParameterRef(ParameterRef<kGrouped, kOther> other)
+      : row_(other.get()) {}
+
+  constexpr const Parameter* get() const { return row_; }
+  constexpr const Parameter& operator*() const { return *row_; }
+  constexpr std::string_view name() const { return row_->name; }
+
+ private:
+  const Parameter* row_ = nullptr;
+};
+
+using WorldParameter = ParameterRef<false>;
+using GroupParameter = ParameterRef<true>;
+
+}  // namespace cdb::schema
