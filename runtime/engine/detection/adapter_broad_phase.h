@@ -1,4 +1,4 @@
-// A cdb::Detector in the place of Bullet's broad phase.
+// Bullet adapter, broad phase: runs a cdb::Detector in place of a btBroadphaseInterface.
 #pragma once
 
 #include <btBulletCollisionCommon.h>

@@ -1,4 +1,4 @@
-// A cdb::Detector in the place of Bullet's narrow phase.
+// Bullet adapter, narrow phase: runs a cdb::Detector in place of a btCollisionDispatcher.
 #pragma once
 
 #include <btBulletCollisionCommon.h>

@@ -1,4 +1,4 @@
-// Bullet's own broad phases, by the name of their detector.
+// Bullet's own broad phases, by detector name.
 #pragma once
 
 #include <btBulletCollisionCommon.h>

@@ -1,4 +1,4 @@
-// The library's solids as detectors are told of them.
+// Converts the library's solids to the shapes of the detector interface.
 #pragma once
 
 #include <deque>

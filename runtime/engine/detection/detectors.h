@@ -1,4 +1,4 @@
-// Who finds pairs and contacts in a run, by the names that a scenario gives.
+// The detectors of a run, made from the names in its scene.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What came and what went between two lists of pairs, as cheaply as little changes.
+// The difference between two successive lists of pairs; its cost depends on the number of changes.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
-// Detectors of a user's shared library, each call of which is noted, so that where one crashes or
-// hangs the recording says in which.
+// Detectors of a plug-in. Each call is recorded, so that the message about a crash or a hang names
+// it.
 #pragma once
 
 #include <atomic>

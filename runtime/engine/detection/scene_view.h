@@ -1,4 +1,4 @@
-// The bodies of an engine as its detectors see them.
+// The bodies of an engine as a cdb::Scene, the input of detectors.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
