@@ -1,6 +1,6 @@
 // Bullet's own broad phases and two of its contact algorithms behind cdb's detector interface: for
-// boxes without a Bullet world, such as those of traces, and to measure the overhead of the
-// interface.
+// boxes without a Bullet world, such as those of traces, and to compare worlds with and
+// without the interface.
 #pragma once
 
 #include <span>
