@@ -1,4 +1,4 @@
-// What took long to compute, in files that are named by all that it depends on. Any number of
+// A cache of expensive results, in files named after the hash of their inputs. Any number of
 // processes may share a folder.
 //
 // Errors: none; a damaged file counts as not there, and where the folder cannot be written nothing

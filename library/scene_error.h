@@ -1,5 +1,5 @@
-// A scene that cannot be made: the message says in the user's words what is in the way and what to
-// change. It becomes the run's message, with the status `failed`.
+// A scene cannot be built. The message names the cause and a remedy in the user's terms; it becomes
+// the message of the run, with status `failed`.
 #pragma once
 
 #include <stdexcept>

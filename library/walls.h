@@ -1,5 +1,5 @@
-// What the walls of the cube are made of. Bullet's contact takes the product of both, so that what
-// a bounce off a wall keeps is the object's restitution.
+// Material of the walls. Bullet multiplies the coefficients of both bodies, so that the restitution
+// of a bounce off a wall is that of the object.
 #pragma once
 
 namespace cdb::library {

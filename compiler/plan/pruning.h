@@ -1,5 +1,5 @@
-// What a run can leave out, as far as its numbers alone can tell. Source: issue "Leave out what a
-// scene does not need"; `cdb doc omit` prints the table.
+// Omissions that follow from the settings of a scene alone. `cdb doc omit` prints the table of
+// components.
 #pragma once
 
 #include <span>

@@ -1,6 +1,5 @@
-// What a run is held against: its samples, and the runs that stand for the truth. They follow from
-// the scenes alone, so that every process comes to the same ones. Source: issue "Error against run
-// time".
+// Samples and references of a scene: which runs serve as ground truth. They follow from the scenes
+// alone, so that every process derives the same ones.
 #pragma once
 
 #include <cstdint>

@@ -63,7 +63,7 @@ std::span<const LayoutInfo> Layouts();
 /// library/closed_forms/closed_form.h makes them.
 std::span<const ClosedFormInfo> ClosedForms();
 
-/// Null where there is none of that name.
+/// Null if there is none of that name.
 const DetectorInfo* FindDetector(std::string_view name);
 const DetectorPart* FindDetectorPart(std::string_view name);
 

@@ -39,20 +39,20 @@ constexpr ArgumentOptions kFit = {.default_text = "fit", .words = "fit"};
 
 // clang-format off
 constexpr Parameter kGrid[] = {
-    Argument("spacing", kReal, kPositive, "m", "between centres; fit spreads them over the cube", kFit)};
+    Argument("spacing", kReal, kPositive, "m", "between centres; fit distributes them over the cube", kFit)};
 constexpr Parameter kStack[] = {
-    Argument("height", kCount, kCountFromOne, "", "objects in a column; all makes one column", {.default_text = "all", .words = "all"}),
+    Argument("height", kCount, kCountFromOne, "", "objects in a column; all puts them into one column", {.default_text = "all", .words = "all"}),
     Argument("gap", kReal, kPositive, "m", "between surfaces; fit is a thousandth of the larger object's height", kFit),
     Argument("spacing", kReal, kPositive, "m", "between the columns' centres; fit is 1.5 times the widest object", kFit)};
 constexpr Parameter kPyramid[] = {
     Argument("gap", kReal, kPositive, "m", "between surfaces; fit is a thousandth of the largest extent", kFit)};
 constexpr Parameter kPile[] = {
-    Argument("width", kReal, kPositive, "m", "of the square that they are dropped over; fit makes it about as wide as high", kFit)};
+    Argument("width", kReal, kPositive, "m", "of the square above which they are dropped; fit makes the pile about as wide as tall", kFit)};
 constexpr Parameter kRing[] = {
     Argument("radius", kReal, kPositive, "m", "of the centres; fit leaves a tenth of the largest extent between neighbours", kFit)};
 constexpr Parameter kLine[] = {
     Argument("gap", kReal, kAny, "m", "between surfaces along the line; fit is a tenth of the largest extent", kFit),
-    Argument("along", kVector, kNotZero, "", "the way from the first to the last; down is (0, -1, 0)", {.default_text = "down", .words = "down"})};
+    Argument("along", kVector, kNotZero, "", "direction from the first to the last; down is (0, -1, 0)", {.default_text = "down", .words = "down"})};
 constexpr Parameter kAt[] = {
     Argument("x", kReal, kAny, "m", "of the centre of mass"),
     Argument("y", kReal, kAny, "m", "of the centre of mass"),
@@ -60,33 +60,33 @@ constexpr Parameter kAt[] = {
 constexpr Parameter kPair[] = {
     Argument("distance", kReal, kPositive, "m", "between the surfaces")};
 constexpr Parameter kModel[] = {
-    Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, from the folder of the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of the file's bytes: another file is refused", {.default_text = "any", .words = "any"})};
+    Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"})};
 constexpr Parameter kTraceFile[] = {
-    Argument("file", kText, kAny, "", "as `cdb trace` writes it, from the folder of the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of its boxes: another trace is refused", {.default_text = "any", .words = "any"})};
+    Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
+    Argument("sha256", kText, kAny, "", "of its boxes; a different trace is refused", {.default_text = "any", .words = "any"})};
 constexpr Parameter kEvery[] = {
     Argument("cycles", kCount, kCountFromOne, "", "from one draw to the next"),
-    Argument("value", kVector, kAny, kParametersUnit, "a vector, or a distribution that is drawn anew each time", {.distribution = true})};
+    Argument("value", kVector, kAny, kParametersUnit, "a vector, or a distribution, drawn each time", {.distribution = true})};
 constexpr Parameter kRotating[] = {
     Argument("vector", kVector, kAny, kParametersUnit, "at the start"),
-    Argument("about", kVector, kNotZero, "", "the axis, by the right hand"),
-    Argument("period", kReal, kPositive, "s", "of a whole turn")};
+    Argument("about", kVector, kNotZero, "", "the axis, right-handed"),
+    Argument("period", kReal, kPositive, "s", "of a full turn")};
 
 constexpr ParametrisedWord kCalls[] = {
     {"grid", "a cubic lattice about the centre", kGrid},
-    {"stack", "columns that stand on the floor, one object on the other", kStack},
-    {"pyramid", "layers on the floor, each one fewer along both sides", kPyramid},
+    {"stack", "columns of objects on the floor", kStack},
+    {"pyramid", "square layers on the floor, each one object shorter along both sides", kPyramid},
     {"pile", "dropped from above and settled before the first cycle", kPile},
-    {"ring", "evenly on a circle about the centre, in the horizontal plane", kRing},
-    {"line", "in a straight line about the centre, the first object first", kLine},
-    {"at", "one object, just there", kAt},
-    {"pair", "two objects about the centre whose surfaces are so far apart, in a direction drawn by chance", kPair},
-    {"mesh", "a solid of your own as a compound of convex hulls; the mesh must be watertight", kModel},
-    {"hull", "the convex hull of a mesh of your own", kModel},
-    {"file", "a recorded run; its name alone in quotes is the same", kTraceFile},
-    {"every", "set again every so many cycles", kEvery},
-    {"rotating", "a vector that turns steadily", kRotating},
+    {"ring", "evenly spaced on a horizontal circle about the centre", kRing},
+    {"line", "in a straight line through the centre, in order", kLine},
+    {"at", "one object at this point", kAt},
+    {"pair", "two objects about the centre with this distance between their surfaces, in a random direction", kPair},
+    {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
+    {"hull", "the convex hull of your own mesh", kModel},
+    {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
+    {"every", "set again after this number of cycles", kEvery},
+    {"rotating", "a vector that rotates at a constant rate", kRotating},
 };
 // clang-format on
 

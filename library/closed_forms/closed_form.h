@@ -1,5 +1,4 @@
-// What physics says of simple scenes, exactly, without any engine: what errors are measured
-// against.
+// Analytic solutions of simple scenes, without any engine: a ground truth for errors.
 //
 // In double. SI units. Bodies are rigid, contacts hard, friction Coulomb's; of what Bullet adds
 // (sleep, margins, speculative contacts) a form knows nothing, as that is the error to be seen.

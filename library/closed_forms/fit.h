@@ -1,4 +1,4 @@
-// What closed forms ask of a scene, and how they refuse one.
+// The conditions of closed forms on a scene, and the messages when one is not met.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// What a shared library offers, as text: what the process that dares to load it tells the others.
+// The detectors of a shared library as text: the process that loads the library sends it to others.
 #pragma once
 
 #include <optional>
@@ -11,14 +11,14 @@
 
 namespace cdb::detectors {
 
-/// A line for each detector: name, phases, most bodies and what it is, a tab between.
+/// One line for each detector: name, phases, maximum number of bodies and doc, separated by tabs.
 std::string DescriptionOf(const Plugin& plugin);
 
-/// Back again, without path and hash; nullopt for a text that DescriptionOf has not written.
+/// The inverse, without path and hash; nullopt if the text is not the output of DescriptionOf.
 std::optional<std::vector<schema::PluginDetector>> ReadDescription(std::string_view text);
 
-/// A worker that is given this and a library writes the description on standard output, exit status
-/// 0; or what is wrong with the library, exit status kNoPlugin.
+/// With this option and a library, a worker writes the description to standard output and exits
+/// with status 0, or writes an error message and exits with status kNoPlugin.
 inline constexpr const char* kDescribeOption = "--describe";
 inline constexpr int kNoPlugin = 1;
 

@@ -1,4 +1,4 @@
-// The pairs that a broad phase has to list, found without any cleverness: the referee.
+// Exact pairs, computed by brute force, and the comparison of a list of pairs with them.
 #pragma once
 
 #include <vector>
@@ -7,21 +7,21 @@
 
 namespace cdb::detectors {
 
-/// All pairs of bodies that may collide and whose boxes overlap, in order. Boxes are compared as
-/// they are, in double; sorted along one axis, every pair that overlaps there is tested. Boxes that
-/// are not numbers overlap nothing. Threads: any.
+/// All pairs of bodies that may collide and whose boxes overlap, in order. Boxes are compared
+/// unchanged, in double; they are sorted along one axis, and every pair that overlaps there is
+/// tested. Boxes with a NaN overlap nothing. Threads: any.
 std::vector<Pair> ExactPairs(const Scene& scene);
 
-/// What is wrong with a list of pairs.
+/// The errors of a list of pairs.
 struct PairFaults {
-  std::size_t exact = 0;      ///< pairs that there are
-  std::size_t missed = 0;     ///< of them not in the list
-  std::size_t phantom = 0;    ///< in the list without an overlap, each counted once
-  std::size_t duplicate = 0;  ///< listed again
+  std::size_t exact = 0;      ///< number of exact pairs
+  std::size_t missed = 0;     ///< exact pairs that are not in the list
+  std::size_t phantom = 0;    ///< false positives: listed without an overlap, each counted once
+  std::size_t duplicate = 0;  ///< listed more than once
   bool operator==(const PairFaults&) const = default;
 };
 
-/// `found` in any order; pairs that may not collide are dropped from it first, as the engine does.
+/// `found` may be in any order; pairs that may not collide are dropped first, as by the engine.
 /// Every id must be a body of the scene, and a < b.
 PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found);
 

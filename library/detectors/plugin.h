@@ -1,4 +1,5 @@
-// Opens shared libraries with detectors: plug-ins, and the rivals that come with cdb.
+// Loads shared libraries with detectors: plug-ins, and the third-party detectors that come with
+// cdb.
 #pragma once
 
 #include <stdexcept>
@@ -8,19 +9,19 @@
 
 namespace cdb::detectors {
 
-/// A shared library that cannot be used; says why and what to do.
+/// A shared library cannot be used; the message gives the reason and a remedy.
 class PluginError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Loads `path` and checks that it speaks this ABI. It stays loaded to the end of the process.
-/// Throws PluginError: no such file, no cdb_plugin in it, another ABI or standard library, an entry
-/// without name, function or phase, or with a name that is none or taken. Runs the library's
-/// initializers, which may do anything. Threads: any.
+/// Loads `path` and checks its ABI. The library stays loaded until the process ends. Throws
+/// PluginError if there is no such file, no cdb_plugin in it, another ABI or standard library, or
+/// an entry without name, function or phase or with an invalid or duplicate name. Runs the
+/// library's initializers, which may do anything. Threads: any.
 const Plugin& LoadPlugin(const std::string& path);
 
-/// Null where there is none of that name.
+/// Null if there is none of that name.
 const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name);
 
 }  // namespace cdb::detectors

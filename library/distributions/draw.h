@@ -1,5 +1,5 @@
-// Draws a parameter of the plan: constants give themselves, distributions a new value each time
-// from a stream of their own.
+// Draws the values of a parameter: constants yield themselves, distributions a new value each time
+// from their random stream.
 #pragma once
 
 #include <Eigen/Core>

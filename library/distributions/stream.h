@@ -1,4 +1,4 @@
-// Streams of random numbers that are the same to the bit with every standard library.
+// Random streams that are identical to the bit with every standard library.
 //
 // The engine is std::mt19937_64, which the standard specifies; the transforms are ours, because the
 // standard's distributions differ between libraries. They use +, -, *, / and sqrt alone, which

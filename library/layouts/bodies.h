@@ -1,5 +1,4 @@
-// The objects of a scene as placement sees them: what it asks of each again and again, and whether
-// two of them touch.
+// The objects of a scene during placement: cached bounds, and tests for overlap.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Whether objects that a layout put in their places are in each other's, or out of the cube.
+// Checks that objects placed by a layout neither overlap nor leave the cube.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Which voxels are surely not free.
+// Finds voxels that are certainly occupied.
 #pragma once
 
 #include <cstdint>

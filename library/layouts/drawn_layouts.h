@@ -1,4 +1,4 @@
-// Layouts that draw each place until it is free: uniform, normal.
+// Random layouts, which draw each position until it is free: uniform, normal.
 #pragma once
 
 #include "compiler/plan/plan.h"

@@ -1,4 +1,4 @@
-// Layouts that say where each object is: grid, stack, pyramid, pile, ring, line, at, pair.
+// Layouts that define each position: grid, stack, pyramid, pile, ring, line, at, pair.
 #pragma once
 
 #include <Eigen/Core>

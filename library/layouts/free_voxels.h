@@ -1,4 +1,4 @@
-// Where in the cube one more object may still go: voxels that shrink around what is left.
+// The free space for one more object, as voxels that are refined around it.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// A grid over the cube that lists the boxes in each cell, so that a new box meets only its
+// A grid over the cube that lists the boxes in each cell, to test a new box only with its
 // neighbours.
 #pragma once
 

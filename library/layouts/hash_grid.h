@@ -1,4 +1,4 @@
-// Boxes anywhere, of any sizes, so that a new box meets only those near it.
+// A hashed grid for boxes of any size and position, to test a new box only with its neighbours.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Who stood in the way of a draw, and where.
+// Remembers which objects blocked a draw, and where.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// The scene before its first cycle: every object drawn and placed. In double and from the plan
-// alone, so that it is the same for every precision, detector and machine.
+// The initial state of a scene: every object, drawn and placed. In double and from the plan alone,
+// so that it is the same for every precision, detector and machine.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// How full the cube is and gets, and the errors that say so.
+// The packing fraction of the cube, and the errors that report it.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The small push that makes a reference run's twin.
+// The perturbation of the initial state for the perturbed run of a reference.
 #pragma once
 
 #include "compiler/plan/plan.h"

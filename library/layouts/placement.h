@@ -1,4 +1,5 @@
-// Finds a place for every object: by its layout, touching neither a wall nor another object.
+// Places every object according to its layout, so that it touches neither a wall nor another
+// object.
 #pragma once
 
 #include "compiler/plan/plan.h"

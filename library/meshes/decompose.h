@@ -1,4 +1,4 @@
-// A solid as a few convex pieces, for engines that collide convex shapes alone.
+// Convex decomposition of a mesh into a few pieces, for engines that collide only convex shapes.
 //
 // The mesh is simplified (or subdivided, where it is coarse), cut by HACD, and the corners of each
 // cluster of faces become a convex hull; pieces overlap a little and fill small hollows. Lengths in

@@ -1,5 +1,4 @@
-// A surface of triangles, as it stands in a file. Whether it bounds a solid:
-// library/meshes/topology.h.
+// Triangle meshes as read from files. topology.h checks whether a mesh bounds a solid.
 //
 // Lengths in the file's own unit. Faces are counter-clockwise as seen from outside.
 // Errors: SceneError, with the file, the line or byte, the cause and the remedy.

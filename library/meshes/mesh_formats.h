@@ -1,4 +1,4 @@
-// The parsers behind ParseMesh, one file each, and what they share. For library/meshes alone.
+// The parsers of ParseMesh, one source file each, and their common parts. Only for library/meshes.
 #pragma once
 
 #include <cstddef>

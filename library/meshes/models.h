@@ -1,5 +1,5 @@
-// The well-known models that a scene names: where their files are, and how they become solids.
-// They are not in the repository; library/meshes/fetch-models gets them.
+// The well-known models that a scene can name: their files, and how they become solids. They are
+// not in the repository; library/meshes/fetch-models downloads them.
 //
 // Each stands along y, in the unit of its file. The Stanford models: "The Stanford 3D Scanning
 // Repository", for research, with credit, not for sale; bunny and armadillo as CGAL ships them,

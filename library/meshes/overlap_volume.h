@@ -1,4 +1,4 @@
-// How much of two solids is common to both.
+// The volume of the intersection of two solids.
 //
 // Measured along a square grid of rays, kRays in each direction, over the box around both: along a
 // ray the lengths inside are exact, across them the midpoint rule is of second order. A solid is

@@ -1,4 +1,4 @@
-// Solids made of meshes: convex pieces that move as one body.
+// Compounds: solids made of convex pieces of a mesh.
 //
 // A form is what all solids of one mesh share, whatever their size; a compound is a form with its
 // three sides. Lengths in m. Threads: any, once made.

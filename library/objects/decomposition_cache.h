@@ -1,4 +1,4 @@
-// Forms that were computed before, by all that decides them.
+// Caches convex decompositions by all of their inputs.
 //
 // A form takes up to seconds to compute and a few kilobytes to keep; found again, it is the same to
 // the last bit. Errors: those of `make`. Where forms cannot be kept, nothing comes of it. Threads:

@@ -1,5 +1,5 @@
-// How far apart two solids are, and how near one can come to the other. In double, by the GJK
-// algorithm for each pair of convex pieces.
+// Distance of two solids, and how close one can come to the other along a direction. In double, by
+// the GJK algorithm for each pair of convex pieces.
 //
 // Rounding: a gap below about 1e-14 of the solids' sizes and their offset counts as none. Threads:
 // any. Source: E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE J. Robotics and Automation 4

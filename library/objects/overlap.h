@@ -1,4 +1,4 @@
-// Whether two solids touch: exact up to rounding, and on the safe side where it is close.
+// Whether two solids overlap: exact up to rounding, and conservative in close cases.
 #pragma once
 
 #include "library/objects/solid.h"

@@ -1,5 +1,5 @@
-// How deep two solids are in each other, and which way out is the shortest: where a closed form
-// says so, in double, to hold detectors against.
+// Penetration depth and axis of two solids in closed form, in double: the ground truth for
+// contacts.
 //
 // Threads: any. Source of the axes of two cuboids: S. Gottschalk et al., OBBTree, 1996.
 #pragma once

@@ -1,4 +1,4 @@
-// The step of the GJK algorithm: which part of a few points' hull is nearest the origin.
+// The distance subalgorithm of GJK: the part of a simplex that is nearest to the origin.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// The solids that objects are: convex ones in closed form and compounds of convex pieces, in
-// double, without any physics engine.
+// Solids, the shapes of objects: closed forms and compounds of convex pieces, in double, without
+// any physics engine.
 //
 // A body's origin is its centre of mass and its axes are the principal ones, so that the inertia is
 // diagonal. Lengths in m.

@@ -1,9 +1,8 @@
-// Solids of what a scenario calls them: closed forms by their names, compounds from models and
-// files.
+// Makes solids from the words of a scenario: closed forms by name, compounds from models and files.
 //
 // Errors: SceneError where a model or a file is missing, is no solid or is not the file that was
 // planned with. Threads: one at a time for each maker. A mesh takes seconds the first time on a
-// machine (library/objects/form_cache.h).
+// machine (decomposition_cache.h).
 #pragma once
 
 #include <map>

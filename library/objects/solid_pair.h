@@ -1,4 +1,4 @@
-// Two solids that keep their turns: the gap between a convex piece of each, wherever they are.
+// The gap between the convex pieces of two solids with fixed orientations, for varying positions.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-// Everything that a descriptor holds, at once. Errors: std::system_error. Threads: any.
+// Reads or writes all of a buffer through a file descriptor. Errors: std::system_error. Threads:
+// any.
 #pragma once
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// The machine that we are on.
+// Facts about this machine.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What a worker is doing in a plug-in, so that a crash or a hang in there has a name.
+// Records which function of a plug-in a worker is executing, to report where it crashed or hung.
 #pragma once
 
 #include <cstdint>

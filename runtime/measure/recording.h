@@ -1,6 +1,6 @@
-// The memory that a worker writes its measurements into and the runner reads: a file without a name
-// that both map. What a worker wrote before it crashed or ran out of time is kept, and recording a
-// value is a store, not a system call.
+// The shared memory into which a worker writes its measurements: an anonymous file that the worker
+// and the runner both map. Values written before a crash or a timeout are preserved, and recording
+// a value is a store, not a system call.
 #pragma once
 
 #include <atomic>
@@ -16,10 +16,10 @@
 
 namespace cdb::measure {
 
-/// How far a worker got.
+/// The outcome of a worker.
 enum class WorkerOutcome : std::int32_t { kRunning = 0, kDone = 1, kFailed = 2 };
 
-/// The head of the memory. The worker writes, the runner reads after the worker has ended.
+/// The header of the memory. Written by the worker, read by the runner after the worker has exited.
 struct RecordingHeader {
   static constexpr std::uint64_t kMagic = 0x35'47'4e'49'44'52'43'00;  // "\0CRDING5"
   std::uint64_t magic;
@@ -29,17 +29,17 @@ struct RecordingHeader {
   std::atomic<std::uint32_t> plugin_call;  ///< where the worker is (measure/plugin_call.h)
   char state_hash[20];                     ///< 16 hex digits after the last cycle; empty before
   char message[2048];                      ///< why it failed, in the user's words
-  char omitted[256];                       ///< names of the components left out (compiler/needs.h)
-  char needs[4096];                        ///< what became of each component, and why
-  char models[4096];                       ///< the hulls of the compounds in the scene (FormsText)
-  double peak_rss_bytes;  ///< of the worker process; NaN where it did not get that far
-  double place_ns;        ///< finding a place for every object
-  double build_ns;        ///< settling what is left out, and making the world
+  char omitted[256];      ///< names of the omitted components (compiler/plan/pruning.h)
+  char needs[4096];       ///< the decision about each component, and its reason
+  char models[4096];      ///< the hulls of the compounds in the scene (FormsText)
+  double peak_rss_bytes;  ///< of the worker process; NaN if it did not get that far
+  double place_ns;        ///< placing the objects
+  double build_ns;        ///< deciding the omissions and building the world
   double harness_ns;  ///< of a cycle: its clock stamps and a call of a detector that does nothing
   double fill_fraction;  ///< objects' volume over the cube's
-  // Of a run that records stability; what verdicts measure against.
+  // Reference values for verdicts, of a run that records stability.
   double initial_energy;  ///< J, as the series `energy`, before the first recorded cycle
-  double energy_scale;    ///< J, the kinetic energy then and what the objects can gain by falling
+  double energy_scale;    ///< J, that kinetic energy plus what the objects can gain by falling
   double least_side;      ///< m, of the smallest object
   double speed_scale;     ///< m/s, sqrt(g size) of that object
 };

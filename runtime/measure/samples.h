@@ -1,5 +1,5 @@
-// What a run is held against the truth by: the state of every object at even times, taken in a pass
-// without a clock, and what errors come of it. Worker, runner and store share it.
+// Samples compared with the ground truth: the state of every object at even times, taken in a pass
+// without a clock, and the resulting errors. Shared by worker, runner and store.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-// THE table of series: what a run can record in each cycle. Worker, store and `cdb show` read it.
+// The table of series: everything that a run can record in each cycle. Read by worker, store and
+// `cdb show`.
 #pragma once
 
 #include <cstddef>

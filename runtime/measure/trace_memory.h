@@ -1,5 +1,5 @@
-// A trace in memory: the boxes of a recorded run, cycle after cycle, in a file without a name that
-// the runner fills once and every worker reads. HDF5 stays on the runner's side.
+// A trace in memory: the boxes of a recorded run, cycle by cycle, in an anonymous file that the
+// runner fills once and every worker maps. Only the runner needs HDF5.
 #pragma once
 
 #include <cstddef>

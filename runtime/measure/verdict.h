@@ -1,6 +1,6 @@
-// How a run ended, as physics: a verdict and the first cycle at which it shows. From the recorded
-// series alone, so that a run that crashed has one too.
-// Source: the criteria are measured (README.md, "Verdicts"; `cdb doc verdicts` prints the table).
+// The verdict of a run: whether the simulation was sound, and the first cycle at which it was not.
+// Computed from the recorded series alone, so that a run that crashed has one too. The criteria
+// were found by measurement; `cdb doc verdicts` prints the table.
 #pragma once
 
 #include <cstdint>

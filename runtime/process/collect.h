@@ -1,4 +1,4 @@
-// What a worker left behind, as a result: how its process ended, and its recording.
+// Collects the result of a worker: how its process ended, and its recording.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// What the schedule needs of the system: start a run, and learn how it ended. Tests put a fake
-// behind it.
+// The scheduler's interface to the system: start a run, and wait for its end. Tests replace it by a
+// fake.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace cdb::process {
 
-/// The world refused (no worker program, cannot fork, a folder of another plan): the message names
-/// the thing, what was kept and the remedy. Exit status 2.
+/// Environment error (no worker program, cannot fork, a folder of another plan). The message names
+/// the cause, what was kept and the remedy. Exit status 2.
 class ScheduleError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

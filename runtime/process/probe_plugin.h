@@ -1,4 +1,4 @@
-// What a plug-in offers, found out without loading it here.
+// Lists the detectors of a plug-in without loading it into this process.
 #pragma once
 
 #include <filesystem>

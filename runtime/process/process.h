@@ -1,4 +1,4 @@
-// Starting worker programs: descriptors, signals, and how a process ended, in words.
+// Starts worker processes: file descriptors, signals, and messages about how a process ended.
 #pragma once
 
 #include <spawn.h>

@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM as a wish that the schedule heeds between two runs.
+// Turns Ctrl-C and SIGTERM into a stop request that the scheduler checks between runs.
 #pragma once
 
 #include <atomic>

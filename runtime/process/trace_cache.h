@@ -1,4 +1,4 @@
-// The traces that workers are given, each read from its file once for as many runs as want it.
+// Caches traces: each file is read once for all runs that need it.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,5 @@
-// The real launcher: one process a run, the worker program of the run's precision.
+// The launcher used outside of tests: one process for each run, with the worker program of its
+// precision.
 #pragma once
 
 #include <sys/types.h>

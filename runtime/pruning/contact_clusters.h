@@ -1,11 +1,11 @@
-// Objects that may meet one another, and where each of them can get to once they have.
+// Contact clusters: groups of objects that may meet, and where each object can be after a contact.
 //
-// From the earliest moment of a meeting on, a member of a crowd may move in any way that the
-// crowd's energy allows: alone in the air, the energy in the frame that falls with it; with a wall,
-// a fixed object, damping or sleep, the energy in the world, to which gravity adds. So each member
-// is in a ball that grows. Whomever it comes to touches the crowd then and no sooner, and joins;
-// from then on all grow as fast as the crowd's new energy lets them. Meetings are taken in the
-// order of time.
+// From the earliest possible contact on, a member of a cluster may move in any way that the energy
+// of the cluster permits: in free fall, the energy in the falling frame; in contact with a wall or
+// a fixed object, with damping or with sleeping, the energy in the world frame, to which gravity
+// adds. So each member is inside a ball that grows with time. An object that the ball reaches may
+// touch the cluster from then on, and joins it; then all balls grow as fast as the new energy
+// permits. Contacts are processed in order of time.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@
 
 namespace cdb::pruning {
 
-/// The cube that the objects are in.
+/// The cube that contains the objects.
 class Room {
  public:
   Room(const plan::Scene& scene, const Horizon& horizon);
@@ -30,35 +30,37 @@ class Room {
   bool Stands(int wall) const { return (standing_ >> wall & 1) != 0; }
   std::uint8_t standing() const { return standing_; }
   double half() const { return half_; }
-  /// Nothing that has reached the wall gets past it, however far aside it goes.
+  /// No object can get past the wall, at any distance from its centre.
   bool Holds(int wall) const { return Stands(wall) && is_endless_; }
-  /// How far beyond touching distance from the wall an object stays, m, with its centre in `places`
-  /// and `reach` m from there to its outside. 0 or less: it may touch it.
+  /// Clearance, m, between the wall and an object of radius `reach`, m, whose centre is in
+  /// `places`, beyond the distance at which they touch. If 0 or less, the object may touch the
+  /// wall.
   double Gap(int wall, const Box& places, double reach) const;
 
  private:
   std::uint8_t standing_;
   double half_;
-  double rounding_;  ///< m: of a wall's place, and of a distance from it
+  double rounding_;  ///< m: of the position of a wall and of distances from it
   bool is_endless_;
 };
 
 /// Not for several threads.
 class ContactClusters {
  public:
-  /// What the arguments point to must outlive it. `flights` may have no NaN or infinity.
+  /// The arguments must outlive the object. `flights` may not contain NaN or infinity.
   ContactClusters(const plan::Scene& scene, const layouts::InitialState& state,
                   const Horizon& horizon, const Room& room, const std::vector<Trajectory>& flights);
 
-  /// All meetings there are in free flight, `time` s after the start or later.
+  /// To be called for every contact in free flight, which happens `time` s after the start or
+  /// later.
   void MeetObject(std::size_t object, std::size_t other, double time);
   void MeetWall(std::size_t object, int wall, double time);
 
-  /// Follows what comes of the meetings, to the end. What was in its way if it had to give up: then
-  /// anything may touch anything. Takes from `tests_left` for the work.
+  /// Computes the consequences of the contacts up to the end of the run. If it has to give up,
+  /// returns the reason, and any two objects may touch. Decrements `tests_left` with its work.
   std::optional<std::string> Follow(std::uint64_t& tests_left);
 
-  /// By object, bits: the walls that it may touch. After Follow.
+  /// By object: the bits of the walls that it may touch. Valid after Follow.
   const std::vector<std::uint8_t>& walls() const { return walls_; }
   std::size_t Largest() const;
 
@@ -67,13 +69,13 @@ class ContactClusters {
     double time;
     std::uint32_t object, other;
     std::int32_t wall;  ///< below 0: with `other`
-    /// Of both when it was foreseen; it is void once one of them has changed its way.
+    /// Versions of both when the event was predicted; it is void if one of them has changed since.
     std::uint32_t object_version, other_version;
     bool operator>(const Event& event) const;
   };
 
-  /// The places that the centre of an object may have, since it first may have met something: a box
-  /// that moves straight on or falls, and all around it as far as `Radius`.
+  /// The positions that the centre of an object may have after its first possible contact: a box
+  /// that moves uniformly or falls, and all points within `Radius` of it.
   struct Region {
     double since = 0;
     Box core;                 ///< at `since`
@@ -81,24 +83,24 @@ class ContactClusters {
     Eigen::Vector3d gravity;  ///< 0 in the world
     double timestep = 0;
     double radius = 0;                     ///< m, at `since`
-    double rate = 0, more = 0, limit = 0;  ///< it grows by the less of rate + more t and limit
+    double rate = 0, more = 0, limit = 0;  ///< it grows by min(rate + more t, limit)
     double error = 0;                      ///< m: rounding
 
     double Radius(double time) const;
     Box Core(double time) const;
-    /// Holds all of it until `time`.
+    /// A box that contains the region until `time`.
     Box Hull(double time) const;
   };
 
   struct ContactCluster {
     std::vector<std::uint32_t> members;
-    bool leans = false;      ///< some may have met a wall or a fixed object
-    bool is_slowed = false;  ///< some are damped, or may be put to sleep
+    bool leans = false;      ///< a member may have touched a wall or a fixed object
+    bool is_slowed = false;  ///< a member is damped, or may be put to sleep
     double mass = 0;         ///< kg
     Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< at the start
     double energy = 0;                                   ///< J: kinetic, at the start
     double energy_in_air = 0;   ///< J: the same in the frame of the centre of mass
-    double energy_of_drop = 0;  ///< J: what gravity can add until walls hold them all
+    double energy_of_drop = 0;  ///< J: what gravity can add before walls stop all members
     double restitution = 0;     ///< the largest
   };
 
@@ -144,14 +146,14 @@ class ContactClusters {
   std::vector<ContactCluster> crowds_;
   std::vector<std::uint32_t> crowd_of_;  ///< by object
   std::vector<std::uint32_t> version_;   ///< by object: 0 in free flight
-  std::vector<Region> regions_;          ///< by object, of those in crowds
-  std::vector<std::uint32_t> touched_;   ///< the objects in crowds
+  std::vector<Region> regions_;          ///< by object, of those in clusters
+  std::vector<std::uint32_t> touched_;   ///< the objects in clusters
   std::vector<std::uint8_t> walls_;
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::uint64_t* tests_left_ = nullptr;
   bool has_given_up_ = false;
 
-  /// The free paths in the order of one axis, so that those near a box are found.
+  /// The free trajectories sorted along one axis, for queries by a box.
   struct Path {
     Box box;
     std::uint32_t object;

@@ -1,14 +1,15 @@
-// Where the objects of a scene can get to in a run: which of them may touch a wall or one another,
-// proven before the first cycle. Knows no physics engine. Source: issue "Leave out what a scene
-// does not need"; Bullet 3.24 for what it relies on (runtime/needs/flight.h, crowds.h).
+// Reachability analysis: which objects may touch a wall or one another during a run, proven before
+// the first cycle. Knows no physics engine. For the properties of Bullet 3.24 that it relies on,
+// see trajectory.h and contact_clusters.h.
 //
-// Without contacts a body of Bullet's flies along x0 + (v0 + g dt/2) t + g t^2/2 up to rounding, so
-// two bodies that no damping slows fly along a straight line in each other's frame. Bodies that may
-// meet form a crowd; from the earliest moment of a meeting on, each of its members may be anywhere
-// that the crowd's whole energy can take it, and whom it may meet there joins the crowd then.
+// Without contacts, a body in Bullet moves along x0 + (v0 + g dt/2) t + g t^2/2 up to rounding, so
+// that two undamped bodies move along a straight line in each other's frame. Bodies that may meet
+// form a contact cluster. From the earliest possible contact on, each member may be anywhere that
+// the total energy of the cluster permits, and every body that it may meet there joins the cluster.
 //
-// `nothing_touches` is proven outright, as nothing then ever leaves its free flight. What comes of
-// a meeting rests on Bullet not adding more energy than crowds.cc allows for: have a tripwire.
+// `nothing_touches` is proven without assumptions, because then nothing ever leaves free flight.
+// The consequences of contacts rest on the assumption that Bullet adds no more energy than
+// contact_clusters.cc allows for; runs that rely on it need an omission guard.
 #pragma once
 
 #include <cstddef>
@@ -22,32 +23,31 @@
 namespace cdb::pruning {
 
 struct Reachability {
-  /// By object: the bits of the standing walls (runtime/needs/needs.h) that it may touch. 0 for
-  /// fixed objects.
+  /// By object: the bits of the walls (omissions.h) that it may touch. 0 for fixed objects.
   std::vector<std::uint8_t> walls;
-  /// No two objects, and no object and wall, come within touching distance in the whole run.
+  /// No two objects, and no object and wall, come within touching distance during the run.
   bool nothing_touches = false;
-  /// The narrowest escape where nothing touches, of those with walls and of those between objects
-  /// near enough to be looked at one by one; else the first meeting that decided against it, and
-  /// why the search was given up if it was: `object 17 stays 42.1 m from the wall -y`, `objects 3
-  /// and 9 may touch at 1.25 s`. Objects count from 1, as in every message.
+  /// If nothing touches: the smallest clearance from walls and between objects that were tested as
+  /// a pair. Otherwise: the first possible contact, and, if the analysis gave up, the reason:
+  /// `object 17 stays 42.1 m from the wall -y`, `objects 3 and 9 may touch at 1.25 s`. Objects
+  /// count from 1, as in every message.
   std::string closest;
-  /// Moving objects in the largest crowd; 1 where none may meet another. All of them where the
-  /// search was given up: too many may meet, one with a soft contact may touch something, one has
+  /// Number of moving objects in the largest cluster; 1 if none may meet another. All of them if
+  /// the analysis gave up: too many may meet, one with a soft contact may touch something, one has
   /// `ccd`, or numbers overflow.
   std::size_t largest_crowd = 1;
-  /// m: the largest diagonal of any moving object's box in any cycle, its way in one cycle
-  /// included, if nothing touches. Bullet switches off what passes 1e6.
+  /// m: the largest diagonal of the box of a moving object in any cycle, including its displacement
+  /// in one cycle, if nothing touches. Bullet deactivates objects beyond 1e6.
   double largest_box = 0;
-  /// s: the longest time in a row that any moving object is slower than Bullet's thresholds of
-  /// sleep, if nothing touches, or more. Bullet puts to sleep what stays below for 2 s; the
-  /// forecast itself allows for that where `sleeping` is on.
+  /// s: an upper bound of the longest uninterrupted time that any moving object is below Bullet's
+  /// sleeping thresholds, if nothing touches. Bullet puts objects to sleep after 2 s; the analysis
+  /// accounts for that if `sleeping` is on.
   double longest_rest = 0;
 };
 
-/// `warmup` and `cycles` together are the run. Allows for rounding in the scene's `precision`. Does
-/// not throw: what it cannot follow may touch everything. Deterministic. Any thread. About 5 ms for
-/// 1000 objects, 0.2 s for 100000; gives up on a dense scene after about as long.
+/// The run is `warmup` plus `cycles`. Accounts for rounding in the scene's `precision`. Does not
+/// throw: objects that it cannot analyse may touch everything. Deterministic. Any thread. About 5
+/// ms for 1000 objects, 0.2 s for 100000; gives up on a dense scene after about as long.
 Reachability AnalyseReachability(const plan::Scene& scene, const layouts::InitialState& state);
 
 }  // namespace cdb::pruning

@@ -1,4 +1,4 @@
-// Which of many boxes overlap: by one pass over them in the order of one axis.
+// Finds overlapping pairs in a large set of boxes by one sweep along an axis.
 #pragma once
 
 #include <array>
@@ -19,15 +19,15 @@ struct SweptBox {
   std::uint8_t kind = 0;  ///< below kSweepKinds
 };
 
-/// The axis along which the boxes are shortest for the room that they are in.
+/// The axis along which the boxes are shortest relative to the extent of all boxes.
 int BestSweepAxis(const std::vector<SweptBox>& boxes);
 
 /// Bit b of entry a: a box of kind a is tested against those of kind b. Must be symmetric.
 using SweepPartners = std::array<std::uint8_t, kSweepKinds>;
 
-/// Calls `report` once for each two boxes of partner kinds that overlap or touch. Takes one from
-/// `tests_left` for each two that overlap along the axis; false, and not all reported, where there
-/// are more. No box may hold a NaN.
+/// Calls `report` once for each pair of boxes of partner kinds that overlap or touch. Decrements
+/// `tests_left` for each pair that overlaps along the axis; if it runs out, returns false without
+/// reporting all pairs. No box may contain a NaN.
 bool Sweep(std::vector<SweptBox> boxes, const SweepPartners& partners, std::uint64_t& tests_left,
            const std::function<void(std::uint32_t, std::uint32_t)>& report);
 

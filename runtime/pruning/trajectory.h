@@ -1,10 +1,10 @@
-// How one object flies while nothing touches it: where it can be until a time, when two first come
-// within touching distance, how long it is slow.
+// Trajectory of an object without contacts: where it can be until a given time, when two objects
+// first come within touching distance, and how long an object is slow.
 //
 // A cycle of Bullet 3.24 damps the velocity, detects, adds g dt to the velocity and then moves by
 // v dt, so that after k cycles an undamped object is at x0 + (v0 + g dt/2) t + g t^2/2, t = k dt.
-// SI units; a path is that of the centre of mass. Nothing here throws;
-// what overflows gives infinities or NaN, which the caller looks for. Any thread.
+// SI units; a trajectory is that of the centre of mass. Nothing here throws; overflow yields
+// infinities or NaN, which the caller checks for. Threads: any.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,15 +17,15 @@ namespace cdb::pruning {
 
 using Box = Eigen::AlignedBox3d;
 
-/// How far ahead to look, and how exactly Bullet computes.
+/// The duration of the run, and the rounding of Bullet.
 struct Horizon {
   double timestep = 0;  ///< s
   double steps = 0;     ///< warmup and cycles
-  double end = 0;       ///< s; one step more than the run has, to be safe
+  double end = 0;       ///< s; one step more than the run, as a safety margin
   double rounding = 0;  ///< twice the largest relative error of one operation
 
-  /// How far, along one axis, a computed place may be from the exact one, where neither the place
-  /// nor the speed is ever larger than these.
+  /// Upper bound of the error of a computed position along one axis, given upper bounds of position
+  /// and speed.
   double PlaceError(double largest_place, double largest_speed) const;
   double SpeedError(double largest_speed) const;
 };
@@ -41,52 +41,53 @@ enum class Motion {
 struct Trajectory {
   Motion motion = Motion::kFixed;
   Eigen::Vector3d start, velocity;
-  Eigen::Vector3d acceleration;  ///< 0 where fixed
-  double radius = 0;     ///< of a ball about the centre of mass that holds it however it is turned
-  double threshold = 0;  ///< Bullet makes a contact below this distance from a wall; of two
-                         ///< objects the smaller one counts
-  Eigen::Vector3d extent;  ///< half of a box that holds it until something touches it
-  Eigen::Vector3d slack;   ///< rounding of the place until something touches it
+  Eigen::Vector3d acceleration;  ///< 0 if fixed
+  double radius = 0;             ///< of the bounding sphere about the centre of mass
+  double threshold = 0;          ///< Bullet makes a contact below this distance from a wall; of two
+                                 ///< objects the smaller one counts
+  Eigen::Vector3d extent;        ///< half extents of a box that contains it until the first contact
+  Eigen::Vector3d slack;         ///< rounding of the position until the first contact
   double timestep = 0;
 
-  /// Of the centre while nothing touches it. Exact for free ones but for rounding; for slowed ones
-  /// a place that the centre may have.
+  /// Position of the centre before the first contact. Exact up to rounding for free objects; one of
+  /// the possible positions for slowed ones.
   Eigen::Vector3d PlaceAt(double time) const;
-  /// Holds all places of the centre until `time`; the later, the larger.
+  /// A box that contains all positions of the centre until `time`; grows with time.
   Box PathUntil(double time) const;
-  /// The same as seen from a frame that falls from rest with `gravity`, the scene's: a straight
-  /// line's box for free ones.
+  /// The same in a frame that falls from rest with `gravity`, that of the scene: the box of a
+  /// straight line for free objects.
   Box FallingPathUntil(double time, const Eigen::Vector3d& gravity) const;
-  /// m/s: never faster than this until `time`.
+  /// m/s: upper bound of the speed until `time`.
   double FastestUntil(double time) const;
 };
 
 Trajectory TrajectoryOf(const layouts::ObjectState& object, const Eigen::Vector3d& acceleration,
                         const plan::Scene& scene, const Horizon& horizon);
 
-/// The way of a frame that falls from rest with `acceleration`.
+/// Displacement of a frame that falls from rest with `acceleration`.
 Eigen::Vector3d FallUntil(const Eigen::Vector3d& acceleration, double timestep, double time);
-/// Holds c0 + c1 t + c2 t^2 for all t from `begin` to `end`.
+/// A box that contains c0 + c1 t + c2 t^2 for all t from `begin` to `end`.
 Box RangeOf(const Eigen::Vector3d& c0, const Eigen::Vector3d& c1, const Eigen::Vector3d& c2,
             double begin, double end);
 
-/// Distance of the centres at which two make a contact, rounding not counted.
+/// Distance of the centres at which two objects make a contact, without rounding.
 double TouchingDistance(const Trajectory& a, const Trajectory& b);
 
 struct Approach {
   bool meets = false;
-  double time = 0;  ///< s: not later than the first moment within touching distance, if they meet
-  double gap = 0;   ///< m: the least distance beyond touching and rounding, if they do not
+  double time = 0;  ///< s: if they meet, not later than the first moment within touching distance
+  double gap =
+      0;  ///< m: if they do not meet, the least clearance beyond touching distance and rounding
 };
-/// Two of which neither is slowed and not both are fixed.
+/// For two objects of which neither is slowed and not both are fixed.
 Approach ApproachOf(const Trajectory& a, const Trajectory& b, double end);
-/// Any two, by the boxes of their paths alone.
+/// For any two objects, using only the boxes of their trajectories.
 Approach BoxApproachOf(const Trajectory& a, const Trajectory& b, double end);
 
-/// The distance between two boxes; 0 where they overlap.
+/// The distance between two boxes; 0 if they overlap.
 double Distance(const Box& a, const Box& b);
 
-/// The first time up to `end` at which `is_true`, which stays true once it is, to the last bit on
+/// The first time up to `end` at which the monotonic predicate `is_true` holds, to the last bit on
 /// the early side. `is_true(end)` must be true.
 template <typename Predicate>
 double FirstTime(double end, const Predicate& is_true) {
@@ -100,10 +101,10 @@ double FirstTime(double end, const Predicate& is_true) {
   return before;
 }
 
-/// Bullet's thresholds of sleep: an object is slow below both, and is put to sleep after as long.
+/// Bullet's sleeping thresholds: an object is slow below both, and put to sleep after this time.
 inline constexpr double kSlowSpeed = 0.8, kSlowSpin = 1.0, kSleepAfter = 2.0;
-/// The longest time in a row that a moving object in free flight is slow, s, at most `end`. What
-/// Bullet counts: a step for each time it looks and finds the object slow.
+/// The longest uninterrupted time, s, that a moving object in free flight is slow, at most `end`.
+/// As Bullet counts: one step for each step in which it finds the object slow.
 double LongestRest(const layouts::ObjectState& object, const Eigen::Vector3d& acceleration,
                    const Horizon& horizon);
 

@@ -4,10 +4,10 @@ namespace cdb::report {
 
 const std::string_view kLanguageReference = R"reference(THE .cdb LANGUAGE
 
-A file says which scenes to run, which parameters to vary and what to measure. It is a list of
-`name value` statements in named blocks; a value is a constant, a distribution (drawn anew for each
-object) or a sweep (one run for each value). What is left out has the paper's default, so
-`benchmark b { }` is a whole benchmark.
+A file states which scenes to run, which parameters to vary and what to measure. It is a list of
+`name value` statements in named blocks. A value is a constant, a distribution (drawn for each
+object) or a sweep (one run for each value). Parameters that are not set have the defaults of the
+paper, so `benchmark b { }` is a complete benchmark.
 
   # Does a long, thin shape slow the broad phase down?
   benchmark aspect "the title of the results" {
@@ -20,200 +20,217 @@ object) or a sweep (one run for each value). What is left out has the paper's de
   }
 
 LEXICAL RULES
-  UTF-8; # begins a comment. A statement ends with its line or with `;`; inside ( ) and in lists a
-  line may break after `,`. Numbers: 50  -9.8  1e6  1_000_000  0xAA. Texts: "..." with \" \\ \n \t.
-  `benchmark`, `use`, `let`, `cases` and `skip` cannot name anything else.
+  Files are UTF-8. # begins a comment. A statement ends at the end of its line or at `;`; inside ( )
+  and in lists, a line may break after `,`. Numbers: 50  -9.8  1e6  1_000_000  0xAA. Texts: "..."
+  with the escapes \" \\ \n \t. `benchmark`, `use`, `let`, `cases` and `skip` are reserved words.
 
 FILES
-  use "other"                 the lets and benchmarks of other.cdb: beside this file, else in the
-                              library. Its benchmarks are for `from`; only a file's own are run.
-  use detector "mine.so"      the detectors of a shared library of your own, found likewise: their
-                              names are words as the catalogue's are (`cdb doc detectors`)
-  let name = value            a name for any value
-  benchmark name { ... }      one results file
-  benchmark name from base { ... }   takes the statements of base and lays its own over them; what
-                              is set again keeps its place in the order of axes; a `let` of the
-                              same name, and `cases` of the same name, replace those of the base
+  use "other"                 imports the lets and benchmarks of other.cdb, from the folder of this
+                              file or else from the library. Imported benchmarks can be extended by
+                              `from`; only a file's own benchmarks are run.
+  use detector "mine.so"      loads the detectors of a shared library, found in the same way. Their
+                              names can then be used like those of the catalogue (`cdb doc
+                              detectors`).
+  let name = value            names a value
+  benchmark name { ... }      defines a benchmark, which yields one results file
+  benchmark name from base { ... }   extends a benchmark: takes the statements of base and overrides
+                              them. A setting that is overridden keeps its place in the order of
+                              axes; a `let` or `cases` replaces the one of the same name in base.
 
 STATEMENTS
-  name value                  a setting; once in a block. `objects.size 5`, or `size 5` in objects { }
-  objects { ... }             the objects; several groups have names: objects pebbles { ... }, and
-                              then pebbles.size. world { } and solver { } shorten names likewise,
-                              and links { } within objects { }: objects.links.type
-  cases load { calm { ... } storm { ... } }    an axis of named sets of settings, laid over the rest;
-                              unnamed, the axis is `case`. A case may sweep: the axis then holds the
-                              values of every case, and cells that no case has are skipped.
-  skip when quantity > 3000 and detector == simple     leaves points out; they keep their cell.
-                              Names are axes, lets and parameters; and, or, not, ( ), == != < <= > >=
-  omit auto                   leaves out what a scene provably does not need; `omit none` times
-                              everything; `omit walls, solver` leaves out these: `cdb doc omit`
-
-  accuracy { ... }            what to hold each run against, and by which errors: `cdb doc accuracy`
+  name value                  sets a parameter, once in a block: `objects.size 5`, or `size 5` in
+                              objects { }
+  objects { ... }             a group of objects. If there are several groups, they have names:
+                              objects pebbles { ... }, whose size is then pebbles.size. The blocks
+                              world { } and solver { } shorten names in the same way, and so does
+                              links { } within objects { }: objects.links.type
+  cases load { calm { ... } storm { ... } }    an axis of named sets of settings, which override the
+                              other settings. Without a name, the axis is called `case`. If a case
+                              contains a sweep, the axis holds the values of every case, and cells
+                              that belong to no case are skipped.
+  skip when quantity > 3000 and detector == simple     skips points, which remain as cells of the
+                              results. Names are axes, lets and parameters; operators are
+                              and, or, not, ( ), == != < <= > >=
+  omit auto                   omits the parts of the engine that a scene provably does not need;
+                              `omit none` times everything; `omit walls, solver` omits these parts.
+                              See `cdb doc omit`.
+  accuracy { ... }            the errors to compute, and the reference: see `cdb doc accuracy`
 
 VALUES
-  arithmetic                  + - * / ^ and ( ); exact as long as numbers are whole and fit 64 bits.
-                              Vectors add, and stretch by a number.
-  names                       a let; another parameter of the same run: world.side 20 * objects.quantity
-  (x, y, z)                   a vector; 0 stands for (0, 0, 0)
+  arithmetic                  + - * / ^ and ( ). Exact as long as numbers are whole and fit into 64
+                              bits. Vectors can be added, and multiplied by a number.
+  names                       a let, or another parameter of the same run:
+                              world.side 20 * objects.quantity
+  (x, y, z)                   a vector; 0 is short for (0, 0, 0)
   1 : y : z                   a ratio
   on off true false           a switch
 
-  uniform(a, b)               each value between alike; for a vector parameter, or with vectors,
-                              component by component
-  normal(m, s)                mean and standard deviation; normal(m, variance: v), normal(m, sd: s)
-  log_uniform(a, b)           the logarithm is uniform; a, b > 0
-  any(x, y 3)                 one of them, y three times as often
-                              What falls outside a parameter's domain (size <= 0) is drawn again.
-                              Each distribution has a stream of its own, seeded by `seed` and the
-                              parameter's name, so that one does not move when another is added.
+  uniform(a, b)               uniform between a and b. Vectors are drawn component by component.
+  normal(m, s)                mean and standard deviation; also normal(m, variance: v) and
+                              normal(m, sd: s)
+  log_uniform(a, b)           uniform in the logarithm; a, b > 0
+  any(x, y 3)                 one of the values; here y is three times as likely as x
+                              A value outside the parameter's domain (size <= 0) is drawn again.
+                              Each distribution has a separate random stream, seeded by `seed` and
+                              the name of the parameter, so that adding one does not affect others.
 
 WORDS WITH ARGUMENTS
-  A layout, a model or a schedule is a word that may take arguments: `cdb list` shows all of them with
-  their units and defaults. Arguments are given by place, then by name; what has a default may be left
-  out, and then the word stands alone. One argument by its name needs no brackets.
-  location grid               grid(spacing: 3), grid(3) and `grid spacing: 3` are the same
-  location at(0, 5, 0)        one object there: quantity 1
-  location pair distance: 0.5   two objects, their surfaces so far apart: quantity 2
-  type mesh("rock.obj")       a model of your own, by convex pieces; hull("rock.obj") its convex hull.
-                              OBJ, PLY, STL or OFF, from the folder of the .cdb file that names it. The
-                              plan holds the SHA-256 of its bytes; mesh("rock.obj", sha256: "...") says
-                              which it has to be. any(sphere 3, mesh("rock.obj") 1) weighs models too.
-  acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))    drawn anew every 60 cycles
-  acceleration rotating((0, -9.8, 0), about: (0, 0, 1), period: 4)    a turn in 4 s
-                              Schedules; linear_velocity and angular_velocity take them too, one for
-                              each object. None stands in another or in any( ).
-  trace "run.trace.h5"        no scene but a recorded one, for its detectors alone: `cdb doc traces`
-  Sweeps, lets and arithmetic stand in arguments as anywhere: ring(radius: sweep(1, 2)) is the axis
-  location_radius, at(0, sweep(1, 2), 0) the axis location_y.
-  A let may be called like such a word: behind a parameter that takes the word, it is the word.
+  Layouts, models and schedules are words that may take arguments; `cdb list` shows them with units
+  and defaults. Arguments are given by position, then by name. Arguments with a default are optional;
+  without any arguments, the word stands alone. A single named argument needs no parentheses.
+  location grid               grid(spacing: 3), grid(3) and `grid spacing: 3` are equivalent
+  location at(0, 5, 0)        one object at this point; needs quantity 1
+  location pair distance: 0.5   two objects, with this distance between their surfaces; needs
+                              quantity 2
+  type mesh("rock.obj")       your own model, decomposed into convex hulls; hull("rock.obj") is its
+                              convex hull. The file is OBJ, PLY, STL or OFF; its path is relative to
+                              the .cdb file. The plan stores the SHA-256 of the file, and
+                              mesh("rock.obj", sha256: "...") requires a given one.
+                              any(sphere 3, mesh("rock.obj") 1) gives weights to models too.
+  acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))    drawn again every 60 cycles
+  acceleration rotating((0, -9.8, 0), about: (0, 0, 1), period: 4)    one turn in 4 s
+                              These are schedules. linear_velocity and angular_velocity take them
+                              too, one for each object. Schedules cannot be nested or used in any( ).
+  trace "run.trace.h5"        runs the detectors on recorded boxes instead of a scene: see `cdb doc
+                              traces`
+  Arguments may contain sweeps, lets and arithmetic: ring(radius: sweep(1, 2)) makes the axis
+  location_radius, and at(0, sweep(1, 2), 0) the axis location_y.
+  A let may have the same name as such a word. After a parameter that takes the word, it means the
+  word.
 
 LINKS
-  objects { quantity 8; location line; links { type ball } }    a chain; `cdb doc links` has the rest
-  Each object is linked to the next of its group, in order, and the first to a point of the world,
-  where one more before it would be linked to it; `anchor off` leaves that out. A lone object hangs
-  from a point above it. Linked neighbours do not collide. A ball joint turns every way, a hinge about
-  z, a fixed one not at all; their pivot is half way between the centres of mass.
-  A spring acts between the centres, along a line that turns with the first of the two, and holds the
-  other on that line. Its force is neither limited nor softened: it explodes where dt sqrt(k/m) > 2.
+  objects { quantity 8; location line; links { type ball } }    a chain; see `cdb doc links`
+  Each object is linked to the next one of its group, in order. The first object is linked to the
+  world, at the point where it would be linked to a preceding object; `anchor off` omits this link.
+  A single object hangs from a point above it. Linked neighbours do not collide. A ball joint turns about any axis, a
+  hinge about z, and a fixed joint not at all; the pivot is halfway between the centres of mass.
+  A spring acts between the centres of mass, along a line that turns with the first object, and keeps
+  the second object on this line. Its force is neither limited nor softened: the simulation explodes
+  if dt sqrt(k/m) > 2.
 
 SWEEPS
-  sweep(v, v, ...)            an axis; wherever a constant may stand, also inside a vector, a ratio or
-  sweep(a .. b)               a distribution. a .. b counts by one and hits b
-  a .. b step d               a + i*d, never added up
+  sweep(v, v, ...)            an axis. A sweep may replace any constant, also inside a vector, a
+                              ratio or a distribution.
+  sweep(a .. b)               counts from a to b by one, b included
+  a .. b step d               computed as a + i*d, without accumulating rounding errors
   a .. b count n [log]        n values, both ends included
   let n = sweep(10, 100)      every use of n is the same axis, called n
-  sweep(1 .. 5) as z          an axis called z. Else it takes its parameter's name: quantity,
-                              aspect_z, pebbles_size, links_type; in `20 * sweep(1, 2)` its values
-                              are 20 and 40.
-  Two sweeps are two axes, the first written varying slowest; file-level lets come before the rest.
-  A value stands on an axis once: `repeats` is what measures a point again.
+  sweep(1 .. 5) as z          an axis called z. Without `as`, the axis is named after its parameter:
+                              quantity, aspect_z, pebbles_size, links_type. The values of
+                              `20 * sweep(1, 2)` are 20 and 40.
+  Two sweeps make two axes. The one written first varies slowest; lets of the file precede all
+  others. The values of an axis must be distinct; use `repeats` to measure a point several times.
 
 OBJECTS
-  A side is size times its part of aspect: the full extent along x, y and z. An object's own origin
-  is its centre of mass; a cone's lies a quarter of its height above the base. Turned objects are
-  given by `orientation`, the axis times the angle in rad, or `random`.
-  location uniform draws each coordinate between the walls, normal with mean 0 and a third of the
-  wall's coordinate as standard deviation; a place that touches a wall or an object is drawn again.
-  Objects lie inside the cube also where it has no walls. Where they find no place the run fails and
-  says how full the cube is. `overlap on` lets objects begin inside one another, where a layout with
-  arguments puts them there: line(gap: -0.5).
+  A side is size times its part of aspect: the full extent along x, y or z. The origin of an object
+  is its centre of mass; that of a cone is a quarter of its height above the base. `orientation` is
+  an axis times an angle in rad, or `random`.
+  `location uniform` draws each coordinate uniformly between the walls. `location normal` has mean 0
+  and a standard deviation of a third of the wall's coordinate. A position that touches a wall or an
+  object is drawn again. Objects lie inside the cube even if it has no walls. If there is no free
+  position, the run fails and states the packing fraction. `overlap on` permits initial overlaps,
+  if a layout with arguments yields them: line(gap: -0.5).
 )reference";
 
-const std::string_view kOmitReference = R"reference(WHAT A RUN LEAVES OUT
+const std::string_view kOmitReference = R"reference(WHAT A RUN OMITS
 
-A scene rarely needs all of the engine. What it provably does not need is left out: every object is
-in the same place in every cycle, to the last bit, and the run is faster.
+Few scenes need every part of the engine. cdb omits the parts that a scene provably does not need:
+every object has the same state in every cycle, to the last bit, and the run is faster.
 
-  omit auto                   all that the scene does not need; the default
-  omit none                   nothing: everything is timed
-  omit walls, raycast_tree    just these; a scene that needs one of them is an error
-  omit sweep(none, auto)      an axis; `cases { }` are an axis whose values are lists
+  omit auto                   omits all that the scene does not need; the default
+  omit none                   omits nothing: everything is timed
+  omit walls, raycast_tree    omits exactly these parts; it is an error if a scene needs one of them
+  omit sweep(none, auto)      an axis; `cases { }` can make an axis whose values are lists
 
-The numbers of a scenario decide some of it: where the acceleration is 0 nothing applies gravity.
-The rest is decided when the objects are drawn and placed, by the worker, before the first cycle:
-where each object can get to in the whole run, and whom it may meet on the way.
-  `auto` keeps detection wherever `record` has timing, counts or contacts, which ask for it. A list
-that names detection leaves it out all the same: it says that nothing is to be detected.
-  What meets after all is hard to foretell, so the run watches. Where an object comes near a wall that
-it was proven not to reach, or touches two things at once, so that the order of contacts might matter,
-`auto` starts the run again with all walls, and a list fails; `needs` in the results says so.
-  What changes a measurement is named by `cdb show`, and the results say for each run what became of
-each part and why (`omitted`, `needs`). Before a run, `cdb plan FILE` has it as far as the numbers
-go, and `cdb plan --why FILE` places the objects and tells all of it.
-  Behind `omit`, `sleeping` is the part of that name; elsewhere it is the switch.
+Some decisions follow from the settings alone: if the acceleration is 0, gravity need not be
+applied. The others are made by the worker before the first cycle, when the objects have been drawn
+and placed, from where each object can be during the run, and which objects it may meet.
+  `auto` keeps detection if `record` has timing, counts or contacts, as these ask for it. A list
+that names detection omits it nevertheless: it states that nothing is to be detected.
+  Contacts are hard to predict, so the run is monitored. If an object approaches a wall that it was
+proven not to reach, or touches two things at once, so that the order of contacts might matter, the
+run is restarted with all walls under `auto`, and fails under a list; `needs` in the results says so.
+  `cdb show` names every omission that affects a measurement. The results state for each run what
+became of each part, and why (`omitted`, `needs`). `cdb plan FILE` shows what follows from the
+settings, before any run; `cdb plan --why FILE` places the objects and explains every decision.
+  After `omit`, `sleeping` is the part of that name; elsewhere it is the switch.
 
 )reference";
 
 const std::string_view kVerdictsReference = R"reference(HOW A RUN CAN END
 
-A run that records stability (it does unless `record` says otherwise) gets a verdict, by what is taken
-between its cycles, outside every stamp, and the first recorded cycle at which the verdict shows. The
-worst that applies is given; in the results `verdict` and `first_bad_cycle`.
+A run that records stability (the default of `record` includes it) gets a verdict, from data sampled
+between cycles, outside the timed phases, and the first recorded cycle at which the verdict applies.
+If several apply, the verdict is the worst. In the results: `verdict` and `first_bad_cycle`.
   S is the least side of an object (of the smaller one in a contact), g the acceleration. Energy is
-kinetic and potential with the integrator's own term, which free flight keeps exactly; its scale is
-the kinetic energy at the start and what all objects can gain by falling through the cube. Late is the
-last quarter of the run, and there the median counts.
-  From `frozen` on bodies did not move as the engine was told: their timings are stored, marked, and
-in no summary, and the exit status is 3. What is less bad stands in the figures, and is named.
-  `expect` says what a scene ought to do. By itself (auto) a scene of stacks, pyramids or piles, with
-nothing moving and gravity down, must rest; one of elastic, rigid objects without friction and damping
-keeps its energy; so does every other as long as nothing has touched anything. Where a schedule drives
-a scene, energy says nothing.
+kinetic and potential energy with the integrator's own term, which free flight conserves exactly. Its
+scale is the initial kinetic energy plus what all objects can gain by falling through the cube.
+`Late` refers to the median over the last quarter of the run.
+  From `frozen` upwards, bodies did not move as the engine was told. The timings of such runs are
+stored and marked, but are not part of any summary, and the exit status is 3. Runs with milder
+verdicts are part of the summaries, and are named there.
+  `expect` states what a scene ought to do. By default (auto), a scene of stacks, pyramids or piles
+must rest if nothing moves initially and gravity points down; a scene of elastic, rigid objects
+without friction and damping must conserve its energy; and so must any other scene until the first
+contact. If a schedule drives the scene, energy is not checked.
 
 )reference";
 
 const std::string_view kDetectorsReference = R"reference(DETECTORS
 
-A detector lists the pairs of bodies whose boxes overlap (broad phase) and may find the contacts of
-those pairs (narrow phase). What it lacks, Bullet supplies.
+A detector lists the pairs of bodies whose boxes overlap (broad phase), and may find the contacts of
+those pairs (narrow phase). Bullet provides any phase the detector does not.
 
-  detector sweep(dbvt, auto)  who lists the pairs
-  narrow_phase fcl_gjk        who finds their contacts; `own` is the detector itself where it has a
-                              narrow phase, else Bullet; `bullet` is always Bullet
-  pair_order sorted           pairs are worked on in the order of their bodies: then all detectors
-                              that list the same pairs move everything alike, to the bit. (Where
-                              bodies sleep, phantoms count too: they decide who sleeps with whom.)
-                              Bullet's own four sort anew in each cycle, which is part of their
-                              narrow phase; behind the interface it costs next to nothing
-  threads 2                   for the detectors that can use them
-  record pairs                holds each cycle's list against all pairs there are, in double:
-                              missed_pairs, phantom_pairs, duplicate_pairs
-  cdb verify FILE             does that for every detector at every point
+  detector sweep(dbvt, auto)  the detector that lists the pairs
+  narrow_phase fcl_gjk        the source of their contacts. `own` is the detector itself if it has a
+                              narrow phase, and Bullet otherwise; `bullet` is always Bullet.
+  pair_order sorted           processes pairs in the order of their bodies, so that all detectors
+                              that list the same pairs move every object identically, to the last
+                              bit. (If bodies can sleep, false positive pairs matter too: they decide
+                              which bodies sleep together.) Bullet's own four detectors sort the
+                              pairs in each cycle, as part of their narrow phase; for all others,
+                              sorting costs next to nothing.
+  threads 2                   threads, for detectors that can use them
+  record pairs                compares the pairs of each cycle with exact pairs, computed by brute
+                              force in double precision: missed_pairs, phantom_pairs,
+                              duplicate_pairs
+  cdb verify FILE             does so for every detector at every point
 
-Bullet's four run as Bullet has them. All others stand behind one interface, library/detectors/
-detector.h: boxes in, pairs out. cdb turns the list into changes of Bullet's pair cache, which is
-part of the time of the broad phase. A pair that is missed is a collision that does not happen; one
-too many (a phantom) costs time in the narrow phase. `null` finds nothing: its time is what calling
-a detector costs.
+Bullet's four detectors run unmodified. All others implement one interface, library/detectors/
+detector.h, which takes boxes and returns pairs. cdb translates the list into changes of Bullet's pair
+cache, which counts as time of the broad phase. A missed pair is a collision that does not happen; a
+false positive pair (phantom_pairs) costs time in the narrow phase. `null` finds nothing: its time is
+the cost of calling a detector.
 
 PLUG-INS
-  use detector "mine.so"      a shared library with detectors of your own, from the folder of the file
-                              that says it, else from the library of scenarios
-  cdb run FILE --plugin mine.so    the same on the command line; for check, plan, trace and verify too
+  use detector "mine.so"      a shared library with your own detectors, from the folder of the file
+                              that names it, or else from the library of scenarios
+  cdb run FILE --plugin mine.so    the same on the command line; also for check, plan, trace and
+                              verify
 
-The installed header cdb/detector.h is all there is to know, and examples/my_detector is a whole one:
-find_package(cdb) has the target cdb::detector. The names in the library are words of `detector` and
-`narrow_phase`. A library is loaded by processes of their own alone: one that was built for another
-interface, crashes or hangs at loading (10 s) is refused by name. One that throws, crashes, hangs
-(`timeout` ends it) or returns what cannot be, a body that is not there or a normal that is not unit,
-costs its own runs. The plan names the file and its SHA-256: a library that was built anew is another
-run, and a plan refuses one that was changed.
+A plug-in needs only the installed header cdb/detector.h; examples/my_detector is a complete one. The
+CMake package `cdb` has the target cdb::detector. The names of a plug-in's detectors become words of
+`detector` and `narrow_phase`. Plug-ins are loaded only by separate processes: one that was built for
+another version of the interface, or that crashes or hangs on loading (10 s), is refused by name. If
+a detector throws, crashes, hangs (`timeout` ends it) or returns an invalid result, such as an unknown
+body or a normal that is not a unit vector, only its own runs fail. The plan stores the file name and
+its SHA-256: rebuilding the library makes new runs, and a plan refuses a library that has changed.
 
 )reference";
 
 const std::string_view kLintsReference = R"reference(NUMBERS THAT BULLET CANNOT FOLLOW
 
-Legal scenes can be beyond what Bullet computes well. `cdb check` works out these numbers for every
+A valid scene can be beyond what Bullet computes well. `cdb check` computes these numbers for every
 run and warns: `will` from the limit on, `may` from a third of it. Each warning is given once for a
-benchmark, with the worst run, at what sets it, and says what to write instead. `cdb run` and
-`cdb plan` name them in one line. None is an error, and nothing is changed.
-  What is drawn counts with its bounds, a normal distribution with three deviations. The limits are
-measured: of 1700 random scenes for each precision, 96 in 100 without a warning were stable (`cdb
-doc verdicts`), and of those with a `will` 95 in 100 were not. Between a third and the limit either
-may be. What no number foretells: box on box has wrong normals now and then, so that heaps of cuboids
-can be deep in one another in any scene.
-  g is the acceleration, v the speed, that of the fall included, size the least side, iterations
-solver.iterations.
+benchmark, for the worst run, at the setting that causes it, and suggests a remedy. `cdb run` and
+`cdb plan` name the warnings in one line. None is an error, and no setting is changed.
+  Distributions count with their bounds, a normal distribution with three standard deviations. The
+limits are measured: of 1700 random scenes for each precision, 96 in 100 without a warning were
+stable (`cdb doc verdicts`), and 95 in 100 with a `will` were not. Between a third and the limit,
+either may happen. One failure is not predicted: contacts between boxes occasionally have wrong
+normals, so that heaps of cuboids can interpenetrate deeply in any scene.
+  g is the acceleration, v the speed including that of falling, size the least side, and iterations
+is solver.iterations.
 
 )reference";
 
@@ -224,104 +241,111 @@ const std::string_view kAccuracyReference = R"reference(ERRORS BESIDE TIMINGS
     reference { timestep 1/3840; precision double }
   }
 
-Each run is timed as without it and then run once more from the same start, without a clock, and
-sampled every `interval`. Both passes must end in the same state to the last bit: a run that does not
-repeat itself fails. Its samples are held against the truth:
+Each run is timed as usual and then repeated from the same start, without a clock, with a sample
+every `interval`. Both passes must end in the same state, to the last bit; a run that is not
+repeatable fails. The samples are compared with the ground truth:
 
-  closed_form flight          what physics says of a simple scene, where it fits; else
-  reference { ... }           a run of the same scene from the same start over the same time with these
-                              settings. Runs that differ in nothing else share one, so that a sweep of
-                              time step x iterations x detector needs one; `cdb plan` counts them.
+  closed_form flight          the analytic solution of a simple scene, if it applies; otherwise
+  reference { ... }           a run of the same scene, from the same start over the same time, with
+                              these settings. Runs that differ in nothing else share a reference, so
+                              that a sweep over time step, iterations and detector needs one; `cdb
+                              plan` counts them.
 
-A reference has a twin, whose objects start 1e-9 of their size away. Where the two part, nobody knows
-the truth: `horizon` is the time at which their places are a tenth of a size apart (root of the mean
-square over objects; the end where they never are), and errors of position and velocity are taken
-up to it. The `floor` of an error is its value between the two: an error below it says nothing. A
-closed form has neither: its horizon is the end and its floors are 0.
+Each reference has a perturbed run, whose objects start displaced by 1e-9 of their size. Once the two
+diverge, the ground truth is unknown. `horizon` is the time at which their positions differ by a
+tenth of a size (root mean square over objects), or the end if they never do; errors of position and
+velocity are computed up to it. The `floor` of an error is its value between the two runs; an error
+below it is not significant. With a closed form, the horizon is the end and the floors are 0.
 
-The errors of a sample become one number as the table says; the start is left out. What cannot be had
-has no value, and `message` says why: the reference failed, the state of a run is not a number, the
-closed form does not fit. Objects that are fixed count nowhere. A size is an object's largest side.
-The energy of a scene, that errors of energy are divided by, is the most kinetic energy of the
-reference at a sample and what lifts every object by its own size; a closed form says its own. Energy
-is compared as it changes from each run's own start. Heights are along the acceleration at the start.
-An exact box is the tightest around the solid, in double, where the detector last looked; Bullet's
-are larger by margins and by what an object moves in a step, so that it always has phantom pairs.
+The table below states how the samples are reduced to one number; the start is excluded. If an error
+cannot be computed, it has no value and `message` gives the reason: the reference failed, the state
+of a run is not finite, or the closed form does not apply. Fixed objects are excluded. A size is the
+largest side of an object. Errors of energy are relative to the energy of the scene: the maximum
+kinetic energy of the reference at a sample, plus the energy that lifts every object by its own size;
+a closed form provides its own. Energies are compared as changes since the start of each run. Heights
+are measured along the initial acceleration. An exact box is the tightest box around the solid, in double
+precision, at the pose that the detector last saw. Bullet's boxes are larger by margins and by the
+displacement of an object in a step, so that it always has false positive pairs.
 
-An exact overlap is one that a closed form tells, in double, at the same places: of balls, of a ball
-and a cuboid, of cuboids, of any of these with a box wall, and of all but compounds with a plane wall,
-deeper than a ten thousandth of the smaller object's size. Its depth is the least move that parts the
-two. Where another way out is as short within 1 %, its normal counts nowhere. A run without any exact
-overlap has no errors of `geometry`.
+An exact overlap is one that a closed form computes in double precision from the same poses: between
+balls, a ball and a cuboid, cuboids, any of these and a box wall, and all objects except compounds
+and a plane wall, if it is deeper than a ten thousandth of the size of the smaller object. Its depth
+is the least translation that separates the two. If the depth along another normal is within 1 %,
+the normal is not compared. A run without any exact overlap has no errors of `geometry`.
 
   /accuracy/NAME (..., rep)             and NAME_floor, horizon, timestep, truth, message
   /accuracy/NAME_series (..., rep, sample)
-  /accuracy/reference/...               states and observables of each reference run and its twin
+  /accuracy/reference/...               states and observables of each reference and perturbed run
 
-  cdb show FILE --error NAME            each configuration: how fast, how wrong, and whether it is on
-                                        the Pareto front. --by AXIS,... makes the rows and takes the
-                                        mean over all else; --each AXIS,... a table for each value
+  cdb show FILE --error NAME            for each configuration its speed, its error, and whether it
+                                        is on the Pareto front. --by AXIS,... selects the axes of the
+                                        rows and averages over the others; --each AXIS,... prints a
+                                        table for each value of an axis
 
 )reference";
 
 const std::string_view kResultsReference = R"reference(THE RESULTS FILE
 
-One benchmark, one HDF5 file that is netCDF-4 too: the whole sweep as one tensor with named axes.
-For axes quantity and detector:
+A benchmark yields one HDF5 file, which is also valid netCDF-4. It holds the whole sweep as a tensor
+with named axes. For the axes quantity and detector:
 
   quantity(quantity)                      coordinate, one for each axis
-  detector(detector)                      text; the attribute `labels` holds the words too
+  detector(detector)                      text; the attribute `labels` holds the words as well
   rep(rep)  phase(phase)  cycle(cycle)    phase: broad narrow detect solve integrate step
-  duration(quantity, detector, rep, phase, cycle)    ns; NaN where a cycle did not run
+  duration(quantity, detector, rep, phase, cycle)    ns; NaN for cycles that did not run
   pairs, contacts, ... (quantity, detector, rep, cycle)
   status(quantity, detector, rep)         0 missing 1 done 2 skipped 3 failed 4 crashed 5 timed_out
-  verdict                                 how it ended as physics: `cdb doc verdicts`
-  first_bad_cycle                         at which the verdict shows; -1 where none is bad
-  n_cycles                                cycles that really ran
-  state_hash                              of every body's position, orientation and velocities after
-                                          the last cycle; the same plan gives the same, always
-  omitted                                 parts of the engine that the run left out: `cdb doc omit`
-  needs                                   what became of each part and why, a line each
+  verdict                                 whether the simulation was sound: `cdb doc verdicts`
+  first_bad_cycle                         the first cycle at which the verdict applies; -1 if none
+  n_cycles                                number of cycles that ran
+  state_hash                              hash of the position, orientation and velocities of every
+                                          body after the last cycle; always the same for the same
+                                          plan
+  omitted                                 parts of the engine that the run omitted: `cdb doc omit`
+  needs                                   the decision about each part and its reason, one per line
   run_id, message, host, started, load, peak_rss, place_time, build_time, fill_fraction
-  harness                                 ns of a cycle that measuring costs: clock stamps, and calling
-                                          a detector that does nothing; in the figures, not subtracted
-  /accuracy                               errors, where the scenario asks for them: cdb doc accuracy
-  /provenance                             build, machine, plan_text, scenario_text; plugins that the
-                                          command line brought; models: how well convex hulls stand
-                                          for the meshes of the scene
+  harness                                 measurement overhead in ns per cycle: time stamps, and
+                                          calling a detector that does nothing; included in the
+                                          durations, not subtracted
+  /accuracy                               errors, if the scenario asks for them: `cdb doc accuracy`
+  /provenance                             build, machine, plan_text and scenario_text; plugins of
+                                          the command line; models: how well the convex hulls
+                                          approximate the meshes of the scene
 
-An axis that is called like a dataset above is stored as NAME_axis: `cases load { }` as load_axis.
+If an axis has the name of a dataset above, it is stored as NAME_axis: `cases load { }` as load_axis.
 
-`record boxes` adds what the broad phase is given: boxes over box_body (objects, then the walls that
-stand), and box_filters, whom each may meet; `cdb trace` makes a file of it.
-`record contacts` adds a ragged list: contact_body, contact_point, contact_normal, contact_distance
-over `contact`, cell after cell; `contacts` says how many rows each cycle has, contact_first where
-those of a run begin.
-`record pairs` holds the detector against brute force, in double, on the boxes that it was given in each
-cycle: exact_pairs there were, missed_pairs of them it did not list, phantom_pairs it listed do not
-overlap, duplicate_pairs it listed again. Contacts are held against closed forms, as by the metric
-geometry (cdb doc accuracy): missed_contacts, depth_error, normal_error. -1 and NaN where a cycle has no
-such value. Where a run records timing or memory too, all of it comes from a second pass without a clock,
-which has to end in the same state. `cdb verify FILE` does this for every detector, and `cdb show` names
-those that miss pairs before any figure.
-Phases: broad is updating the boxes and finding pairs, narrow is contacts, detect is both and what
-lies between, step is the whole cycle. Each is stamped by itself; nothing is subtracted.
+`record boxes` adds the input of the broad phase: boxes over box_body (objects, then the walls that
+are present), and box_filters, which bodies each may collide with. `cdb trace` makes a file of them.
+`record contacts` adds a ragged array: contact_body, contact_point, contact_normal and
+contact_distance over `contact`, cell after cell. `contacts` is the number of rows of each cycle, and
+contact_first the first row of each run.
+`record pairs` compares the detector with brute force, in double precision, on the boxes of each
+cycle: exact_pairs is the number of pairs, missed_pairs of which the detector did not list;
+phantom_pairs are false positives, and duplicate_pairs were listed more than once. Contacts are
+compared with closed forms, as by the metric geometry (`cdb doc accuracy`): missed_contacts,
+depth_error, normal_error. -1 and NaN mean that a cycle has no such value. If a run records timing or
+memory as well, the pairs come from a second pass without a clock, which has to end in the same
+state. `cdb verify FILE` does this for every detector, and `cdb show` names the detectors that miss
+pairs before any timing.
+Phases: broad updates the boxes and finds pairs, narrow computes contacts, detect is both and what
+lies between, and step is the whole cycle. Each phase has its own time stamps; nothing is
+subtracted.
 
 )reference";
 
 const std::string_view kTracesReference = R"reference(TRACES
 
-A trace is what the broad phase of a run was given: the box of every body in every cycle. On a trace
-all detectors are timed on the same motion, without the physics, and from a file.
+A trace records the input of the broad phase: the box of every body in every cycle of a run. On a
+trace, all detectors are timed on the same motion, without the physics.
 
-  cdb trace FILE [-b NAME] [-o OUT]     runs each point of a benchmark once, as the file says, and
-                                        writes NAME.trace.h5, or where there are several points the
-                                        folder NAME.traces with a file each. What is there already is
-                                        kept; --fresh makes it anew.
-  trace "NAME.trace.h5"                 in a benchmark: its detectors are run on that trace. The file
-                                        counts from the folder of the .cdb file; sweep("a", "b") is an
-                                        axis of several. file("NAME.trace.h5", sha256: "...") says
-                                        which it has to be.
+  cdb trace FILE [-b NAME] [-o OUT]     runs each point of a benchmark once, as the file states, and
+                                        writes NAME.trace.h5, or, if there are several points, a file
+                                        for each in the folder NAME.traces. Existing traces are kept;
+                                        --fresh records them again.
+  trace "NAME.trace.h5"                 in a benchmark: runs its detectors on this trace. The path is
+                                        relative to the .cdb file; sweep("a", "b") is an axis of
+                                        several traces. file("NAME.trace.h5", sha256: "...") requires
+                                        a given trace.
 
   benchmark rivals {
     trace     sweep("dense.traces/dense_n-1000.trace.h5", "dense.traces/dense_n-10000.trace.h5")
@@ -329,31 +353,32 @@ all detectors are timed on the same motion, without the physics, and from a file
     record    timing, counts, memory, pairs
   }
 
-Beside it there are detector, threads, repeats, warmup, cycles, timeout and record (timing, counts,
-memory, pairs); all else is of a world and refused by name. cycles is as many as the trace has. The plan
-holds the hash of the boxes, so that another trace is another run.
-  A cycle of such a run is one call of the detector: broad, detect and step are its time, the other
-phases have no value. What a detector does to take the boxes in is in it; laying them out for it is not.
-place_time has no value, and build_time is what it takes to make and prepare the detector. `pairs`
-counts those that may collide; state_hash is of the last cycle's pairs in order, so that detectors that
-list the same pairs have the same.
+Such a benchmark may also set detector, threads, repeats, warmup, cycles, timeout and record (timing,
+counts, memory, pairs). All other parameters describe a world and are refused by name. The default of
+cycles is the length of the trace. The plan stores the hash of the boxes, so that another trace makes
+another run.
+  A cycle is one call of the detector: broad, detect and step are its time, and the other phases have
+no value. The time includes what the detector does to read the boxes, but not laying them out for it.
+place_time has no value, and build_time is the time to make and prepare the detector. `pairs` counts
+the pairs that may collide; state_hash is computed from the sorted pairs of the last cycle, so that
+detectors that list the same pairs have the same hash.
 
-The file is HDF5, and netCDF-4 too:
+The file is HDF5, and also valid netCDF-4:
 
-  boxes(cycle, body, bound)       m: lower x y z, upper x y z; float32 of a run in single precision. Objects,
-                                  then walls; those that the run left out are not there. A plane's are
-                                  infinite.
-  filters(body, filter)           group, mask, fixed: two may meet where each one's group is in the
-                                  other's mask and not both are fixed
+  boxes(cycle, body, bound)       m: lower x y z, upper x y z; float32 if the run was in single
+                                  precision. Objects, then walls, without those that the run omitted.
+                                  The box of a plane is infinite.
+  filters(body, filter)           group, mask, fixed: two bodies may collide if the group of each is
+                                  in the mask of the other, and not both are fixed
   poses(cycle, object, pose)      centre of mass and orientation quaternion after the cycle
-  scenario_text, run_text         the scenario, and all that decides the run, as YAML
+  scenario_text, run_text         the scenario, and all settings of the run, as YAML
   attributes                      schema, schema_version, benchmark, point, run_id, state_hash, sha256,
                                   precision, timestep (s), bodies, objects, cycles
 
   import h5py
   boxes = h5py.File("dense.trace.h5")["boxes"][:]
 
-`cdb list scenarios` has scenes to bake under `detectors`.
+`cdb list scenarios` lists scenes to record, under `detectors`.
 
 )reference";
 

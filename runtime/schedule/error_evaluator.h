@@ -1,4 +1,4 @@
-// Errors of the runs of a plan: finds what each is held against, among the shards or by physics.
+// Evaluates the errors of the runs of a plan, with references from the shards or closed forms.
 #pragma once
 
 #include <filesystem>

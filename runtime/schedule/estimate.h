@@ -1,4 +1,4 @@
-// How long the runs that are left will take, learned from those that have ended.
+// Estimates the remaining time from the runs that have finished.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The folder of shards: what it holds of a plan, and what must not be in it.
+// The folder of shards: which runs of a plan it contains, and what must not be in it.
 #pragma once
 
 #include <filesystem>

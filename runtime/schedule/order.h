@@ -1,4 +1,4 @@
-// The order in which the runs of a plan are carried out, and who carries out which.
+// The order in which the runs of a plan are executed, and their distribution among shards.
 #pragma once
 
 #include <cstdint>

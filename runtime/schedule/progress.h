@@ -1,4 +1,4 @@
-// How far a sweep has got: a bar on a terminal, plain lines in a log.
+// Progress of a sweep: a bar on a terminal, plain lines in a log.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Plan to shards: carries out every run that the folder has not got yet, one worker process each.
+// Executes every run of a plan that the folder of shards does not contain, one worker process each.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// THE description of a results file: which dimensions and arrays it has, and their attributes. A
-// shard and the merged file are made from it alike.
+// The layout of a results file: its dimensions, arrays and attributes. Shards and merged files are
+// created from it alike.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// The shards of reference runs, which have no place on the grid: samples alone. Safe as any shard.
+// Shards of reference runs. They are not points of the grid, and contain only samples. As
+// crash-safe as any shard.
 #pragma once
 
 #include <filesystem>

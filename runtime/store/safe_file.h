@@ -1,5 +1,6 @@
-// Files that are there whole or not at all: written under a temporary name, fsynced, renamed; and a
-// seal at a file's end that tells a whole file from a damaged one. Knows nothing of HDF5.
+// Atomic files: written under a temporary name, synced and renamed, so that they exist completely
+// or not at all; and a seal at the end of a file that distinguishes it from a damaged one. Knows
+// nothing of HDF5.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Opening shards, for the merge and the reader.
+// Opens shards, for merging and reading.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Results on disk: one shard a run, merged into one file. Source: the results contract in
-// README.md, "The results file". Nothing here knows how runs come about; nothing else knows HDF5.
+// Results on disk: one shard for each run, merged into one file, which `cdb doc results` describes.
+// Does not know how runs are executed; no other folder knows HDF5.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
-// Traces on disk: the boxes of a recorded run for detectors to be run on, one HDF5 file a run.
-// Source: the idea of Broadmark's baked scenes. The file is described in `cdb doc traces`.
+// Traces on disk: the boxes of a recorded run as input of detectors, one HDF5 file for each run.
+// `cdb doc traces` describes the file. The idea is from Broadmark (Serpa & Rodrigues, Computer
+// Graphics Forum 39(1), 2020), which records scenes for broad phases.
 #pragma once
 
 #include <cstdint>

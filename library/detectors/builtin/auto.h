@@ -8,12 +8,12 @@
 
 namespace cdb::builtin {
 
-/// Exact pairs. Method: `sweep` for few bodies, else `skin`. Where skin's lists last too short to
-/// pay, `grid` for a while, and where bodies crowd in the grid's cells, as those along a slanted
-/// line do, `sweep`, if one cycle of it shows that they do not crowd along its axis; then skin is
-/// tried again, more and more seldom. It goes by counted tests, not by the clock: the same motion
-/// gives the same list in the same order. Cost: that of the best of them, and of the trials.
-/// Memory: up to all of theirs. Errors: bad_alloc. Threads: theirs.
+/// Exact pairs. Method: `sweep` for few bodies, otherwise `skin`. If skin's lists expire too soon
+/// to pay off, `grid` for a while. If many bodies share the cells of the grid, such as bodies along
+/// a slanted line, `sweep`, provided that a trial cycle shows few overlaps along its axis. Skin is
+/// then tried again at growing intervals. Decisions are based on numbers of tests, not on time, so
+/// that the same motion yields the same list in the same order. Cost: that of the best of them,
+/// plus the trials. Memory: up to the sum of theirs. Errors: bad_alloc. Threads: as theirs.
 std::unique_ptr<Detector> MakeAuto(const Options& options,
                                    const kernels::Kernels& kernels = kernels::BestKernels());
 

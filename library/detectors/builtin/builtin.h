@@ -1,4 +1,4 @@
-// cdb's own detectors, those that no package is needed for, by name.
+// The built-in detectors, which have no dependencies, by name.
 #pragma once
 
 #include <span>

@@ -8,10 +8,10 @@
 
 namespace cdb::builtin {
 
-/// Exact pairs. Method and source: box_grid.h; walls apart (bodies.h). For bodies that are close
-/// together and move fast, as nothing of the last cycle is used. Cost: linear in bodies and pairs
-/// as long as boxes are of a size. Memory: about 70 bytes a body. Threads: Options::threads share
-/// the search; the list is the same.
+/// Exact pairs. Method and source: box_grid.h; walls are handled separately (bodies.h). Suits
+/// bodies that are close together and move fast, because it does not use temporal coherence. Cost:
+/// linear in bodies and pairs if boxes are of similar size. Memory: about 70 bytes a body. Threads:
+/// the search uses Options::threads; the list does not depend on them.
 std::unique_ptr<Detector> MakeGrid(const Options& options,
                                    const kernels::Kernels& kernels = kernels::BestKernels());
 

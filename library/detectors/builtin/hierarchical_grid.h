@@ -1,4 +1,4 @@
-// `hierarchical_grid`: a grid for each size of box.
+// `hierarchical_grid`: a uniform grid for each size of box.
 #pragma once
 
 #include <memory>
@@ -8,12 +8,12 @@
 
 namespace cdb::builtin {
 
-/// Exact pairs. Method: boxes of like length, within a factor of four, share a grid (box_grid.h); a
-/// grid's pairs are found within it, and each box is looked up in the grids of all larger ones. For
-/// sizes over several orders, where `grid` has to test the larger ones with all. Cost: bodies times
-/// the sizes above them, and the pairs. Memory: about 130 bytes a body. Errors: bad_alloc. Threads:
-/// the caller's alone.
-/// Source: Ericson, Real-Time Collision Detection, section 7.2; Woulfe & Manzke 2009, section 2.
+/// Exact pairs. Method: boxes of similar length, within a factor of four, share a grid
+/// (box_grid.h). Pairs are found within each grid, and by querying the grids of all larger boxes.
+/// Suits sizes that span several orders of magnitude, for which `grid` has to test the larger boxes
+/// with all others. Cost: bodies times the number of larger grids, plus the pairs. Memory: about
+/// 130 bytes a body. Errors: bad_alloc. Threads: only the caller's. Source: Ericson, Real-Time
+/// Collision Detection, section 7.2; Woulfe & Manzke 2009, section 2.
 std::unique_ptr<Detector> MakeHierarchicalGrid(
     const Options& options, const kernels::Kernels& kernels = kernels::BestKernels());
 

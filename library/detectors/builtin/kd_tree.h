@@ -1,16 +1,17 @@
-// A k-d tree, made anew in each cycle: space is cut in two at the median of the boxes' lower
-// corners, across the axis where they spread the most, until few boxes are left; those are tested
-// with each other. A box on both sides of a cut goes to both.
+// `kd_tree`: a k-d tree of boxes, rebuilt every cycle. Space is split at the median of the boxes'
+// lower corners, across the axis of greatest spread, until few boxes are left, which are tested
+// with each other. A box on both sides of a split is in both subtrees.
 //
-// Source: Bentley, "Multidimensional binary search trees" (1975), as in the paper's section 2.
-// Cost: n log n while few boxes are cut; leaves that cutting makes no smaller are all pairs.
+// Source: Bentley, "Multidimensional binary search trees" (1975), as cited by the paper.
+// Cost: n log n if few boxes are split; in leaves that cannot be split further, all pairs are
+// tested.
 #pragma once
 
 #include "library/detectors/detector.h"
 
 namespace cdb::builtin {
 
-/// Exact; lists each pair once. Threads: its caller's alone.
+/// Exact pairs, each listed once. Threads: only the caller's.
 Detector* MakeKdTree(const Options& options);
 
 }  // namespace cdb::builtin

@@ -1,8 +1,8 @@
-// A loose octree, made anew in each cycle: each body hangs in the cube of its own size that holds
-// its centre, and is tested against the bodies of all cubes that its box reaches.
+// `octree`: a loose octree, rebuilt every cycle. Each body is in the cube of its own size that
+// contains its centre, and is tested with the bodies of all cubes that its box reaches.
 //
-// Source: Ulrich, "Loose octrees", Game Programming Gems 1 (2000); octrees are of the paper's
-// section 2. Cost: n log n for bodies spread evenly; bodies in one place are tested with each
+// Source: Ulrich, "Loose octrees", Game Programming Gems 1 (2000); the paper's section 2 lists
+// octrees. Cost: n log n for evenly distributed bodies; bodies in one place are tested with each
 // other.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace cdb::builtin {
 
-/// Exact; lists each pair once. Threads: its caller's alone.
+/// Exact pairs, each listed once. Threads: only the caller's.
 Detector* MakeOctree(const Options& options);
 
 }  // namespace cdb::builtin

@@ -1,20 +1,20 @@
-// `skin`: a list of candidates that lasts for several cycles.
+// `skin`: a Verlet list of candidate pairs that lasts for several cycles.
 //
-// Method: each box is made fatter, by where it is likely to go and a margin for what it does
-// besides; the pairs of fat boxes, found by a grid, are the candidates. As long as boxes stay in
-// their fat ones, only candidates are tested, in double. The few that left (strays) get larger
-// ones, whose pairs are looked up in the grid and join the candidates; those that leave these too
-// (runners) are looked up in each cycle. When all that has cost as much as a new list, a new list
-// is made. A cycle in which no box changed since the list was made gets the same pairs again.
+// Method: each box is enlarged by its expected displacement and a margin (fat box). The pairs of
+// fat boxes, found by a grid, are the candidates. As long as boxes stay inside their fat boxes,
+// only the candidates are tested, in double. The few escaped boxes get larger fat boxes, whose
+// pairs are looked up in the grid and added to the candidates; those that escape again are
+// untracked and looked up in every cycle. Once this has cost as much as a new list, the list is
+// rebuilt. If no box has changed since the list was made, the pairs are the same as before.
 //
-// How long a list shall last is learnt: each length is tried and the better one kept, by the number
-// of tests, never by the clock, so that the same motion gives the same list in the same order. How
-// boxes move is learnt as well: on, as they did since the last list (those that were turned round,
-// as at its end), or to and fro.
+// The lifetime of a list is learnt: other lifetimes are tried and the better one is kept, judged by
+// the number of tests, not by time, so that the same motion yields the same list in the same order.
+// The motion model is learnt as well: boxes keep the velocity they had since the last list (or, if
+// they turned round, at its end), or oscillate.
 //
-// Cost: reading the boxes and testing the candidates; now and then a grid. Memory: about 310 bytes
-// a body and 8 a candidate. Errors: bad_alloc. Threads: Options::threads share the making of a list
-// and large lists' tests; the pairs are the same.
+// Cost: reading the boxes and testing the candidates; occasionally a grid. Memory: about 310 bytes
+// a body and 8 a candidate. Errors: bad_alloc. Threads: building a list and testing large lists use
+// Options::threads; the pairs do not depend on them.
 // Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
 
@@ -39,13 +39,13 @@ class Skin final : public Detector {
   void Prepare(const Scene& scene) override;
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
 
-  /// What a body took in a cycle of the last list, its making included, or of this list up to now
-  /// if that is less; and would take in a cycle of `grid`. In nanoseconds of some machine.
+  /// Cost of a body per cycle of the last list, including building it, or of this list so far if
+  /// that is less; GridCost: its cost with `grid`. In nanoseconds of a typical machine.
   double Cost() const;
   double GridCost() const;
   /// See BoxGrid.
   double ContactCluster() const { return grid_.ContactCluster(); }
-  /// Forgets the list: the boxes have moved unseen.
+  /// Discards the list, because boxes have moved since the last call.
   void Forget() {
     is_built_ = false;
     last_cost_ = 0;
@@ -67,21 +67,21 @@ class Skin final : public Detector {
   const kernels::Kernels& kernels_;
   kernels::Bodies bodies_;
   kernels::BoxGrid grid_, runner_grid_;
-  kernels::FatBoxes regrown_;  ///< those that were strays, as they are now
+  kernels::FatBoxes regrown_;  ///< the fat boxes of escaped bodies
   kernels::PairParts parts_;
 
   bool is_built_ = false;
   bool pairs_are_of_built_ = false;   ///< parts_ holds the pairs of built_
   std::vector<Box> built_;            ///< all boxes when the list was made
   std::vector<kernels::FatBox> fat_;  ///< of movers, in the grid or regrown_
-  std::vector<Vec3> velocity_;        ///< of movers, a cycle, when the list was made
+  std::vector<Vec3> velocity_;        ///< of movers, per cycle, when the list was made
   std::vector<Box> recent_;           ///< of movers, when the list was `recent_age_` cycles old
   unsigned age_ = 0;                  ///< cycles of this list
-  unsigned recent_age_ = 0;           ///< 0: nothing is remembered
+  unsigned recent_age_ = 0;           ///< 0 if there are none
 
-  // How boxes move, learnt when a list ends.
-  bool goes_on_ = false;         ///< they keep their velocity
-  double margin_ = 0;            ///< for what most do besides
+  // The motion model, learnt when a list ends.
+  bool goes_on_ = false;         ///< boxes keep their velocity
+  double margin_ = 0;            ///< covers the remaining motion of most boxes
   std::vector<double> margins_;  ///< of movers, in this list
   double most_margin_ = 0, most_speed_ = 0;
   double share_ = 1;  ///< of all that, in this list
@@ -94,7 +94,7 @@ class Skin final : public Detector {
   std::size_t runners_ = 0;  ///< of the last cycle
   kernels::PairBuffer raw_;
 
-  double horizon_ = 12, step_ = 1.5;  ///< cycles that a list shall last; the factor tried next
+  double horizon_ = 12, step_ = 1.5;  ///< intended lifetime in cycles; the factor tried next
   double making_cost_ = 0, cost_ = 0, stray_cost_ = 0;  ///< of this list; all of it
   double last_cost_ = 0;                                ///< of a cycle of the last list
   double last_tried_ = 0;                               ///< the same, with another horizon

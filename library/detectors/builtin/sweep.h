@@ -12,11 +12,11 @@
 
 namespace cdb::builtin {
 
-/// Exact pairs. Method: boxes sorted by their lower end along the axis where they crowd least
-/// (looked at again every 32 cycles), from last cycle's order by insertion; each is tested with
-/// those that begin before it ends, eight at once. For few bodies, for those spread along a line,
-/// and for infinite boxes. Cost: bodies, exchanges since the last cycle, and overlaps along the
-/// axis / 8. Memory: about 70 bytes a body. Errors: bad_alloc. Threads: the caller's alone. Source:
+/// Exact pairs. Method: boxes are sorted by their lower end along the axis with the fewest overlaps
+/// (chosen every 32 cycles), by insertion from the order of the last cycle. Each is tested with
+/// those that begin before it ends, eight at once. Suits few bodies, bodies along a line, and
+/// infinite boxes. Cost: bodies, plus exchanges since the last cycle, plus overlaps along the axis
+/// / 8. Memory: about 70 bytes a body. Errors: bad_alloc. Threads: only the caller's. Source:
 /// Cohen, Lin, Manocha & Ponamgi, I-COLLIDE, 1995.
 class Sweep final : public Detector {
  public:
@@ -25,7 +25,7 @@ class Sweep final : public Detector {
   void Prepare(const Scene& scene) override { bodies_.Learn(scene); }
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
 
-  /// Tests of a body in the last cycle, eight boxes each.
+  /// Tests per body in the last cycle, of eight boxes each.
   double Tests() const { return tests_; }
 
  private:

@@ -1,6 +1,6 @@
-// Bullet's own broad phases, and two of its contact algorithms, behind cdb's interface: for boxes
-// that no Bullet world holds, as a trace's, and to compare a world through the interface with one
-// without.
+// Bullet's own broad phases and two of its contact algorithms behind cdb's detector interface: for
+// boxes without a Bullet world, such as those of traces, and to compare worlds with and
+// without the interface.
 #pragma once
 
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace cdb::bullet {
 
-/// `simple`, `sap`, `sap32` and `dbvt`, as the catalogue has them, and `bullet`: contacts of two
-/// balls or two cuboids, of default margin, as Bullet computes them to the bit. Built twice, in
-/// Bullet's two precisions; boxes are rounded to it outwards. Threads: one for each detector.
+/// `simple`, `sap`, `sap32` and `dbvt` of the catalogue, and `bullet`: contacts of two balls or two
+/// cuboids with the default margin, identical to Bullet's to the last bit. Built for both of
+/// Bullet's precisions; boxes are rounded outwards. Threads: one for each detector.
 std::span<const DetectorEntry> BulletDetectors();
 
 }  // namespace cdb::bullet

@@ -1,4 +1,4 @@
-// What our detectors share: which bodies are many and which are walls, and what the filters refuse.
+// The bodies of a scene, split into movers and walls, and their collision filters.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,21 @@
 
 namespace cdb::kernels {
 
-/// The k-th of a few bodies that stand for all: spread evenly, but without a step that a pattern of
-/// the ids could meet.
+/// The k-th body of a sample: evenly spread, but without a constant stride, which could coincide
+/// with a pattern of the ids.
 inline std::size_t SamplePlace(std::size_t k, std::size_t count) {
-  const auto turn = static_cast<std::uint32_t>((k + 1) * 2654435769u);  // by the golden section
+  const auto turn = static_cast<std::uint32_t>((k + 1) * 2654435769u);  // golden ratio
   return static_cast<std::size_t>(std::uint64_t{turn} * count >> 32);
 }
 
-/// The bodies of a scene: `movers` are those before the fixed ones at its end, which are walls as
-/// long as they are few and then meet the movers one by one; a wall's box is often infinite and
-/// would crowd whatever the movers are sorted into. Threads: one at a time.
+/// The bodies of a scene. The fixed bodies at its end are walls if they are few; all bodies before
+/// them are `movers`. Walls are tested with each mover, because their boxes are often infinite and
+/// would fill every cell of a grid. Threads: one at a time.
 class Bodies {
  public:
-  /// Looks at the filters; they hold until the number of bodies changes.
+  /// Reads the filters, which are valid until the number of bodies changes.
   void Learn(const Scene& scene);
-  /// The same if it knows as many bodies.
+  /// Does the same if the number of bodies has changed.
   void LearnOnce(const Scene& scene) {
     if (scene.size != size_) Learn(scene);
   }
@@ -39,7 +39,7 @@ class Bodies {
 
  private:
   std::size_t size_ = static_cast<std::size_t>(-1), movers_ = 0;
-  bool movers_collide_ = true;  ///< any two of them
+  bool movers_collide_ = true;  ///< any two movers may collide
 };
 
 }  // namespace cdb::kernels

@@ -1,4 +1,4 @@
-// A few bodies' fat boxes, tested with one box eight at once.
+// The fat boxes of a few bodies, tested with a box eight at a time.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace cdb::kernels {
 
-/// The box in floats, rounded outwards; as it is where its numbers are floats.
+/// The box in floats, rounded outwards; unchanged if its coordinates are floats.
 inline FatBox Around(const Box& box, const Kernels& kernels) {
   FatBox around;
   kernels.narrow(&box, 1,
@@ -19,10 +19,10 @@ inline FatBox Around(const Box& box, const Kernels& kernels) {
   return around;
 }
 
-/// Errors: bad_alloc, from Clear alone. Threads: one at a time.
+/// Errors: bad_alloc, only from Clear. Threads: one at a time.
 class FatBoxes {
  public:
-  /// None, of bodies 0 to `bodies`.
+  /// Removes all boxes; bodies are 0 to `bodies`.
   void Clear(std::size_t bodies) {
     columns_.Reserve(bodies);
     count_ = 0;
@@ -30,7 +30,7 @@ class FatBoxes {
     place_.assign(bodies, kNone);
   }
   bool Has(Id id) const { return place_[id] != kNone; }
-  /// In place of what the body had.
+  /// Replaces the box of the body, if any.
   void Put(Id id, const FatBox& box) {
     if (!Has(id)) {
       ids_[count_] = id;
@@ -41,9 +41,9 @@ class FatBoxes {
       columns_.get().upper[axis][place_[id]] = box.upper[axis];
     }
   }
-  /// Pairs (id, other) of a box with all of them, itself among them if it is there.
+  /// Pairs (id, other) of a box with all of them, including its own if present.
   void QueryOne(const FatBox& box, Id id, const Kernels& kernels, PairSink& sink) const {
-    // A grid of one cell with nothing in it: all are too long for it.
+    // An empty grid of one cell, for which all boxes are oversized.
     static constexpr std::uint32_t kStarts[2] = {0, 0};
     static constexpr GridShape kShape = {
         .origin = {}, .inverse = {}, .last = {}, .reach = {}, .n = {1, 1, 1}};

@@ -1,8 +1,8 @@
-// What the broad phases of other libraries share: a library is given the boxes that it can hold,
-// and the others (planes without end, bodies that left the world) are tested one by one.
+// The common part of third-party broad phases: a library gets the boxes that it can represent; the
+// others (infinite planes, bodies that left the world) are tested one by one.
 //
-// Most libraries throw, overflow or lose their way on infinite sides. Where the same bodies stay
-// within reach, the library keeps what it has built.
+// Most libraries throw, overflow or return wrong pairs on infinite extents. As long as the same
+// bodies stay within reach, the library keeps its data structures.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +20,11 @@ class FiniteBoxes : public Detector {
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) final;
 
  protected:
-  /// `reach` in m: how far from 0 the library counts right. Bodies of which any side is farther, or
-  /// no number, are not given to it.
+  /// `reach`, in m: the distance from the origin up to which the library is correct. It does not
+  /// get bodies that extend beyond, or whose box has a NaN.
   explicit FiniteBoxes(double reach = 1e100) : reach_(reach) {}
 
-  /// The bodies are these from now on.
+  /// Sets the bodies.
   virtual void Build(const Scene& scene, std::span<const Id> bodies) = 0;
   /// Every cycle: appends the pairs among the bodies of the last Build, a < b.
   virtual void ListPairs(const Scene& scene, std::vector<Pair>& pairs) = 0;
@@ -33,7 +33,7 @@ class FiniteBoxes : public Detector {
   std::span<const Id> bodies() const { return within_; }
 
  private:
-  /// True where other bodies are within reach than before.
+  /// True if the set of bodies within reach has changed.
   bool Part(const Scene& scene);
   void ListOthers(const Scene& scene, std::vector<Pair>& pairs) const;
 

@@ -1,5 +1,5 @@
-// The loops of kernels.h, for the CPU that the including file is compiled for. Included once by
-// each such file, never by another.
+// The loops of kernels.h, for the CPU that the including file is compiled for. Each such file
+// includes it once; no other file includes it.
 #pragma once
 
 #include "library/detectors/kernels/simd.h"
@@ -11,8 +11,8 @@ constexpr float kMost = std::numeric_limits<float>::max();
 constexpr float kLeast = std::numeric_limits<float>::denorm_min();
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
-/// Rounds outwards. The nearest float lies within half a step; a step further is surely outside.
-/// The least float is for those so small that their step is more than a share of them.
+/// Rounds outwards. The nearest float is within half a step, so one step further is outside. The
+/// smallest float covers subnormals, whose step is not relative to their magnitude.
 inline float Below(float x) {
   if (x > kMost) x = kMost;  // a double too large for a float
   return x - ((x < 0 ? -x : x) * 0x1p-23f + kLeast);
@@ -20,7 +20,7 @@ inline float Below(float x) {
 inline float Above(float x) { return -Below(-x); }
 #if defined(__SSE2__)
 inline __m128 Below(__m128 x) {
-  const __m128 held = _mm_min_ps(_mm_set1_ps(kMost), x);  // of what is no number, that
+  const __m128 held = _mm_min_ps(_mm_set1_ps(kMost), x);  // of NaN, kMost
   const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0f), held);
   return _mm_sub_ps(held, _mm_add_ps(_mm_mul_ps(size, _mm_set1_ps(0x1p-23f)), _mm_set1_ps(kLeast)));
 }
@@ -127,7 +127,7 @@ class Scanner {
  public:
   Scanner(const Columns& columns, const Id* ids, bool anchored, PairSink& sink)
       : columns_(columns), ids_(ids), anchored_(anchored), sink_(sink) {}
-  /// Those of `begin` to `end` that the probe meets.
+  /// The boxes of `begin` to `end` that overlap the probe.
   void Scan(const Probe& probe, Id id, std::size_t begin, std::size_t end) {
     for (std::size_t at = begin; at < end; at += kLanes) {
       unsigned mask = probe.Meets(columns_, at);

@@ -1,5 +1,5 @@
-// Room for pairs that grows and is kept from cycle to cycle, without the filling with zeros that a
-// vector's resize brings.
+// A buffer of pairs that is kept from cycle to cycle and does not initialise its elements, unlike a
+// vector.
 #pragma once
 
 #include <algorithm>

@@ -10,7 +10,7 @@
 
 namespace cdb::kernels {
 
-/// One buffer for each part; one after another they are the list. Errors: what a part throws.
+/// One buffer for each part; their concatenation is the list. Errors: what a part throws.
 /// Threads: one caller.
 class PairParts {
  public:
@@ -19,8 +19,8 @@ class PairParts {
       buffers_.push_back(std::make_unique<PairBuffer>());
   }
 
-  /// Calls find(part, parts, buffer) for all parts, each with its buffer empty: on all threads
-  /// where there is work for `size` bodies or pairs, else in one part.
+  /// Calls find(part, parts, buffer) for all parts, each with an empty buffer: on all threads if
+  /// `size` bodies or pairs are enough work, otherwise as one part.
   template <typename Find>
   void Run(std::size_t size, const Find& find) {
     for (auto& buffer : buffers_) buffer->Clear();

@@ -1,5 +1,5 @@
-// Eight floats, or the six doubles of a box, compared at once: with AVX2, with SSE2, or one by one,
-// by what the including file is compiled for. For kernels_impl.h alone.
+// Tests of eight floats, or of the six doubles of a box, at once: with AVX2, SSE2 or scalar code,
+// depending on how the including file is compiled. For kernels_impl.h only.
 #pragma once
 
 #include <cstdint>

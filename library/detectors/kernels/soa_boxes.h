@@ -8,15 +8,15 @@
 
 namespace cdb::kernels {
 
-/// Six columns of `count` floats and what may be read past them. Grows, never shrinks; its content
-/// is lost when it grows. Errors: bad_alloc. Threads: one at a time.
+/// Six columns of `count` floats with padding that may be read. Grows, never shrinks; growing loses
+/// the contents. Errors: bad_alloc. Threads: one at a time.
 class SoaBoxes {
  public:
   void Reserve(std::size_t count) {
     if (count <= capacity_ && floats_ != nullptr) return;
     capacity_ = count + count / 8;
-    // Zeros: what is read past the end is thrown away, but has to be there. The odd step keeps six
-    // columns of a power of two out of the same places of the cache.
+    // Zeros: values past the end are read and discarded. The odd stride keeps columns whose size is
+    // a power of two from sharing cache sets.
     const std::size_t step = (capacity_ + 16 + 15) / 16 * 16 + 16;
     floats_ = std::make_unique<float[]>(6 * step);
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -1,4 +1,4 @@
-// A few threads that work on the same loop.
+// A small pool of threads that execute the iterations of one loop.
 #pragma once
 
 #include <condition_variable>
@@ -11,9 +11,9 @@
 
 namespace cdb::kernels {
 
-/// `threads` workers, the caller's thread included; the others wait between two calls of Run and
-/// end with the crew. Errors: what a part throws, Run throws, the caller's own first. Threads: one
-/// caller.
+/// `threads` threads including the caller's. The others wait between two calls of Run and end with
+/// the pool. Errors: Run rethrows the exception of a part, that of the caller's part first.
+/// Threads: one caller.
 class ThreadPool {
  public:
   explicit ThreadPool(unsigned threads);
@@ -22,7 +22,7 @@ class ThreadPool {
   ThreadPool& operator=(const ThreadPool&) = delete;
 
   unsigned size() const { return static_cast<unsigned>(threads_.size()) + 1; }
-  /// Calls part(0) to part(size() - 1), each on a thread of its own, and waits for all.
+  /// Calls part(0) to part(size() - 1), each on a different thread, and waits for all.
   void Run(const std::function<void(unsigned)>& part);
 
  private:

@@ -1,5 +1,4 @@
-// A convex piece of a body as collision libraries ask for it: the point that is farthest in a
-// direction.
+// Support functions of the convex pieces of a body, in the form that collision libraries need.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +14,7 @@ inline Vec3 FromEigen(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; 
 /// The body's axes as columns.
 Eigen::Matrix3d AxesOf(const Pose& pose);
 
-/// 1 but for compounds.
+/// 1 except for compounds.
 std::size_t PieceCount(const Shape& shape);
 
 /// The point of the piece, in the body's frame, that is farthest along `direction`, of any length.
@@ -26,8 +25,8 @@ Eigen::Vector3d PieceSupport(const Shape& shape, std::size_t piece,
 /// A point inside the piece, in the body's frame.
 Eigen::Vector3d PieceCentre(const Shape& shape, std::size_t piece);
 
-/// m: of the straight half of a capsule; its caps are as high as they are wide, and it is an
-/// ellipsoid, and this 0, where it is no higher than wide.
+/// m: half height of the straight part of a capsule. Its caps are as tall as they are wide; if the
+/// capsule is no taller than wide, it is an ellipsoid and this is 0.
 double StraightHalf(const Shape& shape);
 
 /// A piece in the world.
@@ -44,9 +43,9 @@ struct PlacedPiece {
   Eigen::Vector3d Centre() const { return at + axes * PieceCentre(*shape, piece); }
 };
 
-/// Where two pieces meet that are nearest, or overlap the least, along `normal` (unit, from b to
-/// a): a point on both of the faces, edges or corners that they turn to each other, halfway between
-/// them. For libraries that say how deep and which way, but not where.
+/// The contact point of two pieces whose minimum distance or penetration is along `normal` (unit,
+/// from b to a): a point common to the facing features, halfway between them. For libraries that
+/// return only depth and normal.
 Eigen::Vector3d MeetingPoint(const PlacedPiece& a, const PlacedPiece& b,
                              const Eigen::Vector3d& normal);
 

@@ -1,4 +1,4 @@
-// A cdb::Detector in the place of Bullet's broad phase.
+// Bullet adapter, broad phase: runs a cdb::Detector in place of a btBroadphaseInterface.
 #pragma once
 
 #include <btBulletCollisionCommon.h>
@@ -11,11 +11,11 @@
 
 namespace cdb::detection {
 
-/// Bullet's pairs by hash, which can be worked on in the order of their bodies without Bullet's own
-/// sorting of them in every cycle.
+/// Bullet's hashed pair cache, which can process pairs in the order of their bodies without
+/// Bullet's sorting in every cycle.
 class OrderedPairCache final : public btHashedOverlappingPairCache {
  public:
-  /// Of `size` proxies that are one array, their m_uniqueId going up from 1.
+  /// The proxies are an array of `size` elements, with ascending m_uniqueId from 1.
   OrderedPairCache(const btBroadphaseProxy* first, std::size_t size)
       : first_(first), begins_(size + 1) {}
 
@@ -23,8 +23,7 @@ class OrderedPairCache final : public btHashedOverlappingPairCache {
   void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
                               btDispatcher* dispatcher) override;
   using btHashedOverlappingPairCache::processAllOverlappingPairs;
-  /// In the order that Bullet 3.24 has where it is to be deterministic: the pairs of later bodies
-  /// first.
+  /// In the order of Bullet 3.24 in deterministic mode: the pairs of later bodies first.
   void processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher* dispatcher,
                                   const btDispatcherInfo& info) override;
 
@@ -41,20 +40,20 @@ class OrderedPairCache final : public btHashedOverlappingPairCache {
   std::vector<std::uint32_t> begins_;  ///< of the pairs of a first body, while they are sorted
 };
 
-/// Tells the detector of the boxes, checks its pairs and brings what changed into Bullet's cache.
+/// Passes the boxes to the detector, checks its pairs and applies the changes to Bullet's cache.
 ///
-/// Throws library::SceneError, from within a step, where the detector throws, or lists a body that
-/// there is not or one with itself. A pair listed twice counts once. Ray casts, which sweeps of
-/// `ccd` make, look at every body.
+/// Throws library::SceneError, from within a step, if the detector throws, or lists an unknown body
+/// or a body with itself. A pair listed twice counts once. Ray casts, which `ccd` uses, test every
+/// body.
 class AdapterBroadPhase final : public btBroadphaseInterface {
  public:
-  /// `view` must outlive it, and its bodies be added in its order.
+  /// `view` must outlive it; bodies must be added in the order of the view.
   AdapterBroadPhase(NamedDetector detector, SceneView& view);
 
-  /// Once, when all bodies are there.
+  /// To be called once, after all bodies have been added.
   void Prepare();
 
-  /// From the next cycle on, `list` is what the detector listed, before anything of it is dropped.
+  /// From the next cycle on, stores the unfiltered pairs of the detector in `list`.
   void KeepList() { keeps_list_ = true; }
   const std::vector<Pair>& list() const { return list_; }
 

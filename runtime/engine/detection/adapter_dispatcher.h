@@ -1,4 +1,4 @@
-// A cdb::Detector in the place of Bullet's narrow phase.
+// Bullet adapter, narrow phase: runs a cdb::Detector in place of a btCollisionDispatcher.
 #pragma once
 
 #include <btBulletCollisionCommon.h>
@@ -10,23 +10,23 @@
 
 namespace cdb::detection {
 
-/// The pairs that the detector handles go to one FindContacts a cycle, the others to Bullet, which
-/// also keeps the contacts: friction, restitution and what the solver remembers are Bullet's.
+/// The pairs that the detector handles go to one call of FindContacts per cycle, the others to
+/// Bullet. Bullet keeps all contacts: friction, restitution and warm starting are Bullet's.
 ///
-/// Old contacts of a pair are treated as Bullet 3.24 does: those of two balls are given up in each
-/// cycle, others stay while the bodies keep close there.
+/// Existing contacts of a pair are treated as by Bullet 3.24: those of two balls are discarded in
+/// each cycle, others persist while the bodies stay close at the point.
 ///
-/// Throws library::SceneError, from within a step, where the detector throws or finds a contact of
-/// a pair that it was not asked for, of numbers that are none, with a normal that is not unit, or
-/// whose points and distance disagree.
+/// Throws library::SceneError, from within a step, if the detector throws or returns a contact of a
+/// pair that was not requested, with a NaN, with a normal that is not a unit vector, or with
+/// inconsistent points and distance.
 class AdapterDispatcher final : public btCollisionDispatcher {
  public:
   /// `view` must outlive it; `configuration` too, as for Bullet's own.
   AdapterDispatcher(btCollisionConfiguration* configuration, NamedDetector detector,
                     SceneView& view);
 
-  /// Once, when all bodies are there. Nothing where the detector finds the pairs too: then it is
-  /// prepared as that.
+  /// To be called once, after all bodies have been added. Does nothing if the detector is also the
+  /// broad phase, which prepares it.
   void Prepare();
 
   void dispatchAllCollisionPairs(btOverlappingPairCache* cache, const btDispatcherInfo& info,
@@ -46,9 +46,9 @@ class AdapterDispatcher final : public btCollisionDispatcher {
   SceneView& view_;
   std::vector<char> is_ball_;  ///< by body
   std::vector<double> sizes_;  ///< by body, m: the longest side; infinite for planes
-  // Of the cycle.
+  // Of the current cycle.
   std::vector<Pair> asked_;
-  std::vector<btPersistentManifold*> manifolds_;  ///< of the pairs that were asked for
+  std::vector<btPersistentManifold*> manifolds_;  ///< of the requested pairs
   std::vector<Contact> contacts_;
   std::vector<std::size_t> places_;  ///< among those pairs, of each contact
 };

@@ -1,4 +1,4 @@
-// Bullet's own broad phases, by the name of their detector.
+// Bullet's own broad phases, by detector name.
 #pragma once
 
 #include <btBulletCollisionCommon.h>
@@ -10,14 +10,14 @@ namespace cdb::detection {
 
 struct BroadPhaseOptions {
   std::string_view detector;
-  std::size_t bodies = 0;  ///< room for so many objects and walls
+  std::size_t bodies = 0;  ///< capacity: objects and walls
   btVector3 lower, upper;  ///< where sweep and prune counts its steps from; what leaves this box is
                            ///< still found, with more pairs
   bool raycast_tree = true;  ///< sweep and prune keeps its tree for ray casts
 };
 
-/// Throws library::SceneError for a detector that this build has not got, or more bodies than it
-/// takes (the catalogue's limit).
+/// Throws library::SceneError for a detector that is not part of this build, or for more bodies
+/// than the limit in the catalogue.
 std::unique_ptr<btBroadphaseInterface> MakeBroadPhase(const BroadPhaseOptions& options);
 
 }  // namespace cdb::detection

@@ -1,4 +1,4 @@
-// The library's solids as detectors are told of them.
+// Converts the library's solids to the shapes of the detector interface.
 #pragma once
 
 #include <deque>
@@ -11,10 +11,10 @@
 
 namespace cdb::detection {
 
-/// Owns what the shapes refer to; equal solids share it. Not for several threads.
+/// Owns the data that the shapes refer to; equal solids share it. Not thread-safe.
 class DetectorShapes {
  public:
-  /// Valid while this lives. Tetrahedra and compounds of one piece are hulls.
+  /// Valid during the lifetime of this object. Tetrahedra and compounds of one piece are hulls.
   Shape Of(const objects::Solid& solid);
 
  private:

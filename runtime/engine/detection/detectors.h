@@ -1,4 +1,4 @@
-// Who finds pairs and contacts in a run, by the names that a scenario gives.
+// The detectors of a run, made from the names in its scene.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace cdb::detection {
 
-/// A detector, and what it said of itself.
+/// A detector and its description.
 struct NamedDetector {
   std::string name;
   Phases phases = {};
@@ -23,25 +23,26 @@ struct NamedDetector {
 };
 
 /// The detector `name` of any kind: cdb's own, Bullet's, one of an optional part, a plug-in. It
-/// gets the scene's `threads`. Throws library::SceneError where this cdb has not got it.
+/// gets the scene's `threads`. Throws library::SceneError if this build does not have it.
 NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene);
 
-/// None, one that finds pairs, or also one that finds contacts, which may be the same.
+/// The detectors of a run; one detector may be both.
 struct Detectors {
-  NamedDetector broad;   ///< null: Bullet's, by the name that the scene has
+  NamedDetector broad;   ///< null: Bullet's, named by the scene
   NamedDetector narrow;  ///< null: Bullet's
 };
 
-/// Those that the scene names in `detector` and `narrow_phase`. Bullet's four are Bullet's own as
-/// long as the contacts are, and stand behind the interface as all others do where they are not.
-/// Throws library::SceneError where one is not there, or lists no pairs or no contacts.
+/// The detectors that the scene names in `detector` and `narrow_phase`. Bullet's four broad phases
+/// are used directly if the contacts are Bullet's too, and through the detector interface
+/// otherwise. Throws library::SceneError if one does not exist, or lacks the phase.
 Detectors MakeDetectors(const plan::Scene& scene);
 
-/// Throws the exception that is being handled as a library::SceneError, which says whose fault it
-/// is: the detector's, in what (`FindPairs`), in which cycle (0: before the first).
+/// Rethrows the current exception as a library::SceneError that names the detector, the function
+/// (`FindPairs`) and the cycle (0: before the first).
 [[noreturn]] void Blame(const NamedDetector& detector, std::string_view in, std::uint64_t cycle);
 
-/// Throws library::SceneError where the detector does not hold so many bodies, walls included.
+/// Throws library::SceneError if the number of bodies, walls included, exceeds the detector's
+/// limit.
 void CheckHolds(std::string_view detector, std::uint64_t max_bodies, std::size_t bodies);
 
 }  // namespace cdb::detection

@@ -1,5 +1,5 @@
-// Detectors of a user's shared library, each call of which is noted, so that where one crashes or
-// hangs the recording says in which.
+// Detectors of a plug-in. Each call is recorded, so that the message about a crash or a hang names
+// it.
 #pragma once
 
 #include <atomic>
@@ -11,8 +11,8 @@
 
 namespace cdb::detection {
 
-/// While it lives, calls into plug-ins are noted in `place` (RecordingHeader::plugin_call), not
-/// elsewhere. One at a time.
+/// During its lifetime, calls into plug-ins are recorded in `place` (RecordingHeader::plugin_call).
+/// Only one may exist at a time.
 class NotesPluginCalls {
  public:
   explicit NotesPluginCalls(std::atomic<std::uint32_t>& place);
@@ -21,12 +21,11 @@ class NotesPluginCalls {
   NotesPluginCalls& operator=(const NotesPluginCalls&) = delete;
 };
 
-/// Loads the library of plug-in `index` of the scene, once it has the hash of the plan. Throws
-/// library::SceneError for a file that is not there or was changed, and for one that LoadPlugin
-/// refuses.
+/// Loads the library of plug-in `index` of the scene, after checking its hash. Throws
+/// library::SceneError if the file does not exist, has changed, or is refused by LoadPlugin.
 const DetectorEntry& LoadPluginDetector(const plan::Scene& scene, std::size_t index);
 
-/// Its detector; null, or thrown, is what the entry's function returns or throws.
+/// Makes its detector. Returns null or throws if the function of the entry does.
 std::unique_ptr<Detector> MakePluginDetector(std::size_t index, const DetectorEntry& entry,
                                              const Options& options);
 

@@ -1,4 +1,4 @@
-// The bodies of an engine as its detectors see them.
+// The bodies of an engine as a cdb::Scene, the input of detectors.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
@@ -13,9 +13,9 @@
 
 namespace cdb::detection {
 
-/// Objects, then the walls that the world holds, numbered without gaps in the order in which the
-/// world is given them. Boxes are Bullet's, with the 0.02 m that it adds to each side for contacts
-/// to come, but for those of planes, which are infinite. Not for several threads.
+/// Objects, then the walls of the world, numbered consecutively in the order in which they are
+/// added to the world. Boxes are Bullet's, including the 0.02 m that it adds on each side for
+/// future contacts, except those of planes, which are infinite. Not thread-safe.
 class SceneView {
  public:
   /// The bodies must outlive it.
@@ -25,7 +25,7 @@ class SceneView {
 
   std::size_t size() const { return bodies_.size(); }
   btRigidBody& body(Id id) const { return *bodies_[id]; }
-  /// A plane's box stays as it is.
+  /// Has no effect on the box of a plane.
   void SetBox(Id id, const btVector3& lower, const btVector3& upper) {
     if (id >= first_plane_) return;
     boxes_[id] = {Exact(lower), Exact(upper)};
@@ -33,15 +33,15 @@ class SceneView {
   const Box& box(Id id) const { return boxes_[id]; }
   void SetFilter(Id id, int group, int mask);
 
-  /// A new cycle: poses are to be taken anew.
+  /// Begins a new cycle: poses must be read again.
   void BeginCycle() {
     ++cycle_;
     has_poses_ = false;
   }
-  /// From 1, those of the warm-up too; 0 before the first.
+  /// From 1, including the warm-up; 0 before the first cycle.
   std::uint64_t cycle() const { return cycle_; }
-  /// What a detector is given now. Poses and who sleeps are taken once a cycle, and only when asked
-  /// for.
+  /// The current input of a detector. Poses and sleeping states are read once per cycle, and only
+  /// on request.
   Scene For(bool wants_poses);
 
  private:

@@ -1,5 +1,5 @@
-// What a detector should find of the bodies as they stand now: by brute force and closed forms, in
-// double.
+// Exact pairs and overlaps of the bodies in their current poses, by brute force and closed forms,
+// in double.
 //
 // Threads: none but the engine's.
 #pragma once

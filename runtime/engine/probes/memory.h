@@ -1,4 +1,4 @@
-// What this process takes of the machine's memory. Threads: any.
+// Memory usage of this process. Threads: any.
 #pragma once
 
 namespace cdb::probes {
@@ -6,7 +6,7 @@ namespace cdb::probes {
 /// The heap in use, bytes.
 double HeapBytes();
 
-/// The most memory that this process has had at once, bytes; NaN where the system does not say.
+/// Peak memory of this process, bytes; NaN if the system does not report it.
 double PeakRssBytes();
 
 }  // namespace cdb::probes

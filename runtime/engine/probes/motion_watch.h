@@ -1,5 +1,6 @@
-// Whether bodies move as their velocities say. Bullet adds v dt to a place and g dt to a velocity
-// in its own precision: far away or fast, that is too little, too much or nothing at all.
+// Checks whether bodies move as their velocities say. Bullet adds v dt to a position and g dt to a
+// velocity in its own precision; for distant or fast bodies, the result can be too small, too large
+// or unchanged.
 #pragma once
 
 #include <limits>

@@ -1,5 +1,5 @@
-// Holds what a detector found in a cycle against what there was to find (`record pairs`), between
-// two cycles and never beside a timed one.
+// Compares the pairs and contacts of a detector with exact ones (`record pairs`), between cycles
+// and never in a timed run.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 
 namespace cdb::probes {
 
-/// Pairs are held against brute force, in double, on the boxes that the broad phase was given in
-/// that cycle: what a detector lists, before cdb drops anything; Bullet's own, by what they leave
-/// in its cache. Contacts are held against closed forms, at the places where the detector looked.
-/// Engine and recording must outlive it; the run records pairs. Not for several threads.
+/// Pairs are compared with brute force, in double, on the boxes of the cycle: the list of a
+/// detector before cdb filters it, or, for Bullet's own broad phases, the pair cache. Contacts are
+/// compared with closed forms, in the poses that the detector saw. Requires that the run records
+/// pairs. Engine and recording must outlive it. Not thread-safe.
 class PairReferee {
  public:
   PairReferee(world::Engine& engine, measure::Recording& recording);
@@ -33,14 +33,14 @@ class PairReferee {
   void JudgeContacts(std::uint64_t cycle);
 
   world::Engine& engine_;
-  detection::AdapterBroadPhase* const seam_;  ///< null where the broad phase is Bullet's own
-  const bool detects_;  ///< else there is nothing to judge, and nothing is stored
+  detection::AdapterBroadPhase* const seam_;  ///< null if the broad phase is Bullet's own
+  const bool detects_;                        ///< otherwise nothing is compared or stored
   std::span<std::int32_t> exact_pairs_, missed_pairs_, phantom_pairs_, duplicate_pairs_,
       missed_contacts_;
   std::span<double> depth_error_, normal_error_;
-  std::vector<Box> boxes_;  ///< by user index; of a wall that does not stand, no numbers
+  std::vector<Box> boxes_;  ///< by user index; NaN for absent walls
   std::vector<Filter> filters_;
-  std::vector<ExactOverlap> overlaps_;  ///< as the bodies stood before the step
+  std::vector<ExactOverlap> overlaps_;  ///< in the poses before the step
 };
 
 }  // namespace cdb::probes

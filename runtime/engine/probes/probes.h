@@ -1,5 +1,5 @@
-// Takes what a scene records between two cycles. Nothing here runs inside a timed cycle, and
-// nothing is taken that the scene does not record.
+// Records the series of a scene between cycles. Nothing here runs inside a timed cycle, and only
+// the requested series are computed.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Takes a run's samples between two cycles, in the pass that has no clock.
+// Takes the samples of a run between cycles, in the pass without a clock.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace cdb::probes {
 
-/// The scene asks for samples. Engine and recording must outlive it. Not for several threads.
+/// Requires that the scene asks for samples. Engine and recording must outlive it. Not thread-safe.
 class Sampler {
  public:
   Sampler(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording);
@@ -19,7 +19,7 @@ class Sampler {
   void Begin();
   void BeforeStep();
   void AfterStep();
-  /// All samples are taken.
+  /// Whether all samples have been taken.
   bool IsComplete() const { return taken_ == shape_.samples; }
 
  private:
@@ -39,8 +39,8 @@ class Sampler {
   const bool wants_pairs_, wants_geometry_;
   std::uint64_t steps_ = 0;
   std::size_t taken_ = 0;
-  std::vector<BodyPair> exact_;         ///< whose boxes overlapped when the detector last looked
-  std::vector<ExactOverlap> overlaps_;  ///< of then
+  std::vector<BodyPair> exact_;  ///< pairs whose exact boxes overlapped in the last detection
+  std::vector<ExactOverlap> overlaps_;  ///< in the last detection
 };
 
 }  // namespace cdb::probes

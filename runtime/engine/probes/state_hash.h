@@ -1,4 +1,4 @@
-// A run's end state in one number, for telling whether two runs went the same way to the bit.
+// A hash of the state of all bodies, to test whether two runs are identical to the last bit.
 #pragma once
 
 #include <string>

@@ -1,13 +1,13 @@
-// What measuring costs.
+// Measurement overhead.
 #pragma once
 
 #include "runtime/engine/world/engine.h"
 
 namespace cdb::worker {
 
-/// Nanoseconds that a timed cycle pays for being measured: as many clock stamps as a TimedWorld
-/// sets, and the calls of a detector that does nothing. The median of 101; the engine's world stays
-/// as it is.
+/// Measurement overhead of a cycle in nanoseconds: the time stamps of a TimedWorld, and the calls
+/// of a detector that does nothing. The median of 101 measurements; does not change the engine's
+/// world.
 double HarnessNs(const plan::Scene& scene, const world::Engine& engine);
 
 }  // namespace cdb::worker

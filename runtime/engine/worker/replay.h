@@ -1,5 +1,5 @@
-// A detector on recorded boxes, without a world: the same motion for every rival, and no physics
-// beside what is timed.
+// Runs a detector on recorded boxes, without a world: all detectors are timed on the same motion,
+// without physics.
 #pragma once
 
 #include "compiler/plan/plan.h"

@@ -1,7 +1,7 @@
-// Piles: objects that drop from above and come to rest before the first cycle.
+// Settles piles: objects that drop from above and come to rest before the first cycle.
 //
-// Settled in double precision and with one detector, whatever the run's, so that every run of a
-// sweep begins with the same heap.
+// Piles are settled in double precision with a fixed detector, whatever those of the run, so that
+// every run of a sweep begins with the same pile.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace cdb::worker {
 
-/// Some group that is not empty has `location pile`.
+/// Whether a non-empty group has `location pile`.
 bool HasPile(const plan::Scene& scene);
 
 /// A little larger than they are, so that the objects do not overlap when they are themselves

@@ -1,4 +1,4 @@
-// Numbers between Eigen, which is double, and Bullet, which is what this worker is built for.
+// Conversions between Eigen, in double, and Bullet, in the precision of this worker.
 #pragma once
 
 #include <LinearMath/btMatrix3x3.h>

@@ -1,4 +1,4 @@
-// One scene in Bullet: built from the plan, advanced cycle by cycle.
+// A scene in Bullet, built from the plan and advanced cycle by cycle.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
@@ -18,11 +18,11 @@
 
 namespace cdb::world {
 
-/// Holds only what the run does not leave out; every body moves as it would with all of it.
+/// Contains only what the run does not omit; every body moves as it would without omissions.
 ///
 /// Walls are fixed bodies with the friction and restitution of library/walls.h. `plane` walls are
 /// infinite half spaces; `box` walls are a tenth of the cube's side thick and reach over its edges.
-/// A fixed object keeps its place: its velocities are drawn and left out. Not for several threads.
+/// A fixed object does not move: its velocities are drawn but not used. Not thread-safe.
 class Engine {
  public:
   /// Builds the world of `state`, which MakeInitialState drew from `scene`, without what
@@ -31,7 +31,7 @@ class Engine {
   /// keeps. Throws library::SceneError for what the detector or the precision cannot hold, and
   /// where `omit` names what only the built world shows to be needed.
   Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions);
-  /// The same with these instead of the detectors that the scene names.
+  /// The same with the given detectors instead of those of the scene.
   Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions,
          const detection::Detectors& detectors);
   ~Engine();
@@ -47,17 +47,17 @@ class Engine {
     }
   }
 
-  /// What is left out; may be less than it was built with.
+  /// The omissions; may be fewer than those it was built with.
   const pruning::Omissions& omissions() const { return omissions_; }
-  /// `wall` (0 to 5: -x, +x, -y, +y, -z, +z) stands in the scene, and this object is without it.
+  /// `wall` (0 to 5: -x, +x, -y, +y, -z, +z) is part of the scene, but omitted for this object.
   bool IsWithoutWall(std::size_t object, int wall) const {
     return !omissions_.walls.empty() && (standing_ & ~omissions_.walls[object] & 1 << wall) != 0;
   }
   std::string_view detector() const { return scene_.world.WordOr("detector"); }
-  /// The bodies as detectors see them; null where both phases are Bullet's own.
+  /// The bodies as input of detectors; null if both phases are Bullet's own.
   const detection::SceneView* scene_view() const { return scene_view_.get(); }
 
-  /// Null where the scene does not record timing; its cycles run without a clock.
+  /// Null if the scene does not record timing; its cycles then run without a clock.
   const TimedWorld* timed_world() const { return timed_world_; }
   btDiscreteDynamicsWorld& world() { return *world_; }
   const layouts::InitialState& initial_state() const { return state_; }
@@ -66,7 +66,8 @@ class Engine {
   const std::vector<std::unique_ptr<btRigidBody>>& objects() const { return objects_; }
   const std::vector<std::unique_ptr<btRigidBody>>& walls() const { return walls_; }
   const Links& links() const { return *links_; }
-  /// As it is now; in the engine, rounded to its precision. Setting it wakes all who sleep.
+  /// The current value, rounded to the precision of the engine. Setting it wakes all sleeping
+  /// bodies.
   const Eigen::Vector3d& acceleration() const { return acceleration_; }
   void SetAcceleration(const Eigen::Vector3d& acceleration);
   btScalar timestep() const { return timestep_; }
@@ -81,7 +82,7 @@ class Engine {
   void MakeWorld();
   void SetUpSolver();
 
-  // What follows uses what stands before it, the world all of it.
+  // Members are declared in dependency order; the world uses all of those before it.
   const plan::Scene scene_;
   const layouts::InitialState state_;
   pruning::Omissions omissions_;
@@ -95,12 +96,12 @@ class Engine {
   std::vector<std::unique_ptr<btRigidBody>> objects_, walls_;
   btDefaultCollisionConfiguration configuration_;
   std::unique_ptr<btConstraintSolver> solver_;
-  std::unique_ptr<detection::SceneView> scene_view_;  ///< where a detector is not Bullet's own
+  std::unique_ptr<detection::SceneView> scene_view_;  ///< if a detector is not Bullet's own
   std::unique_ptr<btCollisionDispatcher> dispatcher_;
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
   std::unique_ptr<LeanWorld> world_;
   std::unique_ptr<Links> links_;
-  TimedWorld* timed_world_ = nullptr;  ///< `world_`, where it is one
+  TimedWorld* timed_world_ = nullptr;  ///< `world_`, if it is one
 };
 
 }  // namespace cdb::world

@@ -1,7 +1,7 @@
 // Bullet's discrete world without the passes that a scene does not need.
 //
-// Each pass that is left out would have changed nothing, or is replaced by what it would have come
-// to, so that every body moves as it does in Bullet's own world, to the bit (Bullet 3.24):
+// An omitted pass would have had no effect, or is replaced by its result, so that every body moves
+// as in Bullet's own world, to the last bit (Bullet 3.24):
 //   detection       not called; no pair, no manifold
 //   solver          calculateSimulationIslands is not called, and in solveConstraints velocities
 //                   become (v + 0) + (F m^-1) dt and the same of the spin with the gyroscopic

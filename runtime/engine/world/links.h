@@ -1,4 +1,4 @@
-// What holds the objects of a group to one another: Bullet's joints, and springs.
+// Joints and springs between the objects of a group.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>

@@ -1,5 +1,5 @@
-// Watches a run whose walls are left out in part, and ends it at the first sign that this could
-// change how an object moves.
+// Omission guard: monitors a run with omitted walls, and ends it at the first sign that the
+// omission could change the motion of an object.
 //
 // Without walls a run is the same as with them, by induction over its cycles, as long as
 //   - no object whose wall is left out comes so near that Bullet would make a contact of it;
@@ -17,14 +17,13 @@
 
 namespace cdb::world {
 
-/// The run must start again with all its walls; what() says why.
+/// The run must be restarted with all its walls; what() gives the reason.
 class OmissionGuardTripped : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Does nothing where the engine has all walls. The engine must outlive it. Not for several
-/// threads.
+/// Does nothing if the engine has all walls. The engine must outlive it. Not thread-safe.
 class OmissionGuard {
  public:
   explicit OmissionGuard(Engine& engine);

@@ -1,15 +1,15 @@
-// Whether the Bullet library that this program runs with has the precision that it was built for.
+// Checks that the Bullet library at run time has the precision that this program was built for.
 #pragma once
 
 #include <string>
 
 namespace cdb::world {
 
-/// `single` or `double`: what this program was built for.
+/// `single` or `double`: the precision that this program was built for.
 const char* EnginePrecision();
 
-/// Empty where the library agrees; else what is wrong. Headers of one precision and a library of
-/// the other link and run, with wrong numbers. Cheap; call it before anything else of Bullet.
+/// Empty if they agree; otherwise an error message. Headers of one precision and a library of the
+/// other link and run, with wrong numbers. Cheap; call it before any other function of Bullet.
 std::string PrecisionMismatch();
 
 }  // namespace cdb::world

@@ -1,4 +1,4 @@
-// What a scene changes while it runs: an acceleration or velocities with a schedule.
+// Schedules: accelerations and velocities that change during a run.
 //
 // `every(n, value)` sets the value anew before every n-th step, `rotating(vector, about, period)`
 // before each; both count steps from the start, warm-up included. What a schedule sets wakes who

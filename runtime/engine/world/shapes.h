@@ -1,4 +1,4 @@
-// Bullet shapes of the library's solids.
+// Converts the library's solids to Bullet shapes.
 #pragma once
 
 #include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>

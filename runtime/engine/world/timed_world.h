@@ -1,6 +1,6 @@
-// The world with a clock at the borders of its phases.
+// A Bullet world with time stamps at the boundaries of its phases.
 //
-// What each phase holds (Bullet 3.24, one call of stepSimulation with one internal step):
+// Contents of each phase (Bullet 3.24, one call of stepSimulation with one internal step):
 //   detect     performDiscreteCollisionDetection, that is broad and narrow, nothing between them
 //     broad    updateAabbs and computeOverlappingPairs: boxes moved, pairs found and lost
 //     narrow   dispatchAllCollisionPairs: contacts of the pairs, manifolds refreshed
@@ -26,7 +26,7 @@ namespace cdb::world {
 /// Monotonic time in ns.
 std::int64_t Now();
 
-/// Stamps the clock so many times a step; stores nothing else. Not for several threads.
+/// Takes a fixed number of time stamps per step; stores nothing else. Not thread-safe.
 class TimedWorld final : public LeanWorld {
  public:
   static constexpr std::size_t kStamps = 9;
