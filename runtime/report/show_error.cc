@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "compiler/schema/metrics.h"
+#include "runtime/report/cells.h"
+#include "runtime/report/figures.h"
 #include "runtime/report/findings.h"
 #include "runtime/report/table.h"
 
@@ -17,7 +19,6 @@ namespace cdb::report {
 namespace {
 
 using Cell = store::ResultFile::Cell;
-using Point = std::vector<std::size_t>;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kPlotWidth = 60, kPlotHeight = 14;
