@@ -12,7 +12,7 @@
 #include "compiler/schema/schema.h"
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
-#include "runtime/cli/commands.h"
+#include "runtime/cli/exit_status.h"
 #include "runtime/process/probe_plugin.h"
 #include "runtime/process/worker.h"
 #include "runtime/report/console.h"

@@ -1,18 +1,21 @@
+// `cdb plan`: the runs of a scenario as a table, as YAML, or with what each leaves out.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/pruning.h"
-#include "dsl/format.h"
-#include "dsl/parser.h"
-#include "dsl/render.h"
 #include "library/layouts/initial_state.h"
 #include "library/scene_error.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
+#include "runtime/cli/subcommand.h"
 #include "runtime/pruning/omissions.h"
 #include "runtime/report/console.h"
 #include "runtime/report/table.h"
@@ -20,6 +23,15 @@
 
 namespace cdb::cli {
 namespace {
+
+struct PlanArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::string out;                   ///< empty: a table on standard output; `-`: YAML there
+  bool why = false;                  ///< what each run leaves out, in place of the table
+  std::string only;                  ///< the id of the one run that `why` is about, or empty
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
+};
 
 /// What a run leaves out and what that changes a measurement by; `?` where the placed objects
 /// decide.
@@ -64,7 +76,7 @@ bool SayWhy(const plan::Scene& scene) {
   }
 }
 
-int WhyCommand(const std::vector<plan::Plan>& plans, const std::string& only) {
+ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string& only) {
   bool good = true, found = false;
   for (const plan::Plan& plan : plans) {
     const std::vector<std::size_t>* last = nullptr;
@@ -85,7 +97,7 @@ int WhyCommand(const std::vector<plan::Plan>& plans, const std::string& only) {
   }
   if (!found)
     throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", only));
-  return good ? kExitGood : kExitScenario;
+  return good ? ExitStatus::kGood : ExitStatus::kScenario;
 }
 
 std::string PlanTable(const plan::Plan& plan) {
@@ -125,36 +137,19 @@ std::string PlanTable(const plan::Plan& plan) {
   return text + table.Text();
 }
 
-}  // namespace
-
-int CheckCommand(const std::vector<std::string>& files, const std::vector<std::string>& plugins) {
-  int status = kExitGood;
-  for (const std::string& file : files) {
-    const auto result = CompileAndReport(file, std::nullopt, LintText::kWhole, plugins);
-    if (result.diagnostics.has_errors()) {
-      status = kExitScenario;
-      continue;
-    }
-    for (const plan::Plan& plan : result.plans)
-      report::Print(fmt::format("{}: {}: {} {}\n", file, plan.benchmark, plan.runs.size(),
-                                plan.runs.size() == 1 ? "run" : "runs"));
-  }
-  return status;
-}
-
-int PlanCommand(const PlanArguments& arguments) {
+ExitStatus PrintPlans(const PlanArguments& arguments) {
   if (arguments.why && !arguments.out.empty())
     throw CommandError("--why prints what runs leave out and -o writes a plan: one at a time");
   if (!arguments.why && !arguments.only.empty())
     throw CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
   const auto plans =
       LoadPlans(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
-  if (plans.empty()) return kExitScenario;
-  if (arguments.why) return WhyCommand(plans, arguments.only);
+  if (plans.empty()) return ExitStatus::kScenario;
+  if (arguments.why) return Why(plans, arguments.only);
   if (arguments.out.empty()) {
     for (std::size_t i = 0; i < plans.size(); ++i)
       report::Print((i > 0 ? "\n" : "") + PlanTable(plans[i]));
-    return kExitGood;
+    return ExitStatus::kGood;
   }
   if (plans.size() > 1)
     throw CommandError(fmt::format("{} has {} benchmarks and a plan is of one: choose it by -b",
@@ -165,31 +160,22 @@ int PlanCommand(const PlanArguments& arguments) {
   } else {
     store::WriteWhole(yaml, arguments.out);
   }
-  return kExitGood;
+  return ExitStatus::kGood;
 }
 
-int FormatCommand(const std::vector<std::string>& files, bool check) {
-  int status = kExitGood;
-  for (const std::string& file : files) {
-    const auto source = std::make_shared<const dsl::Source>(file, ReadText(file));
-    dsl::Diagnostics diagnostics;
-    dsl::Parse(source, diagnostics);
-    if (diagnostics.has_errors()) {
-      const std::string text = dsl::Render(diagnostics);
-      report::Say(text);
-      status = kExitScenario;
-      continue;
-    }
-    const std::string formatted = dsl::Format(*source);
-    if (formatted == source->text()) continue;
-    if (check) {
-      report::Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
-      status = kExitScenario;
-    } else {
-      store::WriteWhole(formatted, file);
-    }
-  }
-  return status;
+}  // namespace
+
+void AddPlanCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<PlanArguments>();
+  Subcommand command(app, "plan", "print the expanded runs of a scenario file");
+  command.Required("FILE", arguments->file, "scenario file, or a plan");
+  command.Benchmark(arguments->benchmark);
+  command.Out(arguments->out, "write the plan as YAML; - for standard output");
+  command.Flag("--why", arguments->why,
+               "place the objects of each run, and say what it leaves out and why");
+  command.Optional("--only", arguments->only, "with --why: this one run");
+  command.Plugins(arguments->plugins);
+  command.Action(status, [arguments] { return PrintPlans(*arguments); });
 }
 
 }  // namespace cdb::cli

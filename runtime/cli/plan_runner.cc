@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "runtime/cli/commands.h"
+#include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/report/console.h"
 #include "runtime/schedule/progress.h"
@@ -45,8 +45,8 @@ bool IsThereAlready(const fs::path& out, const plan::Plan& plan) {
   return IsComplete(file, plan);
 }
 
-/// Says to other runners that somebody works in a folder of shards. Shared while runs are carried
-/// out; the last one out gets it for itself, and only then may shards be removed.
+/// Says to other runners that somebody works in a folder of shards. Shared while runs are
+/// executed; the last one out gets it for itself, and only then may shards be removed.
 class FolderLock {
  public:
   /// Makes the folder where there is none.
@@ -106,7 +106,7 @@ PlanRunner::PlanRunner(PlanRunnerOptions options)
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-ExecutedPlan PlanRunner::CarryOut(const plan::Plan& plan, const fs::path& out) const {
+ExecutedPlan PlanRunner::Execute(const plan::Plan& plan, const fs::path& out) const {
   const fs::path folder = ShardFolder(out);
   std::error_code error;
   if (!options_.fresh && IsThereAlready(out, plan)) {

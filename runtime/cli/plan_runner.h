@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "runtime/cli/exit_status.h"
 #include "runtime/process/stop.h"
 #include "runtime/schedule/schedule.h"
 #include "runtime/store/store.h"
@@ -27,7 +28,7 @@ struct ExecutedPlan {
   bool is_merged = false;  ///< `out` is complete; not where only a shard of it was asked for
 };
 
-/// Carries out the plans of one command. While it lives, signals ask it to stop, and a pipe that
+/// Executes the plans of one command. While it lives, signals ask it to stop, and a pipe that
 /// nobody reads any more does not end it. Provenance is taken once. Threads: one; one at a time in
 /// a process.
 class PlanRunner {
@@ -37,11 +38,10 @@ class PlanRunner {
   /// `out`: the results file; its shards lie beside it. Goes on where an earlier call stopped.
   /// Stopped by a signal, says so and keeps what ended. Throws CommandError, StoreError; then
   /// everything finished is kept.
-  ExecutedPlan CarryOut(const plan::Plan& plan, const std::filesystem::path& out) const;
+  ExecutedPlan Execute(const plan::Plan& plan, const std::filesystem::path& out) const;
 
   bool is_stopped() const { return stop_.requested(); }
-  /// Of a command that was stopped: 128 + the signal.
-  int StoppedStatus() const { return 128 + stop_.signal(); }
+  ExitStatus StoppedStatus() const { return StoppedBy(stop_.signal()); }
 
  private:
   PlanRunnerOptions options_;

@@ -1,25 +1,42 @@
+// `cdb run`: the plans of a scenario to results files.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
 #include <system_error>
+#include <vector>
 
-#include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/reference.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/plan_runner.h"
 #include "runtime/cli/provenance.h"
+#include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
 #include "runtime/report/show.h"
-#include "runtime/report/show_error.h"
 #include "runtime/store/store.h"
 
 namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct RunArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::string out;  ///< empty: `<benchmark>.h5` in the current folder
+  std::uint64_t jobs = 1;
+  std::string shard;                 ///< `K/N`, or empty
+  std::string only;                  ///< the id of one run, or empty
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
+  bool fresh = false;
+  bool quiet = false;
+};
 
 schedule::ShardChoice ParseShard(const std::string& text) {
   if (text.empty()) return {};
@@ -73,29 +90,28 @@ plan::Plan OnlyRun(const std::vector<plan::Plan>& plans, const std::string& id) 
   throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", id));
 }
 
-int ShowResult(const fs::path& out, bool quiet) {
+ExitStatus ShowResult(const fs::path& out, bool quiet) {
   const report::ShowText shown = report::Show(store::ResultFile(out));
   if (!quiet) report::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
-  return shown.bad_cells > 0 ? kExitRuns : kExitGood;
+  return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
 }
 
-int RunPlan(const plan::Plan& plan, const fs::path& out, const PlanRunner& runner, bool is_quiet) {
-  const ExecutedPlan end = runner.CarryOut(plan, out);
+ExitStatus RunPlan(const plan::Plan& plan, const fs::path& out, const PlanRunner& runner,
+                   bool is_quiet) {
+  const ExecutedPlan end = runner.Execute(plan, out);
   if (end.summary.signal != 0) return runner.StoppedStatus();
   if (end.is_merged) return ShowResult(out, is_quiet);
   if (!is_quiet)
     report::Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n",
                               schedule::Describe(end.summary), out.string(), end.shards.string()));
-  return end.summary.HasBadRuns() ? kExitRuns : kExitGood;
+  return end.summary.HasBadRuns() ? ExitStatus::kRuns : ExitStatus::kGood;
 }
 
-}  // namespace
-
-int RunCommand(const RunArguments& arguments) {
+ExitStatus Run(const RunArguments& arguments) {
   const schedule::ShardChoice shard = ParseShard(arguments.shard);
   auto plans = LoadPlans(arguments.file, arguments.benchmark,
                          arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
-  if (plans.empty()) return kExitScenario;
+  if (plans.empty()) return ExitStatus::kScenario;
   if (!arguments.only.empty()) plans = {OnlyRun(plans, arguments.only)};
   std::vector<fs::path> outs;
   for (const plan::Plan& plan : plans) outs.push_back(ResultPath(arguments, plan, plans.size()));
@@ -104,59 +120,31 @@ int RunCommand(const RunArguments& arguments) {
                             BuildType()));
   const PlanRunner runner(
       {arguments.jobs, arguments.fresh, arguments.quiet, shard, arguments.plugins});
-  int status = kExitGood;
+  ExitStatus status = ExitStatus::kGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
-    const int one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
+    const ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
     if (runner.is_stopped()) return one;
     status = std::max(status, one);
   }
   return status;
 }
 
-int ShowCommand(const ShowArguments& arguments) {
-  if (arguments.error.empty() && !arguments.each.empty())
-    throw CommandError("--each goes with --error NAME; a summary takes --by");
-  const store::ResultFile file(arguments.file);
-  const report::ShowText shown =
-      arguments.error.empty()
-          ? report::Show(file, {arguments.by})
-          : report::ShowError(file, {arguments.error, arguments.by, arguments.each});
-  report::Print(shown.text);
-  return shown.bad_cells > 0 ? kExitRuns : kExitGood;
-}
+}  // namespace
 
-int MergeCommand(const std::string& out, const std::vector<std::string>& shards) {
-  // The plan lies beside the shards of a run.
-  std::error_code error;
-  std::string plan_file;
-  std::vector<fs::path> places;
-  for (const std::string& place : shards) {
-    places.emplace_back(place);
-    const fs::path folder =
-        fs::is_directory(place, error) ? fs::path(place) : fs::path(place).parent_path();
-    const fs::path beside = folder / "plan.yaml";
-    if (plan_file.empty() && fs::exists(beside, error)) plan_file = beside.string();
-  }
-  if (plan_file.empty())
-    throw CommandError(fmt::format(
-        "there is no plan.yaml in or beside '{}'; merge takes the folders that shards are in, as "
-        "`cdb run` makes them",
-        fmt::join(shards, "', '")));
-  const plan::Plan plan = plan::FromYaml(ReadText(plan_file), plan_file);
-  if (fs::exists(out, error)) {
-    const store::ResultFile there{out};
-    if (there.plan_sha256() != plan.Sha256())
-      throw CommandError(fmt::format(
-          "'{}' holds the results of another plan and is left as it is; name another file", out));
-  }
-  store::Merge(plan, CollectProvenance(), places, out);
-  const store::ResultFile file{out};
-  std::size_t missing = 0;
-  for (const plan::Run& run : plan.runs)
-    if (file.ReadStatus({run.at, run.rep}) == store::Status::kMissing) ++missing;
-  report::Say(fmt::format("{} of {} runs in '{}'; the shards are left where they are\n",
-                          plan.runs.size() - missing, plan.runs.size(), out));
-  return kExitGood;
+void AddRunCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<RunArguments>();
+  Subcommand command(app, "run", "run a scenario file or a plan; goes on where it stopped");
+  command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
+  command.Benchmark(arguments->benchmark);
+  command.Out(arguments->out, "results file, or a folder for them (default: BENCHMARK.h5)");
+  command.Jobs(arguments->jobs, "runs at a time; timings want 1 (default)");
+  command.Optional("--shard", arguments->shard, "K/N: only the K-th of N parts; merge them later");
+  command.Optional("--only", arguments->only,
+                   "run this one run by itself, into RUN.h5 (ids: cdb plan)");
+  command.Fresh(arguments->fresh, "forget results and shards and start over");
+  command.Quiet(arguments->quiet, "print nothing but errors");
+  command.Plugins(arguments->plugins);
+  command.Action(status, [arguments] { return Run(*arguments); });
 }
 
 }  // namespace cdb::cli

@@ -2,13 +2,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "compiler/cross.h"
 #include "dsl/diagnostics.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/plan_runner.h"
+#include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
 #include "runtime/report/stability_map.h"
 
@@ -16,6 +22,15 @@ namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct StabilityArguments {
+  std::vector<std::string> scenes;  ///< of the suite; empty: all
+  std::vector<std::string> precisions = {"single", "double"}, detectors = {"dbvt"};
+  std::string out = "stability";  ///< folder of the results
+  std::uint64_t jobs = 1;
+  bool fresh = false;
+  bool quiet = false;
+};
 
 constexpr std::string_view kSuite = "stability";
 
@@ -47,9 +62,7 @@ std::vector<std::string> Choose(const std::vector<std::string>& asked) {
   return asked;
 }
 
-}  // namespace
-
-int StabilityCommand(const StabilityArguments& arguments) {
+ExitStatus RunSuite(const StabilityArguments& arguments) {
   CheckWords("precision", arguments.precisions);
   CheckWords("detector", arguments.detectors);
   std::vector<plan::Plan> plans;
@@ -57,7 +70,7 @@ int StabilityCommand(const StabilityArguments& arguments) {
     const std::string file = fmt::format("{}/{}", kSuite, name);
     // What the lints say of it is what it is for.
     const auto loaded = LoadPlans(file, {}, LintText::kNone);
-    if (loaded.empty()) return kExitScenario;
+    if (loaded.empty()) return ExitStatus::kScenario;
     for (const plan::Plan& plan : loaded)
       plans.push_back(compiler::Cross(compiler::Cross(plan, "detector", arguments.detectors),
                                       "precision", arguments.precisions));
@@ -70,10 +83,26 @@ int StabilityCommand(const StabilityArguments& arguments) {
   const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
   for (const plan::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
-    if (runner.CarryOut(plan, out).summary.signal != 0) return runner.StoppedStatus();
+    if (runner.Execute(plan, out).summary.signal != 0) return runner.StoppedStatus();
     report::Print(report::StabilityMap(store::ResultFile(out)) + "\n");
   }
-  return kExitGood;
+  return ExitStatus::kGood;
+}
+
+}  // namespace
+
+void AddStabilityCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<StabilityArguments>();
+  Subcommand command(app, "stability",
+                     "run the stability suite and map where each configuration stops being sound");
+  command.Optional("SCENE", arguments->scenes, "scenes of the suite (default: all)");
+  command.List("--precision", arguments->precisions, "default: single,double");
+  command.List("--detector", arguments->detectors, "default: dbvt");
+  command.Out(arguments->out, "folder of the results (default: stability)");
+  command.Jobs(arguments->jobs, "runs at a time (default: 1)");
+  command.Fresh(arguments->fresh, "forget results and start over");
+  command.Quiet(arguments->quiet, "no progress, only the map");
+  command.Action(status, [arguments] { return RunSuite(*arguments); });
 }
 
 }  // namespace cdb::cli

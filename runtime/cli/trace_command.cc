@@ -1,15 +1,21 @@
+// `cdb trace`: the boxes of runs, recorded for detectors to be run on.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <set>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/trace.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
+#include "runtime/cli/subcommand.h"
 #include "runtime/process/stop.h"
 #include "runtime/process/worker.h"
 #include "runtime/report/console.h"
@@ -20,6 +26,16 @@ namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct TraceArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  /// A file for one point, a folder for several; empty: named after the benchmark.
+  std::string out;
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
+  bool fresh = false;
+  bool quiet = false;
+};
 
 /// The plan with each point once, recording what a trace holds and nothing else.
 plan::Plan TracePlan(plan::Plan plan) {
@@ -135,21 +151,21 @@ class Tracer {
         stop_(stop),
         launcher_(process::FindWorkers(plan), 1, &stop) {}
 
-  /// kExitRuns where the run ended badly; then there is no file.
+  /// ExitStatus::kRuns for a failed run, of which there is no file.
   ExitStatus Trace(const plan::Run& run, const fs::path& file) {
     if (!arguments_.fresh && store::TracedRun(file) == run.id) {
       Tell(file, "is there already; --fresh makes it anew");
-      return kExitGood;
+      return ExitStatus::kGood;
     }
     CheckIsOurs(file);
     launcher_.Start(0, run);
     std::optional<process::Ending> ending;
     while (!ending && !stop_.requested()) ending = launcher_.Wait(1);
-    if (!ending) return kExitGood;  // whoever asked to stop sees to the status
+    if (!ending) return ExitStatus::kGood;  // whoever asked to stop sees to the status
     if (ending->result.status != store::Status::kDone) {
       report::Say(fmt::format("{}: {}: {}\n", plan::Describe(plan_, run),
                               store::StatusName(ending->result.status), ending->result.message));
-      return kExitRuns;
+      return ExitStatus::kRuns;
     }
     const measure::TraceMemory trace = MemoryOf(run, *ending->recording);
     const store::TraceOrigin origin = {plan_.benchmark,
@@ -163,7 +179,7 @@ class Tracer {
                       file);
     Tell(file, fmt::format("{} bodies, {} cycles; {:.1f} s", trace.shape().bodies,
                            trace.shape().cycles, ending->wall_s));
-    return kExitGood;
+    return ExitStatus::kGood;
   }
 
  private:
@@ -187,26 +203,40 @@ class Tracer {
   process::ProcessLauncher launcher_;
 };
 
-}  // namespace
-
-int TraceCommand(const TraceArguments& arguments) {
+ExitStatus TracePlans(const TraceArguments& arguments) {
   auto plans = LoadPlans(arguments.file, arguments.benchmark,
                          arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
-  if (plans.empty()) return kExitScenario;
+  if (plans.empty()) return ExitStatus::kScenario;
   process::StopFlag stop;
   const process::StopOnSignals signals(stop);
-  int status = kExitGood;
+  ExitStatus status = ExitStatus::kGood;
   for (plan::Plan& plan : plans) {
     plan = TracePlan(std::move(plan));
     schedule::CheckMemory(plan);
     const std::vector<fs::path> files = FilesOf(plan, arguments, plans.size());
     Tracer tracer(plan, arguments, stop);
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-      status = std::max<int>(status, tracer.Trace(plan.runs[i], files[i]));
-      if (stop.requested()) return 128 + stop.signal();
+      status = std::max(status, tracer.Trace(plan.runs[i], files[i]));
+      if (stop.requested()) return StoppedBy(stop.signal());
     }
   }
   return status;
+}
+
+}  // namespace
+
+void AddTraceCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<TraceArguments>();
+  Subcommand command(app, "trace", "record the boxes of runs for detectors to be run on");
+  command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
+  command.Benchmark(arguments->benchmark);
+  command.Out(arguments->out,
+              "trace file, or a folder for them (default: BENCHMARK.trace.h5; of several "
+              "points, the folder BENCHMARK.traces)");
+  command.Fresh(arguments->fresh, "write over what is there");
+  command.Quiet(arguments->quiet, "print nothing but errors");
+  command.Plugins(arguments->plugins);
+  command.Action(status, [arguments] { return TracePlans(*arguments); });
 }
 
 }  // namespace cdb::cli

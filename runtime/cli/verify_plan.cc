@@ -11,7 +11,7 @@
 #include "compiler/plan/capacity.h"
 #include "compiler/plan/reference.h"
 #include "compiler/schema/catalogue.h"
-#include "runtime/cli/commands.h"
+#include "runtime/cli/exit_status.h"
 
 namespace cdb::cli {
 namespace {

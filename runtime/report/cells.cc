@@ -66,4 +66,29 @@ std::string CellDetectors::Of(const Cell& cell) const {
   return found == by_run_.end() ? "" : found->second;
 }
 
+std::size_t FindAxis(const store::ResultFile& file, const std::string& name) {
+  std::string names;
+  for (std::size_t i = 0; i < file.axes().size(); ++i) {
+    if (file.axes()[i].name == name) return i;
+    names += (i == 0 ? "" : ", ") + file.axes()[i].name;
+  }
+  throw store::StoreError(names.empty()
+                              ? fmt::format("there is no axis '{}': this file has none", name)
+                              : fmt::format("there is no axis '{}'; there are {}", name, names));
+}
+
+std::optional<std::string> Trouble(const store::ResultFile& file,
+                                   const store::ResultFile::Cell& cell) {
+  const store::Status status = file.ReadStatus(cell);
+  if (status == store::Status::kMissing) return "not run yet";
+  if (status != store::Status::kDone) {
+    const std::string message = file.ReadText("message", cell);
+    return std::string(store::StatusName(status)) + (message.empty() ? "" : ": ") + message;
+  }
+  const measure::Judgement judgement = file.ReadJudgement(cell);
+  if (!measure::HasVoidTimings(judgement.verdict)) return std::nullopt;
+  return fmt::format("{} from cycle {} on", measure::VerdictName(judgement.verdict),
+                     judgement.first_bad_cycle);
+}
+
 }  // namespace cdb::report

@@ -25,6 +25,13 @@ std::string OnlyCommand(const store::ResultFile& file, const store::ResultFile::
 /// The axis of detectors; nullopt where the file sweeps none.
 std::optional<std::size_t> DetectorAxis(const store::ResultFile& file);
 
+/// The place of an axis. Throws StoreError that names those of the file.
+std::size_t FindAxis(const store::ResultFile& file, const std::string& name);
+
+/// Why the figures of a cell that was not skipped do not count; nullopt where they do.
+std::optional<std::string> Trouble(const store::ResultFile& file,
+                                   const store::ResultFile::Cell& cell);
+
 /// The plan that the results are of; nullopt where it is of another version of cdb, which is shown
 /// as far as it goes. Throws StoreError.
 std::optional<plan::Plan> ReadPlan(const store::ResultFile& file);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,16 +28,5 @@ struct ShowText {
 /// end well are in none of it, and said so. Throws StoreError, also for an axis that the file has
 /// not got.
 ShowText Show(const store::ResultFile& file, const ShowOptions& options = {});
-
-/// The place of an axis. Throws StoreError that names those of the file.
-std::size_t FindAxis(const store::ResultFile& file, const std::string& name);
-
-/// Why the figures of a cell that was not skipped do not count; nullopt where they do.
-std::optional<std::string> Trouble(const store::ResultFile& file,
-                                   const store::ResultFile::Cell& cell);
-
-/// The value below which a part `p` of the sorted values lies, between two of them in proportion;
-/// NaN for none.
-double Percentile(const std::vector<double>& sorted, double p);
 
 }  // namespace cdb::report

@@ -13,6 +13,7 @@
 
 #include "compiler/schema/catalogue.h"
 #include "runtime/report/cells.h"
+#include "runtime/report/figures.h"
 #include "runtime/report/show.h"
 #include "runtime/report/table.h"
 

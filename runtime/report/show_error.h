@@ -1,4 +1,4 @@
-// Error against run time as a table and a plot on a terminal (`cdb show --error`).
+// Error against run time as tables and plots on a terminal (`cdb show --error`).
 #pragma once
 
 #include <string>
@@ -23,15 +23,5 @@ struct ShowErrorOptions {
 /// 95th percentile. Configurations that did not end well, and those without the error, are listed
 /// by themselves. Throws StoreError, also for an error or an axis that the file has not got.
 ShowText ShowError(const store::ResultFile& file, const ShowErrorOptions& options);
-
-/// A point of the plot: both more than 0.
-struct PlotPoint {
-  double x, y;
-  bool on_front;
-};
-/// The points in a frame of characters, both axes logarithmic; `*` on the front, `o` off it. Empty
-/// for fewer than two points.
-std::string LogPlot(const std::vector<PlotPoint>& points, const std::string& x_name,
-                    const std::string& y_name);
 
 }  // namespace cdb::report

@@ -65,4 +65,8 @@ std::string ShortNumber(double value) {
   return text;
 }
 
+std::string ScientificNumber(double value) {
+  return std::isnan(value) ? "-" : value == 0 ? "0" : fmt::format("{:.2e}", value);
+}
+
 }  // namespace cdb::report

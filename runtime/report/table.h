@@ -41,6 +41,8 @@ struct TimeUnit {
 
 /// Three significant digits without an exponent: `0.0123`, `1.23`, `12345`.
 std::string ShortNumber(double value);
+/// Three digits and an exponent; `0`, and `-` for NaN.
+std::string ScientificNumber(double value);
 
 /// A value on an axis.
 std::string CoordinateText(const plan::Axis& axis, std::size_t index);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "runtime/report/figures.h"
 #include "runtime/report/table.h"
 #include "tests/runtime/cli/program.h"
 #include "tests/runtime/store/store_fixture.h"

@@ -1,0 +1,47 @@
+// `cdb check`: the errors of scenario files, without running them.
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/report/console.h"
+
+namespace cdb::cli {
+namespace {
+
+struct CheckArguments {
+  std::vector<std::string> files;
+  std::vector<std::string> plugins;  ///< shared libraries with detectors
+};
+
+ExitStatus Check(const CheckArguments& arguments) {
+  ExitStatus status = ExitStatus::kGood;
+  for (const std::string& file : arguments.files) {
+    const auto result = CompileAndReport(file, std::nullopt, LintText::kWhole, arguments.plugins);
+    if (result.diagnostics.has_errors()) {
+      status = ExitStatus::kScenario;
+      continue;
+    }
+    for (const plan::Plan& plan : result.plans)
+      report::Print(fmt::format("{}: {}: {} {}\n", file, plan.benchmark, plan.runs.size(),
+                                plan.runs.size() == 1 ? "run" : "runs"));
+  }
+  return status;
+}
+
+}  // namespace
+
+void AddCheckCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<CheckArguments>();
+  Subcommand command(app, "check", "check scenario files: every error with its place");
+  command.Required("FILE", arguments->files, "scenario files");
+  command.Plugins(arguments->plugins);
+  command.Action(status, [arguments] { return Check(*arguments); });
+}
+
+}  // namespace cdb::cli

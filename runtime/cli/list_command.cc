@@ -1,0 +1,48 @@
+// `cdb list`: the names that a scenario can use.
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/cli/topics.h"
+#include "runtime/report/console.h"
+#include "runtime/report/detector_reference.h"
+
+namespace cdb::cli {
+namespace {
+
+constexpr std::string_view kKinds[] = {"objects", "detectors", "layouts", "schedules", "scenarios"};
+
+std::string TextOf(std::string_view kind) {
+  if (kind == "detectors") return report::DetectorTables();
+  std::string text;
+  for (const Topic& topic : Topics())
+    if (topic.name == kind) text += topic.text();
+  return text;
+}
+
+/// `asked`: one of the kinds, or empty for all.
+ExitStatus List(const std::string& asked) {
+  std::string text;
+  for (const std::string_view kind : kKinds)
+    if (asked.empty() || asked == kind) text += (text.empty() ? "" : "\n") + TextOf(kind);
+  if (text.empty())
+    throw CommandError(
+        fmt::format("there is no list of '{}'; there are {}", asked, fmt::join(kKinds, ", ")));
+  report::Print(text);
+  return ExitStatus::kGood;
+}
+
+}  // namespace
+
+void AddListCommand(CLI::App& app, ExitStatus& status) {
+  const auto kind = std::make_shared<std::string>();
+  Subcommand command(app, "list", "what a scenario can name");
+  command.Optional("KIND", *kind, "objects, detectors, layouts, schedules or scenarios");
+  command.Action(status, [kind] { return List(*kind); });
+}
+
+}  // namespace cdb::cli

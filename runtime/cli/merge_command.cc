@@ -1,0 +1,81 @@
+// `cdb merge`: a results file from the shards of a run.
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "compiler/plan/plan_yaml.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/provenance.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/report/console.h"
+#include "runtime/store/store.h"
+
+namespace cdb::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MergeArguments {
+  std::string out;
+  std::vector<std::string> shards;  ///< shards, or folders of them
+};
+
+/// The plan lies beside the shards of a run.
+std::string FindPlan(const std::vector<std::string>& shards) {
+  std::error_code error;
+  for (const std::string& place : shards) {
+    const fs::path folder =
+        fs::is_directory(place, error) ? fs::path(place) : fs::path(place).parent_path();
+    const fs::path beside = folder / "plan.yaml";
+    if (fs::exists(beside, error)) return beside.string();
+  }
+  throw CommandError(fmt::format(
+      "there is no plan.yaml in or beside '{}'; merge takes the folders that shards are in, as "
+      "`cdb run` makes them",
+      fmt::join(shards, "', '")));
+}
+
+/// Throws CommandError where `out` holds the results of another plan.
+void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {
+  std::error_code error;
+  if (!fs::exists(out, error) || store::ResultFile(out).plan_sha256() == plan.Sha256()) return;
+  throw CommandError(fmt::format(
+      "'{}' holds the results of another plan and is left as it is; name another file", out));
+}
+
+std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) {
+  std::size_t missing = 0;
+  for (const plan::Run& run : plan.runs)
+    if (file.ReadStatus({run.at, run.rep}) == store::Status::kMissing) ++missing;
+  return missing;
+}
+
+ExitStatus Merge(const MergeArguments& arguments) {
+  const std::string plan_file = FindPlan(arguments.shards);
+  const plan::Plan plan = plan::FromYaml(ReadText(plan_file), plan_file);
+  CheckIsOfPlan(arguments.out, plan);
+  const std::vector<fs::path> places(arguments.shards.begin(), arguments.shards.end());
+  store::Merge(plan, CollectProvenance(), places, arguments.out);
+  const std::size_t missing = CountMissing(store::ResultFile(arguments.out), plan);
+  report::Say(fmt::format("{} of {} runs in '{}'; the shards are left where they are\n",
+                          plan.runs.size() - missing, plan.runs.size(), arguments.out));
+  return ExitStatus::kGood;
+}
+
+}  // namespace
+
+void AddMergeCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<MergeArguments>();
+  Subcommand command(app, "merge", "make a results file of shards, as far as they go");
+  command.Required("-o,--out", arguments->out, "results file");
+  command.Required("SHARDS", arguments->shards, "folders of shards, or shards");
+  command.Action(status, [arguments] { return Merge(*arguments); });
+}
+
+}  // namespace cdb::cli

@@ -1,0 +1,49 @@
+// `cdb show`: a results file as tables on the terminal.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/report/console.h"
+#include "runtime/report/show.h"
+#include "runtime/report/show_error.h"
+#include "runtime/store/store.h"
+
+namespace cdb::cli {
+namespace {
+
+struct ShowArguments {
+  std::string file;
+  std::vector<std::string> by;  ///< axes that make the rows
+  std::string error;            ///< an array of /accuracy to set against run time; empty: a summary
+  std::vector<std::string> each;  ///< with `error`: axes with a table for each value
+};
+
+ExitStatus Show(const ShowArguments& arguments) {
+  if (arguments.error.empty() && !arguments.each.empty())
+    throw CommandError("--each goes with --error NAME; a summary takes --by");
+  const store::ResultFile file(arguments.file);
+  const report::ShowText shown =
+      arguments.error.empty()
+          ? report::Show(file, {arguments.by})
+          : report::ShowError(file, {arguments.error, arguments.by, arguments.each});
+  report::Print(shown.text);
+  return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
+}
+
+}  // namespace
+
+void AddShowCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<ShowArguments>();
+  Subcommand command(app, "show", "a summary of a results file on the terminal");
+  command.Required("FILE", arguments->file, "results file");
+  command.List("--by", arguments->by, "axes that make the rows (quantity,detector)");
+  command.Optional("--error", arguments->error,
+                   "an error against run time (position, energy: cdb doc accuracy)");
+  command.List("--each", arguments->each,
+               "with --error: axes each value of which has a table and a front of its own");
+  command.Action(status, [arguments] { return Show(*arguments); });
+}
+
+}  // namespace cdb::cli

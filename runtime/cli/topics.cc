@@ -1,0 +1,157 @@
+#include "runtime/cli/topics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <system_error>
+#include <vector>
+
+#include "compiler/checks/lints.h"
+#include "compiler/plan/pruning.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/schema/schema.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/measure/series.h"
+#include "runtime/measure/verdict.h"
+#include "runtime/report/detector_reference.h"
+#include "runtime/report/language_reference.h"
+#include "runtime/report/table.h"
+#include "runtime/report/word_reference.h"
+
+namespace cdb::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using schema::Parameter;
+
+std::string AllParameters() {
+  report::Table table;
+  table.AddColumn("parameter", false);
+  table.AddColumn("default", false);
+  table.AddColumn("unit", false);
+  table.AddColumn("", false);
+  for (const Parameter& parameter : schema::Schema())
+    table.AddRow({parameter.FullName(), std::string(parameter.default_text),
+                  std::string(parameter.unit), std::string(parameter.doc)});
+  return table.Text();
+}
+
+std::string AllSeriesText() {
+  report::Table table;
+  table.AddColumn("dataset", false);
+  table.AddColumn("recorded by", false);
+  table.AddColumn("unit", false);
+  table.AddColumn("", false);
+  for (const measure::Series& series : measure::AllSeries())
+    table.AddRow({std::string(series.name), std::string(series.records), std::string(series.unit),
+                  std::string(series.doc)});
+  return table.Text();
+}
+
+std::string AllComponents() {
+  report::Table table;
+  table.AddColumn("component", false);
+  table.AddColumn("what it is", false);
+  table.AddColumn("without it", false);
+  for (const schema::ComponentInfo& info : schema::Components())
+    table.AddRow({std::string(info.name), std::string(info.doc),
+                  info.IsVisible() ? std::string(info.changes) : "only time changes"});
+  return table.Text();
+}
+
+std::string AllVerdicts() {
+  report::Table table;
+  table.AddColumn("", true);
+  table.AddColumn("verdict", false);
+  table.AddColumn("when", false);
+  const auto rows = measure::Verdicts();
+  for (auto row = rows.rbegin(); row != rows.rend(); ++row)
+    table.AddRow({fmt::format("{}", static_cast<int>(row->verdict)), std::string(row->name),
+                  std::string(row->doc)});
+  return std::string(report::kVerdictsReference) + table.Text();
+}
+
+std::string AllLints() {
+  report::Table table;
+  for (const char* head : {"lint", "number", "limit", "beyond it"}) table.AddColumn(head, false);
+  for (const checks::LintInfo& info : checks::Lints())
+    table.AddRow({std::string(info.kind.id), std::string(info.number), std::string(info.threshold),
+                  fmt::format(fmt::runtime(info.foretells), "will")});
+  return table.Text();
+}
+
+std::string AllErrors() {
+  report::Table table;
+  for (const char* head : {"error", "metrics", "unit", "held against", "up to", ""})
+    table.AddColumn(head, false);
+  for (const schema::ErrorInfo& error : schema::Errors())
+    table.AddRow({std::string(error.name), std::string(error.metric), std::string(error.unit),
+                  error.needs_truth ? "truth" : "nothing", error.to_horizon ? "horizon" : "end",
+                  std::string(error.doc)});
+  report::Table forms;
+  forms.AddColumn("closed form", false);
+  forms.AddColumn("", false);
+  for (const schema::ClosedFormInfo& form : schema::ClosedForms())
+    forms.AddRow({std::string(form.name), std::string(form.doc)});
+  return table.Text() + "\n" + forms.Text();
+}
+
+/// The scenarios of the library, a table for each folder, with their first comment line.
+std::string Scenarios() {
+  const fs::path library = ScenarioLibrary();
+  std::map<std::string, std::vector<fs::path>> folders;
+  std::error_code error;
+  if (!library.empty())
+    for (const auto& entry : fs::recursive_directory_iterator(library, error))
+      if (entry.path().extension() == ".cdb")
+        folders[fs::relative(entry.path().parent_path(), library, error)].push_back(entry.path());
+  if (folders.empty())
+    return "scenarios: none lie beside this program; installing cdb brings them\n";
+  std::string text;
+  for (auto& [folder, files] : folders) {
+    report::Table table;
+    table.AddColumn("scenarios: " + folder, false);
+    table.AddColumn("", false);
+    std::ranges::sort(files);
+    for (const fs::path& file : files) {
+      std::string line;
+      std::ifstream in(file);
+      std::getline(in, line);
+      line.erase(0, std::min(line.find_first_not_of("# "), line.size()));
+      table.AddRow({(fs::path(folder) / file.stem()).string(), line});
+    }
+    text += (text.empty() ? "" : "\n") + table.Text();
+  }
+  return text;
+}
+
+constexpr Topic kTopics[] = {
+    {"language", "how a .cdb file is written",
+     [] { return std::string(report::kLanguageReference); }},
+    {"parameters", "every parameter with its default", AllParameters},
+    {"omit", "what a run leaves out, and when",
+     [] { return std::string(report::kOmitReference) + AllComponents() + "\n"; }},
+    {"lints", "numbers that Bullet cannot follow, before anything runs",
+     [] { return std::string(report::kLintsReference) + AllLints() + "\n"; }},
+    {"accuracy", "errors beside timings, and what they are held against",
+     [] { return std::string(report::kAccuracyReference) + AllErrors(); }},
+    {"results", "what a results file holds",
+     [] { return std::string(report::kResultsReference) + AllSeriesText(); }},
+    {"traces", "recorded boxes, and detectors that are run on them",
+     [] { return std::string(report::kTracesReference); }},
+    {"verdicts", "how a run can end, and by which measure", AllVerdicts},
+    {"objects", "what can be placed", report::ObjectReference},
+    {"detectors", "what can be timed, and how", report::DetectorReference},
+    {"layouts", "how objects can be placed", report::LayoutReference},
+    {"schedules", "how a vector changes while a run goes on", report::ScheduleReference},
+    {"scenarios", "what comes with cdb, for `cdb run` and for `use`", Scenarios},
+};
+
+}  // namespace
+
+std::span<const Topic> Topics() { return kTopics; }
+
+}  // namespace cdb::cli

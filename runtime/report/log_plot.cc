@@ -1,0 +1,57 @@
+#include "runtime/report/log_plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "runtime/report/table.h"
+
+namespace cdb::report {
+namespace {
+
+constexpr std::size_t kPlotWidth = 60, kPlotHeight = 14;
+
+}  // namespace
+
+std::string LogPlot(const std::vector<PlotPoint>& points, const std::string& x_name,
+                    const std::string& y_name) {
+  if (points.size() < 2) return {};
+  const auto range = [&points](auto of) {
+    double low = of(points[0]), high = low;
+    for (const PlotPoint& point : points) {
+      low = std::min(low, of(point));
+      high = std::max(high, of(point));
+    }
+    return std::pair(low, high);
+  };
+  const auto [left, right] = range([](const PlotPoint& point) { return point.x; });
+  const auto [bottom, top] = range([](const PlotPoint& point) { return point.y; });
+  const auto place = [](double value, double low, double high, std::size_t extent) {
+    const double share = low == high ? 0.5 : std::log(value / low) / std::log(high / low);
+    return static_cast<std::size_t>(std::lround(share * static_cast<double>(extent - 1)));
+  };
+  std::vector<std::string> lines(kPlotHeight, std::string(kPlotWidth, ' '));
+  for (const bool front : {false, true})
+    for (const PlotPoint& point : points)
+      if (point.on_front == front)
+        lines[kPlotHeight - 1 - place(point.y, bottom, top, kPlotHeight)]
+             [place(point.x, left, right, kPlotWidth)] = front ? '*' : 'o';
+  std::string text = fmt::format("{}, * front\n", y_name);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::string label;
+    if (i == 0) label = ScientificNumber(top);
+    if (i + 1 == lines.size()) label = ScientificNumber(bottom);
+    const std::size_t end = lines[i].find_last_not_of(' ') + 1;
+    text += fmt::format("{:>9} |{}\n", label, lines[i].substr(0, end));
+  }
+  const std::string from = ShortNumber(left), to = ShortNumber(right);
+  text += fmt::format("{:>9} +{}\n", "", std::string(kPlotWidth, '-'));
+  const std::size_t room = kPlotWidth - std::min(kPlotWidth, from.size() + to.size());
+  text += fmt::format("{:>11}{}{:^{}}{}\n", "", from, x_name, room, to);
+  return text;
+}
+
+}  // namespace cdb::report

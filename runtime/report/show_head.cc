@@ -1,0 +1,161 @@
+#include "runtime/report/show_head.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "compiler/plan/pruning.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/schema/schema.h"
+#include "runtime/report/cells.h"
+#include "runtime/report/show_detectors.h"
+
+namespace cdb::report {
+namespace {
+
+using Cell = store::ResultFile::Cell;
+
+constexpr std::size_t kMaxBadListed = 8;
+
+class Head {
+ public:
+  Head(const store::ResultFile& file, const CellGroups& groups,
+       const std::vector<DetectorFindings>& findings, const std::vector<std::string>& references)
+      : file_(file), groups_(groups), findings_(findings), references_(references) {}
+
+  std::string Text() const {
+    std::string text = Grid() + WrongDetectors(file_, findings_) + Timing();
+    for (const std::string& trouble : references_)
+      text += fmt::format("  What runs are held against is not there: {}\n", trouble);
+    text += HarnessText(file_, groups_.good) + LeftOut() + Models() + Verdicts() + Errors();
+    if (groups_.missing > 0) text += fmt::format("  {} not run yet.\n", groups_.missing);
+    return text + BadRuns();
+  }
+
+ private:
+  /// The title and the runs.
+  std::string Grid() const {
+    std::string grid;
+    for (const plan::Axis& axis : file_.axes())
+      grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
+    if (file_.repeats() > 1)
+      grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", file_.repeats());
+    const std::size_t cells = groups_.NotSkipped();
+    std::string text =
+        fmt::format("{}\n  {} {}{}, {} cycles", file_.title(), cells, cells == 1 ? "run" : "runs",
+                    grid.empty() ? "" : " (" + grid + ")", file_.cycles());
+    if (groups_.skipped > 0) text += fmt::format(", {} left out by skip", groups_.skipped);
+    return text + '\n';
+  }
+
+  /// Why the timings are not to be quoted.
+  std::string Timing() const {
+    std::string text;
+    if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
+      text +=
+          fmt::format("  Timed with a {} build of cdb: these are not timings to quote.\n", build);
+    if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
+      text += fmt::format(
+          "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
+    return text;
+  }
+
+  /// Where the errors are shown, if the file has any.
+  std::string Errors() const {
+    std::string names;
+    for (const schema::ErrorInfo& error : schema::Errors())
+      if (file_.Has(fmt::format("accuracy/{}", error.name)))
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", error.name);
+    return names.empty() ? names : fmt::format("  Errors, by cdb show --error: {}.\n", names);
+  }
+
+  /// What the physics of the runs in the figures is worth. Nothing where no run was judged.
+  std::string Verdicts() const {
+    std::string doubts;
+    for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
+      const auto& [verdict, runs] = *row;
+      if (verdict <= measure::Verdict::kStable) continue;
+      doubts += fmt::format("    {} {}: {} from cycle {} on{}\n", runs.size(),
+                            measure::VerdictName(verdict), PlaceText(file_, runs[0].cell),
+                            runs[0].first_bad_cycle, runs.size() > 1 ? ", and others" : "");
+    }
+    const auto stable = groups_.verdicts.find(measure::Verdict::kStable);
+    const std::size_t sound = stable == groups_.verdicts.end() ? 0 : stable->second.size();
+    if (doubts.empty())
+      return sound == 0 ? "" : fmt::format("  Verdict: {}stable.\n", sound > 1 ? "all " : "");
+    return fmt::format("  {} stable; in the figures below, but not sound (cdb doc verdicts):\n{}",
+                       sound, doubts);
+  }
+
+  /// How well convex hulls stand for the models of the scene, a line for each.
+  std::string Models() const {
+    std::set<std::string> lines;
+    std::istringstream all(file_.ReadProvenance("models"));
+    for (std::string line; std::getline(all, line);) {
+      // Texts of several runs are joined.
+      if (line.starts_with("; ")) line.erase(0, 2);
+      if (!line.empty()) lines.insert(line);
+    }
+    std::string text;
+    for (const std::string& line : lines) text += fmt::format("  {}\n", line);
+    return text;
+  }
+
+  /// What the measurement is without, and in how many of the runs that ended well.
+  std::string LeftOut() const {
+    if (!file_.Has("omitted")) return {};
+    std::map<std::size_t, std::string, std::greater<>> by_count;
+    for (const schema::ComponentInfo& info : schema::Components()) {
+      if (!info.IsVisible()) continue;
+      const auto count =
+          static_cast<std::size_t>(std::ranges::count_if(groups_.good, [&](const Cell& cell) {
+            return schema::ListsWord(file_.ReadText("omitted", cell), info.name);
+          }));
+      if (count == 0) continue;
+      std::string& names = by_count[count];
+      names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.changes);
+    }
+    std::string text;
+    for (const auto& [count, names] : by_count) {
+      const std::string where = count < groups_.good.size()
+                                    ? fmt::format(" in {} of {} runs", count, groups_.good.size())
+                                : count > 1 ? fmt::format(" in all {} runs", count)
+                                            : std::string();
+      text += fmt::format("{}  Left out{}: {}.", text.empty() ? "" : "\n", where, names);
+    }
+    return text.empty() ? text : text + " omit none times everything.\n";
+  }
+
+  /// Runs without a place in the figures.
+  std::string BadRuns() const {
+    const auto& bad = groups_.bad;
+    if (bad.empty()) return {};
+    std::string text = fmt::format("  {} did not end well and {} in no figure below:\n", bad.size(),
+                                   bad.size() == 1 ? "is" : "are");
+    for (std::size_t i = 0; i < std::min(bad.size(), kMaxBadListed); ++i)
+      text += fmt::format("    {}: {}\n", PlaceText(file_, bad[i].cell), bad[i].why);
+    if (bad.size() > kMaxBadListed)
+      text += fmt::format("    and {} more\n", bad.size() - kMaxBadListed);
+    return text + fmt::format("  To run the first of them by itself: {}\n",
+                              OnlyCommand(file_, bad[0].cell));
+  }
+
+  const store::ResultFile& file_;
+  const CellGroups& groups_;
+  const std::vector<DetectorFindings>& findings_;
+  const std::vector<std::string>& references_;
+};
+
+}  // namespace
+
+std::string SummaryHead(const store::ResultFile& file, const CellGroups& groups,
+                        const std::vector<DetectorFindings>& findings,
+                        const std::vector<std::string>& references) {
+  return Head(file, groups, findings, references).Text();
+}
+
+}  // namespace cdb::report

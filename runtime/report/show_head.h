@@ -1,0 +1,18 @@
+// The head of a summary (`cdb show`): what was run, and how far its figures can be trusted.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/report/figures.h"
+#include "runtime/report/findings.h"
+#include "runtime/store/store.h"
+
+namespace cdb::report {
+
+/// `references`: the failed reference runs. Throws StoreError.
+std::string SummaryHead(const store::ResultFile& file, const CellGroups& groups,
+                        const std::vector<DetectorFindings>& findings,
+                        const std::vector<std::string>& references);
+
+}  // namespace cdb::report
