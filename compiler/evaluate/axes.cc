@@ -6,6 +6,7 @@
 #include <set>
 
 #include "compiler/evaluate/arguments.h"
+#include "compiler/evaluate/defaults.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -35,6 +36,9 @@ class Walker {
     if (referent.let && seen_.insert(referent.let->node).second)
       Sweeps(*referent.let->node->value, referent.let->scope, found);
     if (referent.parameter) Sweeps(*referent.parameter, found);
+    if (!referent.is_object_count) return;
+    for (const std::string& group : layers_.groups)
+      Sweeps(scenario::ParameterKey{group, schema::FindParameter("quantity", true)}, found);
   }
 
   void Sweeps(const scenario::ParameterKey& key, std::set<const Expr*>& found) {
@@ -43,9 +47,8 @@ class Walker {
     if (setting != layers_.settings.end()) {
       for (const auto& value : setting->second.node->values)
         Sweeps(*value, setting->second.scope, found);
-    } else if (key.second->name == "world.side") {
-      for (const std::string& group : layers_.groups)
-        Sweeps(scenario::ParameterKey{group, schema::FindParameter("quantity", true)}, found);
+    } else {
+      for (const auto& value : DefaultSetting(*key.second).values) Sweeps(*value, {}, found);
     }
   }
 

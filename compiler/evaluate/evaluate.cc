@@ -152,6 +152,7 @@ std::optional<Term> Evaluator::EvaluatePath(const Expr& expr, const scenario::Sc
                    fmt::format("nothing is called '{}'", expr.text));
     return Term{schema::Word{expr.text}};
   }
+  if (referent.is_object_count) return CountObjects();
   const void* node = referent.let ? static_cast<const void*>(referent.let->node)
                                   : static_cast<const void*>(referent.parameter->second);
   if (!CheckCircle(node, expr)) return std::nullopt;
@@ -206,18 +207,18 @@ std::optional<Term> Evaluator::EvaluateParameter(const scenario::ParameterKey& k
                                          : EvaluateList(DefaultSetting(*key.second), {}, *this);
   if (set != layers_.settings.end() && set->second.node->values.size() == 1)
     return Evaluate(*set->second.node->values[0], set->second.scope);
-  if (key.second->name == "world.side" && set == layers_.settings.end()) {
-    Number objects = Number::Whole(0);
-    for (const std::string& group : layers_.groups) {
-      const auto quantity = EvaluateParameter({group, schema::FindParameter("quantity", true)});
-      if (!quantity || !quantity->number()) return std::nullopt;
-      objects = objects + *quantity->number();
-    }
-    // An empty world still has a cube.
-    if (objects.AsReal() < 1) objects = Number::Whole(1);
-    return Term{Number::Whole(50) * objects};
-  }
   return Evaluate(*DefaultSetting(*key.second).values[0], {});
+}
+
+std::optional<Term> Evaluator::CountObjects() {
+  Number objects = Number::Whole(0);
+  for (const std::string& group : layers_.groups) {
+    const auto quantity = EvaluateParameter({group, schema::FindParameter("quantity", true)});
+    if (!quantity || !quantity->number()) return std::nullopt;
+    objects = objects + *quantity->number();
+  }
+  // An empty world still has a cube.
+  return Term{objects.AsReal() < 1 ? Number::Whole(1) : objects};
 }
 
 std::optional<schema::Value> Evaluator::ToValue(const Term& term,

@@ -53,6 +53,8 @@ class Evaluator {
   std::optional<Term> EvaluateLet(const scenario::Placed<dsl::Let>& let);
   std::optional<Term> EvaluateNamedParameter(const dsl::Expr& expr,
                                              const scenario::ParameterKey& key);
+  /// In all groups, at least 1.
+  std::optional<Term> CountObjects();
   /// `node`, written as `expr`, is not being evaluated already.
   bool CheckCircle(const void* node, const dsl::Expr& expr);
 

@@ -9,11 +9,13 @@ namespace {
 
 /// Lets of a file come before the statements of any benchmark.
 constexpr int kFileLets = -1'000'000;
+constexpr std::string_view kObjectCount = "objects";
 
 }  // namespace
 
 Referent Names::Resolve(const std::string& path, const scenario::Scope& scope) const {
-  if (scope.file == nullptr) return {};  // a default of the schema: its words are words
+  // A default of the schema: all its other words are words.
+  if (scope.file == nullptr) return {std::nullopt, std::nullopt, path == kObjectCount};
   if (scope.parameter != nullptr &&
       (scope.parameter->HasWord(path, scenario_.plugins()) || scope.parameter->TakesCall(path)))
     return {};

@@ -14,8 +14,9 @@ namespace cdb::evaluate {
 struct Referent {
   std::optional<scenario::Placed<dsl::Let>> let;
   std::optional<scenario::ParameterKey> parameter;  ///< a parameter's name, set or not
+  bool is_object_count = false;                     ///< `objects` in a default of the schema
 
-  bool IsWord() const { return !let && !parameter; }
+  bool IsWord() const { return !let && !parameter && !is_object_count; }
 };
 
 class Names {
