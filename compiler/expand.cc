@@ -10,6 +10,7 @@
 #include "compiler/checks/scene_checks.h"
 #include "compiler/evaluate/configuration.h"
 #include "compiler/evaluate/convert.h"
+#include "compiler/evaluate/ranges.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -240,9 +241,16 @@ class Expander {
     return true;
   }
 
+  /// The values of an axis of words.
+  static std::vector<std::string> WordsOf(const plan::Axis& axis) {
+    std::vector<std::string> words;
+    for (const plan::Coordinate& word : axis.values) words.push_back(std::get<std::string>(word));
+    return words;
+  }
+
   bool IsSkipped(evaluate::Configuration& configuration, const evaluate::Point& at) {
     if (configuration.layers().skips.empty()) return false;
-    evaluate::Evaluator& evaluator = configuration.evaluator();
+    evaluate::Conditions& conditions = configuration.conditions();
     for (std::size_t a = 0; a < grid_.size(); ++a) {
       const plan::Axis& axis = grid_[a].axis;
       const plan::Coordinate& value = axis.values[at[a]];
@@ -254,16 +262,13 @@ class Expander {
                 : evaluate::Term{evaluate::Number::Real(*number)};
       } else {
         term = evaluate::Term{schema::Word{std::get<std::string>(value)}};
-        auto& words = evaluator.axis_words[axis.name];
-        if (words.empty())
-          for (const plan::Coordinate& word : axis.values)
-            words.push_back(std::get<std::string>(word));
+        if (!conditions.HasAxisWords(axis.name)) conditions.SetAxisWords(axis.name, WordsOf(axis));
       }
-      evaluator.axis_values.insert_or_assign(axis.name, std::move(term));
+      conditions.SetAxis(axis.name, std::move(term));
     }
     bool skipped = false;
     for (const scenario::Placed<dsl::Skip>& skip : configuration.layers().skips)
-      skipped = evaluator.Holds(*skip.node->when, skip.scope) || skipped;
+      skipped = conditions.Hold(*skip.node->when, skip.scope) || skipped;
     return skipped;
   }
 

@@ -28,11 +28,11 @@ constexpr LintInfo kLints[] = {
      "end_mass / mass g timestep^2 / (size erp iterations) of a chain of joints", "0.1",
      "joints {} come apart", "timestep {} or less, or more solver.iterations",
      "links.end_mass timestep solver.iterations mass"},
-        {Lint::kNarrowFoot, Warning("narrow-foot"),
+    {Lint::kNarrowFoot, Warning("narrow-foot"),
      "size of what stands over that of the one object it stands on", "30",
      "objects {} tip over", "a foot of {} m or more",
      "size location"},
-        {Lint::kOverlap, Warning("overlap"),
+    {Lint::kOverlap, Warning("overlap"),
      "how far objects of a line begin in one another, over size", "0.3",
      "objects {} be pushed apart", "a gap of -{} m at most",
      "location size"},
@@ -95,10 +95,10 @@ constexpr LintInfo kLints[] = {
 };
 // clang-format on
 
-/// As people write it: a step is a fraction of a second.
-/// s; nobody waits for smaller ones.
+/// s; runs with smaller ones take too long to be of use.
 constexpr double kLeastTimestep = 1e-5;
 
+/// A time step as a fraction of a second, a count as a whole number.
 std::string RemedyNumber(Lint lint, double value) {
   const LintInfo& info = InfoOf(lint);
   if (info.remedy.starts_with("timestep") && value < 1)

@@ -1,7 +1,6 @@
-// Numbers of a scene that foretell whether Bullet can follow it, before anything runs.
-// Source: measured on Bullet 3.24 (issue "Error against run time, and stability on stiff and
-// extreme cases"); `cdb doc lints` prints the table, and tests/runtime/engine/lints_test.cc holds
-// it against what runs come to.
+// Numbers of a scene that foretell whether Bullet can simulate it, before anything runs.
+// Source: measured on Bullet 3.24. `cdb doc lints` prints the table, and
+// tests/runtime/engine/lints_test.cc compares it with the outcome of runs.
 #pragma once
 
 #include <cstddef>
@@ -73,8 +72,8 @@ struct LintNumber {
 };
 
 /// The worst number of each lint that has something to say about the scene, in the order of the
-/// table. By the bounds of what is drawn (compiler/bounds.h); nothing is drawn or placed. Any
-/// thread; about two microseconds a group.
+/// table. By the bounds of what is drawn (compiler/checks/bounds.h); nothing is drawn or placed.
+/// Any thread; about two microseconds a group.
 std::vector<LintNumber> LintScene(const plan::Scene& scene);
 
 /// `the stack will fall: ... is 0.2, the limit is 0.015`, and what to write instead.

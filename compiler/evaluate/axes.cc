@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "compiler/evaluate/evaluate_call.h"
+#include "compiler/evaluate/arguments.h"
+#include "compiler/evaluate/defaults.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -31,10 +32,13 @@ class Walker {
       if (argument.weight) Sweeps(*argument.weight, scope, found);
     }
     if (expr.kind != ExprKind::kPath) return;
-    const Referent referent = evaluator_.Resolve(expr.text, scope);
+    const Referent referent = evaluator_.names().Resolve(expr.text, scope);
     if (referent.let && seen_.insert(referent.let->node).second)
       Sweeps(*referent.let->node->value, referent.let->scope, found);
     if (referent.parameter) Sweeps(*referent.parameter, found);
+    if (!referent.is_object_count) return;
+    for (const std::string& group : layers_.groups)
+      Sweeps(scenario::ParameterKey{group, schema::GroupParameter("quantity").get()}, found);
   }
 
   void Sweeps(const scenario::ParameterKey& key, std::set<const Expr*>& found) {
@@ -43,9 +47,8 @@ class Walker {
     if (setting != layers_.settings.end()) {
       for (const auto& value : setting->second.node->values)
         Sweeps(*value, setting->second.scope, found);
-    } else if (key.second->name == "world.side") {
-      for (const std::string& group : layers_.groups)
-        Sweeps(scenario::ParameterKey{group, schema::GroupParameter("quantity").get()}, found);
+    } else {
+      for (const auto& value : DefaultSetting(*key.second).values) Sweeps(*value, {}, found);
     }
   }
 
@@ -128,7 +131,7 @@ class AxisFinder {
         }
         return;
       case ExprKind::kPath: {
-        const Referent referent = evaluator_.Resolve(expr.text, scope);
+        const Referent referent = evaluator_.names().Resolve(expr.text, scope);
         if (!referent.let || !seen_.insert(referent.let->node).second) return;
         Statement let{referent.let->node->name.text, {}, {}, {}, referent.let->order, 0};
         const Expr& value = *referent.let->node->value;
@@ -158,7 +161,7 @@ class AxisFinder {
     axis.argument = part.argument;
     axis.component = part.component;
     axis.order = {statement.order, statement.count++};
-    const Sweep* sweep = evaluator_.FindSweep(call, scope);
+    const Sweep* sweep = evaluator_.sweeps().Find(call, scope);
     if (sweep == nullptr) return;
 
     // In `20 * sweep(1, 2)` the axis is what comes out, unless another axis has a part in it.

@@ -6,6 +6,7 @@
 
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/plan/plan.h"
+#include "compiler/schema/parametrised_words.h"
 
 namespace cdb::evaluate {
 

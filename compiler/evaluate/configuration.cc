@@ -73,6 +73,7 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
     : scenario_(scenario),
       layers_(std::move(layers)),
       evaluator_(scenario, layers_, diagnostics),
+      conditions_(evaluator_),
       axes_(FindAxes(layers_, evaluator_)) {
   // Also those that nothing uses: a file is checked whole.
   for (const auto& [key, let] : layers_.lets)
@@ -119,7 +120,7 @@ void Configuration::CheckSettings() {
 dsl::Span Configuration::SpanOf(const scenario::ParameterKey& key, const dsl::Span& otherwise) {
   const auto setting = layers_.settings.find(key);
   if (setting == layers_.settings.end()) return otherwise;
-  return evaluator_.Origin(*setting->second.node->values[0], setting->second.scope).span;
+  return evaluator_.sweeps().Origin(*setting->second.node->values[0], setting->second.scope).span;
 }
 
 dsl::Span Configuration::SpanOfWord(const scenario::ParameterKey& key, std::string_view word) {
@@ -127,7 +128,7 @@ dsl::Span Configuration::SpanOfWord(const scenario::ParameterKey& key, std::stri
   for (const auto& value : setting.node->values) {
     const auto term = evaluator_.Evaluate(*value, setting.scope);
     if (term && term->word() && term->word()->text == word)
-      return evaluator_.Origin(*value, setting.scope).span;
+      return evaluator_.sweeps().Origin(*value, setting.scope).span;
   }
   CDB_CHECK(false);
 }
@@ -192,7 +193,7 @@ std::optional<schema::Value> Configuration::Make(const scenario::ParameterKey& k
     for (const auto& value : setting.values) {
       const auto term = evaluator_.Evaluate(*value, scope);
       if (!term) return std::nullopt;
-      terms.emplace_back(*term, evaluator_.Origin(*value, scope).span);
+      terms.emplace_back(*term, evaluator_.sweeps().Origin(*value, scope).span);
     }
     return ConvertList(terms, parameter, evaluator_.diagnostics());
   }

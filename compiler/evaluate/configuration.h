@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/evaluate/axes.h"
+#include "compiler/evaluate/conditions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/plan/plan.h"
 #include "compiler/scenario/layers.h"
@@ -31,6 +32,7 @@ class Configuration {
   const scenario::Layers& layers() const { return layers_; }
   const std::vector<SweepAxis>& axes() const { return axes_; }
   Evaluator& evaluator() { return evaluator_; }
+  Conditions& conditions() { return conditions_; }
 
   /// What follows is of this point.
   void Choose(const Point& point);
@@ -67,6 +69,7 @@ class Configuration {
   const scenario::Scenario& scenario_;
   scenario::Layers layers_;
   Evaluator evaluator_;
+  Conditions conditions_;
   std::vector<SweepAxis> axes_;
   std::vector<ParameterValues> parameters_;
   Point point_;

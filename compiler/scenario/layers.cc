@@ -19,7 +19,7 @@ bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
 
 /// Names that a let may not have. Those of components, errors and closed forms may be had:
 /// `gravity`, `height` and `spin` are names a scene wants, and behind the parameter that takes them
-/// they are words (Evaluator::Resolve).
+/// they are words (Names::Resolve).
 bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDetector> plugins) {
   if (schema::FindDistribution(name) || name == "sweep" || name == "true" || name == "false" ||
       name == "on" || name == "off")

@@ -63,6 +63,7 @@ consteval auto MakeParameters() {
     {"seed", false, kCount, {.min = 0, .max = kMaxSeed}, kConstant, "", "0xAAAAAAAAAA", "", kOwn,
      "every distribution has a random stream of its own, seeded by it",
      "random_seed rng"},
+    // In a default, `objects` is the number of objects in all groups, at least 1.
     {"world.side", false, kReal, kPositive, kConstant, "m", "50 * objects", "", kOwn,
      "side of the cube, centred on the origin; 50 times the number of objects where it is left out",
      "side cube box width world.size"},

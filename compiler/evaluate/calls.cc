@@ -1,0 +1,99 @@
+#include "compiler/evaluate/calls.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "compiler/evaluate/arguments.h"
+#include "compiler/evaluate/convert.h"
+#include "compiler/evaluate/distributions.h"
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/evaluate/named_files.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+
+namespace cdb::evaluate {
+namespace {
+
+using dsl::Expr;
+
+/// A word with its arguments.
+std::optional<Term> EvaluateWord(const Expr& expr, const schema::ParametrisedWord& info,
+                                 const scenario::Scope& scope, Evaluator& evaluator) {
+  const GivenArguments given(expr, info, evaluator.diagnostics());
+  bool good = given.good();
+  schema::Call call{std::string(info.name), {}};
+  std::vector<std::string_view> missing;
+  std::vector<Term> terms(info.arguments.size(), Term{schema::Word{}});
+  for (std::size_t i = 0; i < info.arguments.size(); ++i) {
+    const schema::Parameter& parameter = info.arguments[i];
+    if (given[i] == nullptr) {
+      if (parameter.default_text.empty()) {
+        missing.push_back(parameter.name);
+      } else {
+        call.arguments.push_back(schema::DefaultOf(parameter));
+      }
+      continue;
+    }
+    scenario::Scope inner = scope;
+    inner.parameter = &parameter;
+    const Expr& written = *given[i]->value;
+    const auto term = evaluator.Evaluate(written, inner);
+    const auto value =
+        term ? evaluator.ToValue(*term, parameter, written, inner) : std::optional<schema::Value>();
+    good = good && value;
+    if (!value) continue;
+    call.arguments.push_back(*value);
+    terms[i] = *term;
+  }
+  // A name that is not quite right is what is missing.
+  if (given.good() && !missing.empty())
+    ReportMissingArguments(info, missing, expr.span, evaluator.diagnostics());
+  if (!good || !missing.empty()) return std::nullopt;
+  if (schema::NamesFile(info) &&
+      !ReadNamedFile(evaluator.scenario(), terms, call, evaluator.diagnostics()))
+    return std::nullopt;
+  return Term{std::move(call)};
+}
+
+std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
+                              Evaluator& evaluator) {
+  const auto takes_word = [&](const schema::Parameter& parameter) {
+    return parameter.HasWord(expr.text, evaluator.scenario().plugins());
+  };
+  const Referent referent = evaluator.names().Resolve(expr.text, scope);
+  if (!referent.IsWord() ||
+      (scope.parameter != nullptr ? takes_word(*scope.parameter)
+                                  : std::ranges::any_of(schema::Schema(), takes_word)))
+    return evaluator.Error(scenario::kBadArguments, expr.span,
+                           fmt::format("'{}' takes no arguments", expr.text),
+                           fmt::format("write {} alone", expr.text));
+  std::vector<std::string_view> names = {"sweep", "any", "uniform", "normal", "log_uniform"};
+  for (const schema::ParametrisedWord& info : schema::ParametrisedWords())
+    if (scope.parameter == nullptr || scope.parameter->TakesCall(info.name))
+      names.push_back(info.name);
+  const std::string_view near = dsl::DidYouMean(expr.text, names);
+  return evaluator.Error(scenario::kUnknownName, expr.span,
+                         fmt::format("no function is called '{}'", expr.text),
+                         near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                                      : fmt::format("did you mean '{}'?", near));
+}
+
+}  // namespace
+
+std::optional<Term> EvaluateCall(const Expr& call, const scenario::Scope& scope,
+                                 Evaluator& evaluator) {
+  if (call.text == "sweep") return evaluator.sweeps().Evaluate(call, scope);
+  if (call.axis)
+    return evaluator.Error(scenario::kMisplacedSweep, call.axis->span,
+                           "only a sweep makes an axis that has a name");
+  if (call.text == "any") return EvaluateAny(call, scope, evaluator);
+  if (const auto kind = schema::FindDistribution(call.text))
+    return EvaluateDistribution(call, *kind, scope, evaluator);
+  if (const schema::ParametrisedWord* info = schema::FindParametrisedWord(call.text))
+    return EvaluateWord(call, *info, scope, evaluator);
+  return NoSuchFunction(call, scope, evaluator);
+}
+
+}  // namespace cdb::evaluate

@@ -1,0 +1,133 @@
+#include "compiler/evaluate/conditions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/scenario/diagnostic_kinds.h"
+
+namespace cdb::evaluate {
+namespace {
+
+using dsl::Expr;
+using dsl::ExprKind;
+
+bool CompareNumbers(const std::string& op, const Number& left, const Number& right) {
+  const auto order = Compare(left, right);
+  if (op == "==") return order == 0;
+  if (op == "!=") return order != 0;
+  if (op == "<") return order < 0;
+  if (op == "<=") return order <= 0;
+  if (op == ">") return order > 0;
+  return order >= 0;
+}
+
+bool AreEqual(const Term& left, const Term& right) {
+  if (left.vector() && right.vector()) return *left.vector() == *right.vector();
+  return left.number() == nullptr && right.number() == nullptr && ToText(left) == ToText(right);
+}
+
+}  // namespace
+
+void Conditions::SetAxis(const std::string& name, Term value) {
+  axis_values_.insert_or_assign(name, std::move(value));
+}
+
+void Conditions::SetAxisWords(const std::string& name, std::vector<std::string> words) {
+  axis_words_.insert_or_assign(name, std::move(words));
+}
+
+bool Conditions::Hold(const dsl::Condition& condition, const scenario::Scope& scope) {
+  using enum dsl::ConditionKind;
+  switch (condition.kind) {
+    case kNot:
+      return !Hold(*condition.items[0], scope);
+    case kAnd:
+    case kOr: {
+      // Both sides are always evaluated, so that every error is found.
+      const bool left = Hold(*condition.items[0], scope);
+      const bool right = Hold(*condition.items[1], scope);
+      return condition.kind == kAnd ? left && right : left || right;
+    }
+    case kCompare:
+      break;
+  }
+  return Compare(condition, scope);
+}
+
+bool Conditions::Compare(const dsl::Condition& condition, const scenario::Scope& scope) {
+  for (const bool swap : {false, true}) {
+    const Expr& word = swap ? *condition.left : *condition.right;
+    const Expr& other = swap ? *condition.right : *condition.left;
+    if (IsLiteralWord(word, scope) && !CheckWord(word, other, scope)) return false;
+  }
+  const auto left = Comparand(*condition.left, *condition.right, scope);
+  const auto right = Comparand(*condition.right, *condition.left, scope);
+  if (!left || !right) return false;
+  const std::string& op = condition.op;
+  if (left->number() && right->number())
+    return CompareNumbers(op, *left->number(), *right->number());
+  if (op != "==" && op != "!=") {
+    evaluator_.Error(scenario::kBadComparison, condition.span,
+                     fmt::format("'{}' compares numbers only", op),
+                     "words are compared with == and !=");
+    return false;
+  }
+  return (op == "==") == AreEqual(*left, *right);
+}
+
+std::optional<Term> Conditions::Comparand(const Expr& expr, const Expr& other,
+                                          const scenario::Scope& scope) {
+  if (expr.kind == ExprKind::kPath) {
+    // Beside `omit`, `sleeping` is a component and not the switch of that name.
+    const auto words = WordsOf(other, scope);
+    if (std::ranges::find(words, expr.text) != words.end() &&
+        !evaluator_.names().Resolve(expr.text, scope).let)
+      return Term{schema::Word{expr.text}};
+    const auto axis = axis_values_.find(expr.text);
+    if (axis != axis_values_.end()) return axis->second;
+  }
+  return evaluator_.Evaluate(expr, scope);
+}
+
+bool Conditions::CheckWord(const Expr& word, const Expr& other, const scenario::Scope& scope) {
+  const std::vector<std::string_view> words = WordsOf(other, scope);
+  if (other.kind == ExprKind::kPath && !axis_values_.contains(other.text) &&
+      evaluator_.names().Resolve(other.text, scope).let)
+    return true;
+  if (std::ranges::find(words, word.text) != words.end()) return true;
+  const std::string_view near = dsl::DidYouMean(word.text, words);
+  std::string help;
+  if (!near.empty()) {
+    help = fmt::format("did you mean '{}'?", near);
+  } else if (!words.empty()) {
+    help = fmt::format("it is one of {}", fmt::join(words, ", "));
+  }
+  evaluator_.Error(scenario::kUnknownName, word.span,
+                   words.empty()
+                       ? fmt::format("no axis, let or parameter is called '{}'", word.text)
+                       : fmt::format("'{}' is never '{}'", other.text, word.text),
+                   std::move(help));
+  return false;
+}
+
+bool Conditions::IsLiteralWord(const Expr& expr, const scenario::Scope& scope) const {
+  return expr.kind == ExprKind::kPath && !axis_values_.contains(expr.text) &&
+         evaluator_.names().Resolve(expr.text, scope).IsWord();
+}
+
+std::vector<std::string_view> Conditions::WordsOf(const Expr& expr,
+                                                  const scenario::Scope& scope) const {
+  if (expr.kind != ExprKind::kPath) return {};
+  if (const auto axis = axis_words_.find(expr.text); axis != axis_words_.end())
+    return {axis->second.begin(), axis->second.end()};
+  if (axis_values_.contains(expr.text)) return {};
+  const Referent referent = evaluator_.names().Resolve(expr.text, scope);
+  if (!referent.parameter) return {};
+  const schema::Parameter& parameter = *referent.parameter->second;
+  std::vector<std::string_view> words = parameter.AllWords(evaluator_.scenario().plugins());
+  for (const std::string_view call : parameter.AllCalls()) words.push_back(call);
+  return words;
+}
+
+}  // namespace cdb::evaluate

@@ -1,0 +1,181 @@
+#include "compiler/evaluate/distributions.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+
+namespace cdb::evaluate {
+namespace {
+
+using dsl::Expr;
+using Eigen::Vector3d;
+using schema::DistributionKind;
+
+/// The weight of a choice of any( ): 1 where none is written.
+std::optional<double> WeightOf(const dsl::Argument& argument, const scenario::Scope& scope,
+                               Evaluator& evaluator) {
+  if (!argument.weight) return 1;
+  const auto number = evaluator.EvaluateNumber(*argument.weight, scope, "weights");
+  if (!number) return std::nullopt;
+  if (!(number->AsReal() > 0))
+    return evaluator.Error(scenario::kOutOfDomain, argument.weight->span, "a weight is more than 0",
+                           "leave out what is never to be chosen");
+  return number->AsReal();
+}
+
+/// Adds a choice of any( ); false after a diagnostic.
+bool AddChoice(const dsl::Argument& argument, const scenario::Scope& scope, Evaluator& evaluator,
+               DrawnTerm& drawn) {
+  if (argument.name) {
+    evaluator.Error(scenario::kBadArguments, argument.name->span,
+                    fmt::format("any( ) has no argument '{}'", argument.name->text),
+                    "a weight follows its choice: any(sphere 3, cone 1)");
+    return false;
+  }
+  const auto choice = evaluator.Evaluate(*argument.value, scope);
+  const auto weight = WeightOf(argument, scope, evaluator);
+  if (choice && choice->drawn()) {
+    evaluator.Error(scenario::kBadArguments, argument.value->span,
+                    "a distribution cannot be a choice of any( )");
+    return false;
+  }
+  if (!choice || !weight) return false;
+  drawn.arguments.push_back(*choice);
+  drawn.weights.push_back(*weight);
+  return true;
+}
+
+/// A distribution of two numbers or two vectors while it is evaluated.
+class PairDistribution {
+ public:
+  PairDistribution(const Expr& call, DistributionKind kind, const scenario::Scope& scope,
+                   Evaluator& evaluator)
+      : call_(call),
+        kind_(kind),
+        is_normal_(kind == DistributionKind::kNormal),
+        usage_(is_normal_ ? "normal(mean, deviation), or normal(mean, variance: v)"
+                          : "uniform(least, most)"),
+        scope_(scope),
+        evaluator_(evaluator) {}
+
+  std::optional<Term> Evaluate() {
+    for (const dsl::Argument& argument : call_.arguments)
+      if (!CheckForm(argument) || !Add(argument)) return std::nullopt;
+    if (!MatchKinds() || !CheckDomain()) return std::nullopt;
+    if (is_variance_) arguments_[1] = DeviationOf(arguments_[1]);
+    return Term{DrawnTerm{kind_, std::move(arguments_), {}}};
+  }
+
+ private:
+  bool Fail(const dsl::DiagnosticKind& kind, const dsl::Span& span, std::string message,
+            std::string help = {}) {
+    evaluator_.Error(kind, span, std::move(message), std::move(help));
+    return false;
+  }
+
+  bool CheckForm(const dsl::Argument& argument) {
+    if (argument.weight)
+      return Fail(scenario::kBadArguments, argument.weight->span,
+                  fmt::format("{}( ) takes no weights", call_.text), usage_);
+    if (!argument.name) return true;
+    is_variance_ = argument.name->text == "variance";
+    const bool is_second = arguments_.size() == 1;
+    if (is_normal_ && is_second && (is_variance_ || argument.name->text == "sd")) return true;
+    return Fail(scenario::kBadArguments, argument.name->span,
+                fmt::format("{}( ) has no argument '{}'{}", call_.text, argument.name->text,
+                            is_normal_ && !is_second ? " there" : ""),
+                usage_);
+  }
+
+  bool Add(const dsl::Argument& argument) {
+    const auto term = evaluator_.Evaluate(*argument.value, scope_);
+    if (!term) return false;
+    if (!term->number() && !term->vector())
+      return Fail(
+          scenario::kWrongKind, argument.value->span,
+          fmt::format("{}( ) takes numbers or vectors, this is {}", call_.text, KindName(*term)),
+          usage_);
+    arguments_.push_back(*term);
+    return true;
+  }
+
+  /// Both become numbers or both vectors: 0 beside a vector is one.
+  bool MatchKinds() {
+    if (arguments_.size() != 2)
+      return Fail(scenario::kBadArguments, call_.span,
+                  fmt::format("{}( ) takes two values, here {} {}", call_.text,
+                              arguments_.size() == 1 ? "is" : "are", arguments_.size()),
+                  usage_);
+    const auto widen = [](Term& term, const Term& other) {
+      if (term.number() && other.vector() && term.number()->AsReal() == 0)
+        term = Term{Vector3d(Vector3d::Zero())};
+    };
+    widen(arguments_[0], arguments_[1]);
+    widen(arguments_[1], arguments_[0]);
+    if ((arguments_[0].vector() != nullptr) == (arguments_[1].vector() != nullptr)) return true;
+    return Fail(scenario::kBadArguments, call_.span, "one value is a number, the other a vector",
+                "write both as numbers or both as vectors");
+  }
+
+  bool CheckDomain() {
+    // Numbers as vectors of three equal components, so that one check serves both.
+    const auto triple = [](const Term& term) {
+      return term.vector() ? *term.vector() : Vector3d(Vector3d::Constant(term.number()->AsReal()));
+    };
+    const Vector3d a = triple(arguments_[0]), b = triple(arguments_[1]);
+    if (is_normal_ && (b.array() < 0).any())
+      return Fail(
+          scenario::kOutOfDomain, call_.arguments[1].value->span,
+          fmt::format("a {} is 0 or more", is_variance_ ? "variance" : "standard deviation"));
+    if (!is_normal_ && (a.array() > b.array()).any())
+      return Fail(scenario::kOutOfDomain, call_.span,
+                  fmt::format("the least value, {}, is more than the most, {}",
+                              ToText(arguments_[0]), ToText(arguments_[1])),
+                  "swap them");
+    if (kind_ == DistributionKind::kLogUniform && (a.array() <= 0).any())
+      return Fail(scenario::kOutOfDomain, call_.arguments[0].value->span,
+                  "log_uniform( ) takes values more than 0");
+    return true;
+  }
+
+  static Term DeviationOf(const Term& variance) {
+    if (variance.vector()) return Term{Vector3d(variance.vector()->array().sqrt())};
+    return Term{Number::Real(std::sqrt(variance.number()->AsReal()))};
+  }
+
+  const Expr& call_;
+  const DistributionKind kind_;
+  const bool is_normal_;
+  const char* const usage_;
+  const scenario::Scope& scope_;
+  Evaluator& evaluator_;
+  std::vector<Term> arguments_;
+  bool is_variance_ = false;  ///< the second argument is one
+};
+
+}  // namespace
+
+std::optional<Term> EvaluateAny(const Expr& call, const scenario::Scope& scope,
+                                Evaluator& evaluator) {
+  if (call.arguments.empty())
+    return evaluator.Error(scenario::kBadArguments, call.span, "any( ) has nothing to choose from");
+  DrawnTerm drawn;
+  drawn.kind = DistributionKind::kAny;
+  bool good = true;
+  for (const dsl::Argument& argument : call.arguments)
+    good = AddChoice(argument, scope, evaluator, drawn) && good;
+  if (!good) return std::nullopt;
+  return Term{std::move(drawn)};
+}
+
+std::optional<Term> EvaluateDistribution(const Expr& call, DistributionKind kind,
+                                         const scenario::Scope& scope, Evaluator& evaluator) {
+  return PairDistribution(call, kind, scope, evaluator).Evaluate();
+}
+
+}  // namespace cdb::evaluate

@@ -1,0 +1,88 @@
+#include "compiler/evaluate/ranges.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+
+namespace cdb::evaluate {
+namespace {
+
+using Numbers = std::vector<Number>;
+
+/// Of the end of a range, in steps: a step like 0.1 is not quite a tenth.
+constexpr double kRounding = 1e-9;
+
+std::nullopt_t TooMany(const dsl::Expr& range, double count, Evaluator& evaluator) {
+  return evaluator.Error(scenario::kTooManyRuns, range.span,
+                         fmt::format("this range has {:.6g} values", count),
+                         fmt::format("an axis has at most {}", kMaxRuns));
+}
+
+/// `bounds`: first, last, count.
+std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
+                               Evaluator& evaluator) {
+  const Number &first = bounds[0], &last = bounds[1];
+  const auto count = bounds[2].AsWhole();
+  if (!count || *count < 1)
+    return evaluator.Error(scenario::kBadRange, range.items[2]->span,
+                           "a count is a whole number, 1 or more");
+  if (*count > static_cast<Integer>(kMaxRuns)) return TooMany(range, bounds[2].AsReal(), evaluator);
+  const bool log = range.range == dsl::RangeKind::kCountLog;
+  if (log && (first.AsReal() <= 0 || last.AsReal() <= 0))
+    return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range lies above 0");
+  const auto between = [&](Integer i) {
+    if (!log) return first + (last - first) * Number::Whole(i) / Number::Whole(*count - 1);
+    // In decades, so that 1 .. 1000 count 4 gives 10 and 100 as they are.
+    const double low = std::log10(first.AsReal()), high = std::log10(last.AsReal());
+    const double part = static_cast<double>(i) / static_cast<double>(*count - 1);
+    return Number::Real(std::pow(10.0, low + part * (high - low)));
+  };
+  // The ends are as written; between them no error adds up.
+  Numbers numbers = {first};
+  for (Integer i = 1; i + 1 < *count; ++i) numbers.push_back(between(i));
+  if (*count > 1) numbers.push_back(last);
+  return numbers;
+}
+
+std::optional<Numbers> BySteps(const dsl::Expr& range, const Number& first, const Number& last,
+                               const Number& step, Evaluator& evaluator) {
+  if (step.AsReal() == 0)
+    return evaluator.Error(scenario::kBadRange, range.items[2]->span,
+                           "a range with step 0 never ends");
+  const double steps = (last - first).AsReal() / step.AsReal();
+  if (steps < 0)
+    return evaluator.Error(scenario::kBadRange, range.span,
+                           fmt::format("this range is empty: from {} steps of {} never come to {}",
+                                       first.Text(), step.Text(), last.Text()),
+                           range.range == dsl::RangeKind::kStep ? "turn the step's sign"
+                                                                : "to count down add: step -1");
+  const double count = std::floor(steps + kRounding) + 1;
+  if (!(count <= static_cast<double>(kMaxRuns))) return TooMany(range, count, evaluator);
+  Numbers numbers;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const bool at_end = std::fabs(static_cast<double>(i) - steps) <= kRounding;
+    numbers.push_back(at_end ? last : first + step * Number::Whole(static_cast<Integer>(i)));
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::optional<Numbers> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
+                                   Evaluator& evaluator) {
+  Numbers bounds;
+  for (const auto& item : range.items) {
+    const auto number = evaluator.EvaluateNumber(*item, scope, "a range's bounds");
+    if (!number) return std::nullopt;
+    bounds.push_back(*number);
+  }
+  using enum dsl::RangeKind;
+  if (range.range == kCount || range.range == kCountLog) return ByCount(range, bounds, evaluator);
+  const Number step = range.range == kStep ? bounds[2] : Number::Whole(1);
+  return BySteps(range, bounds[0], bounds[1], step, evaluator);
+}
+
+}  // namespace cdb::evaluate

@@ -1,0 +1,22 @@
+// The numbers of a range: `1 .. 5`, `0 .. 1 step 0.1`, `1 .. 1000 log 4`.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "compiler/evaluate/term.h"
+#include "compiler/scenario/layers.h"
+
+namespace cdb::evaluate {
+
+class Evaluator;
+
+/// At most this number of values on one axis, and of runs in a plan.
+inline constexpr std::size_t kMaxRuns = 100'000;
+
+/// nullopt after a diagnostic.
+std::optional<std::vector<Number>> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
+                                               Evaluator& evaluator);
+
+}  // namespace cdb::evaluate
