@@ -61,14 +61,14 @@ Result RunRound(const plan::Scene& scene, std::uint64_t cycles, std::uint64_t ro
   if (round % 2 == 0) whole.Build(scene, state, false);
   lean.Build(scene, state, true);
   if (round % 2 == 1) whole.Build(scene, state, false);
-  world::OmissionGuard tripwire(*lean.engine);
+  world::OmissionGuard guard(*lean.engine);
   std::string note = plan::OmittedNames(lean.engine->omissions().needs);
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
     if (cycle % 2 == 0) whole.Step();
     try {
-      tripwire.BeforeStep();
+      guard.BeforeStep();
       lean.Step();
-      tripwire.AfterStep();
+      guard.AfterStep();
     } catch (const world::OmissionGuardTripped& tripped) {
       note = fmt::format("starts again in cycle {} with all walls: {}", cycle, tripped.what());
       if (cycle % 2 == 1) whole.Step();

@@ -3,7 +3,7 @@
 // the digits given unless both are.
 #include <gtest/gtest.h>
 
-#include "tests/runtime/engine/against_form.h"
+#include "tests/runtime/engine/closed_form_runs.h"
 
 namespace cdb::tests {
 namespace {

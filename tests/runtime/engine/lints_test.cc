@@ -24,18 +24,18 @@ constexpr std::uint64_t kSeed = 1;
 constexpr double kAgreement = 0.95;
 
 /// What the lints say of a scene, by its worst number.
-enum Reachability { kSound, kDoubtful, kBad };
+enum Prediction { kSound, kDoubtful, kBad };
 
-Reachability ForecastOf(const std::vector<checks::LintNumber>& numbers) {
+Prediction PredictionOf(const std::vector<checks::LintNumber>& numbers) {
   if (std::ranges::any_of(numbers, &checks::LintNumber::IsBad)) return kBad;
   return std::ranges::any_of(numbers, &checks::LintNumber::IsDoubtful) ? kDoubtful : kSound;
 }
 
-/// Runs by forecast and by whether they were stable.
+/// Runs by prediction and by whether they were stable.
 struct Confusion {
   std::array<std::array<int, 2>, 3> runs = {};
-  double Agreement(Reachability forecast, bool stable) const {
-    const auto& row = runs[forecast];
+  double Agreement(Prediction prediction, bool stable) const {
+    const auto& row = runs[prediction];
     return static_cast<double>(row[stable]) / (row[0] + row[1]);
   }
 };
@@ -54,10 +54,10 @@ class Trial {
     ASSERT_NE(judged.verdict, measure::Verdict::kUnknown);
     const bool stable = judged.verdict == measure::Verdict::kStable;
     const auto numbers = checks::LintScene(scene);
-    const Reachability forecast = ForecastOf(numbers);
-    ++all_.runs[forecast][stable];
-    ++themes_[theme].runs[forecast][stable];
-    if (forecast == kDoubtful || stable == (forecast == kSound)) return;
+    const Prediction prediction = PredictionOf(numbers);
+    ++all_.runs[prediction][stable];
+    ++themes_[theme].runs[prediction][stable];
+    if (prediction == kDoubtful || stable == (prediction == kSound)) return;
     surprises_ += fmt::format("  {}: {}:", theme, VerdictName(judged.verdict));
     for (const checks::LintNumber& number : numbers)
       if (number.Severity() > 0.1)

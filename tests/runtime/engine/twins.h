@@ -30,15 +30,15 @@ inline Twins RunTwins(const plan::Scene& scene, const layouts::InitialState& sta
   for (;;) {
     world::Engine whole(scene, state, pruning::KeepEverything(scene));
     world::Engine pruned(scene, state, omissions);
-    world::OmissionGuard tripwire(pruned);
+    world::OmissionGuard guard(pruned);
     const std::uint64_t steps = scene.world.Count("warmup") + scene.world.Count("cycles");
     std::uint64_t step = 0;
     try {
       for (; step < steps; ++step) {
-        tripwire.BeforeStep();
+        guard.BeforeStep();
         whole.Step();
         pruned.Step();
-        tripwire.AfterStep();
+        guard.AfterStep();
         if (probes::StateHash(whole) == probes::StateHash(pruned)) continue;
         ADD_FAILURE() << "another state after step " << step + 1 << " of " << steps << " without\n"
                       << plan::DecisionsText(pruned.omissions().needs);

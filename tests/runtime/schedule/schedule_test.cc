@@ -1,7 +1,6 @@
 #include "runtime/schedule/schedule.h"
 
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <algorithm>
 #include <functional>
@@ -359,38 +358,6 @@ TEST_F(ScheduleTest, AFolderThatCannotBeIsNamed) {
 TEST_F(ScheduleTest, AnEmptyPlanIsDone) {
   plan.runs.clear();
   EXPECT_EQ(Run(plan), schedule::Summary{});
-}
-
-TEST(StopTest, ASignalSetsTheFlag) {
-  process::StopFlag flag;
-  {
-    const process::StopOnSignals watch(flag);
-    EXPECT_FALSE(flag.requested());
-    raise(SIGTERM);
-    EXPECT_EQ(flag.signal(), SIGTERM);
-    raise(SIGINT);
-    EXPECT_EQ(flag.signal(), SIGTERM) << "the first counts";
-    struct sigaction now = {};
-    sigaction(SIGTERM, nullptr, &now);
-    EXPECT_EQ(now.sa_handler, SIG_DFL) << "a second one ends the process";
-  }
-  struct sigaction now = {};
-  sigaction(SIGHUP, nullptr, &now);
-  EXPECT_EQ(now.sa_handler, SIG_DFL);
-}
-
-TEST(StopTest, AnIgnoredSignalStaysIgnored) {
-  signal(SIGHUP, SIG_IGN);
-  process::StopFlag flag;
-  {
-    const process::StopOnSignals watch(flag);
-    raise(SIGHUP);
-    EXPECT_FALSE(flag.requested());
-  }
-  struct sigaction now = {};
-  sigaction(SIGHUP, nullptr, &now);
-  EXPECT_EQ(now.sa_handler, SIG_IGN);
-  signal(SIGHUP, SIG_DFL);
 }
 
 }  // namespace
