@@ -14,7 +14,7 @@
 #include "runtime/engine/world/precision.h"
 #include "tests/bench/hand_written.h"
 #include "tests/bench/median.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::bench {
 namespace {

@@ -9,8 +9,8 @@
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/format.h"
 #include "dsl/render.h"
-#include "tests/compiler/memory_files.h"
 #include "tests/compiler/random_scenario.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

@@ -5,7 +5,7 @@
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/render.h"
-#include "tests/compiler/memory_files.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

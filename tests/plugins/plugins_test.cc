@@ -10,7 +10,7 @@
 
 #include "runtime/process/probe_plugin.h"
 #include "runtime/store/store.h"
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

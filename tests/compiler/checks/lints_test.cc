@@ -10,7 +10,7 @@
 
 #include "compiler/checks/bounds.h"
 #include "compiler/schema/schema.h"
-#include "tests/compiler/memory_files.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

@@ -3,7 +3,7 @@
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/trace.h"
 #include "dsl/render.h"
-#include "tests/compiler/memory_files.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

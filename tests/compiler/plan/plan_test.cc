@@ -4,7 +4,7 @@
 
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/render.h"
-#include "tests/compiler/memory_files.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "compiler/schema/schema.h"
 #include "dsl/render.h"
-#include "tests/compiler/memory_files.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

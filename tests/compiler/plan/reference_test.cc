@@ -8,7 +8,7 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/render.h"
-#include "tests/compiler/memory_files.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

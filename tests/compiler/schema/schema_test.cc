@@ -8,7 +8,7 @@
 #include "compiler/plan/pruning.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/parametrised_words.h"
-#include "tests/compiler/memory_files.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

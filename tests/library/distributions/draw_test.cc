@@ -6,7 +6,7 @@
 #include <map>
 
 #include "library/layouts/initial_state.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {

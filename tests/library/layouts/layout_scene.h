@@ -9,7 +9,7 @@
 #include "library/layouts/initial_state.h"
 #include "library/objects/overlap.h"
 #include "library/scene_error.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 

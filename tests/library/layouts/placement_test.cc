@@ -11,7 +11,7 @@
 #include "library/layouts/grid.h"
 #include "library/objects/overlap.h"
 #include "library/scene_error.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <memory>
 #include <numbers>
 
@@ -13,8 +12,8 @@
 #include "library/meshes/primitives.h"
 #include "library/objects/solid_factory.h"
 #include "tests/library/meshes/test_meshes.h"
-#include "tests/library/own_cache.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/cache.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {
@@ -168,9 +167,9 @@ TEST(SolidFactory, EqualOnesAreSharedAndFormsAlways) {
 }
 
 TEST(SolidFactory, AFormIsTheSameMadeOrFound) {
-  const OwnCache cache;
+  const TemporaryCache cache;
   const std::string file = (cache.folder() / "angle.off").string();
-  std::ofstream(file) << ToOff(AngleMesh());
+  WriteFile(file, ToOff(AngleMesh()));
   const auto call = [&](const char* name) {
     return schema::Call{name, {schema::Text{file}, Word("any")}};
   };
@@ -191,8 +190,8 @@ TEST(SolidFactory, AFormIsTheSameMadeOrFound) {
 class MeshFile : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    cache_ = std::make_unique<OwnCache>();
-    std::ofstream(file()) << ToOff(AngleMesh());
+    cache_ = std::make_unique<TemporaryCache>();
+    WriteFile(file(), ToOff(AngleMesh()));
   }
   static void TearDownTestSuite() { cache_.reset(); }
   static std::string file() { return (cache_->folder() / "angle.off").string(); }
@@ -200,7 +199,7 @@ class MeshFile : public ::testing::Test {
     return schema::Call{name, {schema::Text{file()}, std::move(sha256)}};
   }
 
-  static inline std::unique_ptr<OwnCache> cache_;
+  static inline std::unique_ptr<TemporaryCache> cache_;
 };
 
 TEST_F(MeshFile, MeshIsACompoundOfItsPieces) {

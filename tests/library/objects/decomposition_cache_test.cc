@@ -5,10 +5,9 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 #include "tests/library/meshes/test_meshes.h"
+#include "tests/support/files.h"
 
 namespace cdb::tests {
 namespace {
@@ -16,17 +15,9 @@ namespace {
 using namespace testing;
 namespace fs = std::filesystem;
 
-std::string BytesOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 class DecompositionCacheTest : public ::testing::Test {
  protected:
   DecompositionCacheTest() {
-    std::string name = (fs::temp_directory_path() / "cdb-forms-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    cache_ = folder_ / "new" / "cache";
     meshes::DecomposeOptions options;
     options.faces = 100;
     const meshes::Mesh mesh = AngleMesh();
@@ -34,7 +25,6 @@ class DecompositionCacheTest : public ::testing::Test {
                                        meshes::Decompose(mesh, "m", options));
     form_.centre.x() = -0.0;
   }
-  ~DecompositionCacheTest() override { fs::remove_all(folder_); }
 
   objects::ConvexDecomposition Once(const fs::path& folder, const std::string& source = "angle") {
     const auto make = [&] {
@@ -49,7 +39,8 @@ class DecompositionCacheTest : public ::testing::Test {
     return files;
   }
 
-  fs::path folder_, cache_;
+  const TemporaryFolder folder_;
+  const fs::path cache_ = folder_ / "new" / "cache";
   objects::ConvexDecomposition form_;
   int made_ = 0;
 };
@@ -64,7 +55,7 @@ TEST_F(DecompositionCacheTest, MakesOnce) {
   // To the last bit: kept again, it is the same file.
   objects::DecomposeOnce(
       "m", "angle", [&] { return found; }, folder_ / "other");
-  EXPECT_EQ(BytesOf(folder_ / "other" / Files()[0].filename()), BytesOf(Files()[0]));
+  EXPECT_EQ(ReadFile(folder_ / "other" / Files()[0].filename()), ReadFile(Files()[0]));
 }
 
 TEST_F(DecompositionCacheTest, NamesAreNotKept) {
@@ -77,7 +68,7 @@ TEST_F(DecompositionCacheTest, NamesAreNotKept) {
 
 TEST_F(DecompositionCacheTest, WhatIsFoundIsWhatIsThere) {
   Once(cache_);
-  const std::string whole = BytesOf(Files()[0]);
+  const std::string whole = ReadFile(Files()[0]);
   ASSERT_GT(whole.size(), 200u);
   // Each damage is found, made good and mended.
   std::vector<std::string> damages = {"", whole + "x", whole.substr(1),
@@ -87,11 +78,11 @@ TEST_F(DecompositionCacheTest, WhatIsFoundIsWhatIsThere) {
     damages.back()[at] = static_cast<char>(damages.back()[at] ^ 1);
   }
   for (const std::string& damage : damages) {
-    std::ofstream(Files()[0], std::ios::binary | std::ios::trunc) << damage;
+    WriteFile(Files()[0], damage);
     made_ = 0;
     EXPECT_EQ(Once(cache_), form_);
     EXPECT_EQ(made_, 1);
-    EXPECT_EQ(BytesOf(Files()[0]), whole);
+    EXPECT_EQ(ReadFile(Files()[0]), whole);
   }
 }
 
@@ -107,7 +98,7 @@ TEST_F(DecompositionCacheTest, ContentsOfAnotherShapeAreNotThere) {
 }
 
 TEST_F(DecompositionCacheTest, AFolderThatCannotBeWrittenIsNoError) {
-  std::ofstream(folder_ / "file") << "x";
+  WriteFile(folder_ / "file", "x");
   EXPECT_EQ(Once(folder_ / "file" / "cache"), form_);
   EXPECT_EQ(Once({}), form_);
   // The name of the entry is taken by a folder that is not empty, so that the rename fails.

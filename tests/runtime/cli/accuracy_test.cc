@@ -7,8 +7,8 @@
 #include "compiler/compile.h"
 #include "runtime/report/show_error.h"
 #include "runtime/store/store.h"
-#include "tests/runtime/cli/program.h"
 #include "tests/runtime/store/store_fixture.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

@@ -10,7 +10,7 @@
 #include "compiler/schema/schema.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/store/store.h"
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

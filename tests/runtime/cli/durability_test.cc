@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "runtime/store/store.h"
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

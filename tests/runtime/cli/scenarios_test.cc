@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

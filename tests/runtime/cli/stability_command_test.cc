@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

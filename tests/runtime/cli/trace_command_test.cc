@@ -7,7 +7,7 @@
 
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

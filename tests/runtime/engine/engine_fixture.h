@@ -10,7 +10,7 @@
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/precision.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 

@@ -13,7 +13,7 @@
 #include "compiler/compile.h"
 #include "dsl/render.h"
 #include "library/scene_error.h"
-#include "tests/runtime/engine/twins.h"
+#include "tests/runtime/engine/paired_run.h"
 
 namespace cdb::tests {
 namespace {
@@ -25,8 +25,8 @@ using schema::WordList;
 /// How often each component was left out and kept.
 using Tally = std::map<Component, std::array<int, 2>>;
 
-void Count(const Twins& twins, Tally& tally) {
-  for (const plan::PruningDecision& need : twins.omissions.needs)
+void Count(const PairedRun& paired, Tally& tally) {
+  for (const plan::PruningDecision& need : paired.omissions.needs)
     ++tally[need.component][need.fate == plan::Decision::kLeftOut ? 0 : 1];
 }
 
@@ -90,7 +90,7 @@ TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
           } catch (const library::SceneError&) {
             continue;  // too crowded at this scale
           }
-          Count(RunTwins(scene, state), tally);
+          Count(RunPaired(scene, state), tally);
         }
       }
     }
@@ -189,12 +189,12 @@ TEST(OmitEverywhere, ScenesAtRandomMoveAlike) {
     } catch (const library::SceneError&) {
       continue;
     }
-    const Twins twins = RunTwins(scene, state);
+    const PairedRun paired = RunPaired(scene, state);
     ++ran;
-    tripped += twins.tripped.has_value();
-    if (twins.tripped && twins.tripped->find("proven not to reach") != std::string::npos)
-      ADD_FAILURE() << *twins.tripped << " before step " << twins.tripped_in + 1;
-    Count(twins, tally);
+    tripped += paired.tripped.has_value();
+    if (paired.tripped && paired.tripped->find("proven not to reach") != std::string::npos)
+      ADD_FAILURE() << *paired.tripped << " before step " << paired.tripped_in + 1;
+    Count(paired, tally);
     if (HasFailure()) break;
   }
   // Neither outcome is rare, so that the comparison means something.

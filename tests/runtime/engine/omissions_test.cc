@@ -1,9 +1,9 @@
-// Leaving out changes no motion: scenes that sit at the bound of each proof, and what the guard
-// sees when a proof was wrong.
+// Omissions change no motion: scenes at the bound of each proof, and the omission guard, which
+// notices when a proof was wrong.
 #include <gtest/gtest.h>
 
 #include "library/scene_error.h"
-#include "tests/runtime/engine/twins.h"
+#include "tests/runtime/engine/paired_run.h"
 
 namespace cdb::tests {
 namespace {
@@ -49,15 +49,15 @@ TEST(OmitWalls, ReachedInTheLastCycleOrJustNot) {
   for (int wall = 0; wall < pruning::kWallCount; ++wall) {
     SCOPED_TRACE(wall);
     // Overlaps the wall when the last detection looks: kept, and it changes the motion.
-    const Twins hit = RunTwins(scene, TowardsWall(scene, wall, -1));
+    const PairedRun hit = RunPaired(scene, TowardsWall(scene, wall, -1));
     EXPECT_EQ(hit.omissions.walls.at(0), 1 << wall);
     EXPECT_FALSE(hit.tripped);
     EXPECT_FALSE(hit.Omits(Component::kSolver));
     // Within the distance at which Bullet makes a contact.
-    const Twins near = RunTwins(scene, TowardsWall(scene, wall, 0.1));
+    const PairedRun near = RunPaired(scene, TowardsWall(scene, wall, 0.1));
     EXPECT_EQ(near.omissions.walls.at(0), 1 << wall);
     // Well short of it: nothing touches, all is left out.
-    const Twins miss = RunTwins(scene, TowardsWall(scene, wall, 40));
+    const PairedRun miss = RunPaired(scene, TowardsWall(scene, wall, 40));
     EXPECT_EQ(miss.omissions.walls.at(0), 0);
     EXPECT_TRUE(miss.Omits(Component::kSolver)) << miss.why(Component::kSolver);
     EXPECT_TRUE(miss.Omits(Component::kDetection)) << miss.why(Component::kDetection);
@@ -71,7 +71,7 @@ TEST(OmitWalls, AVelocityThatGravityTurns) {
   SetWorld(scene, "cycles", std::uint64_t{400});
   // Thrown up, it turns at v^2 / 2g.
   const auto thrown = [&](double height) {
-    return RunTwins(scene, At(scene, {{{0, -900, 0}, {0, std::sqrt(200 * height), 0}}}));
+    return RunPaired(scene, At(scene, {{{0, -900, 0}, {0, std::sqrt(200 * height), 0}}}));
   };
   EXPECT_EQ(thrown(1860).omissions.walls.at(0) & 1 << 3, 0);  // 15 m short of the ceiling
   EXPECT_NE(thrown(1880).omissions.walls.at(0) & 1 << 3, 0);
@@ -82,14 +82,14 @@ TEST(OmitSolver, ASpinThatBeginsByACollision) {
   SetGroup(scene, "restitution", 1.0);
   // A glancing hit, in the fourth cycle from the end, and the same that misses.
   const auto passing = [&](double offset) {
-    return RunTwins(scene, At(scene, {{{0, 0, 0}}, {{-500, offset, 0}, {480, 0, 0}}}));
+    return RunPaired(scene, At(scene, {{{0, 0, 0}}, {{-500, offset, 0}, {480, 0, 0}}}));
   };
-  const Twins hit = passing(40);
+  const PairedRun hit = passing(40);
   EXPECT_FALSE(hit.Omits(Component::kSolver));
   EXPECT_FALSE(hit.Omits(Component::kRotation)) << hit.why(Component::kRotation);
   EXPECT_TRUE(hit.Omits(Component::kWalls)) << hit.why(Component::kWalls);
   EXPECT_FALSE(hit.tripped);
-  const Twins miss = passing(60);
+  const PairedRun miss = passing(60);
   EXPECT_TRUE(miss.Omits(Component::kSolver)) << miss.why(Component::kSolver);
   EXPECT_TRUE(miss.Omits(Component::kRotation));
 }
@@ -99,11 +99,11 @@ TEST(OmitWalls, WhatACollisionSendsThere) {
   SetWorld(scene, "cycles", std::uint64_t{300});
   SetGroup(scene, "restitution", 1.0);
   // The first hits the second at a slant, and neither would reach a wall along y by itself.
-  const Twins twins =
-      RunTwins(scene, At(scene, {{{-300, 30, 0}, {300, 0, 0}}, {{0, 0, 0}}, {{0, 0, 900}}}));
-  EXPECT_NE(twins.omissions.walls.at(0) & 1 << 3, 0);
-  EXPECT_NE(twins.omissions.walls.at(1) & 1 << 2, 0);
-  EXPECT_FALSE(twins.tripped) << *twins.tripped;
+  const PairedRun paired =
+      RunPaired(scene, At(scene, {{{-300, 30, 0}, {300, 0, 0}}, {{0, 0, 0}}, {{0, 0, 900}}}));
+  EXPECT_NE(paired.omissions.walls.at(0) & 1 << 3, 0);
+  EXPECT_NE(paired.omissions.walls.at(1) & 1 << 2, 0);
+  EXPECT_FALSE(paired.tripped) << *paired.tripped;
 }
 
 TEST(OmitRotation, TheSameBitsForeverOrNotAtAll) {
@@ -113,10 +113,10 @@ TEST(OmitRotation, TheSameBitsForeverOrNotAtAll) {
       SetGroup(scene, "type", Word(type));
       SetGroup(scene, "orientation", turn);
       SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
-      const Twins twins = RunTwins(scene, At(scene, {{{0, 0, 0}, {3, 0, 1}}}));
-      EXPECT_TRUE(twins.Omits(Component::kSolver));
+      const PairedRun paired = RunPaired(scene, At(scene, {{{0, 0, 0}, {3, 0, 1}}}));
+      EXPECT_TRUE(paired.Omits(Component::kSolver));
       if (turn.isZero()) {
-        EXPECT_TRUE(twins.Omits(Component::kRotation)) << twins.why(Component::kRotation);
+        EXPECT_TRUE(paired.Omits(Component::kRotation)) << paired.why(Component::kRotation);
       }
     }
   }
@@ -126,7 +126,7 @@ TEST(OmitSleeping, OnlyWhereNothingComesToRest) {
   plan::Scene scene = Balls(1);
   SetWorld(scene, "cycles", std::uint64_t{400});
   const auto moving = [&](double speed) {
-    return RunTwins(scene, At(scene, {{{0, 0, 0}, {speed, 0, 0}}}));
+    return RunPaired(scene, At(scene, {{{0, 0, 0}, {speed, 0, 0}}}));
   };
   EXPECT_FALSE(moving(0.5).Omits(Component::kSleeping));
   EXPECT_FALSE(moving(0.5).Omits(Component::kSolver));
@@ -138,18 +138,18 @@ TEST(OmitSleeping, OnlyWhereNothingComesToRest) {
   SetGroup(scene, "linear_damping", 0.0);
   // Thrown up, it is slow for a moment only.
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
-  EXPECT_TRUE(RunTwins(scene, At(scene, {{{0, 0, 0}, {0, 9, 0}}})).Omits(Component::kSleeping));
+  EXPECT_TRUE(RunPaired(scene, At(scene, {{{0, 0, 0}, {0, 9, 0}}})).Omits(Component::kSleeping));
   SetWorld(scene, "acceleration", Vector3d(0, -0.1, 0));
-  EXPECT_FALSE(RunTwins(scene, At(scene, {{{0, 0, 0}, {0, 0.4, 0}}})).Omits(Component::kSleeping));
+  EXPECT_FALSE(RunPaired(scene, At(scene, {{{0, 0, 0}, {0, 0.4, 0}}})).Omits(Component::kSleeping));
 }
 
 TEST(OmitDetection, ANeighbourKeepsASlowOneAwake) {
   // Their boxes overlap for the whole run, so the fast one keeps the slow one from sleep.
   plan::Scene scene = Balls(2);
   SetWorld(scene, "cycles", std::uint64_t{400});
-  const Twins twins =
-      RunTwins(scene, At(scene, {{{0, 0, 0}, {0.5, 0, 0}}, {{-20, 48, 0}, {4, 0, 0}}}));
-  EXPECT_FALSE(twins.Omits(Component::kDetection));
+  const PairedRun paired =
+      RunPaired(scene, At(scene, {{{0, 0, 0}, {0.5, 0, 0}}, {{-20, 48, 0}, {4, 0, 0}}}));
+  EXPECT_FALSE(paired.Omits(Component::kDetection));
 }
 
 TEST(OmitRaycastTree, NotWhereObjectsLookAhead) {
@@ -158,9 +158,9 @@ TEST(OmitRaycastTree, NotWhereObjectsLookAhead) {
     SetWorld(scene, "cycles", std::uint64_t{100});
     SetWorld(scene, "detector", Word(detector));
     SetGroup(scene, "linear_velocity", Normal(0.0, 2000.0));
-    EXPECT_TRUE(RunTwins(scene).Omits(Component::kRaycastTree));
+    EXPECT_TRUE(RunPaired(scene).Omits(Component::kRaycastTree));
     SetGroup(scene, "ccd", true);
-    const Twins swept = RunTwins(scene);
+    const PairedRun swept = RunPaired(scene);
     EXPECT_FALSE(swept.Omits(Component::kRaycastTree));
     EXPECT_FALSE(swept.Omits(Component::kSweptContacts));
     EXPECT_FALSE(swept.Omits(Component::kWalls));
@@ -171,15 +171,15 @@ TEST(OmitDamping, EitherKindKeepsIt) {
   plan::Scene scene = EngineScene(20, 400);
   SetWorld(scene, "cycles", std::uint64_t{100});
   SetGroup(scene, "linear_velocity", Normal(0.0, 50.0));
-  EXPECT_TRUE(RunTwins(scene).Omits(Component::kDamping));
+  EXPECT_TRUE(RunPaired(scene).Omits(Component::kDamping));
   SetGroup(scene, "angular_damping", Uniform(0.0, 0.5));
-  EXPECT_FALSE(RunTwins(scene).Omits(Component::kDamping));
+  EXPECT_FALSE(RunPaired(scene).Omits(Component::kDamping));
   SetGroup(scene, "angular_damping", 0.0);
   SetGroup(scene, "linear_damping", 0.1);
-  EXPECT_FALSE(RunTwins(scene).Omits(Component::kDamping));
+  EXPECT_FALSE(RunPaired(scene).Omits(Component::kDamping));
 }
 
-// ---- the guard -------------------------------------------------------------------------------
+// ---- the omission guard -------------------------------------------------------------------------
 
 /// As if the proof had said that no object can reach any wall.
 pruning::Omissions WrongAboutWalls(const plan::Scene& scene) {
@@ -192,11 +192,11 @@ pruning::Omissions WrongAboutWalls(const plan::Scene& scene) {
 TEST(OmissionGuard, SeesAnObjectAtAWallThatIsNotThereBeforeBulletWould) {
   const plan::Scene scene = Balls(1);
   for (int wall = 0; wall < pruning::kWallCount; ++wall) {
-    const Twins twins = RunTwins(scene, TowardsWall(scene, wall, -1), WrongAboutWalls(scene));
-    ASSERT_TRUE(twins.tripped);
-    EXPECT_NE(twins.tripped->find("object 1 came to the wall"), std::string::npos);
-    EXPECT_GE(twins.tripped_in, 58u);
-    EXPECT_FALSE(RunTwins(scene, TowardsWall(scene, wall, 5), WrongAboutWalls(scene)).tripped);
+    const PairedRun paired = RunPaired(scene, TowardsWall(scene, wall, -1), WrongAboutWalls(scene));
+    ASSERT_TRUE(paired.tripped);
+    EXPECT_NE(paired.tripped->find("object 1 came to the wall"), std::string::npos);
+    EXPECT_GE(paired.tripped_in, 58u);
+    EXPECT_FALSE(RunPaired(scene, TowardsWall(scene, wall, 5), WrongAboutWalls(scene)).tripped);
   }
 }
 
@@ -206,10 +206,10 @@ TEST(OmissionGuard, SeesAnObjectThatTouchesTwo) {
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
   // One lies on the floor, another falls onto it.
   const auto state = At(scene, {{{0, -975, 0}}, {{1, -915, 0}}});
-  const Twins twins = RunTwins(scene, state);
-  ASSERT_TRUE(twins.tripped);
-  EXPECT_NE(twins.tripped->find("object 1 was in two contacts at once"), std::string::npos);
-  EXPECT_EQ(twins.why(Component::kWalls), *twins.tripped);
+  const PairedRun paired = RunPaired(scene, state);
+  ASSERT_TRUE(paired.tripped);
+  EXPECT_NE(paired.tripped->find("object 1 was in two contacts at once"), std::string::npos);
+  EXPECT_EQ(paired.why(Component::kWalls), *paired.tripped);
 }
 
 TEST(OmissionGuard, SeesASleeperThatHadANeighbour) {
@@ -218,12 +218,12 @@ TEST(OmissionGuard, SeesASleeperThatHadANeighbour) {
   SetWorld(scene, "detector", Word("dbvt"));
   // Their boxes overlap, they do not.
   const auto state = At(scene, {{{0, 0, 0}}, {{40, 40, 0}}});
-  const Twins twins = RunTwins(scene, state);
-  ASSERT_TRUE(twins.tripped);
-  EXPECT_NE(twins.tripped->find("came to rest after it had been near another"), std::string::npos);
+  const PairedRun paired = RunPaired(scene, state);
+  ASSERT_TRUE(paired.tripped);
+  EXPECT_NE(paired.tripped->find("came to rest after it had been near another"), std::string::npos);
   // Sweep and prune drops pairs at once, whatever others there are.
   SetWorld(scene, "detector", Word("sap32"));
-  EXPECT_FALSE(RunTwins(scene, state).tripped);
+  EXPECT_FALSE(RunPaired(scene, state).tripped);
 }
 
 TEST(Omit, AListThatAsksTooMuchEndsTheRunWithAMessage) {
@@ -265,7 +265,7 @@ TEST(Omit, AutoDetectsWhereARecordAsks) {
   // By its name it goes even so.
   SetWorld(scene, "record", WordList{"timing"});
   SetWorld(scene, "omit", WordList{"detection"});
-  EXPECT_TRUE(RunTwins(scene, state).Omits(Component::kDetection));
+  EXPECT_TRUE(RunPaired(scene, state).Omits(Component::kDetection));
 }
 
 }  // namespace

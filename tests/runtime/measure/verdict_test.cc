@@ -9,7 +9,7 @@
 #include <set>
 
 #include "compiler/plan/expectation.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {

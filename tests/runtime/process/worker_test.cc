@@ -322,9 +322,9 @@ TEST(WorkerTest, LeavesNoDescriptorBehind) {
 }
 
 TEST(WorkerTest, WhatCannotBeStartedIsNamed) {
-  TestFolder folder;
+  TemporaryFolder folder;
   const fs::path text = folder.path() / "cdb-worker-f32";
-  WriteText(text, "no program");
+  WriteFile(text, "no program");
   fs::permissions(text, fs::perms::owner_all);
   const auto plan = MakeBehaviourPlan({kFinishes});
   for (const fs::path& program : {text, folder.path() / "gone"}) {
@@ -367,7 +367,7 @@ TEST(WorkerTest, NoMemoryForTheRecordingIsAnError) {
 }
 
 TEST(FindWorkersTest, LooksBesideAndInLibexec) {
-  TestFolder root;
+  TemporaryFolder root;
   const fs::path bin = root.path() / "bin";
   const fs::path libexec = root.path() / "libexec" / "cdb";
   fs::create_directories(bin);
@@ -382,13 +382,13 @@ TEST(FindWorkersTest, LooksBesideAndInLibexec) {
       EXPECT_TRUE(Has(error.what(), part)) << error.what();
   }
   const auto install = [](const fs::path& file) {
-    WriteText(file, "#!/bin/true\n");
+    WriteFile(file, "#!/bin/true\n");
     fs::permissions(file, fs::perms::owner_all);
   };
   install(libexec / "cdb-worker-f32");
   EXPECT_EQ(process::FindWorkers(plan, bin).single, libexec / "cdb-worker-f32");
   EXPECT_TRUE(process::FindWorkers(plan, bin).double_.empty()) << "not needed";
-  WriteText(bin / "cdb-worker-f32", "no program");
+  WriteFile(bin / "cdb-worker-f32", "no program");
   EXPECT_EQ(process::FindWorkers(plan, bin).single, libexec / "cdb-worker-f32")
       << "must be a program";
   install(bin / "cdb-worker-f32");

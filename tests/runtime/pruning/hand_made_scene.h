@@ -7,7 +7,7 @@
 
 #include "library/layouts/initial_state.h"
 #include "runtime/pruning/reachability.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 

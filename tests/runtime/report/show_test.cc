@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "runtime/report/table.h"
-#include "tests/runtime/cli/program.h"
 #include "tests/runtime/store/store_fixture.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

@@ -16,7 +16,7 @@
 #include "library/detectors/exact_pairs.h"
 #include "library/scene_error.h"
 #include "runtime/engine/detection/detectors.h"
-#include "tests/runtime/engine/twins.h"
+#include "tests/runtime/engine/paired_run.h"
 
 namespace cdb::tests {
 namespace {
@@ -206,7 +206,7 @@ TEST(Adapter, WhatIsLeftOutMakesNoDifference) {
       for (const char* detector : {"octree", "null"}) {
         SCOPED_TRACE(std::string(detector) + ", " + order);
         SetWorld(scene, "detector", Word(detector));
-        RunTwins(scene);
+        RunPaired(scene);
       }
     }
   }

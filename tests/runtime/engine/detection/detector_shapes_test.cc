@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "library/layouts/initial_state.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {

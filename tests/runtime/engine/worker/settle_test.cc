@@ -7,8 +7,8 @@
 
 #include "library/objects/overlap.h"
 #include "library/scene_error.h"
-#include "tests/library/own_cache.h"
 #include "tests/runtime/engine/engine_fixture.h"
+#include "tests/support/cache.h"
 
 namespace cdb::tests {
 namespace {
@@ -18,7 +18,7 @@ using schema::Call;
 
 class Pile : public testing::Test {
  protected:
-  OwnCache cache_;
+  TemporaryCache cache_;
 };
 
 plan::Scene PileScene(std::uint64_t quantity, double side = 40) {

@@ -6,7 +6,7 @@
 
 #include "library/scene_error.h"
 #include "tests/runtime/engine/engine_fixture.h"
-#include "tests/runtime/engine/twins.h"
+#include "tests/runtime/engine/paired_run.h"
 
 namespace cdb::tests {
 namespace {
@@ -263,11 +263,11 @@ TEST(Links, KeepWhatTheyPullAt) {
     SetWorld(scene, "record", schema::WordList{"energy"});
     SetWorld(scene, "cycles", std::uint64_t{200});
     SetWorld(scene, "acceleration", Vector3d(1, -9.8, 0));
-    const Twins twins = RunTwins(scene);
+    const PairedRun paired = RunPaired(scene);
     for (const Component component : {Component::kWalls, Component::kDetection, Component::kSolver,
                                       Component::kSleeping, Component::kRotation})
-      EXPECT_FALSE(twins.Omits(component)) << schema::InfoOf(component).name;
-    EXPECT_EQ(twins.why(Component::kSolver), "objects are linked and pull at one another");
+      EXPECT_FALSE(paired.Omits(component)) << schema::InfoOf(component).name;
+    EXPECT_EQ(paired.why(Component::kSolver), "objects are linked and pull at one another");
   }
 }
 

@@ -1,4 +1,4 @@
-// A scene twice, with everything in it and pruned, side by side.
+// The same scene run side by side, whole and pruned.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace cdb::tests {
 
-struct Twins {
+struct PairedRun {
   pruning::Omissions omissions;        ///< of the pruned one, as it ended
   std::optional<std::string> tripped;  ///< why it started again with all walls
   std::uint64_t tripped_in = 0;        ///< the step before or in which it did
@@ -24,9 +24,9 @@ struct Twins {
 
 /// Steps both through the whole run and expects every body in the same state, to the bit, after
 /// every step. A pruned one that trips starts again as the worker does.
-inline Twins RunTwins(const plan::Scene& scene, const layouts::InitialState& state,
-                      pruning::Omissions omissions) {
-  Twins twins;
+inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState& state,
+                           pruning::Omissions omissions) {
+  PairedRun paired;
   for (;;) {
     world::Engine whole(scene, state, pruning::KeepEverything(scene));
     world::Engine pruned(scene, state, omissions);
@@ -44,24 +44,24 @@ inline Twins RunTwins(const plan::Scene& scene, const layouts::InitialState& sta
                       << plan::DecisionsText(pruned.omissions().needs);
         break;
       }
-      twins.omissions = pruned.omissions();
-      return twins;
+      paired.omissions = pruned.omissions();
+      return paired;
     } catch (const world::OmissionGuardTripped& tripped) {
-      EXPECT_FALSE(twins.tripped) << "tripped again: " << tripped.what();
-      if (twins.tripped) return twins;
-      twins.tripped = tripped.what();
-      twins.tripped_in = step;
+      EXPECT_FALSE(paired.tripped) << "tripped again: " << tripped.what();
+      if (paired.tripped) return paired;
+      paired.tripped = tripped.what();
+      paired.tripped_in = step;
       omissions.Keep(schema::Component::kWalls, tripped.what());
     }
   }
 }
 
-inline Twins RunTwins(const plan::Scene& scene, const layouts::InitialState& state) {
-  return RunTwins(scene, state, pruning::DecideOmissions(scene, state));
+inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState& state) {
+  return RunPaired(scene, state, pruning::DecideOmissions(scene, state));
 }
 
-inline Twins RunTwins(const plan::Scene& scene) {
-  return RunTwins(scene, layouts::MakeInitialState(scene));
+inline PairedRun RunPaired(const plan::Scene& scene) {
+  return RunPaired(scene, layouts::MakeInitialState(scene));
 }
 
 }  // namespace cdb::tests

@@ -1,4 +1,4 @@
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"

@@ -1,4 +1,4 @@
-// Runs `cdb` as a user would, in a folder of its own.
+// Runs `cdb` as a user would, in a temporary folder.
 #pragma once
 
 #include <sys/types.h>
@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/files.h"
+
 namespace cdb::tests {
 
 struct Finished {
@@ -14,16 +16,12 @@ struct Finished {
   std::string out, err;
 };
 
-/// A folder that goes when this does, and the program in it.
+/// A temporary folder, and the program run in it.
 class Program {
  public:
-  Program();
-  ~Program();
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-
-  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
   void Write(const std::string& name, const std::string& text) const;
+  /// Empty where there is no such file.
   std::string Read(const std::string& name) const;
   bool Exists(const std::string& name) const;
 
@@ -35,7 +33,7 @@ class Program {
   pid_t Start(const std::vector<std::string>& arguments) const;
 
  private:
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 /// The program that the tests belong to.

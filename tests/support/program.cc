@@ -1,42 +1,26 @@
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-
 #include "dsl/check.h"
 
 namespace cdb::tests {
 
-namespace fs = std::filesystem;
-
 std::string CdbPath() { return std::string(CDB_BINARY_DIR) + "/cdb"; }
 
-Program::Program() {
-  std::string pattern = (fs::temp_directory_path() / "cdb-test-XXXXXX").string();
-  CDB_CHECK(mkdtemp(pattern.data()) != nullptr);
-  folder_ = pattern;
-}
-
-Program::~Program() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
-
 void Program::Write(const std::string& name, const std::string& text) const {
-  std::ofstream(folder_ / name, std::ios::binary) << text;
+  WriteFile(folder_ / name, text);
 }
 
 std::string Program::Read(const std::string& name) const {
-  std::ifstream file(folder_ / name, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return Exists(name) ? ReadFile(folder_ / name) : "";
 }
 
-bool Program::Exists(const std::string& name) const { return fs::exists(folder_ / name); }
+bool Program::Exists(const std::string& name) const {
+  return std::filesystem::exists(folder_ / name);
+}
 
 pid_t Program::Start(const std::vector<std::string>& arguments) const {
   const pid_t child = fork();
@@ -51,7 +35,7 @@ pid_t Program::Start(const std::vector<std::string>& arguments) const {
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  if (chdir(folder_.c_str()) == 0) execv(argv[0], argv.data());
+  if (chdir(folder().c_str()) == 0) execv(argv[0], argv.data());
   _exit(127);
 }
 
