@@ -1,4 +1,4 @@
-// Laws that hold for every benchmark.
+// Properties of every benchmark, tested on random ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>

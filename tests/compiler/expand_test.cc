@@ -1,4 +1,4 @@
-// What the language means: axes, lets, cases, bases, skips, files.
+// Semantics of the language: axes, lets, cases, bases, skips, files.
 #include <gtest/gtest.h>
 
 #include "compiler/plan/plan.h"

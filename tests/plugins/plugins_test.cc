@@ -1,5 +1,4 @@
-// Detectors of a user's shared library, as `cdb` takes them: those that are good, and what is said
-// of the others.
+// Detectors from a user's shared library: good ones run, and the others are refused with a reason.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Files that are only in memory, for tests of the compiler.
+// Compiles texts and files in memory.
 #pragma once
 
 #include <map>
@@ -11,8 +11,8 @@
 
 namespace cdb::tests {
 
-/// Stands for looking into a shared library: each line of the text is a detector, its name, its
-/// limit and its phases. A text without any is no library.
+/// Replaces the loading of a shared library: each line of the text is a detector, its name, its
+/// limit and its phases. A text without detectors is not a library.
 inline scenario::DescribePlugin DescribeText(const scenario::ReadFile& read) {
   return [read](const std::string& path,
                 std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
@@ -28,8 +28,8 @@ inline scenario::DescribePlugin DescribeText(const scenario::ReadFile& read) {
   };
 }
 
-/// Traces of a hundred cycles: a crowd of 1000 bodies in single precision, and what is too large
-/// for `sap` in double.
+/// Traces of a hundred cycles: 1000 bodies in single precision, and too many for `sap` in double
+/// precision.
 inline std::optional<plan::TraceFacts> MadeUpTraces(const std::string& path, std::string& why) {
   if (path.ends_with("crowd.trace.h5"))
     return plan::TraceFacts{std::string(64, 'c'), 1000, 100, 1.0 / 60, false};

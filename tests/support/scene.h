@@ -1,4 +1,4 @@
-// Scenes for tests: the schema's defaults, and what a test changes.
+// Scenes for tests: the schema's defaults, and functions that change them.
 #pragma once
 
 #include <cstdint>

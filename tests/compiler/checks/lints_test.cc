@@ -1,4 +1,4 @@
-// Numbers of a scene before anything runs.
+// The numbers that lints compute from a scene before it runs.
 #include "compiler/checks/lints.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What of the engine a run leaves out, as far as its numbers tell.
+// Components of the engine that a run can omit, as far as its parameters decide it.
 #include "compiler/plan/pruning.h"
 
 #include <gtest/gtest.h>

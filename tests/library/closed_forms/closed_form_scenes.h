@@ -1,4 +1,4 @@
-// A scene of each closed form, for tests of the forms and of what an engine makes of them.
+// A scene for each closed form, for tests of the closed forms and of the engine.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Closed forms against integration that knows nothing of them, and against their limits.
+// Closed forms compared with independent numerical integration, and with their limits.
 #include "library/closed_forms/closed_form.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Solids of every kind for the tests of distances and layouts.
+// Random solids of every kind, for the tests of distances and layouts.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
-// The scenarios that come with cdb: that each compiles, says what it is, and has its source's
-// numbers.
+// The scenarios shipped with cdb: each compiles, describes itself, and has its source's numbers.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

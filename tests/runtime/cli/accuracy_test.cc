@@ -1,4 +1,4 @@
-// Errors beside timings through the whole program.
+// Errors beside timings, through the whole program.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>

@@ -1,4 +1,4 @@
-// The command line from outside: what goes where, and with which exit status.
+// The command line as its users see it: output, files and exit status.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The scenarios that come with cdb, as its users meet them.
+// The scenarios shipped with cdb, run by name.
 #include <gtest/gtest.h>
 
 #include <filesystem>

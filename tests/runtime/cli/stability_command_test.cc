@@ -1,4 +1,4 @@
-// Verdicts as a user meets them: in `cdb run`, in `cdb show`, and on the map of `cdb stability`.
+// Verdicts in `cdb run`, in `cdb show`, and on the map of `cdb stability`.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,4 +1,4 @@
-// Runs recorded, and detectors run on what was recorded.
+// Recorded runs, and detectors run on the recording.
 #include <gtest/gtest.h>
 
 #include <filesystem>

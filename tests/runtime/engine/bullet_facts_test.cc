@@ -1,5 +1,5 @@
-// What a benchmark must know of Bullet 3.24, each with its figure. The first fact, that default
-// bounces lose their energy, is convergence_test.cc's.
+// Limits of Bullet 3.24 that affect a benchmark, each with its figure. convergence_test.cc has one
+// more: default bounces lose energy.
 #include <gtest/gtest.h>
 
 #include <numbers>

@@ -1,4 +1,4 @@
-// The engine beside a closed form, and the order in which the one comes to the other.
+// Runs of the engine compared with a closed form, and the order of convergence.
 #pragma once
 
 #include <Eigen/Dense>

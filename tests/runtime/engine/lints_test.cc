@@ -1,4 +1,4 @@
-// What the lints foretell is what runs come to.
+// Lints predict the verdicts of runs.
 #include "compiler/checks/lints.h"
 
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ struct Confusion {
   }
 };
 
-/// Runs scenes, and holds what comes of each against its lints.
+/// Runs scenes, and compares their verdicts with their lints.
 class Trial {
  public:
   void Add(const std::string& theme, const plan::Scene& scene) {
@@ -90,7 +90,7 @@ class Trial {
   std::string surprises_;
 };
 
-TEST(Lints, ForetellTheVerdictsOfTheStabilitySuite) {
+TEST(Lints, PredictTheVerdictsOfTheStabilitySuite) {
   const std::string library = CDB_SOURCE_DIR "/library/scenarios";
   Trial trial;
   for (const auto& entry : std::filesystem::directory_iterator(library + "/stability")) {
@@ -106,7 +106,7 @@ TEST(Lints, ForetellTheVerdictsOfTheStabilitySuite) {
   trial.PrintAndCheck(0);
 }
 
-TEST(Lints, ForetellTheVerdictsOfRandomScenes) {
+TEST(Lints, PredictTheVerdictsOfRandomScenes) {
   Trial trial;
   for (const RandomScene& random : RandomScenes(kScenes, kSeed))
     trial.Add(std::string(random.theme), random.scene);

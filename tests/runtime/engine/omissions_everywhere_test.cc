@@ -1,4 +1,4 @@
-// Every scenario that comes with cdb, scaled down, and scenes at random: whatever is left out, each
+// Every scenario shipped with cdb, scaled down, and random scenes: with and without omissions, each
 // object is in the same state after every cycle.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The stability suite: its harmless ends are sound, and not one of its hopeless ends is called so.
+// The stability suite: the harmless end of each scenario is sound, and no hopeless end is.
 #include <gtest/gtest.h>
 
 #include <algorithm>

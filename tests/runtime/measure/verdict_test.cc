@@ -1,4 +1,4 @@
-// Verdicts of series made by hand: each criterion just below its threshold and just above.
+// Verdicts of hand-made series: each criterion just below its threshold and just above.
 #include "runtime/measure/verdict.h"
 
 #include <gtest/gtest.h>

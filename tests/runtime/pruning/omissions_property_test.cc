@@ -1,6 +1,6 @@
-// Thousands of small scenes at random, each flown cycle by cycle by an adversary: whatever comes
+// Thousands of small random scenes, each moved cycle by cycle by an adversary: bodies that come
 // within touching distance may be flung in any direction that energy (and, in the air, momentum)
-// allows. Whatever then happens, the reachability must have allowed it.
+// allows. The reachability analysis must have allowed every outcome.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What becomes of a sweep when its driver is killed, doubled, stopped or out of disk: real
-// processes and the real store.
+// A sweep whose driver is killed, started twice, stopped or out of disk: real processes and the
+// real store.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 class DriverTest : public testing::Test {
  protected:
-  /// Starts a driver; what it prints goes to `log`.
+  /// Starts a driver; its output goes to `log`.
   pid_t Start(const plan::Plan& plan, int jobs = 1, const std::string& file_limit = "") {
     WriteFile(root.path() / "plan.yaml", plan::ToYaml(plan));
     const std::string binaries = CDB_BINARY_DIR;

@@ -1,4 +1,4 @@
-// A worker that does what the seed of its run says: see Behaviour.
+// A worker whose behaviour is the seed of its run: see Behaviour.
 #include <dirent.h>
 #include <sched.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-// Reference runs: their shards, and what the merged file has of them and of errors.
+// Reference runs: their shards, and their part of the merged file.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -23,7 +23,7 @@ struct SceneSize {
 plan::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit = "");
 plan::Axis TextAxis(std::string name, const std::vector<std::string>& values);
 
-/// Every point of the grid but `skipped`, each run with a scene of its own.
+/// Every point of the grid but `skipped`, each run with another scene.
 plan::Plan MakePlan(std::vector<plan::Axis> axes, std::uint64_t repeats, const SceneSize& size,
                     std::vector<std::vector<std::size_t>> skipped = {});
 

@@ -1,4 +1,4 @@
-// Each of our detectors lists exactly the pairs that overlap, whatever moves and however.
+// Each built-in detector lists exactly the overlapping pairs, however the boxes move.
 #include <gtest/gtest.h>
 
 #include <algorithm>

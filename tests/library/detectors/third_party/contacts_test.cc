@@ -1,4 +1,4 @@
-// Holds the narrow phases of other libraries against closed forms, each to what was seen of it.
+// Narrow phases of other libraries compared with closed forms, each within its measured error.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// Holds the broad phases of other libraries against exact pairs: the catalogue says which of them
-// may list too much or miss a pair.
+// Broad phases of other libraries compared with the exact pairs: the catalogue says which of them
+// may list too many pairs or miss one.
 #include <gtest/gtest.h>
 
 #include <cmath>

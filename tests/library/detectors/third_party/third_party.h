@@ -1,4 +1,4 @@
-// The detectors of other libraries, for tests: those of the parts that are built.
+// The detectors of other libraries, for tests: those of the modules that are built.
 #pragma once
 
 #include <memory>
@@ -19,13 +19,13 @@ inline void PrintTo(const schema::DetectorInfo& info, std::ostream* out) { *out 
 
 namespace cdb::tests {
 
-/// The rows of the catalogue that are in a part and have the phase.
+/// Rows of the catalogue with the phase that belong to another library.
 std::vector<schema::DetectorInfo> ThirdPartyDetectors(std::string_view phase);
 
-/// Null where its part is not built, which fails the test if CDB_REQUIRE_RIVALS is set, else skips.
+/// Null if the module is not built; throws instead if CDB_REQUIRE_RIVALS is set.
 std::unique_ptr<Detector> MakeThirdParty(const schema::DetectorInfo& info);
 
-/// Of GoogleTest's parameters: the detector's name.
+/// Names GoogleTest's instances by detector.
 struct DetectorName {
   template <typename Info>
   std::string operator()(const Info& info) const {

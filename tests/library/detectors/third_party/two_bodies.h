@@ -1,4 +1,4 @@
-// Two bodies in a scene of their own, for narrow phases.
+// A scene of two bodies, for narrow phases.
 #pragma once
 
 #include <vector>

@@ -81,7 +81,7 @@ plan::Scene Boxes(std::uint64_t quantity) {
   return scene;
 }
 
-/// The state after so many steps. Without detectors: those that the scene names.
+/// The state after `steps` steps. The default is the scene's detectors.
 std::string HashAfter(const plan::Scene& scene, const layouts::InitialState& state, int steps,
                       const Detectors* detectors = nullptr) {
   auto omissions = pruning::KeepEverything(scene);
@@ -223,7 +223,7 @@ TEST(Adapter, NullFindsNothingAndMovesOn) {
   EXPECT_GT(recorded.header().harness_ns, 0);
 }
 
-/// Lists the exact pairs and then does what a test wants.
+/// Lists the exact pairs and then calls a function of the test.
 class Meddler : public Exact {
  public:
   using Pairs = std::function<void(std::vector<Pair>&)>;
@@ -303,7 +303,7 @@ TEST(Adapter, PairsThatMakeNoSenseFailWithTheirMessage) {
   ExpectMentions(MessageOfPairs([](auto&) { throw 5; }), {"`tested`", "no std::exception"});
 }
 
-/// Bullet's contacts, and what a test makes of them.
+/// Bullet's contacts, changed by a function of the test.
 class ContactMeddler : public Detector {
  public:
   using Contacts = std::function<void(std::span<const Pair>, std::vector<Contact>&)>;

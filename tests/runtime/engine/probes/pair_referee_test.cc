@@ -1,4 +1,4 @@
-// What `record pairs` finds of Bullet's detectors, and that it changes nothing.
+// The faults that `record pairs` finds in Bullet's detectors; recording them changes no motion.
 #include "runtime/engine/probes/pair_referee.h"
 
 #include <gtest/gtest.h>

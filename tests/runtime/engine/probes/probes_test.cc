@@ -1,4 +1,4 @@
-// Verdicts of runs in Bullet: what goes wrong there is seen, in the cycle in which it happens.
+// Verdicts of runs in Bullet: a fault is noticed in the cycle in which it happens.
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -1,4 +1,4 @@
-// The pass that collects errors: what it samples, and that it goes the way of the timed one.
+// The pass that samples errors: its samples, and that it moves like the timed pass.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What a run records, against what is known of it.
+// The series of runs whose course is known.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
-// No parameter is ignored in silence: the schema is walked row by row, and each row that concerns
-// the engine has a scene in which changing it changes where the objects end.
+// No parameter is silently ignored: each row of the schema that concerns the engine has a scene in
+// which changing it changes the final state.
 #include <gtest/gtest.h>
 
 #include <functional>

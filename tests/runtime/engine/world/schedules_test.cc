@@ -1,4 +1,4 @@
-// Accelerations and velocities that change while the run goes on.
+// Accelerations and velocities that change during a run.
 #include "runtime/engine/world/schedules.h"
 
 #include <gtest/gtest.h>
