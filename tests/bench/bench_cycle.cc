@@ -1,6 +1,7 @@
-// What the runner adds to a cycle: its engine against the same scene written by hand, in one
-// program, cycle by cycle in strict alternation, the order swapped each time. Both must end in the
-// same state hash. Usage: bench_cycle_f32 [ROUNDS] [CYCLES]
+// Overhead of the runner in a cycle: its engine against the same scene written by hand, in one
+// program, cycle by cycle in strict alternation, the order swapped each time. Both must end with
+// the same state hash.
+// Usage: bench_cycle_f32 [ROUNDS] [CYCLES]
 
 #include <fmt/format.h>
 
@@ -14,7 +15,7 @@
 #include "runtime/engine/world/precision.h"
 #include "tests/bench/hand_written.h"
 #include "tests/bench/median.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::bench {
 namespace {

@@ -22,8 +22,8 @@
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
-#include "tests/library/own_cache.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/cache.h"
+#include "tests/support/scene.h"
 
 namespace cdb::bench {
 namespace {
@@ -196,7 +196,7 @@ void PrintCut() {
   fmt::print("\na form with an empty cache, and found in it again\n");
   fmt::print("{:<12} {:>9} {:>9} {:>6} {:>9} {:>16} {:>7}\n", "type", "cold, s", "warm, ms",
              "hulls", "vertices", "volume error, %", "IoU");
-  const tests::OwnCache cache;
+  const tests::TemporaryCache cache;
   for (const std::string_view type : kCompounds) {
     std::shared_ptr<const objects::ConvexDecomposition> form;
     const double cold = Milliseconds([&] { form = FormOf(type); });

@@ -1,7 +1,7 @@
-// What leaving out saves: each scene twice in one program, with everything in it and with what
-// `omit` leaves out, cycle by cycle in strict alternation, the order swapped each time. Both must
-// be in the same state after every cycle. Scenes come from .cdb files; of each benchmark the last
-// run is taken. Usage: bench_omit_f32 [-r ROUNDS] [-c CYCLES] [FILE.cdb ...]
+// Time saved by omissions: each scene twice in one program, whole and pruned by `omit`, cycle by
+// cycle in strict alternation, the order swapped each time. Both must be in the same state after
+// every cycle. Scenes come from .cdb files; the last run of each benchmark is taken.
+// Usage: bench_omit_f32 [-r ROUNDS] [-c CYCLES] [FILE.cdb ...]
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -27,7 +27,7 @@ double HeapBytes() {
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-/// One of the two worlds, and what it cost.
+/// One of the two worlds, and its times.
 struct Side {
   std::unique_ptr<world::Engine> engine;
   double build_ns = 0, heap = 0;
@@ -61,14 +61,14 @@ Result RunRound(const plan::Scene& scene, std::uint64_t cycles, std::uint64_t ro
   if (round % 2 == 0) whole.Build(scene, state, false);
   lean.Build(scene, state, true);
   if (round % 2 == 1) whole.Build(scene, state, false);
-  world::OmissionGuard tripwire(*lean.engine);
+  world::OmissionGuard guard(*lean.engine);
   std::string note = plan::OmittedNames(lean.engine->omissions().needs);
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
     if (cycle % 2 == 0) whole.Step();
     try {
-      tripwire.BeforeStep();
+      guard.BeforeStep();
       lean.Step();
-      tripwire.AfterStep();
+      guard.AfterStep();
     } catch (const world::OmissionGuardTripped& tripped) {
       note = fmt::format("starts again in cycle {} with all walls: {}", cycle, tripped.what());
       if (cycle % 2 == 1) whole.Step();

@@ -20,7 +20,7 @@
 #include "library/layouts/placement.h"
 #include "library/scene_error.h"
 #include "tests/bench/median.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace {
 

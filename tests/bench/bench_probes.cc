@@ -1,7 +1,7 @@
-// What taking a run's series between its cycles does to the cycles: each scene twice in one
-// program, timed alone and timed with `record timing, counts, stability`, in blocks of cycles in
-// turn, so that each has the caches to itself. Both go through the same states; a cycle is compared
-// with itself. Scenes come from .cdb files; of each benchmark the last run is taken.
+// Effect on the cycles of sampling a run's series between them: each scene twice in one program,
+// timed alone and timed with `record timing, counts, stability`, in blocks of cycles in turn, so
+// that each has the caches to itself. Both go through the same states; a cycle is compared with
+// itself. Scenes come from .cdb files; the last run of each benchmark is taken.
 // Usage: bench_probes_f32 [-r ROUNDS] [-c CYCLES] [FILE.cdb ...]
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ constexpr std::uint64_t kBlock = 25;
 /// The first cycles of a block find the caches as the other world left them.
 constexpr std::uint64_t kSettle = 5;
 
-/// One of the two worlds, and what its cycles took.
+/// One of the two worlds, and the times of its cycles.
 class Side {
  public:
   Side(plan::Scene scene, const layouts::InitialState& state, schema::WordList record)

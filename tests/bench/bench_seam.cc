@@ -1,8 +1,8 @@
-// What the interface costs: Bullet's dbvt alone, and the same behind cdb's interface, in two worlds
-// of one program, cycle by cycle in turn, the order swapped each time. Gas: balls that fly about;
-// pile: balls that have fallen on the floor. Pairs in the order `listed` and `sorted`; in the
-// latter both worlds must be in the same state after every cycle. Usage: bench_seam_f32 [ROUNDS
-// [CYCLES]]
+// Overhead of the Bullet adapter: Bullet's dbvt alone, and the same behind cdb's interface, in two
+// worlds of one program, cycle by cycle in turn, the order swapped each time. Gas: balls that fly
+// about; pile: balls that have fallen on the floor. Pairs in the order `listed` and `sorted`; with
+// the latter both worlds must be in the same state after every cycle.
+// Usage: bench_seam_f32 [ROUNDS [CYCLES]]
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::bench {
 namespace {

@@ -1,5 +1,5 @@
-// The same scene as someone writes it by hand against Bullet: a plain btDiscreteDynamicsWorld and
-// one pair of clock calls around stepSimulation. What the runner's cycle is held against.
+// The same scene written by hand against Bullet, the baseline of the runner's cycle: a plain
+// btDiscreteDynamicsWorld and one pair of clock calls around stepSimulation.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>

@@ -1,4 +1,4 @@
-// The middle of what was measured, as a few slow cycles do not move it.
+// The median of measured values, which a few slow cycles do not move.
 #pragma once
 
 #include <algorithm>

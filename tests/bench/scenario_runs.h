@@ -1,4 +1,4 @@
-// The command line of benches that take their scenes from .cdb files, and those scenes.
+// The command line of the benchmarks that take their scenes from .cdb files, and those scenes.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,11 +1,11 @@
-// What the language means: axes, lets, cases, bases, skips, files.
+// Semantics of the language: axes, lets, cases, bases, skips, files.
 #include <gtest/gtest.h>
 
 #include "compiler/plan/plan.h"
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/render.h"
-#include "tests/compiler/memory_files.h"
+#include "tests/support/compile_text.h"
 
 namespace cdb::tests {
 namespace {

@@ -1,4 +1,4 @@
-// A syntax tree as text, for comparison: what was written, without places and brackets.
+// A syntax tree as text, for comparison, without source positions and brackets.
 #pragma once
 
 #include <string>

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <memory>
 #include <set>
@@ -15,6 +14,7 @@
 #include "dsl/diagnostic_kinds.h"
 #include "dsl/parser.h"
 #include "dsl/render.h"
+#include "tests/support/files.h"
 
 namespace cdb::tests {
 using namespace dsl;
@@ -24,11 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kFolder = fs::path(CDB_SOURCE_DIR) / "tests" / "golden" / "dsl";
-
-std::string Read(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 std::vector<fs::path> Inputs() {
   std::vector<fs::path> inputs;
@@ -40,7 +35,8 @@ std::vector<fs::path> Inputs() {
 
 dsl::Diagnostics DiagnosticsOf(const fs::path& input, std::string* rendered) {
   dsl::Diagnostics diagnostics;
-  const auto source = std::make_shared<const dsl::Source>(input.filename().string(), Read(input));
+  const auto source =
+      std::make_shared<const dsl::Source>(input.filename().string(), ReadFile(input));
   dsl::Parse(source, diagnostics);
   *rendered = dsl::Render(diagnostics);
   return diagnostics;
@@ -55,9 +51,9 @@ TEST(Golden, RenderedDiagnostics) {
     DiagnosticsOf(input, &rendered);
     fs::path expected = input;
     expected.replace_extension(".txt");
-    if (update) std::ofstream(expected, std::ios::binary) << rendered;
+    if (update) WriteFile(expected, rendered);
     ASSERT_TRUE(fs::exists(expected)) << expected;
-    EXPECT_EQ(rendered, Read(expected)) << input.filename();
+    EXPECT_EQ(rendered, ReadFile(expected)) << input.filename();
   }
 }
 

@@ -1,4 +1,4 @@
-// What holds for every text, good or bad.
+// Invariants of every text, valid or not.
 #pragma once
 
 #include <string>

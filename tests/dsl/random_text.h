@@ -1,4 +1,4 @@
-// Random texts of the language, good and bad, the same for a seed on every machine.
+// Random texts of the language, valid and invalid, the same for a seed on every machine.
 #pragma once
 
 #include <cstdint>

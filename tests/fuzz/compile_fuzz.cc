@@ -1,5 +1,5 @@
-// Any text, compiled: no crash, every error has a place, and what has none makes a plan that reads
-// back from YAML.
+// Compiles any text: no crash, every error has a position, and a text without errors makes a plan
+// that reads back from YAML.
 #include <cstddef>
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-// Any bytes at all: parsed, rendered and, where they parse, laid out.
+// Parses and renders any bytes, and formats them if they parse.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Detectors each of which goes wrong in one way once its library is loaded.
+// Detectors that each fail in one way after their library is loaded.
 #include <signal.h>
 #include <unistd.h>
 
@@ -16,7 +16,7 @@ using namespace cdb;
 
 [[noreturn]] void Throw() { throw std::runtime_error("out of luck"); }
 
-/// Every pair, and one contact for each; what goes wrong is laid over it.
+/// Every pair, and one contact for each; derived classes add their fault.
 class Sound : public Detector {
  public:
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {

@@ -1,5 +1,4 @@
-// Detectors of a user's shared library, as `cdb` takes them: those that are good, and what is said
-// of the others.
+// Detectors from a user's shared library: good ones run, and the others are refused with a reason.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +9,7 @@
 
 #include "runtime/process/probe_plugin.h"
 #include "runtime/store/store.h"
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

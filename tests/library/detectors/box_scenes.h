@@ -1,4 +1,4 @@
-// Boxes that move as the objects of well-known scenes do, for detectors and without physics.
+// Boxes that move like the objects of well-known scenes, for detectors and without physics.
 #pragma once
 
 #include <cstdint>

@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/topology.h"
 #include "tests/library/meshes/test_meshes.h"
+#include "tests/support/files.h"
 
 namespace cdb::tests {
 namespace {
@@ -46,9 +46,9 @@ TEST(Mesh, StlSharesVerticesAgain) {
 }
 
 TEST(Mesh, ReadsAFile) {
-  const auto file =
-      std::filesystem::temp_directory_path() / ("cdb-mesh-" + std::to_string(::getpid()) + ".off");
-  std::ofstream(file) << ToOff(Sample());
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "sample.off";
+  WriteFile(file, ToOff(Sample()));
   EXPECT_EQ(meshes::ReadMesh(file), Sample());
   std::filesystem::remove(file);
   EXPECT_EQ(Refusal([&] { meshes::ReadMesh(file); }), file.string() + ": there is no such file");

@@ -5,11 +5,11 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
 
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/overlap_volume.h"
 #include "tests/library/meshes/test_meshes.h"
+#include "tests/support/files.h"
 
 namespace cdb::tests {
 namespace {
@@ -19,12 +19,7 @@ namespace fs = std::filesystem;
 
 class ModelFolder : public ::testing::Test {
  protected:
-  ModelFolder() {
-    std::string name = (fs::temp_directory_path() / "cdb-models-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~ModelFolder() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(ModelFolder, IsTheVariablesOrBesideTheProgram) {
@@ -49,11 +44,11 @@ TEST_F(ModelFolder, TheFirstThatHasItCounts) {
                 "); in cdb's source folder run: library/meshes/fetch-models '" + both[0].string() +
                 "' bunny");
   fs::create_directories(both[1]);
-  std::ofstream(both[1] / "bunny.off") << ToOff(InsideOut(AngleMesh()));
+  WriteFile(both[1] / "bunny.off", ToOff(InsideOut(AngleMesh())));
   EXPECT_EQ(meshes::PathOf(bunny, both), both[1] / "bunny.off");
   EXPECT_EQ(meshes::LoadModel(bunny, both), AngleMesh());
   fs::create_directories(both[0]);
-  std::ofstream(both[0] / "bunny.off") << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  WriteFile(both[0] / "bunny.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   EXPECT_TRUE(Refusal([&] {
                 meshes::LoadModel(bunny, both);
               }).starts_with((both[0] / "bunny.off").string() + ": is not watertight: 3 edges"));
@@ -62,10 +57,10 @@ TEST_F(ModelFolder, TheFirstThatHasItCounts) {
 TEST_F(ModelFolder, OnlyTheTeapotsHolesAreClosed) {
   meshes::Mesh open = BoxMesh({0, 0, 0}, {1, 1, 1});
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
-  std::ofstream(folder_ / "teapot.obj") << ToObj(open);
-  EXPECT_DOUBLE_EQ(
-      meshes::SignedVolume(meshes::LoadModel(*meshes::FindModel("teapot"), std::vector{folder_})),
-      1);
+  WriteFile(folder_ / "teapot.obj", ToObj(open));
+  EXPECT_DOUBLE_EQ(meshes::SignedVolume(meshes::LoadModel(*meshes::FindModel("teapot"),
+                                                          std::vector{folder_.path()})),
+                   1);
   EXPECT_EQ(meshes::FindModel("kettle"), nullptr);
 }
 
@@ -77,8 +72,8 @@ TEST_F(ModelFolder, FetchingIsRefusedWhereItIsWrong) {
   };
   EXPECT_EQ(run(""), 2);
   EXPECT_EQ(run("--help"), 2);
-  EXPECT_EQ(run("'" + folder_.string() + "' kettle"), 2);
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_EQ(run("'" + folder_.path().string() + "' kettle"), 2);
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 /// The models themselves, where they are.

@@ -1,4 +1,4 @@
-// Meshes that the tests of library/meshes share.
+// Meshes that several tests use.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Errors of samples made by hand, whose right values follow from a line of arithmetic.
+// Errors of hand-made samples, whose right values follow from a line of arithmetic.
 #include "runtime/accuracy/errors.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Errors beside timings through the whole program.
+// Errors beside timings, through the whole program.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -7,8 +7,8 @@
 #include "compiler/compile.h"
 #include "runtime/report/show_error.h"
 #include "runtime/store/store.h"
-#include "tests/runtime/cli/program.h"
 #include "tests/runtime/store/store_fixture.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

@@ -1,4 +1,4 @@
-// The command line from outside: what goes where, and with which exit status.
+// The command line as its users see it: output, files and exit status.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "compiler/schema/schema.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/store/store.h"
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

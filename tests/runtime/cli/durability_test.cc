@@ -1,4 +1,4 @@
-// Nothing that was finished is lost: kills at any moment, and a world that refuses.
+// No finished run is lost: kills at any moment, and errors of the environment.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "runtime/store/store.h"
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {
@@ -128,7 +128,7 @@ TEST(Stop, CtrlCKeepsWhatIsFinished) {
             store::Status::kMissing);
 }
 
-/// Two runs of five are done; what follows must not cost them.
+/// Two runs of five are done and must not be lost.
 class World : public testing::Test {
  protected:
   void SetUp() override {

@@ -1,9 +1,9 @@
-// The scenarios that come with cdb, as its users meet them.
+// The scenarios shipped with cdb, run by name.
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "tests/runtime/cli/program.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {

@@ -1,5 +1,5 @@
-// The engine against formulae that hold for every correct engine. Bounds are derived where they
-// stand; kEpsilon is the relative spacing of numbers, so that a rounding is off by kEpsilon / 2.
+// The engine against formulae that hold for every correct engine. Bounds are derived at each test;
+// kEpsilon is the relative spacing of numbers, so that a rounding is off by kEpsilon / 2.
 #include <gtest/gtest.h>
 
 #include "tests/runtime/engine/engine_fixture.h"

@@ -1,9 +1,9 @@
-// How fast the engine comes to the closed forms as its steps get smaller: orders fitted by least
-// squares. Figures beside the bounds were measured with Bullet 3.24, the same in both precisions to
-// the digits given unless both are.
+// How fast the engine converges to the closed forms as its steps get smaller: orders fitted by
+// least squares. Figures beside the bounds were measured with Bullet 3.24; one figure holds in both
+// precisions to the digits given.
 #include <gtest/gtest.h>
 
-#include "tests/runtime/engine/against_form.h"
+#include "tests/runtime/engine/closed_form_runs.h"
 
 namespace cdb::tests {
 namespace {

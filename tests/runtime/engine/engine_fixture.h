@@ -1,4 +1,4 @@
-// Scenes with objects put where a test wants them.
+// Scenes with objects at chosen positions, and the engine in this process.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/precision.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 
@@ -51,12 +51,12 @@ inline void Steps(world::Engine& engine, int count) {
   for (int i = 0; i < count; ++i) engine.Step();
 }
 
-/// With everything in it, whatever the scene could do without.
+/// With every component, even those that the scene could omit.
 inline world::Engine WholeEngine(const plan::Scene& scene, layouts::InitialState state) {
   return world::Engine(scene, std::move(state), pruning::KeepEverything(scene));
 }
 
-/// A run of the scene in this process, and what it recorded.
+/// A run of the scene in this process, and its recording.
 struct Recorded {
   measure::Recording recording;
   std::unique_ptr<world::Engine> engine;

@@ -1,4 +1,4 @@
-// What the lints foretell is what runs come to.
+// Lints predict the verdicts of runs.
 #include "compiler/checks/lints.h"
 
 #include <fmt/format.h>
@@ -24,23 +24,23 @@ constexpr std::uint64_t kSeed = 1;
 constexpr double kAgreement = 0.95;
 
 /// What the lints say of a scene, by its worst number.
-enum Reachability { kSound, kDoubtful, kBad };
+enum Prediction { kSound, kDoubtful, kBad };
 
-Reachability ForecastOf(const std::vector<checks::LintNumber>& numbers) {
+Prediction PredictionOf(const std::vector<checks::LintNumber>& numbers) {
   if (std::ranges::any_of(numbers, &checks::LintNumber::IsBad)) return kBad;
   return std::ranges::any_of(numbers, &checks::LintNumber::IsDoubtful) ? kDoubtful : kSound;
 }
 
-/// Runs by forecast and by whether they were stable.
+/// Runs by prediction and by whether they were stable.
 struct Confusion {
   std::array<std::array<int, 2>, 3> runs = {};
-  double Agreement(Reachability forecast, bool stable) const {
-    const auto& row = runs[forecast];
+  double Agreement(Prediction prediction, bool stable) const {
+    const auto& row = runs[prediction];
     return static_cast<double>(row[stable]) / (row[0] + row[1]);
   }
 };
 
-/// Runs scenes, and holds what comes of each against its lints.
+/// Runs scenes, and compares their verdicts with their lints.
 class Trial {
  public:
   void Add(const std::string& theme, const plan::Scene& scene) {
@@ -54,10 +54,10 @@ class Trial {
     ASSERT_NE(judged.verdict, measure::Verdict::kUnknown);
     const bool stable = judged.verdict == measure::Verdict::kStable;
     const auto numbers = checks::LintScene(scene);
-    const Reachability forecast = ForecastOf(numbers);
-    ++all_.runs[forecast][stable];
-    ++themes_[theme].runs[forecast][stable];
-    if (forecast == kDoubtful || stable == (forecast == kSound)) return;
+    const Prediction prediction = PredictionOf(numbers);
+    ++all_.runs[prediction][stable];
+    ++themes_[theme].runs[prediction][stable];
+    if (prediction == kDoubtful || stable == (prediction == kSound)) return;
     surprises_ += fmt::format("  {}: {}:", theme, VerdictName(judged.verdict));
     for (const checks::LintNumber& number : numbers)
       if (number.Severity() > 0.1)
@@ -90,7 +90,7 @@ class Trial {
   std::string surprises_;
 };
 
-TEST(Lints, ForetellTheVerdictsOfTheStabilitySuite) {
+TEST(Lints, PredictTheVerdictsOfTheStabilitySuite) {
   const std::string library = CDB_SOURCE_DIR "/library/scenarios";
   Trial trial;
   for (const auto& entry : std::filesystem::directory_iterator(library + "/stability")) {
@@ -106,7 +106,7 @@ TEST(Lints, ForetellTheVerdictsOfTheStabilitySuite) {
   trial.PrintAndCheck(0);
 }
 
-TEST(Lints, ForetellTheVerdictsOfRandomScenes) {
+TEST(Lints, PredictTheVerdictsOfRandomScenes) {
   Trial trial;
   for (const RandomScene& random : RandomScenes(kScenes, kSeed))
     trial.Add(std::string(random.theme), random.scene);

@@ -1,4 +1,4 @@
-// Scenes at random, from harmless to hopeless, to hold the lints against.
+// Random scenes, from harmless to hopeless, to compare with the lints.
 #pragma once
 
 #include <cstdint>

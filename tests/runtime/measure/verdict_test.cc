@@ -1,4 +1,4 @@
-// Verdicts of series made by hand: each criterion just below its threshold and just above.
+// Verdicts of hand-made series: each criterion just below its threshold and just above.
 #include "runtime/measure/verdict.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <set>
 
 #include "compiler/plan/expectation.h"
-#include "tests/library/test_scene.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {

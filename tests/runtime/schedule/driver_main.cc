@@ -18,7 +18,7 @@ namespace {
 
 int Main(int argc, char** argv) {
   if (argc < 5) return 64;
-  const plan::Plan plan = plan::FromYaml(ReadText(argv[1]), argv[1]);
+  const plan::Plan plan = plan::FromYaml(ReadFile(argv[1]), argv[1]);
   process::StopFlag stop;
   const process::StopOnSignals watch(stop);
   schedule::ExecuteOptions options;

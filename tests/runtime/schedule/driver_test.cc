@@ -1,5 +1,5 @@
-// What becomes of a sweep when its driver is killed, doubled, stopped or out of disk: real
-// processes and the real store.
+// A sweep whose driver is killed, started twice, stopped or out of disk: real processes and the
+// real store.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -28,9 +28,9 @@ namespace fs = std::filesystem;
 
 class DriverTest : public testing::Test {
  protected:
-  /// Starts a driver; what it prints goes to `log`.
+  /// Starts a driver; its output goes to `log`.
   pid_t Start(const plan::Plan& plan, int jobs = 1, const std::string& file_limit = "") {
-    WriteText(root.path() / "plan.yaml", plan::ToYaml(plan));
+    WriteFile(root.path() / "plan.yaml", plan::ToYaml(plan));
     const std::string binaries = CDB_BINARY_DIR;
     std::vector<std::string> words = {binaries + "/schedule_test_driver",
                                       (root.path() / "plan.yaml").string(), folder.string(),
@@ -95,7 +95,7 @@ class DriverTest : public testing::Test {
     }
   }
 
-  TestFolder root;
+  TemporaryFolder root;
   fs::path folder = root.path() / "study.runs";
   fs::path log = root.path() / "log";
 };
@@ -113,7 +113,7 @@ TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 60'000));
     kill(driver, SIGKILL);
     const int end = Wait(driver);
-    EXPECT_TRUE(end == -SIGKILL || end == 0) << end << ReadText(log);
+    EXPECT_TRUE(end == -SIGKILL || end == 0) << end << ReadFile(log);
     const auto now = Shards();
     for (const auto& [name, when] : finished) {
       const auto found = now.find(name);
@@ -123,9 +123,9 @@ TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
     for (const auto& [name, when] : now) EXPECT_NO_THROW(store::ReadShardInfo(folder / name));
     finished = now;
   }
-  EXPECT_EQ(Run(plan), 0) << ReadText(log);
+  EXPECT_EQ(Run(plan), 0) << ReadFile(log);
   ExpectComplete(plan);
-  for (const std::string& name : NamesIn(folder))
+  for (const std::string& name : FilesIn(folder))
     EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name << " is left over";
 }
 
@@ -135,22 +135,22 @@ TEST_F(DriverTest, TwoDriversFillOneFolder) {
   const plan::Plan plan = MakePlan(shape);
   const pid_t one = Start(plan);
   const pid_t two = Start(plan, 2);
-  EXPECT_EQ(Wait(one), 0) << ReadText(log);
-  EXPECT_EQ(Wait(two), 0) << ReadText(log);
+  EXPECT_EQ(Wait(one), 0) << ReadFile(log);
+  EXPECT_EQ(Wait(two), 0) << ReadFile(log);
   ExpectComplete(plan);
-  for (const std::string& name : NamesIn(folder))
+  for (const std::string& name : FilesIn(folder))
     EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name;
 }
 
 TEST_F(DriverTest, OneJobAndTwoGiveTheSame) {
   const plan::Plan plan = MakePlan({.repeats = 2});
-  EXPECT_EQ(Run(plan, 1), 0) << ReadText(log);
+  EXPECT_EQ(Run(plan, 1), 0) << ReadFile(log);
   ExpectComplete(plan);
-  const auto one = NamesIn(folder);
+  const auto one = FilesIn(folder);
   fs::remove_all(folder);
-  EXPECT_EQ(Run(plan, 2), 0) << ReadText(log);
+  EXPECT_EQ(Run(plan, 2), 0) << ReadFile(log);
   ExpectComplete(plan);
-  EXPECT_EQ(NamesIn(folder), one);
+  EXPECT_EQ(FilesIn(folder), one);
 }
 
 TEST_F(DriverTest, ASignalKeepsWhatIsFinishedAndEndsTheWorkers) {
@@ -165,9 +165,9 @@ TEST_F(DriverTest, ASignalKeepsWhatIsFinishedAndEndsTheWorkers) {
     const pid_t driver = Start(plan, 2);
     WaitForShards(2, driver);
     kill(driver, signal_number);
-    EXPECT_EQ(Wait(driver), 128 + signal_number) << ReadText(log);
+    EXPECT_EQ(Wait(driver), 128 + signal_number) << ReadFile(log);
     EXPECT_EQ(Shards().size(), 2u);
-    EXPECT_NE(ReadText(log).find("4 runs: 2 done, 2 not run"), std::string::npos) << ReadText(log);
+    EXPECT_NE(ReadFile(log).find("4 runs: 2 done, 2 not run"), std::string::npos) << ReadFile(log);
   }
 }
 
@@ -177,7 +177,7 @@ TEST_F(DriverTest, AFullDiskKeepsWhatIsFinished) {
   shape.detectors = {"dbvt"};
   plan::Plan plan = MakePlan(shape);
   // The last run records more than the limit lets a file hold; its memory is under it.
-  ASSERT_EQ(Run(plan), 0) << ReadText(log);
+  ASSERT_EQ(Run(plan), 0) << ReadFile(log);
   std::uintmax_t largest = 0;
   for (const auto& entry : fs::directory_iterator(folder))
     largest = std::max(largest, entry.file_size());
@@ -187,20 +187,20 @@ TEST_F(DriverTest, AFullDiskKeepsWhatIsFinished) {
 
   const std::uintmax_t shard = fs::file_size(folder / std::prev(whole.end())->first);
   EXPECT_EQ(Run(plan, 1, std::to_string(shard - 1)), 2);
-  const std::string text = ReadText(log);
+  const std::string text = ReadFile(log);
   EXPECT_NE(text.find("1 of 3 runs are safe in " + folder.string()), std::string::npos) << text;
   EXPECT_EQ(Shards().size(), 1u);
-  for (const std::string& name : NamesIn(folder))
+  for (const std::string& name : FilesIn(folder))
     EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name << " is left over";
 
-  EXPECT_EQ(Run(plan), 0) << ReadText(log);
+  EXPECT_EQ(Run(plan), 0) << ReadFile(log);
   ExpectComplete(plan);
 }
 
 TEST_F(DriverTest, BadRunsAreTheThirdExitStatus) {
   const plan::Plan plan = MakeBehaviourPlan({kFinishes, kFails, kSegfaults, kAborts});
   EXPECT_EQ(Run(plan, 2), 3);
-  const std::string text = ReadText(log);
+  const std::string text = ReadFile(log);
   EXPECT_NE(text.find("4 runs: 1 done, 1 failed, 2 crashed"), std::string::npos) << text;
   EXPECT_NE(text.find("the cube is 140 % full"), std::string::npos) << text;
   const store::ResultFile file(folder / (plan.runs[2].id + ".h5"));

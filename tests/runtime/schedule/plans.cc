@@ -1,13 +1,5 @@
 #include "tests/runtime/schedule/plans.h"
 
-#include <stdlib.h>
-
-#include <algorithm>
-#include <charconv>
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
-
 #include "compiler/schema/schema.h"
 
 namespace cdb::tests {
@@ -111,35 +103,6 @@ plan::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const Plan
     plan.runs.back().at = {plan.runs.size() - 1};
   }
   return plan;
-}
-
-TestFolder::TestFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "cdb-schedule-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for a test");
-  path_ = name;
-}
-
-TestFolder::~TestFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::vector<std::string> NamesIn(const std::filesystem::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.push_back(entry.path().filename().string());
-  std::ranges::sort(names);
-  return names;
-}
-
-std::string ReadText(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::runtime_error("cannot read " + file.string());
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void WriteText(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
 }
 
 }  // namespace cdb::tests

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "tests/support/files.h"
 
 namespace cdb::tests {
 
@@ -48,24 +48,5 @@ plan::Plan MakePlan(const PlanShape& shape = {});
 
 /// One run for each behaviour, on an axis `seed`; no timeout unless given.
 plan::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const PlanShape& shape = {});
-
-/// A folder of a test's own, removed at the end.
-class TestFolder {
- public:
-  TestFolder();
-  ~TestFolder();
-  TestFolder(const TestFolder&) = delete;
-  TestFolder& operator=(const TestFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-/// The names in a folder, sorted.
-std::vector<std::string> NamesIn(const std::filesystem::path& folder);
-
-std::string ReadText(const std::filesystem::path& file);
-void WriteText(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace cdb::tests

@@ -1,7 +1,6 @@
 #include "runtime/schedule/schedule.h"
 
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <algorithm>
 #include <functional>
@@ -89,7 +88,7 @@ class ScheduleTest : public testing::Test {
     return schedule::Execute(to_run, options, launcher, ears);
   }
 
-  TestFolder root;
+  TemporaryFolder root;
   schedule::ExecuteOptions options{.folder = root.path() / "study.runs"};
   FakeLauncher launcher;
   Ears ears;
@@ -104,8 +103,8 @@ TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
   for (const plan::Run* run : schedule::OrderRuns(plan)) order.push_back(run->id);
   EXPECT_EQ(launcher.started, order);
   EXPECT_EQ(launcher.most_at_once, 1u);
-  EXPECT_EQ(NamesIn(options.folder), WithPlan(ShardNames(plan)));
-  EXPECT_TRUE(ReadText(options.folder / "plan.yaml") == plan::ToYaml(plan));
+  EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == plan::ToYaml(plan));
   for (const std::string& name : ShardNames(plan)) {
     const store::ShardInfo info = store::ReadShardInfo(options.folder / name);
     EXPECT_EQ(info.run_id + ".h5", name);
@@ -122,7 +121,7 @@ TEST_F(ScheduleTest, HasAsManyAtOnceAsJobs) {
   options.jobs = 4;
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
   EXPECT_EQ(launcher.most_at_once, 4u);
-  EXPECT_EQ(NamesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
 }
 
 TEST_F(ScheduleTest, CountsHowRunsEnded) {
@@ -183,10 +182,10 @@ TEST_F(ScheduleTest, GoesOnWhereItStopped) {
 
 TEST_F(ScheduleTest, FreshStartsOver) {
   Run(plan);
-  WriteText(options.folder / "notes.txt", "mine");
-  WriteText(options.folder / "mine.h5", "mine too");
-  WriteText(options.folder / "00112233aabbccdd.h5", "of another plan");
-  WriteText(options.folder / "00112233aabbccdd.h5.broken", "");
+  WriteFile(options.folder / "notes.txt", "mine");
+  WriteFile(options.folder / "mine.h5", "mine too");
+  WriteFile(options.folder / "00112233aabbccdd.h5", "of another plan");
+  WriteFile(options.folder / "00112233aabbccdd.h5.broken", "");
   launcher.started.clear();
   options.fresh = true;
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
@@ -194,12 +193,12 @@ TEST_F(ScheduleTest, FreshStartsOver) {
   auto names = WithPlan(ShardNames(plan));
   names.insert(names.end(), {"mine.h5", "notes.txt"});
   std::ranges::sort(names);
-  EXPECT_EQ(NamesIn(options.folder), names) << "what is not ours stays";
+  EXPECT_EQ(FilesIn(options.folder), names) << "what is not ours stays";
 }
 
 TEST_F(ScheduleTest, RefusesAShardOfAnotherPlanAndChangesNothing) {
   Run(plan);
-  const std::string text = ReadText(options.folder / "plan.yaml");
+  const std::string text = ReadFile(options.folder / "plan.yaml");
   // Other runs; then the same runs under another plan, which is to be told by the hash inside.
   plan::Plan renamed = plan;
   renamed.benchmark = "other";
@@ -215,8 +214,8 @@ TEST_F(ScheduleTest, RefusesAShardOfAnotherPlanAndChangesNothing) {
       EXPECT_NE(message.find(".h5"), std::string::npos) << message;
     }
     EXPECT_TRUE(launcher.started.empty());
-    EXPECT_TRUE(ReadText(options.folder / "plan.yaml") == text);
-    EXPECT_EQ(NamesIn(options.folder), WithPlan(ShardNames(plan)));
+    EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == text);
+    EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
   }
 }
 
@@ -224,15 +223,15 @@ TEST_F(ScheduleTest, ANewTitleIsNotANewPlan) {
   Run(plan);
   plan.title = "a better title";
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 9}));
-  EXPECT_TRUE(ReadText(options.folder / "plan.yaml") == plan::ToYaml(plan));
+  EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == plan::ToYaml(plan));
 }
 
 TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
   Run(plan);
   const auto names = ShardNames(plan);
   fs::resize_file(options.folder / names[2], fs::file_size(options.folder / names[2]) / 2);
-  WriteText(options.folder / names[3], "");
-  WriteText(options.folder / names[5], std::string(100000, 'x'));
+  WriteFile(options.folder / names[3], "");
+  WriteFile(options.folder / names[5], std::string(100000, 'x'));
   // A whole shard under another's name.
   fs::copy_file(options.folder / names[0], options.folder / names[7],
                 fs::copy_options::overwrite_existing);
@@ -271,7 +270,7 @@ TEST_F(ScheduleTest, AShardOfThePlanIsCarriedOutAlone) {
   }
   EXPECT_EQ(runs, 9u);
   EXPECT_EQ(launcher.started.size(), 9u);
-  EXPECT_EQ(NamesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
 }
 
 TEST_F(ScheduleTest, AStopKeepsWhatIsFinished) {
@@ -284,7 +283,7 @@ TEST_F(ScheduleTest, AStopKeepsWhatIsFinished) {
   };
   const schedule::Summary summary = Run(plan);
   EXPECT_EQ(summary, (schedule::Summary{.done = 4, .left = 5, .signal = 15}));
-  EXPECT_EQ(NamesIn(options.folder).size(), 5u);
+  EXPECT_EQ(FilesIn(options.folder).size(), 5u);
   EXPECT_TRUE(launcher.running.empty()) << "ended by the schedule";
   EXPECT_EQ(ears.ends, 1u);
   process::StopFlag none;
@@ -341,12 +340,12 @@ TEST_F(ScheduleTest, ALauncherThatRefusesEndsTheWork) {
     }
   } refuser;
   EXPECT_THROW(schedule::Execute(plan, options, refuser, ears), process::ScheduleError);
-  EXPECT_EQ(NamesIn(options.folder).size(), 4u);
+  EXPECT_EQ(FilesIn(options.folder).size(), 4u);
   EXPECT_EQ(ears.ends, 1u);
 }
 
 TEST_F(ScheduleTest, AFolderThatCannotBeIsNamed) {
-  WriteText(root.path() / "file", "");
+  WriteFile(root.path() / "file", "");
   options.folder = root.path() / "file" / "study.runs";
   try {
     Run(plan);
@@ -359,38 +358,6 @@ TEST_F(ScheduleTest, AFolderThatCannotBeIsNamed) {
 TEST_F(ScheduleTest, AnEmptyPlanIsDone) {
   plan.runs.clear();
   EXPECT_EQ(Run(plan), schedule::Summary{});
-}
-
-TEST(StopTest, ASignalSetsTheFlag) {
-  process::StopFlag flag;
-  {
-    const process::StopOnSignals watch(flag);
-    EXPECT_FALSE(flag.requested());
-    raise(SIGTERM);
-    EXPECT_EQ(flag.signal(), SIGTERM);
-    raise(SIGINT);
-    EXPECT_EQ(flag.signal(), SIGTERM) << "the first counts";
-    struct sigaction now = {};
-    sigaction(SIGTERM, nullptr, &now);
-    EXPECT_EQ(now.sa_handler, SIG_DFL) << "a second one ends the process";
-  }
-  struct sigaction now = {};
-  sigaction(SIGHUP, nullptr, &now);
-  EXPECT_EQ(now.sa_handler, SIG_DFL);
-}
-
-TEST(StopTest, AnIgnoredSignalStaysIgnored) {
-  signal(SIGHUP, SIG_IGN);
-  process::StopFlag flag;
-  {
-    const process::StopOnSignals watch(flag);
-    raise(SIGHUP);
-    EXPECT_FALSE(flag.requested());
-  }
-  struct sigaction now = {};
-  sigaction(SIGHUP, nullptr, &now);
-  EXPECT_EQ(now.sa_handler, SIG_IGN);
-  signal(SIGHUP, SIG_DFL);
 }
 
 }  // namespace

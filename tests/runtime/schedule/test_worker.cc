@@ -1,4 +1,4 @@
-// A worker that does what the seed of its run says: see Behaviour.
+// A worker whose behaviour is the seed of its run: see Behaviour.
 #include <dirent.h>
 #include <sched.h>
 #include <signal.h>
@@ -11,32 +11,17 @@
 #include <vector>
 
 #include "compiler/plan/plan_yaml.h"
+#include "runtime/measure/file_descriptor_io.h"
 #include "runtime/measure/recording.h"
 #include "tests/runtime/schedule/plans.h"
 
 namespace cdb::tests {
 namespace {
 
-std::string ReadAll(int fd) {
-  std::string text;
-  char buffer[4096];
-  for (ssize_t got; (got = read(fd, buffer, sizeof buffer)) > 0;)
-    text.append(buffer, static_cast<std::size_t>(got));
-  return text;
-}
-
-void WriteErrors(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
-    if (written <= 0) _exit(99);
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
 void FloodErrors() {
   std::string lines;
   while (lines.size() < 1 << 20) lines += "the same complaint, over and over\n";
-  for (int i = 0; i < 32; ++i) WriteErrors(lines);
+  for (int i = 0; i < 32; ++i) measure::WriteAll(STDERR_FILENO, lines);
 }
 
 [[noreturn]] void DieOf(int signal_number) {
@@ -153,7 +138,7 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
       worker.Cycles(3);
       DieOf(SIGSEGV);
     case kAborts:
-      WriteErrors("first line\nassertion `mass > 0` failed\n");
+      measure::WriteAll(STDERR_FILENO, "first line\nassertion `mass > 0` failed\n");
       DieOf(SIGABRT);
     case kHangs:
     case kHangsDeaf:
@@ -168,7 +153,7 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
       break;
     case kFloodsAndDies:
       FloodErrors();
-      WriteErrors("the last straw\n");
+      measure::WriteAll(STDERR_FILENO, "the last straw\n");
       _exit(7);
     case kClosesFiles:
       for (int fd = 0; fd < 64; ++fd) close(fd);
@@ -183,7 +168,7 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
       std::memset(static_cast<void*>(&recording.header()), 0xff, sizeof(measure::RecordingHeader));
       DieOf(SIGSEGV);
     case kWritesBinary:
-      WriteErrors("caf\xc3\xa9 \xff\xfe\x01\x1b[31m \xc0\xaf end\n\n");
+      measure::WriteAll(STDERR_FILENO, "caf\xc3\xa9 \xff\xfe\x01\x1b[31m \xc0\xaf end\n\n");
       _exit(1);
     case kTellsPlace:
       worker.Cycles(cycles);
@@ -208,7 +193,7 @@ using namespace cdb::tests;
 int main() {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() == 1) return 96;  // the driver was gone before
-  const plan::Run run = plan::RunFromYaml(ReadAll(measure::kRunFd), "the run");
+  const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "the run");
   auto recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
   return Behave(run, recording);
 }

@@ -1,4 +1,4 @@
-// Files that are not what was written: refused by name, never believed, never a crash.
+// Damaged files are refused with their name and never crash the reader.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The world refuses: full disks, folders that are not there, kill -9.
+// Errors of the environment: full disks, missing folders, kill -9.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -26,7 +26,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Runs `body` in a process of its own; it returns an empty text where all went as it should.
+/// Runs `body`, which returns the empty text on success, in a child process.
 std::string InChild(const std::function<std::string()>& body) {
   int ends[2];
   if (pipe(ends) != 0) return "no pipe";
@@ -161,7 +161,7 @@ TEST(FullDisk, LeavesTheProcessAbleToEndInPeace) {
   EXPECT_EXIT(fail_and_exit(), testing::ExitedWithCode(0), "^$");
 }
 
-/// A small file system of its own, in a mount namespace that ends with the process.
+/// A small file system, in a mount namespace that ends with the process.
 bool MountSmallDisk(const std::filesystem::path& where, const char* size) {
   return unshare(CLONE_NEWNS) == 0 &&
          mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&

@@ -1,4 +1,4 @@
-// Shards into one file: nothing added, nothing lost.
+// Merging shards adds nothing and loses nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

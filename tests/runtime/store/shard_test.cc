@@ -1,4 +1,4 @@
-// One run there and back.
+// A shard is read as it was written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,13 +1,8 @@
 #include "tests/runtime/store/store_fixture.h"
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "compiler/plan/capacity.h"
@@ -165,38 +160,8 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
   }
 }
 
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "cdb-store-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 store::Provenance TestProvenance() {
   return {{"cdb_version", "0.1.0"}, {"bullet_version", "3.24"}, {"cpu", "a µ-processor"}};
-}
-
-std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.push_back(entry.path().filename().string());
-  std::ranges::sort(names);
-  return names;
-}
-
-std::string ReadFile(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void WriteFile(const std::filesystem::path& file, const std::string& bytes) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out << bytes;
-  if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
 }  // namespace cdb::tests

@@ -1,15 +1,15 @@
-// Plans and results for tests of the store: no scene that Bullet would see, but every number is
-// known from where it stands.
+// Plans and results for tests of the store: not scenes that Bullet could run, but every number
+// follows from its position.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "compiler/plan/plan.h"
 #include "runtime/measure/series.h"
 #include "runtime/store/store.h"
+#include "tests/support/files.h"
 
 namespace cdb::tests {
 
@@ -23,7 +23,7 @@ struct SceneSize {
 plan::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit = "");
 plan::Axis TextAxis(std::string name, const std::vector<std::string>& values);
 
-/// Every point of the grid but `skipped`, each run with a scene of its own.
+/// Every point of the grid but `skipped`, each run with another scene.
 plan::Plan MakePlan(std::vector<plan::Axis> axes, std::uint64_t repeats, const SceneSize& size,
                     std::vector<std::vector<std::size_t>> skipped = {});
 
@@ -53,25 +53,6 @@ class FakeResult {
   std::vector<std::vector<std::byte>> memory_;
 };
 
-/// A folder of its own for each object, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder();
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
-
 store::Provenance TestProvenance();
-
-/// Names of the files in a folder, sorted.
-std::vector<std::string> FilesIn(const std::filesystem::path& folder);
-std::string ReadFile(const std::filesystem::path& file);
-void WriteFile(const std::filesystem::path& file, const std::string& bytes);
 
 }  // namespace cdb::tests

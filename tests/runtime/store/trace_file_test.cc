@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include "runtime/measure/series.h"
@@ -46,11 +44,6 @@ void Write(const measure::TraceMemory& trace, const std::filesystem::path& file)
                     std::vector<double>(kCycles * kObjects * measure::kPoseSize, 0.5), file);
 }
 
-std::string BytesOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 class TraceFile : public testing::TestWithParam<bool> {};
 
 TEST_P(TraceFile, ReadsBackToTheBit) {
@@ -90,7 +83,7 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
   };
   EXPECT_NE(why("gone.h5").find("gone.h5: there is no such file"), std::string::npos);
   EXPECT_NE(why("").find("it is no file"), std::string::npos);
-  std::ofstream(folder / "text.h5") << "benchmark b { }";
+  WriteFile(folder / "text.h5", "benchmark b { }");
   EXPECT_NE(why("text.h5").find("it is no trace, or damaged"), std::string::npos);
   EXPECT_FALSE(store::TracedRun(folder / "text.h5"));
   const plan::Plan plan = MakePlan({}, 1, {.cycles = 1, .objects = 1, .record = {"timing"}});
@@ -104,16 +97,16 @@ TEST(TraceFileErrors, AnotherTraceAndEveryDamageIsRefused) {
   Write(MakeTrace(false), folder / "t.h5");
   const plan::TraceFacts facts = store::ReadTraceFacts(folder / "t.h5");
   EXPECT_THROW(store::LoadTrace(folder / "t.h5", std::string(64, '0')), store::StoreError);
-  const std::string whole = BytesOf(folder / "t.h5");
+  const std::string whole = ReadFile(folder / "t.h5");
   for (std::size_t cut = 0; cut < whole.size(); cut += 61) {
-    std::ofstream(folder / "cut.h5", std::ios::binary) << whole.substr(0, cut);
+    WriteFile(folder / "cut.h5", whole.substr(0, cut));
     EXPECT_THROW(store::LoadTrace(folder / "cut.h5", facts.sha256), store::StoreError) << cut;
   }
   // What does not change a box or a filter does no harm.
   for (std::size_t at = 0; at < whole.size(); at += 13) {
     std::string bent = whole;
     bent[at] = static_cast<char>(bent[at] ^ 0x10);
-    std::ofstream(folder / "bent.h5", std::ios::binary) << bent;
+    WriteFile(folder / "bent.h5", bent);
     try {
       EXPECT_EQ(store::LoadTrace(folder / "bent.h5", facts.sha256).Sha256(), facts.sha256);
     } catch (const store::StoreError&) {

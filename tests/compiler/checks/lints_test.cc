@@ -1,0 +1,134 @@
+// The numbers that lints compute from a scene before it runs.
+#include "compiler/checks/lints.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "compiler/checks/bounds.h"
+#include "compiler/schema/schema.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+compiler::Compilation CompileStatements(const std::string& statements) {
+  compiler::Compilation result = CompileText("benchmark b {\n" + statements + "\n}\n");
+  EXPECT_FALSE(result.diagnostics.has_errors());
+  return result;
+}
+
+std::optional<checks::LintNumber> NumberOf(checks::Lint lint, const std::string& statements) {
+  const auto numbers =
+      checks::LintScene(CompileStatements(statements).plans.at(0).runs.at(0).scene);
+  const auto found = std::ranges::find(numbers, lint, &checks::LintNumber::lint);
+  return found == numbers.end() ? std::nullopt : std::optional(*found);
+}
+
+TEST(Lints, AreOneRowEachAboutParametersOfTheSchema) {
+  std::set<std::string_view> names;
+  int index = 0;
+  for (const checks::LintInfo& info : checks::Lints()) {
+    EXPECT_EQ(static_cast<int>(info.lint), index++);
+    EXPECT_EQ(&checks::InfoOf(info.lint), &info);
+    EXPECT_TRUE(checks::IsLint(info.kind));
+    EXPECT_EQ(info.kind.severity, dsl::Severity::kWarning);
+    EXPECT_TRUE(names.insert(info.kind.id).second) << info.kind.id;
+    EXPECT_NE(info.foretells.find("{}"), std::string_view::npos) << info.foretells;
+    std::string_view about = info.about;
+    while (!about.empty()) {
+      const std::string_view name = about.substr(0, about.find(' '));
+      about.remove_prefix(std::min(about.size(), name.size() + 1));
+      EXPECT_TRUE(schema::FindParameter(name, false) != nullptr ||
+                  schema::FindParameter(name, true) != nullptr)
+          << name;
+    }
+  }
+}
+
+TEST(Lints, AreTheirFormulae) {
+  const auto stack =
+      NumberOf(checks::Lint::kTallStack,
+               "objects { quantity 20; size 2; location stack }; solver.iterations 5");
+  ASSERT_TRUE(stack);
+  EXPECT_DOUBLE_EQ(stack->value, 20 * 20 * 9.8 / 3600 / (2 * 5));
+  const auto step = NumberOf(checks::Lint::kLongStep, "objects.size 0.5");
+  ASSERT_TRUE(step);
+  EXPECT_DOUBLE_EQ(step->value, 9.8 / 3600 / 0.5);
+  EXPECT_DOUBLE_EQ(NumberOf(checks::Lint::kFastSpin, "objects.angular_velocity (30, 0, 40)")->value,
+                   50. / 60);
+  EXPECT_DOUBLE_EQ(NumberOf(checks::Lint::kHeavyMass, "objects.mass uniform(1, 500)")->value, 500);
+  const auto spring = NumberOf(checks::Lint::kStiffSpring,
+                               "objects { quantity 1; links { type spring; stiffness 400 } }");
+  ASSERT_TRUE(spring);
+  EXPECT_NEAR(spring->value, 20. / 60, 1e-12);
+}
+
+TEST(Lints, SayNothingWhereNothingCanHappen) {
+  EXPECT_FALSE(NumberOf(checks::Lint::kTallStack, "acceleration 0; objects.location stack"));
+  EXPECT_FALSE(NumberOf(checks::Lint::kLongStep, "world.walls none"));
+  EXPECT_FALSE(NumberOf(checks::Lint::kThinWall, "world.wall_shape box; objects.ccd on"));
+  EXPECT_FALSE(
+      NumberOf(checks::Lint::kHeavyMass, "objects { quantity 1; mass 1e9 }; world.walls none"));
+  EXPECT_FALSE(NumberOf(checks::Lint::kSpinDrift, "objects.angular_velocity (1, 2, 3)"));
+  EXPECT_FALSE(NumberOf(checks::Lint::kSpinDrift,
+                        "objects { type cuboid; aspect 1 : 2 : 3; angular_velocity (0, 9, 0) }"));
+  EXPECT_FALSE(
+      NumberOf(checks::Lint::kFastSpin, "objects { mass fixed; angular_velocity (9, 9, 9) }"));
+  EXPECT_TRUE(
+      checks::LintScene(CompileStatements("objects.quantity 0").plans[0].runs[0].scene).empty());
+}
+
+TEST(Lints, WithTheirRemedyAreHarmless) {
+  const auto bad = NumberOf(checks::Lint::kLongStep, "objects.size 0.05");
+  ASSERT_TRUE(bad && bad->IsBad());
+  const auto mended = NumberOf(checks::Lint::kLongStep,
+                               "objects.size 0.05; timestep " + schema::FormatReal(bad->remedy));
+  EXPECT_FALSE(mended->IsDoubtful());
+  EXPECT_LT(mended->Severity(), checks::LintNumber::kDoubtful);
+}
+
+TEST(Lints, CountTheRunsAndPointAtTheWorst) {
+  const compiler::Compilation result =
+      CompileStatements("timestep sweep(1 / 1000, 1 / 20); objects.size 0.2");
+  ASSERT_EQ(result.diagnostics.all().size(), 1u);
+  const dsl::Diagnostic& warning = result.diagnostics.all()[0];
+  EXPECT_EQ(warning.kind, &checks::InfoOf(checks::Lint::kLongStep).kind);
+  EXPECT_NE(warning.message.find("in 1 of 2 runs"), std::string::npos) << warning.message;
+  EXPECT_EQ(warning.span.begin, std::string("benchmark b {\ntimestep sweep(1 / 1000, ").size());
+}
+
+TEST(Lints, LeaveOutBenchmarksThatWereNotAskedFor) {
+  const std::string text = "benchmark a { }\nbenchmark b { objects.size 0.01 }\n";
+  const auto warnings = [&](const std::string& benchmark) {
+    const auto read = [&](const std::string&, std::string&) { return std::optional(text); };
+    return compiler::Compile("test.cdb", read, {"lib", benchmark}).diagnostics.warning_count();
+  };
+  EXPECT_EQ(warnings("a"), 0);
+  EXPECT_EQ(warnings("b"), 1);
+}
+
+TEST(Bounds, AreOfEachKindOfValue) {
+  const auto drawn = [](schema::DistributionKind kind, schema::Value a, schema::Value b) {
+    return schema::Value(schema::Distribution{kind, {std::move(a), std::move(b)}, {}});
+  };
+  EXPECT_EQ(checks::PositiveBounds(schema::Value(3.0)).least, 3);
+  EXPECT_EQ(checks::PositiveBounds(drawn(schema::DistributionKind::kUniform, 2.0, 5.0)).most, 5);
+  EXPECT_EQ(checks::PositiveBounds(drawn(schema::DistributionKind::kNormal, 50.0, 10.0)).least, 20);
+  EXPECT_EQ(checks::PositiveBounds(drawn(schema::DistributionKind::kNormal, 10.0, 10.0)).least,
+            0.04);
+  EXPECT_EQ(checks::PositiveBounds(schema::Value(schema::Word{"fixed"})).most, 0);
+  EXPECT_EQ(checks::LargestComponents(drawn(schema::DistributionKind::kUniform, -4.0, 3.0)),
+            Vector3d(4, 4, 4));
+  EXPECT_EQ(checks::LargestComponents(
+                drawn(schema::DistributionKind::kNormal, Vector3d(1, 0, -1), Vector3d(1, 2, 3))),
+            Vector3d(4, 6, 10));
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/trace.h"
+#include "dsl/render.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+plan::Plan PlanOf(const std::string& text) {
+  compiler::Compilation result = CompileText(text);
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  EXPECT_EQ(result.plans.size(), 1u);
+  return result.plans.empty() ? plan::Plan() : result.plans[0];
+}
+
+TEST(TracedScene, IsAsTheTraceSays) {
+  const plan::Plan plan = PlanOf("benchmark b { trace \"crowd.trace.h5\" }");
+  ASSERT_EQ(plan.runs.size(), 1u);
+  const plan::Scene& scene = plan.runs[0].scene;
+  EXPECT_EQ(plan::TraceOf(scene), (plan::TraceName{"crowd.trace.h5", std::string(64, 'c')}));
+  EXPECT_EQ(scene.ObjectCount(), 1000u);
+  EXPECT_EQ(scene.world.Count("cycles"), 100u);
+  EXPECT_EQ(scene.world.WordOr("precision"), "single");
+  EXPECT_EQ(scene.world.Get("record"), schema::Value(schema::WordList{"counts", "timing"}));
+  EXPECT_TRUE(scene.seeds.empty());
+  EXPECT_FALSE(plan::TraceOf(PlanOf("benchmark b { }").runs.at(0).scene));
+}
+
+TEST(TracedScene, WarmupLeavesTheRest) {
+  const plan::Plan plan = PlanOf("benchmark b { trace \"crowd.trace.h5\"; warmup 30 }");
+  EXPECT_EQ(plan.runs.at(0).scene.world.Count("cycles"), 70u);
+  const plan::Plan few = PlanOf("benchmark b { trace \"crowd.trace.h5\"; warmup 30; cycles 5 }");
+  EXPECT_EQ(few.runs.at(0).scene.world.Count("cycles"), 5u);
+}
+
+TEST(TracedScene, SweepsTracesBesideLiveWorlds) {
+  const plan::Plan plan = PlanOf(
+      "benchmark b { trace sweep(none, \"crowd.trace.h5\", \"large.trace.h5\")\n"
+      "detector sweep(simple, dbvt) }");
+  ASSERT_EQ(plan.axes.size(), 2u);
+  EXPECT_EQ(plan.axes[0].name, "trace");
+  EXPECT_EQ(plan.axes[0].values[1], plan::Coordinate("crowd.trace.h5"));
+  ASSERT_EQ(plan.runs.size(), 6u);
+  EXPECT_FALSE(plan::TraceOf(plan.runs[0].scene));
+  EXPECT_EQ(plan.runs[0].scene.ObjectCount(), 10u);
+  EXPECT_EQ(plan.runs[2].scene.ObjectCount(), 1000u);
+  EXPECT_EQ(plan.runs[4].scene.ObjectCount(), 100'000u);
+  EXPECT_EQ(plan.runs[4].scene.world.WordOr("precision"), "double");
+  EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan").runs, plan.runs);
+}
+
+TEST(TracedScene, IsNamedByItsHash) {
+  const plan::Plan by_name = PlanOf("benchmark b { trace \"crowd.trace.h5\" }");
+  const std::string hash(64, 'c');
+  const plan::Plan by_hash =
+      PlanOf("benchmark b { trace file(\"crowd.trace.h5\", sha256: \"" + hash + "\") }");
+  EXPECT_EQ(by_name.runs.at(0).id, by_hash.runs.at(0).id);
+}
+
+TEST(TracedScene, StandsInCases) {
+  const plan::Plan plan = PlanOf(
+      "benchmark b { detector sweep(simple, dbvt)\n"
+      "cases where { live { objects.quantity 7 } traced { trace \"crowd.trace.h5\" } } }");
+  ASSERT_EQ(plan.runs.size(), 4u);
+  EXPECT_EQ(plan.runs[0].scene.ObjectCount() + plan.runs[3].scene.ObjectCount(), 1007u);
+}
+
+}  // namespace
+}  // namespace cdb::tests

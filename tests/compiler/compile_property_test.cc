@@ -1,0 +1,98 @@
+// Properties of every benchmark, tested on random ones.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <set>
+
+#include "compiler/plan/plan_yaml.h"
+#include "dsl/format.h"
+#include "dsl/render.h"
+#include "tests/compiler/random_scenario.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+constexpr int kScenarios = 150;
+
+plan::Plan PlanOf(const std::string& text) {
+  compiler::Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}});
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics) << text;
+  return result.plans.empty() ? plan::Plan() : std::move(result.plans[0]);
+}
+
+TEST(Property, AGridIsTheProductOfItsAxes) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < kScenarios; ++i) {
+    const RandomScenario scenario = MakeRandomScenario(random);
+    const plan::Plan plan = PlanOf(scenario.Text());
+    EXPECT_EQ(plan.runs.size(), scenario.points * plan.repeats) << scenario.Text();
+    std::set<std::pair<std::vector<std::size_t>, std::uint64_t>> places;
+    for (const plan::Run& run : plan.runs) {
+      EXPECT_TRUE(places.insert({run.at, run.rep}).second);
+      EXPECT_EQ(run.id, plan::RunId(run.scene, run.rep));
+    }
+  }
+}
+
+TEST(Property, YamlReadsBackAsThePlan) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < kScenarios / 3; ++i) {
+    const plan::Plan plan = PlanOf(MakeRandomScenario(random).Text());
+    EXPECT_TRUE(plan::FromYaml(plan::ToYaml(plan), "plan") == plan) << plan.scenario_text;
+  }
+}
+
+TEST(Property, OrderOfStatementsMovesOnlyAxes) {
+  std::mt19937_64 random(3);
+  for (int i = 0; i < kScenarios / 3; ++i) {
+    RandomScenario scenario = MakeRandomScenario(random);
+    const auto ids = [](const plan::Plan& plan) {
+      std::multiset<std::string> all;
+      for (const plan::Run& run : plan.runs) all.insert(run.id);
+      return all;
+    };
+    const auto before = ids(PlanOf(scenario.Text()));
+    std::ranges::shuffle(scenario.settings, random);
+    EXPECT_EQ(before, ids(PlanOf(scenario.Text()))) << scenario.Text();
+  }
+}
+
+TEST(Property, LayoutOfTheTextHasNoMeaning) {
+  std::mt19937_64 random(4);
+  for (int i = 0; i < kScenarios / 3; ++i) {
+    const std::string text = MakeRandomScenario(random).Text();
+    const std::string formatted = dsl::Format(dsl::Source("test.cdb", text));
+    EXPECT_EQ(PlanOf(text).Sha256(), PlanOf(formatted).Sha256()) << text;
+  }
+}
+
+TEST(Property, ALetIsTheSameAsItsValue) {
+  std::mt19937_64 random(5);
+  for (int i = 0; i < kScenarios / 3; ++i) {
+    const RandomScenario scenario = MakeRandomScenario(random);
+    std::string text, inner;
+    for (std::size_t s = 0; s < scenario.settings.size(); ++s) {
+      const std::string& setting = scenario.settings[s];
+      const std::size_t space = setting.find(' ');
+      // A list has several values, which no let can hold; and in a let `sleeping` is the switch.
+      if (setting.starts_with("record") || setting.starts_with("omit") ||
+          setting.starts_with("accuracy.metrics")) {
+        inner += setting + "\n";
+        continue;
+      }
+      text += "let v" + std::to_string(s) + " = " + setting.substr(space + 1) + "\n";
+      inner += setting.substr(0, space) + " v" + std::to_string(s) + "\n";
+    }
+    const plan::Plan direct = PlanOf(scenario.Text());
+    const plan::Plan by_let = PlanOf(text + "benchmark b {\n" + inner + "}\n");
+    ASSERT_EQ(direct.runs.size(), by_let.runs.size()) << text;
+    for (std::size_t r = 0; r < direct.runs.size(); ++r)
+      EXPECT_EQ(direct.runs[r].id, by_let.runs[r].id);
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests

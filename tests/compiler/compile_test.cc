@@ -1,0 +1,124 @@
+// Each tests/golden/compiler/errors/NAME.cdb renders to NAME.txt, and each benchmark of
+// plans/NAME.cdb expands to NAME.BENCHMARK.txt, its plan without repetitions. With
+// CDB_UPDATE_GOLDEN=1 in the environment the expected files are written instead.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compiler/checks/lints.h"
+#include "compiler/compile.h"
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "dsl/render.h"
+#include "tests/support/compile_text.h"
+#include "tests/support/files.h"
+
+namespace cdb::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFolder = fs::path(CDB_SOURCE_DIR) / "tests" / "golden" / "compiler";
+
+std::vector<fs::path> Inputs(const char* folder) {
+  std::vector<fs::path> inputs;
+  for (const auto& entry : fs::directory_iterator(kFolder / folder))
+    if (entry.path().extension() == ".cdb") inputs.push_back(entry.path());
+  std::ranges::sort(inputs);
+  EXPECT_FALSE(inputs.empty());
+  return inputs;
+}
+
+/// Compiles with names relative to the folder, so that goldens hold no path of a machine.
+compiler::Compilation CompileHere(const fs::path& input) {
+  const auto read = [&](const std::string& path, std::string& why) {
+    return compiler::ReadFromDisk((input.parent_path() / path).string(), why);
+  };
+  return compiler::Compile(input.filename().string(), read,
+                           {"", std::nullopt, {{}, DescribeText(read)}, MadeUpTraces});
+}
+
+void ExpectGolden(const fs::path& file, const std::string& text) {
+  const char* update = std::getenv("CDB_UPDATE_GOLDEN");
+  if (update != nullptr && std::string(update) == "1") WriteFile(file, text);
+  EXPECT_EQ(text, ReadFile(file)) << file;
+}
+
+/// A plan as YAML in which a run has only the lines that differ from the run before. A run with
+/// another number of lines stays whole, so that nothing is lost.
+std::string WithoutRepetitions(const std::string& yaml) {
+  std::string condensed, line;
+  std::vector<std::string> before, run;
+  const auto end_run = [&] {
+    const bool is_alike = before.size() == run.size();
+    for (std::size_t i = 0; i < run.size(); ++i)
+      if (!is_alike || run[i] != before[i]) condensed += run[i] + "\n";
+    if (!run.empty()) before = std::exchange(run, {});
+  };
+  std::istringstream lines(yaml);
+  bool in_runs = false;
+  while (std::getline(lines, line)) {
+    if (!line.starts_with("    ")) end_run();
+    if (!line.starts_with(" ")) in_runs = line == "runs:";
+    if (in_runs && line.starts_with(" ")) {
+      run.push_back(line);
+    } else {
+      condensed += line + "\n";
+    }
+  }
+  end_run();
+  return condensed;
+}
+
+TEST(Golden, ErrorsAndEveryKindOfThem) {
+  std::set<std::string_view> seen;
+  for (const fs::path& input : Inputs("errors")) {
+    const compiler::Compilation result = CompileHere(input);
+    EXPECT_TRUE(result.diagnostics.has_errors()) << input;
+    EXPECT_TRUE(result.plans.empty()) << input;
+    fs::path expected = input;
+    ExpectGolden(expected.replace_extension(".txt"), dsl::Render(result.diagnostics));
+    for (const auto& diagnostic : result.diagnostics.all()) seen.insert(diagnostic.kind->id);
+  }
+  for (const dsl::DiagnosticKind* kind : scenario::kDiagnosticKinds)
+    EXPECT_TRUE(seen.contains(kind->id)) << kind->id << " is in no golden file";
+}
+
+TEST(Golden, LintsAndEveryOneOfThem) {
+  std::set<std::string_view> seen;
+  for (const fs::path& input : Inputs("lints")) {
+    const compiler::Compilation result = CompileHere(input);
+    EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+    EXPECT_EQ(result.plans.size(), result.benchmarks.size()) << input;
+    fs::path expected = input;
+    ExpectGolden(expected.replace_extension(".txt"), dsl::Render(result.diagnostics));
+    for (const auto& diagnostic : result.diagnostics.all()) {
+      EXPECT_TRUE(checks::IsLint(*diagnostic.kind)) << diagnostic.message;
+      seen.insert(diagnostic.kind->id);
+    }
+  }
+  for (const checks::LintInfo& info : checks::Lints())
+    EXPECT_TRUE(seen.contains(info.kind.id)) << info.kind.id << " is in no golden file";
+}
+
+TEST(Golden, Plans) {
+  for (const fs::path& input : Inputs("plans")) {
+    const compiler::Compilation result = CompileHere(input);
+    EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+    for (const plan::Plan& plan : result.plans) {
+      const fs::path expected =
+          input.parent_path() / (input.stem().string() + "." + plan.benchmark + ".txt");
+      ExpectGolden(expected, WithoutRepetitions(plan::ToYaml(plan)));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests

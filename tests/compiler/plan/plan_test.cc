@@ -1,0 +1,218 @@
+#include "compiler/plan/plan.h"
+
+#include <gtest/gtest.h>
+
+#include "compiler/plan/plan_yaml.h"
+#include "dsl/render.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+plan::Plan Example() {
+  const compiler::Compilation result = CompileText(
+      "# a \"comment\"\t\xC3\xA4\nbenchmark b \"T: x\" { repeats 2; cycles sweep(1, 2); "
+      "seed 0xFFFFFFFFFFFFFFFF\n"
+      "detector sweep(simple, dbvt); timestep 1/3; objects { mass any(fixed 3, 2) } skip "
+      "when cycles == "
+      "2 and detector == dbvt }");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  return result.plans.at(0);
+}
+
+/// The message of the error that reading `text` ends with.
+std::string ErrorOf(const std::string& text) {
+  try {
+    plan::FromYaml(text, "plan.yaml");
+  } catch (const plan::PlanError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(PlanYaml, ReadsBackAsItWas) {
+  const plan::Plan plan = Example();
+  const std::string yaml = plan::ToYaml(plan);
+  const plan::Plan back = plan::FromYaml(yaml, "plan.yaml");
+  EXPECT_TRUE(back == plan);
+  EXPECT_EQ(back.Sha256(), plan.Sha256());
+  EXPECT_EQ(plan::ToYaml(back), yaml);
+  const plan::Run& run = plan.runs.back();
+  EXPECT_TRUE(plan::RunFromYaml(plan::RunToYaml(run), "run") == run);
+}
+
+plan::Plan PluginsExample(
+    const std::string& library = "mine 100 broad\ntouch 0 narrow\nspare 0 broad\n",
+    const std::string& path = "lib/mi ne.so") {
+  const compiler::Compilation result =
+      CompileText("use detector \"" + path +
+                      "\"\nbenchmark b { detector sweep(mine, dbvt); narrow_phase touch }",
+                  {{path, library}});
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  return result.plans.at(0);
+}
+
+TEST(PlanYaml, ReadsPluginsBack) {
+  const plan::Plan plan = PluginsExample();
+  const std::string yaml = plan::ToYaml(plan);
+  EXPECT_TRUE(plan::FromYaml(yaml, "plan.yaml") == plan);
+  EXPECT_EQ(plan::ToYaml(plan::FromYaml(yaml, "plan.yaml")), yaml);
+  EXPECT_TRUE(plan::RunFromYaml(plan::RunToYaml(plan.runs[0]), "run") == plan.runs[0]);
+  // A detector that a run does not name is none of its affair.
+  const auto& first = plan.runs[0].scene.plugins;
+  ASSERT_EQ(first.size(), 2u);
+  EXPECT_EQ(first[0].name, "mine");
+  EXPECT_EQ(first[0].path, "lib/mi ne.so");
+  EXPECT_EQ(first[0].max_bodies, 100u);
+  EXPECT_EQ(first[1].phases, "narrow");
+  EXPECT_EQ(plan.runs[1].scene.plugins.size(), 1u);
+}
+
+TEST(PlanYaml, RefusesPluginsThatDoNotFit) {
+  const std::string yaml = plan::ToYaml(PluginsExample());
+  EXPECT_NE(ErrorOf(Replaced(yaml, "phases: broad", "phases: wide")).find("no phases `wide`"),
+            std::string::npos);
+  EXPECT_NE(
+      ErrorOf(Replaced(yaml, "      touch:\n", "      other:\n")).find("`narrow_phase` takes"),
+      std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "detector: mine", "detector: dbvt")).find("does not use it"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "      mine:\n", "      dbvt:\n")).find("two detectors `dbvt`"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "max_bodies: 100", "max_bodies: 101")).find("changed by hand"),
+            std::string::npos);
+}
+
+TEST(RunId, IsOfTheLibraryToo) {
+  const plan::Plan plan = PluginsExample();
+  const plan::Plan again = PluginsExample();
+  EXPECT_EQ(plan.Sha256(), again.Sha256());
+  const plan::Plan changed = PluginsExample("mine 100 broad\ntouch 0 narrow\nspare 7 broad\n");
+  const plan::Plan moved =
+      PluginsExample("mine 100 broad\ntouch 0 narrow\nspare 0 broad\n", "mine.so");
+  for (const plan::Plan* other : {&changed, &moved}) {
+    EXPECT_NE(plan.runs[0].id, other->runs[0].id);
+    EXPECT_NE(plan.runs[1].id, other->runs[1].id);
+  }
+}
+
+plan::Plan WordsExample() {
+  const compiler::Compilation result = CompileText(
+      "benchmark b { acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))\n"
+      "objects { location stack(height: 4, spacing: 3); type any(mesh(\"a \\\"\\n\\tb.obj\") 3, "
+      "cone)\n"
+      "angular_velocity rotating((1, 0, 0), (0, 0, 1), 4) } }",
+      {{"a \"\n\tb.obj", "v 0 0 0"}});
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  return result.plans.at(0);
+}
+
+TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
+  const plan::Plan plan = WordsExample();
+  const plan::Plan back = plan::FromYaml(plan::ToYaml(plan), "plan.yaml");
+  EXPECT_TRUE(back == plan);
+  EXPECT_EQ(plan::ToYaml(back), plan::ToYaml(plan));
+  // What a plan holds means the same in a scenario.
+  const plan::GroupSettings& objects = plan.runs[0].scene.groups[0].settings;
+  const std::string text = "benchmark b { acceleration " +
+                           schema::ToText(plan.runs[0].scene.world.Get("acceleration")) +
+                           "\nobjects { location " + schema::ToText(objects.Get("location")) +
+                           "; type " + schema::ToText(objects.Get("type")) + "; angular_velocity " +
+                           schema::ToText(objects.Get("angular_velocity")) + " } }";
+  const compiler::Compilation again = CompileText(text, {{"a \"\n\tb.obj", "v 0 0 0"}});
+  EXPECT_EQ(dsl::Render(again.diagnostics), "");
+  EXPECT_EQ(again.plans.at(0).runs[0].id, plan.runs[0].id);
+}
+
+TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
+  const std::string yaml = plan::ToYaml(WordsExample());
+  const std::string stack = "{stack: {height: 4, gap: fit, spacing: 3}}";
+  const auto error = [&](const std::string& location) {
+    return ErrorOf(Replaced(yaml, stack, location));
+  };
+  const std::pair<const char*, const char*> rows[] = {
+      {"{stack: {height: 4, gap: fit}}", "the 3 arguments of `stack`"},
+      {"{stack: {height: 4, gap: fit, spacing: 3, x: 1}}", "the 3 arguments of `stack`"},
+      {"{stack: {height: 4, gap: fit, x: 1}}", "`spacing` is missing"},
+      {"{stack: [4, fit, 3]}", "the 3 arguments of `stack`"},
+      {"stack", "`location` takes one of uniform"},
+      {"{stack: {height: 0, gap: fit, spacing: 3}}", "`height` takes a whole number, 1 or more"},
+      {"{stack: {height: 4, gap: fitt, spacing: 3}}", "`fitt` is not a finite number"},
+      {"{stack: {height: 4, gap: fit, spacing: {uniform: [1, 2]}}}", "takes no distribution"},
+      {"{stack: {height: 4, gap: fit, spacing: 4}}", "changed by hand"},
+      {"{mesh: {file: \"a.obj\", sha256: any}}", "`location` takes one of uniform"},
+      {"{stakc: {height: 4}}", "takes no distribution"},
+      {"{}", "one distribution or word"},
+  };
+  for (const auto& [location, message] : rows)
+    EXPECT_NE(error(location).find(message), std::string::npos) << error(location);
+  const std::string turning = "{rotating: {vector: [1, 0, 0], about: [0, 0, 1], period: 4}}";
+  EXPECT_NE(ErrorOf(Replaced(yaml, turning,
+                             "{rotating: {vector: [1, 0, 0], about: [0, 0, 0], period: 4}}"))
+                .find("`about` takes a vector (x, y, z) other than 0"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, turning, "{any: [[" + turning + ", 1]]}"))
+                .find("goes on for the whole run"),
+            std::string::npos);
+}
+
+TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
+  const std::string yaml = plan::ToYaml(Example());
+  EXPECT_NE(ErrorOf("").find("this is no cdb plan"), std::string::npos);
+  EXPECT_NE(ErrorOf("a: [1, 2").find("plan.yaml:"), std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 5", "cdb_plan: 99")).find("format 99"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 5", "cdb_plan: 2")).find("plan again"),
+            std::string::npos);
+  // A word alone has the same text, and so the same id, as a list of it.
+  EXPECT_NE(ErrorOf(Replaced(yaml, "omit: [auto]", "omit: auto")).find("a list of words"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "omit: [auto]", "omit: [walls]")).find("changed by hand"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "omit: [auto]", "omit: [gyro]")).find("`omit` takes auto, none"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cycles: 1\n", "cycles: 7\n")).find("changed by hand"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cycles: 1\n", "cycles: -7\n")).find("whole number"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "cycles: 1\n", "cicles: 1\n")).find("no parameter `cicles`"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "detector: simple", "detector: simpel")).find("detector"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "at: [0, 0]", "at: [0, 9]")).find("axes"), std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "at: [0, 0]", "at: [0]")).find("axes"), std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "rep: 0", "rep: 5")).find("changed by hand"), std::string::npos);
+}
+
+TEST(PlanHash, IsOfWhatDecidesTheResults) {
+  const auto hash = [](const std::string& text) { return CompileText(text).plans.at(0).Sha256(); };
+  const std::string base = hash("benchmark b { cycles sweep(1, 2) }");
+  EXPECT_EQ(base, hash("# comment\nbenchmark b \"a title\" {\n  cycles sweep(1 .. 2)\n}"));
+  EXPECT_NE(base, hash("benchmark b { cycles sweep(2, 1) }"));
+  EXPECT_NE(base, hash("benchmark b { cycles sweep(1, 2) as c }"));
+  EXPECT_NE(base, hash("benchmark b { cycles sweep(1, 2); repeats 2 }"));
+}
+
+TEST(StreamSeed, IsFrozen) {
+  // Golden values: changing them would change every scene.
+  EXPECT_EQ(plan::StreamSeed(0xAAAAAAAAAA, "objects.location"), 0xe84cf39fa2a828ecu);
+  EXPECT_EQ(plan::StreamSeed(0xAAAAAAAAAA, "objects.type"), 0x61e6a31f697a1f29u);
+}
+
+TEST(Plan, KnowsItsExtents) {
+  const plan::Plan plan = Example();
+  EXPECT_EQ(plan.MaxCycles(), 2u);
+  EXPECT_EQ(plan.MaxObjects(), 10u);
+  EXPECT_TRUE(plan.Records("timing"));
+  EXPECT_FALSE(plan.Records("poses"));
+  EXPECT_EQ(plan::Describe(plan, plan.runs[1]), "cycles 1, detector simple, rep 1");
+}
+
+}  // namespace
+}  // namespace cdb::tests

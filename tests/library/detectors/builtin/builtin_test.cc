@@ -1,0 +1,279 @@
+// Each built-in detector lists exactly the overlapping pairs, however the boxes move.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "compiler/schema/catalogue.h"
+#include "library/detectors/builtin/auto.h"
+#include "library/detectors/builtin/builtin.h"
+#include "library/detectors/builtin/grid.h"
+#include "library/detectors/builtin/hierarchical_grid.h"
+#include "library/detectors/builtin/skin.h"
+#include "library/detectors/builtin/sweep.h"
+#include "library/detectors/exact_pairs.h"
+#include "library/detectors/kernels/kernels.h"
+#include "tests/library/detectors/box_scenes.h"
+
+namespace cdb::tests {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double Vec3::*kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
+
+struct Named {
+  std::string name;
+  std::unique_ptr<Detector> detector;
+};
+
+/// All of ours, with each kind of kernels that runs here.
+std::vector<Named> All(unsigned threads = 1) {
+  std::vector<Named> all;
+  for (const kernels::Kernels* kernels : {&kernels::PlainKernels(), kernels::Avx2Kernels()}) {
+    if (kernels == nullptr) continue;
+    const std::string with = std::string(", ") + kernels->name;
+    all.push_back({"auto" + with, builtin::MakeAuto({.threads = threads}, *kernels)});
+    all.push_back({"skin" + with, builtin::MakeSkin({.threads = threads}, *kernels)});
+    all.push_back({"grid" + with, builtin::MakeGrid({.threads = threads}, *kernels)});
+    all.push_back({"hierarchical_grid" + with,
+                   builtin::MakeHierarchicalGrid({.threads = threads}, *kernels)});
+    all.push_back({"sweep" + with, builtin::MakeSweep({.threads = threads}, *kernels)});
+  }
+  return all;
+}
+
+void ExpectExact(std::vector<Named>& all, const Scene& scene, const std::string& where) {
+  const std::vector<Pair> exact = detectors::ExactPairs(scene);
+  for (Named& named : all) {
+    std::vector<Pair> pairs = Listed(*named.detector, scene);
+    std::ranges::sort(pairs);
+    if (pairs == exact) continue;
+    for (const Pair& pair : pairs) EXPECT_LT(pair.a, pair.b);
+    const detectors::PairFaults faults = detectors::ComparePairs(scene, pairs);
+    ADD_FAILURE() << named.name << " in " << where << ": of " << faults.exact << " pairs "
+                  << faults.missed << " missed, " << faults.phantom << " phantom, "
+                  << faults.duplicate << " twice, " << pairs.size() << " listed";
+  }
+}
+
+TEST(BuiltinDetectors, AreExactOnEveryScene) {
+  for (const std::string_view name : kBoxScenes) {
+    for (const bool walls : {false, true}) {
+      BoxScene moving(name, 300, walls);
+      std::vector<Named> all = All();
+      for (Named& named : all) named.detector->Prepare(moving.View());
+      for (int cycle = 0; cycle < 50; ++cycle, moving.Move())
+        ExpectExact(all, moving.View(), std::string(name) + ", cycle " + std::to_string(cycle));
+    }
+  }
+}
+
+TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
+  for (const std::string_view name : kBoxScenes) {
+    BoxScene moving(name, 3000, true, 7);
+    std::vector<Named> first = All(1), second = All(1), two = All(2), three = All(3);
+    for (int cycle = 0; cycle < 20; ++cycle, moving.Move()) {
+      for (std::size_t i = 0; i < first.size(); ++i) {
+        const std::vector<Pair> pairs = Listed(*first[i].detector, moving.View());
+        EXPECT_EQ(Listed(*second[i].detector, moving.View()), pairs) << first[i].name;
+        EXPECT_EQ(Listed(*two[i].detector, moving.View()), pairs) << first[i].name;
+        EXPECT_EQ(Listed(*three[i].detector, moving.View()), pairs) << first[i].name;
+      }
+    }
+  }
+}
+
+TEST(BuiltinDetectors, AreExactOnFewAndOddBodies) {
+  for (const std::size_t count : {0u, 1u, 2u, 7u, 8u, 9u, 25u, 33u, 100u}) {
+    Boxes equal, points, far, farther, lines, tiny;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto x = static_cast<double>(i);
+      equal.Add(Cube(1, 2, 3, 1));
+      points.Add(Cube(std::floor(x / 3), 0, 0, 0));
+      far.Add(Cube(1e6 + x / 7, 1e6, -1e6, 0.2));
+      farther.Add(Cube(1e30 * std::fmod(x, 7), -1e30, 1e30 * x, 1e30));
+      lines.Add(Cube(0, x * 0.9, 0, 0.5));
+      tiny.Add(Cube(x * 1e-42, 0, 0, 1e-42));
+    }
+    for (const Boxes& boxes : {equal, points, far, farther, lines, tiny}) {
+      std::vector<Named> all = All();
+      for (int cycle = 0; cycle < 3; ++cycle)
+        ExpectExact(all, boxes.View(), std::to_string(count) + " bodies");
+    }
+  }
+}
+
+TEST(BuiltinDetectors, AreExactBeyondFloats) {
+  Boxes boxes;
+  boxes.Add({{0, 0, 0}, {1e39, 1, 1}});
+  boxes.Add({{1e39, 0, 0}, {1e40, 1, 1}});
+  boxes.Add({{-1e300, 0, 0}, {-1e39, 1, 1}});
+  boxes.Add({{-1e39, 0, 0}, {0, 1, 1}});
+  boxes.Add({{std::nextafter(1e39, kInfinite), 0, 0}, {1e39 * 2, 1, 1}});
+  boxes.Add({{-kInfinite, 0.5, 0}, {kInfinite, 0.5, kInfinite}});
+  boxes.Add({{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
+  for (int i = 0; i < 40; ++i) boxes.Add(Cube(i * (1 + 1e-16), 0.1, 1. / 3, 0.5 - 1e-17 * i));
+  std::vector<Named> all = All();
+  for (int cycle = 0; cycle < 3; ++cycle) ExpectExact(all, boxes.View(), "beyond");
+}
+
+TEST(BuiltinDetectors, BoxesThatAreNotNumbersOverlapNothing) {
+  Boxes boxes;
+  for (int i = 0; i < 60; ++i) boxes.Add(Cube(i % 10, i % 7, 0, 0.6));
+  boxes.Add({{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
+  boxes.Add({{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}},
+            {.is_fixed = true});
+  std::vector<Named> all = All();
+  std::mt19937 random(3);
+  for (int cycle = 0; cycle < 60; ++cycle) {
+    const std::vector<Box> before = boxes.boxes;
+    for (int k = 0; k < cycle % 4; ++k) {
+      Box& box = boxes.boxes[random() % 60];
+      (random() % 2 ? box.lower : box.upper).*kAxes[random() % 3] = NAN;
+    }
+    if (cycle % 10 == 9)
+      for (Box& box : boxes.boxes) box.lower.y = NAN;
+    ExpectExact(all, boxes.View(), "cycle " + std::to_string(cycle));
+    if (cycle % 3 == 0) boxes.boxes = before;
+  }
+}
+
+TEST(BuiltinDetectors, ListNoPairThatMayNotCollide) {
+  std::mt19937 random(5);
+  for (const int kind : {0, 1, 2}) {
+    Boxes boxes;
+    for (int i = 0; i < 200; ++i) {
+      Filter filter;
+      if (kind == 0) filter.is_fixed = i >= 100;    // more than stand apart
+      if (kind == 1) filter.is_fixed = i % 3 == 0;  // in between
+      if (kind == 2)
+        filter = {.group = 1u << random() % 3, .mask = static_cast<std::uint32_t>(random() % 8)};
+      boxes.Add(Cube(random() % 10, random() % 10, random() % 4, 0.7), filter);
+    }
+    for (int i = 0; i < 6; ++i)
+      boxes.Add({{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, double(i)}},
+                {.group = 2, .mask = 1, .is_fixed = true});
+    std::vector<Named> all = All();
+    for (int cycle = 0; cycle < 20; ++cycle) {
+      ExpectExact(all, boxes.View(), "kind " + std::to_string(kind));
+      for (int k = 0; k < 20; ++k) boxes.boxes[random() % 200] = Cube(random() % 10, 0, 1, 0.7);
+    }
+  }
+}
+
+/// Moves a scene in ways that no physics would.
+void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const auto any = [&]() -> Box& { return boxes[random() % boxes.size()]; };
+  switch (how) {
+    case 0:  // a few teleport
+      for (int k = 0; k < 3; ++k) any() = Cube(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9), 1);
+      break;
+    case 1:  // all grow
+      for (Box& box : boxes)
+        for (const auto axis : kAxes) box.upper.*axis += 0.02;
+      break;
+    case 2:  // one is as large as the scene, for now
+      any() = Cube(0, 0, 0, 20);
+      break;
+    case 3:  // all collapse into a line
+      for (Box& box : boxes) box.lower.y = box.upper.y = 0;
+      break;
+    case 4:  // all jump
+      for (Box& box : boxes) box = Cube(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9), 0.7);
+      break;
+    case 5:  // one moves while all sleep
+      boxes[0] = Cube(uniform(-9, 9), 0, 0, 0.7);
+      break;
+    case 6:  // far away
+      any() = Cube(1e12 * uniform(-1, 1), 0, 1e30, uniform(0, 1e10));
+      break;
+    case 7:  // a swarm
+      for (std::size_t i = 0; i < boxes.size() / 2; ++i)
+        boxes[i] = Cube(uniform(3, 3.1), uniform(3, 3.1), uniform(3, 3.1), 0.01);
+      break;
+    case 8:  // all drift
+      for (Box& box : boxes) {
+        box.lower.x += 0.1;
+        box.upper.x += 0.1;
+      }
+      break;
+    case 9:  // sizes over five orders
+      for (Box& box : boxes)
+        box = Cube(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9), std::pow(10, uniform(-4, 1)));
+      break;
+    case 10:  // no number, until it is set elsewhere
+      any().lower.x = std::numeric_limits<double>::quiet_NaN();
+      break;
+    default:  // nothing happens
+      break;
+  }
+}
+
+TEST(BuiltinDetectors, AreExactWhateverHappens) {
+  std::mt19937_64 random(11);
+  for (int round = 0; round < 36; ++round) {
+    Boxes boxes;
+    const std::size_t count = 1 + random() % 400;
+    for (std::size_t i = 0; i < count; ++i) boxes.Add({});
+    if (round % 3 == 0) boxes.Add(Cube(0, -10, 0, 10), {.is_fixed = true});
+    Disturb(boxes.boxes, 4, random);
+    std::vector<Named> all = All(1 + round % 2);
+    // Some ways go on for a while, as detectors learn from that.
+    int how = 8;
+    for (int cycle = 0; cycle < 120; ++cycle) {
+      if (random() % 8 == 0) how = static_cast<int>(random() % 14);
+      Disturb(boxes.boxes, random() % 6 == 0 ? static_cast<int>(random() % 14) : how, random);
+      ExpectExact(all, boxes.View(),
+                  "round " + std::to_string(round) + ", cycle " + std::to_string(cycle));
+      if (HasFailure()) return;
+    }
+  }
+}
+
+TEST(BuiltinDetectors, AreExactWhenTheSceneChangesItsSize) {
+  std::vector<Named> all = All();
+  for (const std::size_t count : {300u, 10u, 500u, 0u, 40u}) {
+    BoxScene moving("dense", count, true);
+    for (Named& named : all) named.detector->Prepare(moving.View());
+    for (int cycle = 0; cycle < 10; ++cycle, moving.Move())
+      ExpectExact(all, moving.View(), std::to_string(count));
+  }
+}
+
+TEST(BuiltinDetectors, AreListedByName) {
+  for (const char* name : {"auto", "skin", "grid", "hierarchical_grid", "sweep", "null"}) {
+    const auto found = std::ranges::find(builtin::BuiltinDetectors(), std::string_view(name),
+                                         [](const DetectorEntry& entry) { return entry.name; });
+    ASSERT_NE(found, builtin::BuiltinDetectors().end()) << name;
+    const std::unique_ptr<Detector> detector(found->make({}));
+    EXPECT_NE(detector, nullptr);
+  }
+}
+
+TEST(BuiltinDetectors, AreTheOnesTheCatalogueSaysAreOfCdb) {
+  for (const DetectorEntry& entry : builtin::BuiltinDetectors()) {
+    const schema::DetectorInfo* info = schema::FindDetector(entry.name);
+    ASSERT_NE(info, nullptr) << entry.name;
+    EXPECT_EQ(info->source, "cdb") << entry.name;
+    EXPECT_EQ(info->HasPhase("broad"), HasAny(entry.phases, kBroad)) << entry.name;
+    EXPECT_EQ(info->HasPhase("narrow"), HasAny(entry.phases, kNarrow)) << entry.name;
+  }
+  for (const schema::DetectorInfo& info : schema::Detectors())
+    EXPECT_EQ(info.source == "cdb", std::ranges::any_of(builtin::BuiltinDetectors(),
+                                                        [&](const DetectorEntry& entry) {
+                                                          return info.name == entry.name;
+                                                        }))
+        << info.name;
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,36 @@
+// The detectors of other libraries, for tests: those of the modules that are built.
+#pragma once
+
+#include <memory>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/schema/catalogue.h"
+#include "library/detectors/detector.h"
+
+namespace cdb::tests {
+
+/// For GoogleTest's messages.
+inline void PrintTo(const schema::DetectorInfo& info, std::ostream* out) { *out << info.name; }
+
+}  // namespace cdb::tests
+
+namespace cdb::tests {
+
+/// Rows of the catalogue with the phase that belong to another library.
+std::vector<schema::DetectorInfo> ThirdPartyDetectors(std::string_view phase);
+
+/// Null if the module is not built; throws instead if CDB_REQUIRE_RIVALS is set.
+std::unique_ptr<Detector> MakeThirdParty(const schema::DetectorInfo& info);
+
+/// Names GoogleTest's instances by detector.
+struct DetectorName {
+  template <typename Info>
+  std::string operator()(const Info& info) const {
+    return std::string(info.param.name);
+  }
+};
+
+}  // namespace cdb::tests

@@ -1,0 +1,37 @@
+// A scene of two bodies, for narrow phases.
+#pragma once
+
+#include <vector>
+
+#include "library/detectors/detector.h"
+#include "library/objects/solid.h"
+
+namespace cdb::tests {
+
+/// How a detector is told of a solid that is a cuboid.
+enum class CuboidAs { kBox, kHull };
+
+class TwoBodies {
+ public:
+  /// Balls and cuboids.
+  TwoBodies(const objects::Solid& a, const objects::Pose& pose_a, const objects::Solid& b,
+            const objects::Pose& pose_b, CuboidAs cuboids = CuboidAs::kBox);
+  TwoBodies(const TwoBodies&) = delete;
+  TwoBodies& operator=(const TwoBodies&) = delete;
+  Scene View() const;
+
+ private:
+  void Place(const objects::Solid& solid, const objects::Pose& pose, CuboidAs cuboids);
+
+  std::vector<Box> boxes_;
+  std::vector<Filter> filters_;
+  std::vector<Pose> poses_;
+  std::vector<Shape> shapes_;
+  std::vector<Vec3> corners_[2];
+  Hull hulls_[2];
+};
+
+/// What a narrow phase says of the two, if it takes them.
+std::vector<Contact> ContactsOf(Detector& detector, const TwoBodies& bodies);
+
+}  // namespace cdb::tests

@@ -1,0 +1,78 @@
+// Scenes with layouts that take arguments.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+
+#include "library/layouts/initial_state.h"
+#include "library/objects/overlap.h"
+#include "library/scene_error.h"
+#include "tests/support/scene.h"
+
+namespace cdb::tests {
+
+/// One group; see DefaultScene.
+inline plan::Scene LayoutScene(std::uint64_t quantity, double side, schema::Value layout) {
+  plan::Scene scene = DefaultScene(quantity, side);
+  SetGroup(scene, "size", 1.0);
+  SetGroup(scene, "location", std::move(layout));
+  return scene;
+}
+
+/// Another group like the last one; returns its index.
+inline std::size_t AddGroup(plan::Scene& scene, std::string name, std::uint64_t quantity,
+                            schema::Value layout) {
+  scene.groups.push_back(scene.groups.back());
+  scene.groups.back().name = std::move(name);
+  const std::size_t index = scene.groups.size() - 1;
+  SetGroup(scene, "quantity", quantity, index);
+  SetGroup(scene, "location", std::move(layout), index);
+  SeedStreams(scene);
+  return index;
+}
+
+/// Every type, size, aspect and turn.
+inline void MixObjects(plan::Scene& scene, std::size_t group = 0) {
+  schema::Distribution types{schema::DistributionKind::kAny, {}, {}};
+  for (const char* type :
+       {"sphere", "cuboid", "cylinder", "cone", "capsule", "tetrahedron", "torus"}) {
+    types.arguments.push_back(Word(type));
+    types.weights.push_back(1);
+  }
+  SetGroup(scene, "type", types, group);
+  SetGroup(scene, "size", Uniform(0.3, 1.0), group);
+  SetGroup(scene, "aspect", schema::Ratio{Eigen::Vector3d(1, 0.5, 2)}, group);
+  SetGroup(scene, "orientation", Word("random"), group);
+}
+
+/// Nothing that moves touches a wall or anything else, tested pair by pair.
+inline void ExpectNothingTouches(const plan::Scene& scene, const layouts::InitialState& state) {
+  const double half = scene.world.Real("world.side") / 2;
+  for (std::size_t i = 0; i < state.objects.size(); ++i) {
+    const layouts::ObjectState& a = state.objects[i];
+    if (!a.IsFixed()) {
+      const objects::Box box = Bounds(a.solid, a.pose.orientation);
+      EXPECT_LT((a.pose.position + box.upper).maxCoeff(), half) << i;
+      EXPECT_GT((a.pose.position + box.lower).minCoeff(), -half) << i;
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const layouts::ObjectState& b = state.objects[j];
+      if (a.IsFixed() && b.IsFixed()) continue;
+      ASSERT_FALSE(Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << j;
+    }
+  }
+}
+
+/// What MakeInitialState says against the scene; empty where nothing.
+inline std::string FailureOf(const plan::Scene& scene) {
+  try {
+    layouts::MakeInitialState(scene);
+  } catch (const library::SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace cdb::tests

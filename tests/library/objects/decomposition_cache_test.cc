@@ -1,0 +1,168 @@
+#include "library/objects/decomposition_cache.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "tests/library/meshes/test_meshes.h"
+#include "tests/support/files.h"
+
+namespace cdb::tests {
+namespace {
+
+using namespace testing;
+namespace fs = std::filesystem;
+
+class DecompositionCacheTest : public ::testing::Test {
+ protected:
+  DecompositionCacheTest() {
+    meshes::DecomposeOptions options;
+    options.faces = 100;
+    const meshes::Mesh mesh = AngleMesh();
+    form_ = objects::MakeDecomposition("m", mesh, meshes::MassPropertiesOf(mesh),
+                                       meshes::Decompose(mesh, "m", options));
+    form_.centre.x() = -0.0;
+  }
+
+  objects::ConvexDecomposition Once(const fs::path& folder, const std::string& source = "angle") {
+    const auto make = [&] {
+      ++made_;
+      return form_;
+    };
+    return objects::DecomposeOnce("m", source, make, folder);
+  }
+  std::vector<fs::path> Files() const {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(cache_)) files.push_back(entry.path());
+    return files;
+  }
+
+  const TemporaryFolder folder_;
+  const fs::path cache_ = folder_ / "new" / "cache";
+  objects::ConvexDecomposition form_;
+  int made_ = 0;
+};
+
+TEST_F(DecompositionCacheTest, MakesOnce) {
+  ASSERT_GE(form_.pieces.size(), 2u);
+  EXPECT_EQ(Once(cache_), form_);
+  const objects::ConvexDecomposition found = Once(cache_);
+  EXPECT_EQ(found, form_);
+  EXPECT_EQ(made_, 1);
+  ASSERT_EQ(Files(), std::vector{cache_ / (objects::DecompositionKey("angle") + ".form")});
+  // To the last bit: kept again, it is the same file.
+  objects::DecomposeOnce(
+      "m", "angle", [&] { return found; }, folder_ / "other");
+  EXPECT_EQ(ReadFile(folder_ / "other" / Files()[0].filename()), ReadFile(Files()[0]));
+}
+
+TEST_F(DecompositionCacheTest, NamesAreNotKept) {
+  Once(cache_);
+  const objects::ConvexDecomposition other = objects::DecomposeOnce(
+      "n", "angle", [] { return objects::ConvexDecomposition(); }, cache_);
+  EXPECT_EQ(other.name, "n");
+  EXPECT_EQ(other.pieces, form_.pieces);
+}
+
+TEST_F(DecompositionCacheTest, WhatIsFoundIsWhatIsThere) {
+  Once(cache_);
+  const std::string whole = ReadFile(Files()[0]);
+  ASSERT_GT(whole.size(), 200u);
+  // Each damage is found, made good and mended.
+  std::vector<std::string> damages = {"", whole + "x", whole.substr(1),
+                                      whole.substr(0, whole.size() - 1)};
+  for (std::size_t at = 0; at < whole.size(); at += whole.size() / 23) {
+    damages.push_back(whole);
+    damages.back()[at] = static_cast<char>(damages.back()[at] ^ 1);
+  }
+  for (const std::string& damage : damages) {
+    WriteFile(Files()[0], damage);
+    made_ = 0;
+    EXPECT_EQ(Once(cache_), form_);
+    EXPECT_EQ(made_, 1);
+    EXPECT_EQ(ReadFile(Files()[0]), whole);
+  }
+}
+
+TEST_F(DecompositionCacheTest, ContentsOfAnotherShapeAreNotThere) {
+  // With a right digest, as a mistake of our own would have it.
+  for (const std::string& contents : {std::string(), std::string(8, '\xff'), std::string(160, '\0'),
+                                      std::string(168, '\1'), std::string(4096, '\xff')}) {
+    ASSERT_TRUE(library::StoreCached(cache_, "form", objects::DecompositionKey("angle"), contents));
+    made_ = 0;
+    EXPECT_EQ(Once(cache_), form_);
+    EXPECT_EQ(made_, 1);
+  }
+}
+
+TEST_F(DecompositionCacheTest, AFolderThatCannotBeWrittenIsNoError) {
+  WriteFile(folder_ / "file", "x");
+  EXPECT_EQ(Once(folder_ / "file" / "cache"), form_);
+  EXPECT_EQ(Once({}), form_);
+  // The name of the entry is taken by a folder that is not empty, so that the rename fails.
+  fs::create_directories(cache_ / (objects::DecompositionKey("angle") + ".form") / "x");
+  EXPECT_EQ(Once(cache_), form_);
+  EXPECT_EQ(made_, 3);
+  EXPECT_EQ(Files().size(), 1u);  // nothing temporary is left
+}
+
+TEST_F(DecompositionCacheTest, WhatFailsIsNotKept) {
+  const auto fail = [&] {
+    objects::DecomposeOnce(
+        "m", "angle",
+        []() -> objects::ConvexDecomposition { throw library::SceneError("no solid"); }, cache_);
+  };
+  EXPECT_EQ(Refusal(fail), "no solid");
+  EXPECT_EQ(Refusal(fail), "no solid");
+  EXPECT_FALSE(fs::exists(cache_));
+}
+
+TEST_F(DecompositionCacheTest, SourcesAreToldApart) {
+  Once(cache_, "a");
+  Once(cache_, "b");
+  Once(cache_, "a");
+  EXPECT_EQ(made_, 2);
+  EXPECT_EQ(Files().size(), 2u);
+  EXPECT_EQ(objects::DecompositionKey("a").size(), 64u);
+}
+
+TEST_F(DecompositionCacheTest, ProcessesAtOnceAllGetTheSame) {
+  std::vector<pid_t> children;
+  for (int i = 0; i < 4; ++i) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) _exit(Once(cache_) == form_ ? 0 : 1);
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+  }
+  Once(cache_);
+  EXPECT_EQ(made_, 0);
+  EXPECT_EQ(Files().size(), 1u);
+}
+
+TEST_F(DecompositionCacheTest, FolderComesFromTheEnvironment) {
+  std::vector<std::pair<const char*, std::string>> before;
+  for (const char* name : {"CDB_CACHE", "XDG_CACHE_HOME", "HOME"})
+    if (const char* value = std::getenv(name)) before.emplace_back(name, value);
+  setenv("CDB_CACHE", "/a", 1);
+  setenv("XDG_CACHE_HOME", "/b", 1);
+  setenv("HOME", "/c", 1);
+  EXPECT_EQ(library::CacheFolder(), "/a");
+  unsetenv("CDB_CACHE");
+  EXPECT_EQ(library::CacheFolder(), "/b/cdb");
+  setenv("XDG_CACHE_HOME", "relative", 1);
+  EXPECT_EQ(library::CacheFolder(), "/c/.cache/cdb");
+  unsetenv("XDG_CACHE_HOME");
+  unsetenv("HOME");
+  EXPECT_EQ(library::CacheFolder(), "");
+  for (const auto& [name, value] : before) setenv(name, value.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace cdb::tests

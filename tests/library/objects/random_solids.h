@@ -1,0 +1,40 @@
+// Random solids of every kind, for the tests of distances and layouts.
+#pragma once
+
+#include <memory>
+
+#include "library/distributions/stream.h"
+#include "library/meshes/mass_properties.h"
+#include "library/meshes/primitives.h"
+#include "library/objects/solid.h"
+
+namespace cdb::tests {
+
+inline constexpr objects::Shape kConvexShapes[] = {
+    objects::Shape::kEllipsoid, objects::Shape::kCuboid,  objects::Shape::kCylinder,
+    objects::Shape::kCone,      objects::Shape::kCapsule, objects::Shape::kTetrahedron};
+
+/// 4 wide and 1 high, with a hole 2 wide along y, but for its corners.
+inline objects::Solid Torus() {
+  const meshes::Mesh mesh = meshes::TorusMesh(1.5, 0.5, 32, meshes::kTorusCorners);
+  const auto form = std::make_shared<const objects::ConvexDecomposition>(objects::MakeDecomposition(
+      "ring", mesh, meshes::MassPropertiesOf(mesh), meshes::TorusHulls(1.5, 0.5, 8)));
+  objects::Solid solid{objects::Shape::kCompound, {4, 1, 4}};
+  solid.compound = std::make_shared<const objects::Compound>(form, solid.sides);
+  return solid;
+}
+
+inline Eigen::Vector3d RandomDirection(distributions::Stream& stream) {
+  const double x = stream.Normal(), y = stream.Normal();
+  return Eigen::Vector3d(x, y, stream.Normal()).normalized();
+}
+
+/// Sides between 1 and `most`.
+inline objects::Solid RandomSolid(distributions::Stream& stream, objects::Shape shape,
+                                  double most) {
+  objects::Solid solid{shape};
+  for (double& side : solid.sides) side = stream.LogUniform(1, most);
+  return solid;
+}
+
+}  // namespace cdb::tests

@@ -1,0 +1,150 @@
+#include "library/objects/solid_factory.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <numbers>
+
+#include "compiler/plan/sha256.h"
+#include "library/meshes/models.h"
+#include "library/meshes/primitives.h"
+#include "tests/library/meshes/test_meshes.h"
+#include "tests/support/cache.h"
+#include "tests/support/scene.h"
+
+namespace cdb::tests {
+namespace {
+
+using namespace testing;
+using Eigen::Vector3d;
+
+TEST(SolidFactory, TorusHasItsClosedForms) {
+  objects::SolidFactory maker;
+  const objects::Solid torus = maker.Make(Word("torus"), Vector3d::Constant(8), Vector3d::Ones());
+  EXPECT_EQ(torus.sides, Vector3d(8, 2, 8));
+  const double major = 3, minor = 1, pi = std::numbers::pi;
+  EXPECT_NEAR(torus.Volume(), 2 * pi * pi * major * minor * minor, 1e-12);
+  const double across = major * major / 2 + 5 * minor * minor / 8;
+  const double along = major * major + 3 * minor * minor / 4;
+  EXPECT_LE((torus.InertiaPerMass() - Vector3d(across, along, across)).norm(), 1e-12);
+  // And those of a fine mesh, stretched.
+  const objects::Solid stretched = maker.Make(Word("torus"), Vector3d::Ones(), {5, 3, 7});
+  EXPECT_EQ(stretched.sides, Vector3d(5, 3, 7));
+  const Vector3d factor = Vector3d(5, 3, 7).cwiseQuotient(Vector3d(8, 2, 8));
+  const meshes::MassProperties fine = meshes::MassPropertiesOf(
+      Moved(meshes::TorusMesh(3, 1, 512, 512), factor.asDiagonal(), Vector3d::Zero()));
+  EXPECT_NEAR(stretched.Volume(), fine.volume, 1e-4 * fine.volume);
+  EXPECT_LE((stretched.InertiaPerMass() - fine.inertia.diagonal()).norm(),
+            1e-4 * fine.inertia.norm());
+}
+
+TEST(SolidFactory, EqualOnesAreSharedAndFormsAlways) {
+  objects::SolidFactory maker;
+  const Vector3d ones = Vector3d::Ones();
+  const objects::Solid a = maker.Make(Word("torus"), Vector3d::Constant(8), ones);
+  const objects::Solid b = maker.Make(Word("torus"), Vector3d::Constant(8), ones);
+  const objects::Solid c = maker.Make(Word("torus"), Vector3d::Constant(9), ones);
+  EXPECT_EQ(a, b);
+  EXPECT_EQ(a.compound, b.compound);
+  EXPECT_NE(a.compound, c.compound);
+  EXPECT_EQ(&a.compound->form(), &c.compound->form());
+  EXPECT_EQ(maker.Forms().size(), 1u);
+  EXPECT_EQ(maker.Make(Word("cone"), {1, 2, 3}, {3, 2, 1}),
+            (objects::Solid{objects::Shape::kCone, {3, 4, 3}}));
+  EXPECT_EQ(maker.Forms().size(), 1u) << "closed forms have none";
+}
+
+TEST(SolidFactory, AFormIsTheSameMadeOrFound) {
+  const TemporaryCache cache;
+  const std::string file = (cache.folder() / "angle.off").string();
+  WriteFile(file, ToOff(AngleMesh()));
+  const auto call = [&](const char* name) {
+    return schema::Call{name, {schema::Text{file}, Word("any")}};
+  };
+  std::ptrdiff_t made = 0;
+  for (const schema::Value& type : {Word("torus"), schema::Value(call("mesh")), {call("hull")}}) {
+    const auto form = [&] {
+      objects::SolidFactory maker;
+      maker.Make(type, Vector3d::Ones(), Vector3d::Ones());
+      return *maker.Forms().at(0);
+    };
+    EXPECT_EQ(form(), form());
+    const std::filesystem::directory_iterator files(cache.folder());
+    EXPECT_EQ(std::distance(begin(files), end(files)), 1 + ++made) << "and the mesh";
+  }
+}
+
+/// A mesh in a folder that keeps its decomposition too.
+class MeshFile : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    cache_ = std::make_unique<TemporaryCache>();
+    WriteFile(file(), ToOff(AngleMesh()));
+  }
+  static void TearDownTestSuite() { cache_.reset(); }
+  static std::string file() { return (cache_->folder() / "angle.off").string(); }
+  static schema::Value Call(const char* name, schema::Value sha256 = Word("any")) {
+    return schema::Call{name, {schema::Text{file()}, std::move(sha256)}};
+  }
+
+  static inline std::unique_ptr<TemporaryCache> cache_;
+};
+
+TEST_F(MeshFile, MeshIsACompoundOfItsPieces) {
+  objects::SolidFactory maker;
+  const objects::Solid solid = maker.Make(Call("mesh"), Vector3d::Constant(4), Vector3d::Ones());
+  EXPECT_EQ(solid.sides, Vector3d(4, 4, 2)) << "its own proportions";
+  EXPECT_NEAR(solid.Volume(), 24, 1e-9);
+  EXPECT_GE(solid.PieceCount(), 2u);
+  EXPECT_EQ(maker.Make(Call("mesh"), Vector3d::Constant(4), {1, 1, 2}).sides, Vector3d(4, 4, 8));
+  EXPECT_TRUE(objects::ModelsText(maker.Forms()).starts_with("mesh(\"" + file() + "\"): "));
+}
+
+TEST_F(MeshFile, HullIsOnePiece) {
+  objects::SolidFactory maker;
+  const objects::Solid solid = maker.Make(Call("hull"), Vector3d::Constant(2), Vector3d::Ones());
+  EXPECT_EQ(solid.PieceCount(), 1u);
+  EXPECT_NEAR(solid.Volume(), 3.5, 1e-12);  // the quarter's half as well
+  EXPECT_NE(objects::ModelsText(maker.Forms()).find("1 hull, volume error 0 %, IoU 1.000"),
+            std::string::npos);
+}
+
+TEST_F(MeshFile, AnotherFileThanPlannedIsRefused) {
+  objects::SolidFactory maker;
+  const auto make = [&](const std::string& sha256) {
+    return maker.Make(Call("mesh", schema::Text{sha256}), Vector3d::Ones(), Vector3d::Ones());
+  };
+  EXPECT_EQ(make(plan::Sha256Hex(ToOff(AngleMesh()))).sides, Vector3d(1, 1, 0.5));
+  EXPECT_EQ(Refusal([&] { make("0123"); }),
+            file() + ": it is not the file that was planned with; plan again");
+}
+
+TEST(SolidFactory, ModelsAreTheirMeshes) {
+  for (const meshes::Model& model : meshes::Models()) {
+    meshes::Mesh mesh;
+    try {
+      mesh = meshes::LoadModel(model, meshes::ModelFolders());
+    } catch (const library::SceneError&) {
+      GTEST_SKIP() << "no models here: library/meshes/fetch-models gets them";
+    }
+    objects::SolidFactory maker;
+    const objects::Solid solid =
+        maker.Make(Word(model.name), Vector3d::Constant(50), Vector3d::Ones());
+    const meshes::MassProperties properties = meshes::MassPropertiesOf(mesh);
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
+    const double scale = 50 / box.sizes().maxCoeff();
+    EXPECT_NEAR(solid.Volume(), properties.volume * std::pow(scale, 3), 1e-9 * solid.Volume());
+    const meshes::PrincipalAxes axes = meshes::PrincipalAxesOf(properties.inertia * scale * scale);
+    EXPECT_LE((solid.InertiaPerMass() - axes.moments).norm(), 1e-9 * axes.moments.norm());
+    EXPECT_GT(solid.InnerRadius(), 0);
+    const objects::ConvexDecomposition& form = *maker.Forms()[0];
+    EXPECT_LE(form.volume_error, 0.1);
+    EXPECT_GE(form.iou, 0.88);
+    EXPECT_GE(form.pieces.size(), 5u);
+    EXPECT_LE(form.pieces.size(), 60u);
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests

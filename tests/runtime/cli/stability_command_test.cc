@@ -1,0 +1,87 @@
+// Verdicts in `cdb run`, in `cdb show`, and on the map of `cdb stability`.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+TEST(Verdicts, TimingsThatDoNotCountAreMarkedAndLeftOut) {
+  const Program program;
+  // In single precision places near 9e5 m lie 1/16 m apart, and the object moves 1/60 m a cycle.
+  program.Write("far.cdb",
+                "benchmark far { cycles 60; acceleration 0; precision sweep(single, double)\n"
+                "  world { side 2e6; walls none }\n"
+                "  objects { quantity 1; size 1; location at(9e5, 0, 0)\n"
+                "    linear_velocity (1, 0, 0) } }");
+  const Finished run = program.Run({"run", "far.cdb"});
+  EXPECT_EQ(run.status, 3) << run.err;
+  EXPECT_NE(run.err.find("precision single: frozen from cycle 0 on: its timings do not count"),
+            std::string::npos)
+      << run.err;
+  const Finished shown = program.Run({"show", "far.h5"});
+  EXPECT_EQ(shown.status, 3);
+  EXPECT_NE(shown.out.find("1 did not end well and is in no figure below"), std::string::npos);
+  EXPECT_NE(shown.out.find("precision single, rep 0: frozen from cycle 0 on"), std::string::npos);
+  EXPECT_NE(shown.out.find("  Verdict: stable.\n"), std::string::npos);
+  EXPECT_EQ(shown.out.find("\n  single"), std::string::npos) << shown.out;
+  EXPECT_NE(shown.out.find("\n  double"), std::string::npos) << shown.out;
+  // Shards say so too.
+  EXPECT_EQ(program.Run({"run", "far.cdb", "--fresh", "-q", "--shard", "1/1"}).status, 3);
+}
+
+TEST(Verdicts, UnsoundRunsAreNamedAndStay) {
+  const Program program;
+  program.Write("drift.cdb",
+                "benchmark drift { cycles 300; expect energy; world { side 500; walls none }\n"
+                "  objects { quantity 1; linear_damping sweep(0, 0.9) } }");
+  const Finished run = program.Run({"run", "drift.cdb"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("1 stable; in the figures below, but not sound"), std::string::npos)
+      << run.out;
+  EXPECT_NE(run.out.find("1 drifting: linear_damping 0.9, rep 0 from cycle "), std::string::npos);
+}
+
+TEST(Stability, MapsWhereASceneStopsBeingSound) {
+  const Program program;
+  const Finished map = program.Run(
+      {"stability", "spring", "--precision", "double", "--detector", "dbvt,sap32", "-q"});
+  EXPECT_EQ(map.status, 0) << map.err;
+  EXPECT_EQ(map.err, "");
+  EXPECT_NE(map.out.find("Stability: spring stiffness\n"), std::string::npos) << map.out;
+  EXPECT_NE(map.out.find("\n  double     sap32     stable 0.01 .. 1.99 | "), std::string::npos)
+      << map.out;
+  EXPECT_EQ(map.out.find("single"), std::string::npos);
+  EXPECT_TRUE(program.Exists("stability/stability_spring.h5"));
+  // What is there is not run again, and another sweep does not pass for it.
+  EXPECT_EQ(
+      program
+          .Run({"stability", "spring", "--precision", "double", "--detector", "dbvt,sap32", "-q"})
+          .out,
+      map.out);
+  const Finished other = program.Run({"stability", "spring", "-q"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("another plan"), std::string::npos) << other.err;
+}
+
+TEST(Stability, RefusesWhatItHasNot) {
+  const Program program;
+  const auto error = [&](const std::vector<std::string>& arguments) {
+    const Finished finished = program.Run(arguments);
+    EXPECT_EQ(finished.status, 2);
+    return finished.err;
+  };
+  EXPECT_NE(error({"stability", "tall_stak"}).find("did you mean 'tall_stack'?"),
+            std::string::npos);
+  EXPECT_NE(error({"stability", "--detector", "dvbt"}).find("did you mean 'dbvt'?"),
+            std::string::npos);
+  EXPECT_NE(error({"stability", "--precision", "half"}).find("single, double"), std::string::npos);
+  EXPECT_NE(error({"stability", "--precision", "single,single"}).find("twice"), std::string::npos);
+  EXPECT_FALSE(program.Exists("stability"));
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,134 @@
+// Recorded runs, and detectors run on the recording.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "runtime/store/store.h"
+#include "runtime/store/trace_file.h"
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+/// Balls that meet each other and walls, of both kinds of filter.
+std::string ContactCluster(const std::string& more) {
+  return "benchmark crowd { cycles 40; world.side 30; acceleration 0\n"
+         "objects { quantity 60; size 4; linear_velocity uniform(-60, 60) }\n" +
+         more + " }\n";
+}
+
+std::vector<double> PairsOf(const store::ResultFile& file, std::size_t detector) {
+  return file.ReadSeries("pairs", {{detector}, 0});
+}
+
+class Traces : public testing::TestWithParam<const char*> {};
+
+TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
+  const Program program;
+  const std::string precision = std::string("precision ") + GetParam();
+  program.Write("crowd.cdb", ContactCluster(precision));
+  const Finished baked = program.Run({"trace", "crowd.cdb"});
+  ASSERT_EQ(baked.status, 0) << baked.err;
+  EXPECT_NE(baked.out.find("crowd.trace.h5: "), std::string::npos) << baked.out;
+  // The same world, with detectors that list exactly what overlaps.
+  program.Write("live.cdb",
+                ContactCluster(precision + "; detector sweep(simple); pair_order sorted"));
+  ASSERT_EQ(program.Run({"run", "-q", "-o", "live.h5", "live.cdb"}).status, 0);
+  program.Write(
+      "rivals.cdb",
+      "benchmark rivals { trace \"crowd.trace.h5\"; repeats 2\n"
+      "detector sweep(simple, octree, null, sap32, dbvt); record timing, counts, memory, pairs }");
+  const Finished run = program.Run({"run", "rivals.cdb"});
+  ASSERT_EQ(run.status, 0) << run.out << run.err;
+  const store::ResultFile live(program.folder() / "live.h5"),
+      replayed(program.folder() / "rivals.h5");
+  const std::vector<double> pairs = PairsOf(live, 0);
+  EXPECT_EQ(pairs.size(), 40u);
+  EXPECT_GT(pairs.back(), 0);
+  EXPECT_EQ(PairsOf(replayed, 0), pairs);
+  EXPECT_EQ(PairsOf(replayed, 1), pairs);
+  EXPECT_EQ(PairsOf(replayed, 2), std::vector<double>(40, 0));
+  for (const std::size_t superset : {3, 4})
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      EXPECT_GE(PairsOf(replayed, superset)[i], pairs[i]);
+  // Repeats, and detectors that agree, end alike; times are there.
+  const auto hash = [&](std::size_t detector, std::uint64_t rep) {
+    return replayed.ReadText("state_hash", {{detector}, rep});
+  };
+  EXPECT_EQ(hash(0, 0), hash(0, 1));
+  EXPECT_EQ(hash(0, 0), hash(1, 0));
+  EXPECT_NE(hash(0, 0), hash(2, 0));
+  for (const measure::Phase phase :
+       {measure::Phase::kBroad, measure::Phase::kDetect, measure::Phase::kStep})
+    for (const double ns : replayed.ReadDuration(phase, {{0}, 0})) EXPECT_GT(ns, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Precisions, Traces, testing::Values("single", "double"));
+
+TEST(Trace, OfSeveralPointsIsAFolderAndGoesOnWhereItStopped) {
+  const Program program;
+  program.Write(
+      "grid.cdb",
+      "benchmark grid { let n = sweep(3, 4); cycles 5; repeats 2; objects.quantity n }\n");
+  ASSERT_EQ(program.Run({"trace", "grid.cdb"}).status, 0);
+  const auto file = program.folder() / "grid.traces" / "grid_n-3.trace.h5";
+  EXPECT_TRUE(std::filesystem::exists(program.folder() / "grid.traces" / "grid_n-4.trace.h5"));
+  const plan::TraceFacts facts = store::ReadTraceFacts(file);
+  EXPECT_EQ(facts.cycles, 5u);
+  EXPECT_GE(facts.bodies, 3u);
+  std::filesystem::remove(file);
+  const Finished again = program.Run({"trace", "grid.cdb"});
+  EXPECT_NE(again.out.find("grid_n-3.trace.h5: "), std::string::npos);
+  EXPECT_NE(again.out.find("grid_n-4.trace.h5: is there already"), std::string::npos) << again.out;
+  EXPECT_EQ(store::ReadTraceFacts(file).sha256, facts.sha256);
+}
+
+TEST(Trace, WritesOverNothingOfAnother) {
+  const Program program;
+  program.Write("b.cdb", "benchmark b { cycles 2 }\n");
+  program.Write("mine.h5", "mine");
+  const Finished refused = program.Run({"trace", "b.cdb", "-o", "mine.h5"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("is no trace of this run"), std::string::npos) << refused.err;
+  EXPECT_EQ(program.Run({"trace", "-q", "--fresh", "b.cdb", "-o", "mine.h5"}).status, 0);
+  EXPECT_EQ(store::ReadTraceFacts(program.folder() / "mine.h5").cycles, 2u);
+}
+
+TEST(Trace, OfARunThatFailsIsNone) {
+  const Program program;
+  program.Write("full.cdb", "benchmark full { world.side 1; objects.size 50 }\n");
+  const Finished failed = program.Run({"trace", "full.cdb"});
+  EXPECT_EQ(failed.status, 3);
+  EXPECT_NE(failed.err.find("failed: "), std::string::npos) << failed.err;
+  EXPECT_FALSE(program.Exists("full.trace.h5"));
+}
+
+TEST(Trace, ThatWasChangedIsAnotherRunAndADamagedOneIsSaid) {
+  const Program program;
+  program.Write("b.cdb", "benchmark b { cycles 4; objects.quantity 5 }\n");
+  program.Write("on.cdb", "benchmark on { trace \"b.trace.h5\" }\n");
+  const Finished none = program.Run({"run", "on.cdb"});
+  EXPECT_EQ(none.status, 1);
+  EXPECT_NE(none.err.find("on.cdb:1:22: error: cannot read 'b.trace.h5'"), std::string::npos)
+      << none.err;
+  ASSERT_EQ(program.Run({"trace", "-q", "b.cdb"}).status, 0);
+  ASSERT_EQ(program.Run({"plan", "on.cdb", "-o", "on.yaml"}).status, 0);
+  ASSERT_EQ(program.Run({"run", "-q", "on.cdb"}).status, 0);
+  const Finished again = program.Run({"run", "on.cdb"});
+  EXPECT_NE(again.err.find("'on.h5' is complete"), std::string::npos) << again.err;
+  program.Write("b.cdb", "benchmark b { cycles 4; objects.quantity 6 }\n");
+  ASSERT_EQ(program.Run({"trace", "-q", "--fresh", "b.cdb"}).status, 0);
+  const Finished other = program.Run({"run", "on.cdb"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("another plan"), std::string::npos) << other.err;
+  const Finished planned = program.Run({"run", "--fresh", "on.yaml"});
+  EXPECT_EQ(planned.status, 2);
+  EXPECT_NE(planned.err.find("plan again"), std::string::npos) << planned.err;
+  program.Write("b.trace.h5", "nothing of the kind");
+  EXPECT_EQ(program.Run({"check", "on.cdb"}).status, 1);
+}
+
+}  // namespace
+}  // namespace cdb::tests

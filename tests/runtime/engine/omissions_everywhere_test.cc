@@ -1,0 +1,215 @@
+// Every scenario shipped with cdb, scaled down, and random scenes: with and without omissions, each
+// object is in the same state after every cycle.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <set>
+
+#include "compiler/compile.h"
+#include "dsl/render.h"
+#include "library/scene_error.h"
+#include "tests/runtime/engine/paired_run.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+using schema::Component;
+using schema::WordList;
+
+/// How often each component was left out and kept.
+using Tally = std::map<Component, std::array<int, 2>>;
+
+void Count(const PairedRun& paired, Tally& tally) {
+  for (const plan::PruningDecision& need : paired.omissions.needs)
+    ++tally[need.component][need.fate == plan::Decision::kLeftOut ? 0 : 1];
+}
+
+std::vector<std::string> ShippedScenarios() {
+  std::vector<std::string> files;
+  for (const char* folder : {"/examples", "/library", "/tests/bench"})
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(CDB_SOURCE_DIR + std::string(folder)))
+      if (entry.path().extension() == ".cdb" &&
+          entry.path().parent_path().filename() != "my_detector")  // its plug-in is not built here
+        files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+/// A few objects and cycles of the scene, as crowded as it was and as large as it was: the first
+/// has the contacts, the second the way to the walls.
+std::vector<plan::Scene> ScaledDown(plan::Scene scene) {
+  constexpr double kMostObjects = 40;
+  constexpr std::uint64_t kMostCycles = 100;
+  const auto objects = static_cast<double>(scene.ObjectCount());
+  const double part = std::min(1.0, kMostObjects / std::max(objects, 1.0));
+  for (plan::Group& group : scene.groups) {
+    const auto quantity = static_cast<double>(group.settings.Count("quantity"));
+    group.settings.Set("quantity", static_cast<std::uint64_t>(std::ceil(part * quantity)));
+  }
+  SetWorld(scene, "cycles", std::min(kMostCycles, scene.world.Count("cycles")));
+  SetWorld(scene, "warmup", std::min<std::uint64_t>(2, scene.world.Count("warmup")));
+  SetWorld(scene, "precision", Word(world::EnginePrecision()));
+  SetWorld(scene, "omit", WordList{"auto"});
+  std::vector<plan::Scene> scenes = {scene};
+  if (part < 1) {
+    SetWorld(scene, "world.side", scene.world.Real("world.side") * std::cbrt(part));
+    scenes.push_back(scene);
+  }
+  // What no record asks for may go too.
+  SetWorld(scene, "record", WordList{"energy"});
+  scenes.push_back(scene);
+  return scenes;
+}
+
+TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
+  constexpr std::size_t kMostRunsOfAPlan = 10;
+  Tally tally;
+  std::size_t plans = 0;
+  for (const std::string& file : ShippedScenarios()) {
+    SCOPED_TRACE(file);
+    const auto result = compiler::Compile(file, compiler::ReadFromDisk,
+                                          {CDB_SOURCE_DIR "/library/scenarios", std::nullopt});
+    ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+    for (const plan::Plan& plan : result.plans) {
+      ++plans;
+      const std::size_t stride = std::max<std::size_t>(1, plan.runs.size() / kMostRunsOfAPlan);
+      for (std::size_t i = 0; i < plan.runs.size(); i += stride) {
+        SCOPED_TRACE(plan::Describe(plan, plan.runs[i]));
+        for (const plan::Scene& scene : ScaledDown(plan.runs[i].scene)) {
+          layouts::InitialState state;
+          try {
+            state = layouts::MakeInitialState(scene);
+          } catch (const library::SceneError&) {
+            continue;  // too crowded at this scale
+          }
+          Count(RunPaired(scene, state), tally);
+        }
+      }
+    }
+  }
+  EXPECT_GT(plans, 10u);
+  EXPECT_GT(tally[Component::kWalls][0], 0);
+  EXPECT_GT(tally[Component::kWalls][1], 0);
+}
+
+class RandomScene {
+ public:
+  explicit RandomScene(unsigned seed) : random_(seed) {}
+
+  plan::Scene Make() {
+    plan::Scene scene = EngineScene(1 + Below(25), 0);
+    const double size = Log(1, 100);
+    const auto quantity = static_cast<double>(scene.ObjectCount());
+    SetWorld(scene, "world.side", size * std::cbrt(quantity) * Log(1.8, 400));
+    SetWorld(scene, "cycles", std::uint64_t{20 + Below(150)});
+    SetWorld(scene, "timestep", Chance(0.7) ? 1.0 / 60 : Log(1e-3, 0.1));
+    SetWorld(scene, "acceleration",
+             Chance(0.4) ? Vector3d(0, 0, 0) : Direction() * size * Log(0.01, 3));
+    SetWorld(scene, "world.walls", Word(Pick({"all", "all", "floor", "none"})));
+    SetWorld(scene, "world.wall_shape", Word(Pick({"plane", "plane", "box"})));
+    SetWorld(scene, "detector", Word(Pick({"simple", "sap", "sap32", "dbvt"})));
+    SetWorld(scene, "contact", Word(Pick({"bullet", "faithful"})));
+    SetWorld(scene, "sleeping", Chance(0.7));
+    SetWorld(scene, "record", Chance(0.5) ? WordList{"energy"} : WordList{"timing"});
+    SetGroup(scene, "size", Chance(0.5) ? schema::Value(size) : Uniform(size / 2, size * 1.5));
+    SetGroup(scene, "type",
+             Chance(0.5) ? AnyType()
+                         : Word(Pick({"sphere", "cuboid", "cone", "capsule", "tetrahedron"})));
+    if (Chance(0.3)) SetGroup(scene, "orientation", Word("random"));
+    if (Chance(0.6)) SetGroup(scene, "linear_velocity", Normal(0.0, size * Log(0.01, 3)));
+    if (Chance(0.4)) SetGroup(scene, "angular_velocity", Normal(0.0, Log(0.1, 30)));
+    if (Chance(0.3))
+      SetGroup(scene, "mass",
+               schema::Distribution{schema::DistributionKind::kLogUniform, {0.01, 100.0}, {}});
+    SetGroup(scene, "restitution", Chance(0.5) ? 1.0 : 0.3);
+    SetGroup(scene, "friction", Chance(0.5) ? 0.0 : 0.5);
+    if (Chance(0.2)) SetGroup(scene, "linear_damping", 0.3);
+    if (Chance(0.2)) SetGroup(scene, "angular_damping", 0.3);
+    if (Chance(0.2)) {
+      plan::Group fixed = scene.groups[0];
+      fixed.name = "fixed";
+      fixed.settings.Set("mass", Word("fixed"));
+      fixed.settings.Set("quantity", std::uint64_t{1 + Below(4)});
+      scene.groups.push_back(std::move(fixed));
+    }
+    if (Chance(0.05)) SetGroup(scene, "ccd", true);
+    if (Chance(0.1)) SetGroup(scene, "contact_stiffness", 1e4);
+    if (Chance(0.05)) {
+      SetGroup(scene, "links.type", Word(Pick({"ball", "hinge", "fixed", "spring"})));
+      SetGroup(scene, "links.stiffness", Log(1, 1e4));
+      SetGroup(scene, "links.anchor",
+               Chance(0.5) || scene.groups[0].settings.Count("quantity") == 1);
+    }
+    SeedStreams(scene, random_());
+    return scene;
+  }
+
+ private:
+  double Unit() { return static_cast<double>(random_()) / 4294967296.0; }
+  std::uint64_t Below(std::uint64_t n) { return random_() % n; }
+  bool Chance(double p) { return Unit() < p; }
+  double Log(double a, double b) { return a * std::pow(b / a, Unit()); }
+  const char* Pick(std::initializer_list<const char*> words) {
+    return *(words.begin() + Below(words.size()));
+  }
+  Vector3d Direction() {
+    switch (Below(3)) {
+      case 0:
+        return {0, -1, 0};
+      case 1:
+        return {Unit() - 0.5, Unit() - 0.5, Unit() - 0.5};
+      default:
+        return Vector3d::Unit(static_cast<int>(Below(3)));
+    }
+  }
+
+  std::mt19937 random_;  // its numbers are the same everywhere
+};
+
+TEST(OmitEverywhere, ScenesAtRandomMoveAlike) {
+  // More of them: CDB_RANDOM_SCENES=100000.
+  const char* asked = std::getenv("CDB_RANDOM_SCENES");
+  const int scenes = asked != nullptr ? std::atoi(asked) : 400;
+  Tally tally;
+  int tripped = 0, ran = 0;
+  for (int seed = 0; seed < scenes; ++seed) {
+    SCOPED_TRACE(seed);
+    const plan::Scene scene = RandomScene(static_cast<unsigned>(seed)).Make();
+    layouts::InitialState state;
+    try {
+      state = layouts::MakeInitialState(scene);
+    } catch (const library::SceneError&) {
+      continue;
+    }
+    const PairedRun paired = RunPaired(scene, state);
+    ++ran;
+    tripped += paired.tripped.has_value();
+    if (paired.tripped && paired.tripped->find("proven not to reach") != std::string::npos)
+      ADD_FAILURE() << *paired.tripped << " before step " << paired.tripped_in + 1;
+    Count(paired, tally);
+    if (HasFailure()) break;
+  }
+  // Neither outcome is rare, so that the comparison means something.
+  EXPECT_GT(ran, scenes * 9 / 10);
+  for (const auto& [component, counts] : tally) {
+    // No scene needs motion states, and none so small all of the pools.
+    if (component == Component::kMotionStates || component == Component::kPools) continue;
+    EXPECT_GT(counts[0], ran / 50) << schema::InfoOf(component).name << " is never left out";
+    EXPECT_GT(counts[1], ran / 50) << schema::InfoOf(component).name << " is always left out";
+  }
+  EXPECT_LT(tripped, ran / 10);
+  std::printf("%d scenes, %d tripped\n", ran, tripped);
+  for (const auto& [component, counts] : tally)
+    std::printf("  %-16s left out %4d, not %4d\n",
+                std::string(schema::InfoOf(component).name).c_str(), counts[0], counts[1]);
+}
+
+}  // namespace
+}  // namespace cdb::tests

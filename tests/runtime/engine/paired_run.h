@@ -1,0 +1,67 @@
+// The same scene run side by side, whole and pruned.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+
+#include "runtime/engine/probes/state_hash.h"
+#include "tests/runtime/engine/engine_fixture.h"
+
+namespace cdb::tests {
+
+struct PairedRun {
+  pruning::Omissions omissions;        ///< of the pruned one, as it ended
+  std::optional<std::string> tripped;  ///< why it started again with all walls
+  std::uint64_t tripped_in = 0;        ///< the step before or in which it did
+  std::string names() const { return plan::OmittedNames(omissions.needs); }
+  bool Omits(schema::Component component) const { return omissions.Omits(component); }
+  const std::string& why(schema::Component component) const {
+    return omissions.needs[static_cast<std::size_t>(component)].why;
+  }
+};
+
+/// Steps both through the whole run and expects every body in the same state, to the bit, after
+/// every step. A pruned one that trips starts again as the worker does.
+inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState& state,
+                           pruning::Omissions omissions) {
+  PairedRun paired;
+  for (;;) {
+    world::Engine whole(scene, state, pruning::KeepEverything(scene));
+    world::Engine pruned(scene, state, omissions);
+    world::OmissionGuard guard(pruned);
+    const std::uint64_t steps = scene.world.Count("warmup") + scene.world.Count("cycles");
+    std::uint64_t step = 0;
+    try {
+      for (; step < steps; ++step) {
+        guard.BeforeStep();
+        whole.Step();
+        pruned.Step();
+        guard.AfterStep();
+        if (probes::StateHash(whole) == probes::StateHash(pruned)) continue;
+        ADD_FAILURE() << "another state after step " << step + 1 << " of " << steps << " without\n"
+                      << plan::DecisionsText(pruned.omissions().needs);
+        break;
+      }
+      paired.omissions = pruned.omissions();
+      return paired;
+    } catch (const world::OmissionGuardTripped& tripped) {
+      EXPECT_FALSE(paired.tripped) << "tripped again: " << tripped.what();
+      if (paired.tripped) return paired;
+      paired.tripped = tripped.what();
+      paired.tripped_in = step;
+      omissions.Keep(schema::Component::kWalls, tripped.what());
+    }
+  }
+}
+
+inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState& state) {
+  return RunPaired(scene, state, pruning::DecideOmissions(scene, state));
+}
+
+inline PairedRun RunPaired(const plan::Scene& scene) {
+  return RunPaired(scene, layouts::MakeInitialState(scene));
+}
+
+}  // namespace cdb::tests

@@ -1,0 +1,143 @@
+// Piles come to rest before the first cycle, and are the same for every run of a sweep.
+#include "runtime/engine/worker/settle.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "library/objects/overlap.h"
+#include "library/scene_error.h"
+#include "tests/runtime/engine/engine_fixture.h"
+#include "tests/support/cache.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+using schema::Call;
+
+class Pile : public testing::Test {
+ protected:
+  TemporaryCache cache_;
+};
+
+plan::Scene PileScene(std::uint64_t quantity, double side = 40) {
+  plan::Scene scene = EngineScene(quantity, side);
+  SetWorld(scene, "cycles", std::uint64_t{60});
+  SetGroup(scene, "type", AnyType());
+  SetGroup(scene, "size", 1.0);
+  SetGroup(scene, "orientation", Word("random"));
+  SetGroup(scene, "location", Call{"pile", {Word("fit")}});
+  SeedStreams(scene);
+  return scene;
+}
+
+layouts::InitialState Settled(const plan::Scene& scene) {
+  layouts::InitialState state = layouts::MakeInitialState(scene);
+  worker::SettlePiles(scene, state);
+  return state;
+}
+
+std::string RefusalOf(const plan::Scene& scene) {
+  try {
+    Settled(scene);
+  } catch (const library::SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(Pile, LiesOnTheFloorAndOverlapsNowhere) {
+  const plan::Scene scene = PileScene(60);
+  const layouts::InitialState state = Settled(scene);
+  double highest = -20;
+  for (std::size_t i = 0; i < state.objects.size(); ++i) {
+    const auto& a = state.objects[i];
+    const objects::Box box = objects::Bounds(a.solid, a.pose.orientation);
+    EXPECT_GT(a.pose.position.y() + box.lower.y(), -20);
+    highest = std::max(highest, a.pose.position.y() + box.upper.y());
+    for (std::size_t k = 0; k < i; ++k) {
+      const auto& b = state.objects[k];
+      EXPECT_FALSE(objects::Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << k;
+    }
+  }
+  // A heap, and not the lattice of about 7 m that they were dropped from.
+  EXPECT_GT(highest, -19);
+  EXPECT_LT(highest, -15);
+}
+
+TEST_F(Pile, StaysWhereItIs) {
+  const plan::Scene scene = PileScene(60);
+  const layouts::InitialState state = Settled(scene);
+  world::Engine engine = WholeEngine(scene, state);
+  Steps(engine, 60);
+  // Half a per cent of a size for each of a few layers is what it sinks when objects become
+  // themselves; one that was balanced may roll away.
+  int moved = 0;
+  for (std::size_t i = 0; i < state.objects.size(); ++i)
+    moved += (Position(engine, i) - state.objects[i].pose.position).norm() > 0.1;
+  EXPECT_LE(moved, 6);
+}
+
+TEST_F(Pile, IsTheSameForEveryDetectorAndPrecision) {
+  plan::Scene scene = PileScene(20);
+  const layouts::InitialState first = Settled(scene);
+  SetWorld(scene, "detector", Word("sap32"));
+  SetWorld(scene, "omit", schema::WordList{"none"});
+  SetWorld(scene, "precision",
+           Word(std::string_view(world::EnginePrecision()) == "single" ? "double" : "single"));
+  // Anew, and not from the cache.
+  for (const auto& entry : std::filesystem::directory_iterator(cache_.folder()))
+    std::filesystem::remove(entry);
+  const layouts::InitialState second = Settled(scene);
+  for (std::size_t i = 0; i < 20; ++i) {
+    EXPECT_EQ(first.objects[i].pose.position, second.objects[i].pose.position);
+    EXPECT_EQ(first.objects[i].pose.orientation.coeffs(),
+              second.objects[i].pose.orientation.coeffs());
+  }
+}
+
+TEST_F(Pile, IsSettledOnceAndThenFound) {
+  plan::Scene scene = PileScene(5);
+  const auto files = [&] {
+    return std::distance(std::filesystem::directory_iterator(cache_.folder()), {});
+  };
+  const layouts::InitialState first = Settled(scene);
+  EXPECT_EQ(files(), 1);
+  SetWorld(scene, "cycles", std::uint64_t{7});
+  const layouts::InitialState found = Settled(scene);
+  EXPECT_EQ(files(), 1);
+  EXPECT_EQ(first.objects[4].pose.position, found.objects[4].pose.position);
+  SetGroup(scene, "friction", 0.9);
+  Settled(scene);
+  EXPECT_EQ(files(), 2) << "another pile";
+}
+
+TEST_F(Pile, RunsFromTheStart) {
+  plan::Scene scene = PileScene(20);
+  const Recorded pruned = RunHere(scene);
+  ASSERT_TRUE(pruned.done()) << pruned.message();
+  EXPECT_NE(std::string(pruned.header().needs).find("objects settle before the first cycle"),
+            std::string::npos);
+  SetWorld(scene, "omit", schema::WordList{"none"});
+  EXPECT_EQ(RunHere(scene).hash(), pruned.hash());
+}
+
+TEST_F(Pile, WantsAFloorGravityAndThatItsObjectsMove) {
+  plan::Scene scene = PileScene(5);
+  SetWorld(scene, "world.walls", Word("none"));
+  EXPECT_EQ(RefusalOf(scene), "a pile needs a floor: set world.walls to floor or all");
+  scene = PileScene(5);
+  SetWorld(scene, "acceleration", Vector3d(0, 1, 0));
+  EXPECT_EQ(RefusalOf(scene),
+            "a pile settles under an acceleration that points down to the floor, as (0, -9.8, 0) "
+            "does");
+  scene = PileScene(5);
+  SetGroup(scene, "mass", Word("fixed"));
+  EXPECT_EQ(RefusalOf(scene),
+            "the objects of group `objects` are fixed and cannot settle into a pile; give them a "
+            "mass, or another layout");
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,444 @@
+#include "runtime/process/worker.h"
+#include "runtime/measure/host.h"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <string>
+
+#include "tests/runtime/schedule/plans.h"
+
+namespace cdb::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+process::WorkerPrograms TestWorker() {
+  const fs::path program = fs::path(CDB_BINARY_DIR) / "schedule_test_worker";
+  return {program, program};
+}
+
+/// Long enough that no machine is too slow for it; a wait ends as soon as the worker does.
+constexpr double kForever = 300;
+
+process::Ending RunOne(const plan::Plan& plan, const process::StopFlag* stop = nullptr) {
+  process::ProcessLauncher launcher(TestWorker(), 1, stop);
+  launcher.Start(0, plan.runs.at(0));
+  std::optional<process::Ending> ending = launcher.Wait(kForever);
+  if (!ending) throw std::runtime_error("no end");
+  return std::move(*ending);
+}
+
+template <typename T>
+std::vector<T> Values(const process::Ending& ending, std::string_view name) {
+  for (const auto& [series, bytes] : ending.result.series) {
+    if (series->name != name) continue;
+    std::vector<T> values(bytes.size() / sizeof(T));
+    std::memcpy(values.data(), bytes.data(), bytes.size());
+    return values;
+  }
+  return {};
+}
+
+bool Has(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(WorkerTest, ARunThatFinishes) {
+  const auto plan = MakeBehaviourPlan({kFinishes});
+  const double before = static_cast<double>(time(nullptr));
+  const process::Ending ending = RunOne(plan);
+  const store::RunResult& result = ending.result;
+  EXPECT_EQ(result.status, store::Status::kDone) << result.message;
+  EXPECT_EQ(result.message, "");
+  EXPECT_EQ(result.n_cycles, 10u);
+  EXPECT_EQ(result.state_hash, "0123456789abcdef");
+  EXPECT_EQ(result.omitted, "raycast_tree pools");
+  EXPECT_EQ(result.needs, "walls: kept: a test\npools: left out: a test\n");
+  EXPECT_EQ(result.peak_rss_bytes, 4096);
+  EXPECT_EQ(result.place_ns, 1);
+  EXPECT_EQ(result.build_ns, 2);
+  EXPECT_EQ(result.fill_fraction, 0.25);
+  EXPECT_EQ(result.host, measure::HostName());
+  EXPECT_GE(result.load, 0);
+  EXPECT_GE(result.started_s, before - 1);
+  EXPECT_GT(ending.wall_s, 0);
+  EXPECT_TRUE(result.contacts.empty());
+
+  const auto duration = Values<double>(ending, "duration");
+  ASSERT_EQ(duration.size(), 60u);
+  for (std::size_t phase = 0; phase < 6; ++phase)
+    for (std::size_t cycle = 0; cycle < 10; ++cycle)
+      EXPECT_EQ(duration[phase * 10 + cycle], 1000.0 * phase + cycle);
+  const auto pairs = Values<std::int32_t>(ending, "pairs");
+  ASSERT_EQ(pairs.size(), 10u);
+  EXPECT_EQ(pairs[9], 27);
+  EXPECT_TRUE(Values<double>(ending, "energy").empty()) << "not asked for";
+}
+
+TEST(WorkerTest, ARunThatFails) {
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kFails}));
+  EXPECT_EQ(ending.result.status, store::Status::kFailed);
+  EXPECT_EQ(ending.result.message, "the cube is 140 % full");
+  EXPECT_EQ(ending.result.n_cycles, 2u);
+  EXPECT_EQ(ending.result.state_hash, "");
+}
+
+TEST(WorkerTest, ASignalIsNamed) {
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kSegfaults}));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
+  EXPECT_EQ(ending.result.n_cycles, 3u);
+  EXPECT_EQ(ending.result.message,
+            "the worker was ended by signal 11 (SIGSEGV, Segmentation fault)");
+  EXPECT_EQ(ending.result.omitted, "raycast_tree pools") << "settled before the first cycle";
+  EXPECT_TRUE(std::isnan(ending.result.peak_rss_bytes));
+}
+
+TEST(WorkerTest, ACrashTellsTheLastWords) {
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kAborts}));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
+  EXPECT_EQ(ending.result.message,
+            "the worker was ended by signal 6 (SIGABRT, Aborted): first line\n"
+            "assertion `mass > 0` failed");
+}
+
+TEST(WorkerTest, WhatACrashedRunFinishedIsKept) {
+  PlanShape shape;
+  shape.record = {"timing", "counts", "poses"};
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kDiesHalfway}, shape));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
+  EXPECT_TRUE(Has(ending.result.message, "SIGKILL")) << ending.result.message;
+  EXPECT_TRUE(Has(ending.result.message, "memory")) << ending.result.message;
+  ASSERT_EQ(ending.result.n_cycles, 5u);
+  const auto duration = Values<double>(ending, "duration");
+  const auto pairs = Values<std::int32_t>(ending, "pairs");
+  const auto poses = Values<double>(ending, "poses");
+  ASSERT_EQ(poses.size(), 10u * 3 * 7);
+  for (std::size_t cycle = 0; cycle < 10; ++cycle) {
+    const bool is_finished = cycle < 5;  // of the sixth all was written, but it was not finished
+    for (std::size_t phase = 0; phase < 6; ++phase)
+      EXPECT_EQ(!std::isnan(duration[phase * 10 + cycle]), is_finished) << phase << " " << cycle;
+    EXPECT_EQ(pairs[cycle], is_finished ? static_cast<int>(cycle) * 3 : -1);
+    for (std::size_t i = 0; i < 21; ++i)
+      EXPECT_EQ(!std::isnan(poses[cycle * 21 + i]), is_finished) << cycle;
+  }
+}
+
+TEST(WorkerTest, ATimeoutEndsIt) {
+  PlanShape shape;
+  shape.timeout_s = 0.25;
+  for (const std::uint64_t seed : {kHangs, kHangsDeaf}) {
+    const process::Ending ending = RunOne(MakeBehaviourPlan({seed}, shape));
+    EXPECT_EQ(ending.result.status, store::Status::kTimedOut);
+    EXPECT_GE(ending.wall_s, 0.25);
+    // On a machine so busy that it had not begun there are none.
+    EXPECT_LE(ending.result.n_cycles, 4u);
+    EXPECT_TRUE(Has(ending.result.message, "timeout of 0.25 s")) << ending.result.message;
+    EXPECT_TRUE(Has(ending.result.message, "of 10")) << ending.result.message;
+  }
+}
+
+TEST(WorkerTest, WaitingForATimeoutCostsNoProcessorTime) {
+  PlanShape shape;
+  shape.timeout_s = 0.5;
+  const auto plan = MakeBehaviourPlan({kHangs}, shape);
+  const std::clock_t before = std::clock();
+  RunOne(plan);
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 0.25);
+}
+
+TEST(WorkerTest, ATimeoutThatIsNotReachedChangesNothing) {
+  PlanShape shape;
+  shape.timeout_s = 1e300;
+  EXPECT_EQ(RunOne(MakeBehaviourPlan({kFinishes}, shape)).result.status, store::Status::kDone);
+}
+
+TEST(WorkerTest, AFloodOfErrorsIsReadAndDropped) {
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kFloodsErrors}));
+  EXPECT_EQ(ending.result.status, store::Status::kDone);
+  EXPECT_EQ(ending.result.message, "");
+  const process::Ending dead = RunOne(MakeBehaviourPlan({kFloodsAndDies}));
+  EXPECT_EQ(dead.result.status, store::Status::kCrashed);
+  EXPECT_TRUE(dead.result.message.starts_with(
+      "the worker ended with exit status 7: the same complaint, over and over\n"))
+      << dead.result.message;
+  EXPECT_TRUE(dead.result.message.ends_with("\nthe last straw")) << dead.result.message;
+  EXPECT_LT(dead.result.message.size(), 2000u);
+}
+
+TEST(WorkerTest, AnEndWithoutAReportIsACrash) {
+  for (const std::uint64_t seed : {kEndsWithoutReport, kClosesFiles}) {
+    const process::Ending ending = RunOne(MakeBehaviourPlan({seed}));
+    EXPECT_EQ(ending.result.status, store::Status::kCrashed);
+    EXPECT_EQ(ending.result.message, "the worker ended without a report");
+    EXPECT_EQ(ending.result.n_cycles, 0u);
+  }
+}
+
+TEST(WorkerTest, AReportIsChecked) {
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kLiesAboutCycles}));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
+  EXPECT_EQ(ending.result.message, "the worker ended after 5 of 10 cycles");
+}
+
+TEST(WorkerTest, ASpoiledRecordingDoesNoHarm) {
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kSpoilsHeader}));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
+  EXPECT_LE(ending.result.n_cycles, 10u);
+  EXPECT_TRUE(Has(ending.result.message, "SIGSEGV"));
+  EXPECT_EQ(ending.result.omitted + ending.result.needs, "");
+}
+
+TEST(WorkerTest, LastWordsAreText) {
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kWritesBinary}));
+  EXPECT_EQ(ending.result.message, "the worker ended with exit status 1: café ????[31m ?? end");
+}
+
+TEST(WorkerTest, ContactsComeInOrder) {
+  PlanShape shape;
+  shape.record = {"contacts"};
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kContacts}, shape));
+  EXPECT_EQ(ending.result.status, store::Status::kDone);
+  ASSERT_EQ(ending.result.contacts.size(), 45u);
+  std::size_t at = 0;
+  for (std::size_t cycle = 0; cycle < 10; ++cycle)
+    for (std::size_t k = 0; k < cycle; ++k, ++at) {
+      EXPECT_EQ(ending.result.contacts[at].body_a, static_cast<double>(cycle));
+      EXPECT_EQ(ending.result.contacts[at].body_b, static_cast<double>(k));
+    }
+}
+
+TEST(WorkerTest, CyclesWhoseContactsAreLostAreNotCounted) {
+  PlanShape shape;
+  shape.record = {"contacts", "counts"};
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kContactsLost}, shape));
+  EXPECT_EQ(ending.result.status, store::Status::kCrashed);
+  EXPECT_EQ(ending.result.n_cycles, 8u);
+  EXPECT_EQ(ending.result.contacts.size(), 28u);
+  const auto contacts = Values<std::int32_t>(ending, "contacts");
+  EXPECT_EQ(contacts[7], 7);
+  EXPECT_EQ(contacts[8], -1);
+}
+
+TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
+  // What a shell or a test of ours leaves open or ignored must not reach a worker.
+  const int stray = dup(STDERR_FILENO);
+  signal(SIGPIPE, SIG_IGN);
+  sigset_t blocked;
+  sigset_t before;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGUSR1);
+  sigprocmask(SIG_BLOCK, &blocked, &before);
+  const process::Ending ending = RunOne(MakeBehaviourPlan({kTellsPlace}));
+  sigprocmask(SIG_SETMASK, &before, nullptr);
+  signal(SIGPIPE, SIG_DFL);
+  close(stray);
+  const auto told = Values<std::int32_t>(ending, "pairs");
+  ASSERT_EQ(told.size(), 10u);
+  cpu_set_t allowed;
+  sched_getaffinity(0, sizeof allowed, &allowed);
+  EXPECT_EQ(told[0], CPU_COUNT(&allowed)) << "one slot goes where it likes";
+  EXPECT_EQ(told[2], 0) << "signals blocked or ignored";
+  EXPECT_EQ(told[3], 6) << "descriptors 0 to 5";
+  EXPECT_EQ(told[4], 1) << "a process group of its own";
+}
+
+TEST(WorkerTest, SlotsHaveProcessorsOfTheirOwn) {
+  cpu_set_t allowed;
+  sched_getaffinity(0, sizeof allowed, &allowed);
+  const auto plan = MakeBehaviourPlan({kTellsPlace, kTellsPlace});
+  for (const std::size_t slots : {std::size_t{2}, static_cast<std::size_t>(CPU_SETSIZE) + 1}) {
+    process::ProcessLauncher launcher(TestWorker(), slots, nullptr);
+    launcher.Start(0, plan.runs[0]);
+    launcher.Start(1, plan.runs[1]);
+    const process::Ending first = launcher.Wait(kForever).value();
+    const process::Ending second = launcher.Wait(kForever).value();
+    EXPECT_NE(first.slot, second.slot);
+    const auto told = Values<std::int32_t>(first, "pairs");
+    const auto other = Values<std::int32_t>(second, "pairs");
+    const bool is_pinned = static_cast<std::size_t>(CPU_COUNT(&allowed)) >= slots;
+    EXPECT_EQ(told[0], is_pinned ? 1 : CPU_COUNT(&allowed));
+    EXPECT_EQ(told[1] != other[1], is_pinned);
+  }
+  cpu_set_t after;
+  sched_getaffinity(0, sizeof after, &after);
+  EXPECT_TRUE(CPU_EQUAL(&allowed, &after)) << "the runner itself is where it was";
+}
+
+TEST(WorkerTest, WaitsNoLongerThanAsked) {
+  const auto plan = MakeBehaviourPlan({kHangs});
+  process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
+  launcher.Start(0, plan.runs[0]);
+  EXPECT_FALSE(launcher.Wait(0).has_value());
+  EXPECT_FALSE(launcher.Wait(0.02).has_value());
+  launcher.StopAll();
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "no child is left";
+  EXPECT_EQ(errno, ECHILD);
+  // The slot is free again.
+  const auto more = MakeBehaviourPlan({kFinishes});
+  launcher.Start(0, more.runs[0]);
+  EXPECT_EQ(launcher.Wait(kForever).value().result.status, store::Status::kDone);
+}
+
+TEST(WorkerTest, AStopEndsTheWaiting) {
+  process::StopFlag stop;
+  const auto plan = MakeBehaviourPlan({kHangs});
+  process::ProcessLauncher launcher(TestWorker(), 1, &stop);
+  launcher.Start(0, plan.runs[0]);
+  stop.Request(SIGINT);
+  EXPECT_FALSE(launcher.Wait(kForever).has_value());
+}
+
+TEST(WorkerTest, WhatHasEndedIsHandedOutBeforeAStop) {
+  process::StopFlag stop;
+  const auto plan = MakeBehaviourPlan({kEndsWithoutReport});
+  process::ProcessLauncher launcher(TestWorker(), 1, &stop);
+  launcher.Start(0, plan.runs[0]);
+  // Ended, but not yet waited for.
+  siginfo_t info = {};
+  ASSERT_EQ(waitid(P_ALL, 0, &info, WEXITED | WNOWAIT), 0);
+  stop.Request(SIGINT);
+  EXPECT_TRUE(launcher.Wait(kForever).has_value());
+  EXPECT_FALSE(launcher.Wait(kForever).has_value());
+}
+
+TEST(WorkerTest, LeavesNoDescriptorBehind) {
+  const auto count = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+  };
+  RunOne(MakeBehaviourPlan({kFinishes}));
+  const auto before = count();
+  for (const std::uint64_t seed : {kFinishes, kSegfaults, kClosesFiles})
+    RunOne(MakeBehaviourPlan({seed}));
+  EXPECT_EQ(count(), before);
+}
+
+TEST(WorkerTest, WhatCannotBeStartedIsNamed) {
+  TemporaryFolder folder;
+  const fs::path text = folder.path() / "cdb-worker-f32";
+  WriteFile(text, "no program");
+  fs::permissions(text, fs::perms::owner_all);
+  const auto plan = MakeBehaviourPlan({kFinishes});
+  for (const fs::path& program : {text, folder.path() / "gone"}) {
+    process::ProcessLauncher launcher({program, program}, 1, nullptr);
+    try {
+      launcher.Start(0, plan.runs[0]);
+      ADD_FAILURE() << "started " << program;
+    } catch (const process::ScheduleError& error) {
+      EXPECT_TRUE(Has(error.what(), program.string())) << error.what();
+    }
+  }
+}
+
+TEST(WorkerTest, NoDescriptorLeftIsAnError) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the sanitizer needs descriptors for its own checks";
+#endif
+  const auto plan = MakeBehaviourPlan({kFinishes});
+  rlimit before = {};
+  getrlimit(RLIMIT_NOFILE, &before);
+  for (rlim_t most = 3; most < 19; ++most) {
+    process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
+    rlimit few = before;
+    few.rlim_cur = most;
+    setrlimit(RLIMIT_NOFILE, &few);
+    EXPECT_THROW(launcher.Start(0, plan.runs[0]), process::ScheduleError) << most;
+    setrlimit(RLIMIT_NOFILE, &before);
+  }
+  EXPECT_EQ(RunOne(plan).result.status, store::Status::kDone);
+}
+
+TEST(WorkerTest, NoMemoryForTheRecordingIsAnError) {
+  PlanShape shape;
+  shape.cycles = 2147483647;
+  shape.record = {"poses"};
+  auto plan = MakeBehaviourPlan({kFinishes}, shape);
+  plan.runs[0].scene.groups[0].settings.Set("quantity", std::uint64_t{2147483647});
+  process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
+  EXPECT_THROW(launcher.Start(0, plan.runs[0]), process::ScheduleError);
+}
+
+TEST(FindWorkersTest, LooksBesideAndInLibexec) {
+  TemporaryFolder root;
+  const fs::path bin = root.path() / "bin";
+  const fs::path libexec = root.path() / "libexec" / "cdb";
+  fs::create_directories(bin);
+  fs::create_directories(libexec);
+  const auto plan = MakePlan();
+  try {
+    process::FindWorkers(plan, bin);
+    ADD_FAILURE();
+  } catch (const process::ScheduleError& error) {
+    for (const std::string& part : {(bin / "cdb-worker-f32").string(),
+                                    (libexec / "cdb-worker-f32").string(), std::string("Build")})
+      EXPECT_TRUE(Has(error.what(), part)) << error.what();
+  }
+  const auto install = [](const fs::path& file) {
+    WriteFile(file, "#!/bin/true\n");
+    fs::permissions(file, fs::perms::owner_all);
+  };
+  install(libexec / "cdb-worker-f32");
+  EXPECT_EQ(process::FindWorkers(plan, bin).single, libexec / "cdb-worker-f32");
+  EXPECT_TRUE(process::FindWorkers(plan, bin).double_.empty()) << "not needed";
+  WriteFile(bin / "cdb-worker-f32", "no program");
+  EXPECT_EQ(process::FindWorkers(plan, bin).single, libexec / "cdb-worker-f32")
+      << "must be a program";
+  install(bin / "cdb-worker-f32");
+  EXPECT_EQ(process::FindWorkers(plan, bin).single, bin / "cdb-worker-f32");
+
+  PlanShape shape;
+  shape.precision = "double";
+  EXPECT_THROW(process::FindWorkers(MakePlan(shape), bin), process::ScheduleError);
+  install(bin / "cdb-worker-f64");
+  EXPECT_EQ(process::FindWorkers(MakePlan(shape), bin).double_, bin / "cdb-worker-f64");
+  EXPECT_TRUE(process::FindWorkers(MakePlan(shape), bin).single.empty());
+}
+
+TEST(TextTailTest, KeepsTheEnd) {
+  process::TextTail tail;
+  EXPECT_EQ(tail.LastLines(), "");
+  tail.Append("\n\n");
+  EXPECT_EQ(tail.LastLines(), "");
+  tail.Append("a\nb\nc\nd\ne\nf\ng\n\n");
+  EXPECT_EQ(tail.LastLines(), "c\nd\ne\nf\ng");
+  process::TextTail one;
+  one.Append("only");
+  EXPECT_EQ(one.LastLines(), "only");
+  // One endless line of two-byte characters, cut in the middle of one.
+  for (int i = 0; i < 1000; ++i) one.Append("ééééééééééééé");
+  one.Append("!");
+  const std::string text = one.LastLines();
+  EXPECT_TRUE(text.starts_with("...é")) << text.substr(0, 20);
+  EXPECT_TRUE(text.ends_with("é!"));
+  EXPECT_EQ(text.find('?'), std::string::npos);
+}
+
+TEST(TextTailTest, SaysInQuestionMarksWhatIsNoText) {
+  const std::pair<std::string_view, const char*> cases[] = {
+      {"tab\there", "tab here"},
+      {"\x7f", "?"},
+      {"\xc3", "?"},
+      {"\xe2\x82", "??"},
+      {"\xe2\x82\xac", "€"},
+      {"\xed\xa0\x80", "???"},
+      {"\xf4\x90\x80\x80", "????"},
+      {"\xf0\x9f\x90\x87", "\xf0\x9f\x90\x87"},
+      {"\xc2\x85", "??"},
+      {"\xf0\x80\x80\x80", "????"}};
+  for (const auto& [bytes, text] : cases) {
+    process::TextTail tail;
+    tail.Append(bytes);
+    EXPECT_EQ(tail.LastLines(), text);
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,122 @@
+#include "runtime/report/show.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "runtime/report/figures.h"
+#include "runtime/report/table.h"
+#include "tests/runtime/store/store_fixture.h"
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+TEST(Percentile, LiesBetweenNeighboursInProportion) {
+  const std::vector<double> values = {1, 2, 3, 4, 5};
+  EXPECT_EQ(report::Percentile(values, 0.5), 3);
+  EXPECT_EQ(report::Percentile(values, 0), 1);
+  EXPECT_EQ(report::Percentile(values, 1), 5);
+  EXPECT_DOUBLE_EQ(report::Percentile(values, 0.05), 1.2);
+  EXPECT_EQ(report::Percentile({7}, 0.95), 7);
+  EXPECT_TRUE(std::isnan(report::Percentile({}, 0.5)));
+}
+
+TEST(Table, LinesUp) {
+  report::Table table;
+  table.AddColumn("name", false);
+  table.AddColumn("time", true);
+  table.AddRow({"a", "1.5"});
+  table.AddRow({"\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4", "12"});
+  EXPECT_EQ(table.Text(),
+            "  name   time\n  -----------\n  a       1.5\n  "
+            "\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4    12\n");
+}
+
+TEST(ShortNumber, HasThreeDigits) {
+  EXPECT_EQ(report::ShortNumber(0.012345), "0.0123");
+  EXPECT_EQ(report::ShortNumber(1.2345), "1.23");
+  EXPECT_EQ(report::ShortNumber(123.45), "123");
+  EXPECT_EQ(report::ShortNumber(12345.6), "12346");
+  EXPECT_EQ(report::ShortNumber(0), "0");
+  EXPECT_EQ(report::ShortNumber(NAN), "-");
+}
+
+TEST(Show, HasAxesPhasesCountsAndRatios) {
+  const Program program;
+  program.Write(
+      "s.cdb",
+      "benchmark s \"The title\" { cycles 10; repeats 2; detector sweep(sap, dbvt, simple)\n"
+      "objects.quantity sweep(2, 4) }");
+  ASSERT_EQ(program.Run({"run", "s.cdb", "-q"}).status, 0);
+  const Finished shown = program.Run({"show", "s.h5"});
+  EXPECT_EQ(shown.status, 0);
+  for (const char* part :
+       {"The title", "12 runs (3 detector x 2 quantity x 2 rep), 10 cycles", "broad", "integrate",
+        "pairs", "contacts", "5th .. 95th percentile", "Median of step over that of sap", "mean"})
+    EXPECT_NE(shown.out.find(part), std::string::npos) << part << " in:\n" << shown.out;
+  // One row for each of the six points, in the order of the grid.
+  EXPECT_NE(shown.out.find("\n  sap              2"), std::string::npos) << shown.out;
+  const Finished by = program.Run({"show", "s.h5", "--by", "quantity"});
+  EXPECT_EQ(by.status, 0);
+  EXPECT_EQ(by.out.find("\n  sap              2"), std::string::npos) << by.out;
+  const Finished wrong = program.Run({"show", "s.h5", "--by", "size"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_NE(wrong.err.find("detector, quantity"), std::string::npos) << wrong.err;
+}
+
+/// What `show` says of a grid of detectors and quantities, whose runs left out what `settle` says.
+std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunResult&)>& settle) {
+  const plan::Plan plan =
+      MakePlan({TextAxis("detector", {"sap", "dbvt"}), NumberAxis("quantity", {10, 20})}, 1,
+               {.record = {"timing", "counts"}});
+  const TemporaryFolder folder;
+  for (const plan::Run& run : plan.runs) {
+    FakeResult fake(run);
+    fake.result.omitted = fake.result.needs = "";
+    settle(run.at[0], run.at[1], fake.result);
+    store::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+  }
+  store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  return report::Show(store::ResultFile(folder / "out.h5")).text;
+}
+
+TEST(Show, SaysWhatRunsDidWithout) {
+  const std::string none = Shown([](std::size_t, std::size_t, store::RunResult&) {});
+  EXPECT_EQ(none.find("Left out"), std::string::npos) << none;
+  const std::string silent = Shown([](std::size_t, std::size_t, store::RunResult& result) {
+    result.omitted = "swept_contacts motion_states pools a_part_of_tomorrow";
+  });
+  EXPECT_EQ(silent.find("Left out"), std::string::npos) << "it changes no figure:\n" << silent;
+
+  const std::string some = Shown([](std::size_t detector, std::size_t, store::RunResult& result) {
+    result.omitted = detector == 0 ? "walls raycast_tree solver pools" : "walls solver";
+  });
+  EXPECT_NE(some.find("\n  Left out in all 4 runs: walls (pairs and the broad phase are without "
+                      "them), solver (solve is forces becoming velocity, and nothing else).\n"
+                      "  Left out in 2 of 4 runs: raycast_tree (the broad phase keeps no second "
+                      "tree). omit none times everything.\n"),
+            std::string::npos)
+      << some;
+}
+
+TEST(Show, SaysWhereRivalsDidNotLeaveOutTheSame) {
+  const auto shown = [](const char* of_sap, const char* of_dbvt) {
+    return Shown([&](std::size_t detector, std::size_t quantity, store::RunResult& result) {
+      const std::string fate = detector == 0 ? of_sap : quantity == 0 ? of_dbvt : of_sap;
+      if (fate == "left out") result.omitted = "walls";
+      result.needs = "gravity: kept: always\nwalls: " + fate + ": a test\n";
+    });
+  };
+  const std::string line = "\nAt 1 of 2 points some detectors ran without walls and others with: ";
+  EXPECT_NE(shown("left out", "kept").find(line), std::string::npos);
+  EXPECT_NE(shown("kept", "left out").find(line), std::string::npos);
+  // Where there are none anyway, nothing was left out.
+  EXPECT_EQ(shown("left out", "none").find("points some"), std::string::npos);
+  EXPECT_EQ(shown("left out", "left out").find("points some"), std::string::npos);
+  EXPECT_EQ(shown("kept", "kept").find("points some"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,36 @@
+// An empty cache for a test, so that its decompositions are computed and not found.
+#pragma once
+
+#include <stdlib.h>
+
+#include <string>
+
+#include "tests/support/files.h"
+
+namespace cdb::tests {
+
+/// An empty folder, named by CDB_CACHE while it lives. One at a time.
+class TemporaryCache {
+ public:
+  TemporaryCache() {
+    if (const char* before = std::getenv("CDB_CACHE")) before_ = before;
+    setenv("CDB_CACHE", folder_.path().c_str(), 1);
+  }
+  ~TemporaryCache() {
+    if (before_.empty()) {
+      unsetenv("CDB_CACHE");
+    } else {
+      setenv("CDB_CACHE", before_.c_str(), 1);
+    }
+  }
+  TemporaryCache(const TemporaryCache&) = delete;
+  TemporaryCache& operator=(const TemporaryCache&) = delete;
+
+  const std::filesystem::path& folder() const { return folder_.path(); }
+
+ private:
+  TemporaryFolder folder_;
+  std::string before_;
+};
+
+}  // namespace cdb::tests

@@ -1,0 +1,59 @@
+// Compiles texts and files in memory.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "compiler/compile.h"
+
+namespace cdb::tests {
+
+/// Replaces the loading of a shared library: each line of the text is a detector, its name, its
+/// limit and its phases. A text without detectors is not a library.
+inline scenario::DescribePlugin DescribeText(const scenario::ReadFile& read) {
+  return [read](const std::string& path,
+                std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
+    std::vector<schema::PluginDetector> detectors;
+    std::istringstream lines(read(path, why).value_or(""));
+    schema::PluginDetector detector;
+    while (lines >> detector.name >> detector.max_bodies &&
+           std::getline(lines >> std::ws, detector.phases))
+      detectors.push_back(detector);
+    if (!detectors.empty()) return detectors;
+    why = "'" + path + "' offers no detector";
+    return std::nullopt;
+  };
+}
+
+/// Traces of a hundred cycles: 1000 bodies in single precision, and too many for `sap` in double
+/// precision.
+inline std::optional<plan::TraceFacts> MadeUpTraces(const std::string& path, std::string& why) {
+  if (path.ends_with("crowd.trace.h5"))
+    return plan::TraceFacts{std::string(64, 'c'), 1000, 100, 1.0 / 60, false};
+  if (path.ends_with("large.trace.h5"))
+    return plan::TraceFacts{std::string(64, '1'), 100'000, 100, 1.0 / 240, true};
+  why = path.ends_with("result.h5") ? "it is HDF5, but no trace (cdb-results)"
+                                    : "there is no such file";
+  return std::nullopt;
+}
+
+/// Compiles `text` as `test.cdb` beside `others`; `plugins` are those of a command line.
+inline compiler::Compilation CompileText(const std::string& text,
+                                         std::map<std::string, std::string> others = {},
+                                         const std::vector<std::string>& plugins = {}) {
+  others["test.cdb"] = text;
+  const scenario::ReadFile read = [&](const std::string& path,
+                                      std::string& why) -> std::optional<std::string> {
+    const auto file = others.find(path);
+    if (file != others.end()) return file->second;
+    why = "No such file or directory";
+    return std::nullopt;
+  };
+  return compiler::Compile("test.cdb", read,
+                           {"lib", std::nullopt, {plugins, DescribeText(read)}, MadeUpTraces});
+}
+
+}  // namespace cdb::tests

@@ -1,0 +1,42 @@
+// Runs `cdb` as a user would, in a temporary folder.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/support/files.h"
+
+namespace cdb::tests {
+
+struct Finished {
+  int status = 0;  ///< exit status; 128 + signal where a signal ended it
+  std::string out, err;
+};
+
+/// A temporary folder, and the program run in it.
+class Program {
+ public:
+  const std::filesystem::path& folder() const { return folder_.path(); }
+  void Write(const std::string& name, const std::string& text) const;
+  /// Empty where there is no such file.
+  std::string Read(const std::string& name) const;
+  bool Exists(const std::string& name) const;
+
+  /// `cdb` with these arguments, in the folder.
+  Finished Run(const std::vector<std::string>& arguments) const;
+  /// A line for the shell, in the folder; `$CDB` is the program.
+  Finished Shell(const std::string& line) const;
+  /// Starts `cdb` and returns its process.
+  pid_t Start(const std::vector<std::string>& arguments) const;
+
+ private:
+  TemporaryFolder folder_;
+};
+
+/// The program that the tests belong to.
+std::string CdbPath();
+
+}  // namespace cdb::tests
