@@ -82,6 +82,8 @@ std::string LayoutReference() {
   return Words("layouts", schema::Layouts(), CallsOf(*schema::GroupParameter("location")));
 }
 
-std::string ScheduleReference() { return Words("schedules", CallsOf(*schema::WorldParameter("acceleration"))); }
+std::string ScheduleReference() {
+  return Words("schedules", CallsOf(*schema::WorldParameter("acceleration")));
+}
 
 }  // namespace cdb::report

@@ -24,7 +24,8 @@ const DetectorEntry* Find(std::span<const DetectorEntry> entries, std::string_vi
   return entry == entries.end() ? nullptr : &*entry;
 }
 
-/// The file of an optional part: as built, beside the worker; as installed, in the folder of libraries.
+/// The file of an optional part: as built, beside the worker; as installed, in the folder of
+/// libraries.
 std::string FileOf(const schema::DetectorPart& part) {
   const std::filesystem::path folder =
       std::filesystem::read_symlink("/proc/self/exe").parent_path();

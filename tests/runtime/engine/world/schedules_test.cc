@@ -45,7 +45,7 @@ TEST(Schedules, VelocitiesAreDrawnAnewEverySoManySteps) {
            Every(10, Uniform(Value(Vector3d(-9, -9, -9)), Value(Vector3d(9, 9, 9)))));
   SeedStreams(scene);
   // What a stream of the same name gives, group by group and time after time.
-  distributions::Draw draw(scene, &scene.groups[0], "linear_velocity");
+  distributions::Draw draw(scene, scene.groups[0], "linear_velocity");
   std::vector<Vector3d> expected(3);
   RunSteps(scene, 35, [&](std::uint64_t step, const world::Engine& engine) {
     if (step % 10 == 0)
