@@ -3,6 +3,7 @@
 // of value that is asked for.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 #include "compiler/schema/parameter_table.h"
@@ -55,22 +56,26 @@ class ParameterRef {
  public:
   /// Implicit, so that `settings.Real("timestep")` reads as it is meant.
   consteval ParameterRef(const char* name) {
-    for (const Parameter& parameter : kParameters)
-      if (parameter.grouped == kGrouped && parameter.name == name) row_ = &parameter;
-    if (row_ == nullptr) NoSuchParameter();
-    if (!MayBe(*row_, kKind)) ParameterHasAnotherKind();
+    while (row_ < kParameters.size() &&
+           !(kParameters[row_].grouped == kGrouped && kParameters[row_].name == name))
+      ++row_;
+    if (row_ == kParameters.size()) NoSuchParameter();
+    if (!MayBe(kParameters[row_], kKind)) ParameterHasAnotherKind();
   }
   template <ValueKind kOther>
   requires(kKind == ValueKind::kAny &&
            kOther != ValueKind::kAny) constexpr ParameterRef(ParameterRef<kGrouped, kOther> other)
-      : row_(other.get()) {}
+      : row_(other.row_) {}
 
-  constexpr const Parameter* get() const { return row_; }
-  constexpr const Parameter& operator*() const { return *row_; }
-  constexpr std::string_view name() const { return row_->name; }
+  constexpr const Parameter* get() const { return &kParameters[row_]; }
+  constexpr const Parameter& operator*() const { return kParameters[row_]; }
+  constexpr std::string_view name() const { return kParameters[row_].name; }
 
  private:
-  const Parameter* row_ = nullptr;
+  template <bool, ValueKind>
+  friend class ParameterRef;
+
+  std::size_t row_ = 0;  // not a pointer: GCC's UBSan refuses to compare those in constants
 };
 
 using WorldParameter = ParameterRef<false>;
