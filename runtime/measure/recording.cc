@@ -15,32 +15,24 @@
 #include <utility>
 
 #include "compiler/plan/capacity.h"
+#include "runtime/measure/alignment.h"
 
 namespace cdb::measure {
-namespace {
-
-constexpr std::size_t kAlignment = 64;
-
-std::size_t Aligned(std::size_t bytes) {
-  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
-}
-
-}  // namespace
 
 Recording::Recording(int fd, const plan::Scene& scene, bool create) : fd_(fd) {
-  bytes_ = Aligned(sizeof(RecordingHeader));
+  bytes_ = WholeCacheLines(sizeof(RecordingHeader));
   for (const Series& series : AllSeries()) {
     if (!series.IsRecordedBy(scene)) continue;
     const std::size_t bytes =
         series.ItemBytes() *
         series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount(), plan::BodyCount(scene));
     places_.push_back({&series, bytes_, bytes});
-    bytes_ += Aligned(bytes);
+    bytes_ += WholeCacheLines(bytes);
   }
   if (const auto shape = SampleShapeOf(scene)) {
     samples_offset_ = bytes_;
     samples_count_ = shape->Count();
-    bytes_ += Aligned(samples_count_ * sizeof(double));
+    bytes_ += WholeCacheLines(samples_count_ * sizeof(double));
   }
   if (create && ftruncate(fd_, static_cast<off_t>(bytes_)) != 0)
     throw std::system_error(errno, std::generic_category(), "no memory for the recording of a run");

@@ -14,6 +14,7 @@
 
 #include "compiler/plan/sha256.h"
 #include "dsl/check.h"
+#include "runtime/measure/alignment.h"
 
 namespace cdb::measure {
 namespace {
@@ -23,11 +24,8 @@ struct Header {
   std::uint64_t magic, bodies, cycles, item_bytes;
 };
 
-constexpr std::size_t kAlignment = 64;
-
 std::size_t BoxesBegin(const TraceShape& shape) {
-  const std::size_t bytes = sizeof(Header) + shape.bodies * sizeof(TraceFilter);
-  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  return WholeCacheLines(sizeof(Header) + shape.bodies * sizeof(TraceFilter));
 }
 
 std::size_t CycleBytes(const TraceShape& shape) { return shape.PerCycle() * shape.ItemBytes(); }

@@ -10,13 +10,12 @@
 
 #include "compiler/schema/metrics.h"
 #include "runtime/report/cells.h"
+#include "runtime/report/numbers.h"
 
 namespace cdb::report {
 namespace {
 
 using Cell = store::ResultFile::Cell;
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double Mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());

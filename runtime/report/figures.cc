@@ -4,27 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
 
 #include "compiler/plan/pruning.h"
 #include "compiler/schema/schema.h"
 #include "runtime/report/cells.h"
+#include "runtime/report/numbers.h"
 
 namespace cdb::report {
 namespace {
 
 using Cell = store::ResultFile::Cell;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 Point Without(Point at, std::size_t axis) {
   at.erase(at.begin() + static_cast<std::ptrdiff_t>(axis));
   return at;
-}
-
-void Append(std::vector<double>& to, const std::vector<double>& values) {
-  to.insert(to.end(), values.begin(), values.end());
 }
 
 void Sort(Pool& pool) {

@@ -21,7 +21,7 @@ bool MayMissPairs(const std::string& detector) {
 }
 
 /// A mean that grows.
-struct Mean {
+struct RunningMean {
   double sum = 0, count = 0;
   void Add(double value) {
     if (std::isnan(value)) return;
@@ -35,7 +35,7 @@ struct Mean {
 
 struct Tally {
   DetectorFindings findings;
-  Mean depth, normal;
+  RunningMean depth, normal;
 };
 
 /// Cycles without a value are -1.

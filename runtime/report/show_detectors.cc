@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "compiler/schema/catalogue.h"
 #include "runtime/report/cells.h"
 #include "runtime/report/figures.h"
+#include "runtime/report/numbers.h"
 #include "runtime/report/show.h"
 #include "runtime/report/table.h"
 
@@ -23,7 +23,6 @@ namespace {
 using Cell = store::ResultFile::Cell;
 using Key = std::vector<std::size_t>;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastPoints = 3;
 
 /// What makes a row: all of one detector that is pooled there.
@@ -32,10 +31,6 @@ struct Row {
   double missed = kNone, phantom = kNone;  ///< sums; NaN where nobody looked
   double peak_rss = 0, heap = 0;           ///< bytes, the most
 };
-
-void Append(std::vector<double>& to, const std::vector<double>& values) {
-  to.insert(to.end(), values.begin(), values.end());
-}
 
 double Median(std::vector<double> values) {
   std::ranges::sort(values);

@@ -14,6 +14,7 @@
 #include "compiler/plan/requested_errors.h"
 #include "compiler/schema/schema.h"
 #include "dsl/check.h"
+#include "runtime/store/hdf5/chunks.h"
 
 namespace cdb::store {
 namespace {
@@ -21,8 +22,6 @@ namespace {
 using hdf5::Type;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-/// One chunk fits HDF5's chunk cache of 1 MiB.
-constexpr std::uint64_t kLargestChunk = (1 << 20) - 1;
 /// netCDF's mark, by its file format specification, of a dimension without a coordinate.
 constexpr std::string_view kNoCoordinate = "This is a netCDF dimension but not a netCDF variable.";
 /// Separators of `labels`, in order of preference.
@@ -94,11 +93,8 @@ hdf5::Shape ChunkOf(const Array& array, std::size_t outer) {
   for (const char* name : {"cycle", "sample", "body", "box_body", "contact"}) {
     const auto found = std::ranges::find(array.dimensions, name);
     if (found == array.dimensions.end()) continue;
-    std::uint64_t& n = chunk[static_cast<std::size_t>(found - array.dimensions.begin())];
-    const std::uint64_t others = hdf5::Product(chunk) / n * hdf5::ItemBytes(array.type);
-    const std::uint64_t most = std::max<std::uint64_t>(1, kLargestChunk / others);
-    const std::uint64_t pieces = (n + most - 1) / most;
-    n = (n + pieces - 1) / pieces;
+    hdf5::SplitEvenly(chunk, static_cast<std::size_t>(found - array.dimensions.begin()),
+                      hdf5::ItemBytes(array.type));
   }
   return chunk;
 }

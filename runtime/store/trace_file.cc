@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "runtime/measure/series.h"
+#include "runtime/store/hdf5/chunks.h"
 #include "runtime/store/hdf5/file.h"
 #include "runtime/store/safe_file.h"
 
@@ -19,17 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 using hdf5::Type;
 
-/// As of results files: one chunk fits HDF5's cache.
-constexpr std::uint64_t kLargestChunk = (1 << 20) - 1;
-
 hdf5::Shape ChunkOf(const hdf5::Shape& shape, std::size_t item_bytes) {
   hdf5::Shape chunk = shape;
-  for (std::size_t i = 0; i + 1 < chunk.size(); ++i) {
-    const std::uint64_t others = hdf5::Product(chunk) / chunk[i] * item_bytes;
-    const std::uint64_t most = std::max<std::uint64_t>(1, kLargestChunk / others);
-    const std::uint64_t pieces = (chunk[i] + most - 1) / most;
-    chunk[i] = (chunk[i] + pieces - 1) / pieces;
-  }
+  for (std::size_t i = 0; i + 1 < chunk.size(); ++i) hdf5::SplitEvenly(chunk, i, item_bytes);
   return chunk;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "dsl/check.h"
+#include "runtime/engine/detection/vectors.h"
 
 namespace cdb::detection {
 namespace {
@@ -14,10 +15,6 @@ constexpr double kFar = BT_LARGE_FLOAT;
 btVector3 Finite(const Vec3& v) {
   const auto part = [](double x) { return static_cast<btScalar>(std::clamp(x, -kFar, kFar)); };
   return {part(v.x), part(v.y), part(v.z)};
-}
-
-Vec3 ToVec3(const btVector3& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
 }
 
 }  // namespace

@@ -7,10 +7,6 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-Vec3 ToVec3(const btVector3& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
-
 bool IsPlane(const btRigidBody& wall) {
   return wall.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
 }

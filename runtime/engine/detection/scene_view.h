@@ -10,6 +10,7 @@
 #include "library/detectors/detector.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/detection/detector_shapes.h"
+#include "runtime/engine/detection/vectors.h"
 
 namespace cdb::detection {
 
@@ -28,7 +29,7 @@ class SceneView {
   /// Has no effect on the box of a plane.
   void SetBox(Id id, const btVector3& lower, const btVector3& upper) {
     if (id >= first_plane_) return;
-    boxes_[id] = {Exact(lower), Exact(upper)};
+    boxes_[id] = {ToVec3(lower), ToVec3(upper)};
   }
   const Box& box(Id id) const { return boxes_[id]; }
   void SetFilter(Id id, int group, int mask);
@@ -45,9 +46,6 @@ class SceneView {
   Scene For(bool wants_poses);
 
  private:
-  static Vec3 Exact(const btVector3& v) {
-    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-  }
   void TakePoses();
 
   std::vector<btRigidBody*> bodies_;
