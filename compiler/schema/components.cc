@@ -8,7 +8,7 @@ namespace cdb::schema {
 namespace {
 
 // clang-format off
-constexpr ComponentInfo kComponents[] = {
+constexpr ComponentInfo kTable[] = {
     {Component::kWalls, "walls",
      "a wall for the objects that cannot reach it, and the whole wall if none can",
      "pairs and the broad phase are without them"},
@@ -43,17 +43,17 @@ constexpr ComponentInfo kComponents[] = {
 
 }  // namespace
 
-std::span<const ComponentInfo> Components() { return kComponents; }
+std::span<const ComponentInfo> Components() { return kTable; }
 
 const ComponentInfo& InfoOf(Component component) {
-  const ComponentInfo& info = kComponents[static_cast<std::size_t>(component)];
+  const ComponentInfo& info = kTable[static_cast<std::size_t>(component)];
   CDB_CHECK(info.component == component);
   return info;
 }
 
 const ComponentInfo* FindComponent(std::string_view name) {
-  const auto* row = std::ranges::find(kComponents, name, &ComponentInfo::name);
-  return row == std::end(kComponents) ? nullptr : row;
+  const auto* row = std::ranges::find(kTable, name, &ComponentInfo::name);
+  return row == std::end(kTable) ? nullptr : row;
 }
 
 }  // namespace cdb::schema

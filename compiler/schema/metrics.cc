@@ -11,7 +11,7 @@ namespace {
 
 using enum Fold;
 
-constexpr bool kTruth = true, kOwn = false;
+constexpr bool kTruth = true, kItself = false;
 constexpr bool kToHorizon = true, kToEnd = false;
 
 // clang-format off
@@ -27,9 +27,9 @@ constexpr ErrorInfo kErrors[] = {
     {ErrorKind::kAngularMomentum, "angular_momentum", "accuracy/angular_momentum_series", "angular_momentum", "",
      "about the common centre of mass, less the true one, over the largest sum of the objects' own; root of the mean square", kTruth, kToEnd, kRms},
     {ErrorKind::kPenetration, "penetration", "accuracy/penetration_series", "penetration", "",
-     "mean depth of the contacts that overlap, in sizes of the smaller object; mean over samples", kOwn, kToEnd, kMean},
+     "mean depth of the contacts that overlap, in sizes of the smaller object; mean over samples", kItself, kToEnd, kMean},
     {ErrorKind::kPenetrationMax, "penetration_max", "accuracy/penetration_max_series", "penetration", "",
-     "deepest contact, in sizes of the smaller object; largest over samples", kOwn, kToEnd, kMax},
+     "deepest contact, in sizes of the smaller object; largest over samples", kItself, kToEnd, kMax},
     {ErrorKind::kHeight, "height", "accuracy/height_series", "height", "",
      "the objects' mean height less the true one, in mean sizes; root of the mean square over samples", kTruth, kToEnd, kRms},
     {ErrorKind::kHeightW1, "height_w1", "accuracy/height_w1_series", "height", "",
@@ -37,15 +37,15 @@ constexpr ErrorInfo kErrors[] = {
     {ErrorKind::kContacts, "contacts", "accuracy/contacts_series", "contacts", "",
      "contact points less the true number, over the true number; root of the mean square over samples", kTruth, kToEnd, kRms},
     {ErrorKind::kPairsMissed, "pairs_missed", "accuracy/pairs_missed_series", "pairs", "",
-     "pairs of objects whose exact boxes overlap and that the broad phase has not got, over those that overlap; mean over samples", kOwn, kToEnd, kMean},
+     "pairs of objects whose exact boxes overlap and that the broad phase has not got, over those that overlap; mean over samples", kItself, kToEnd, kMean},
     {ErrorKind::kPairsPhantom, "pairs_phantom", "accuracy/pairs_phantom_series", "pairs", "",
-     "pairs that the broad phase has got though their exact boxes do not overlap, over those that overlap; mean over samples", kOwn, kToEnd, kMean},
+     "pairs that the broad phase has got though their exact boxes do not overlap, over those that overlap; mean over samples", kItself, kToEnd, kMean},
     {ErrorKind::kDepthError, "depth_error", "accuracy/depth_error_series", "geometry", "",
-     "deepest contact point of an overlap less the exact depth, in sizes of the smaller object; mean over overlaps that have one, then over samples", kOwn, kToEnd, kMeanOfSome},
+     "deepest contact point of an overlap less the exact depth, in sizes of the smaller object; mean over overlaps that have one, then over samples", kItself, kToEnd, kMeanOfSome},
     {ErrorKind::kNormalError, "normal_error", "accuracy/normal_error_series", "geometry", "rad",
-     "angle between its normal and the exact one, where there is only one; mean over overlaps, then over samples", kOwn, kToEnd, kMeanOfSome},
+     "angle between its normal and the exact one, where there is only one; mean over overlaps, then over samples", kItself, kToEnd, kMeanOfSome},
     {ErrorKind::kContactsMissed, "contacts_missed", "accuracy/contacts_missed_series", "geometry", "",
-     "exact overlaps without a contact point, over all; mean over samples", kOwn, kToEnd, kMeanOfSome},
+     "exact overlaps without a contact point, over all; mean over samples", kItself, kToEnd, kMeanOfSome},
 };
 // clang-format on
 

@@ -17,7 +17,6 @@ namespace cdb::cli {
 namespace {
 
 using plan::Plan;
-using plan::Run;
 
 /// What is as good a run of a point as any, where only the detector differs.
 Plan WithoutAxis(const Plan& plan, std::size_t axis) {
@@ -30,7 +29,7 @@ Plan WithoutAxis(const Plan& plan, std::size_t axis) {
     at.erase(at.begin() + static_cast<std::ptrdiff_t>(axis));
     return at;
   };
-  for (Run run : plan.runs) {
+  for (plan::Run run : plan.runs) {
     run.at = less(std::move(run.at));
     if (there.insert(run.at).second) rest.runs.push_back(std::move(run));
   }
@@ -86,7 +85,7 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   std::vector<std::string> names;
   for (const schema::DetectorInfo& info : Chosen(options, every.left_out)) {
     const auto held = std::ranges::count_if(
-        plan.runs, [&](const Run& run) { return info.Holds(plan::BodyCount(run.scene)); });
+        plan.runs, [&](const plan::Run& run) { return info.Holds(plan::BodyCount(run.scene)); });
     if (held < std::ssize(plan.runs))
       every.left_out.push_back(
           fmt::format("{}, where there are more than {} bodies", info.name, info.max_bodies));
@@ -94,7 +93,7 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   }
   if (names.empty()) return every;
   every.plan = WithDetectors(plan, names, options.plugins);
-  std::erase_if(every.plan.runs, [&](const Run& run) {
+  std::erase_if(every.plan.runs, [&](const plan::Run& run) {
     const auto detector = schema::FindDetector(names[run.at[0]], options.plugins);
     const bool is_held = detector->Holds(plan::BodyCount(run.scene));
     if (!is_held) every.plan.skipped.push_back(run.at);
@@ -109,8 +108,8 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
 VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   Plan bare = plan;
   bare.repeats = 1;
-  std::erase_if(bare.runs, [](const Run& run) { return run.rep > 0; });
-  for (Run& run : bare.runs) {
+  std::erase_if(bare.runs, [](const plan::Run& run) { return run.rep > 0; });
+  for (plan::Run& run : bare.runs) {
     const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
       run.scene.world.Set(parameter, std::move(value));
     };
