@@ -54,26 +54,6 @@ TEST(SolidFactory, EqualOnesAreSharedAndFormsAlways) {
   EXPECT_EQ(maker.Forms().size(), 1u) << "closed forms have none";
 }
 
-TEST(SolidFactory, AFormIsTheSameMadeOrFound) {
-  const TemporaryCache cache;
-  const std::string file = (cache.folder() / "angle.off").string();
-  WriteFile(file, ToOff(AngleMesh()));
-  const auto call = [&](const char* name) {
-    return schema::Call{name, {schema::Text{file}, Word("any")}};
-  };
-  std::ptrdiff_t made = 0;
-  for (const schema::Value& type : {Word("torus"), schema::Value(call("mesh")), {call("hull")}}) {
-    const auto form = [&] {
-      objects::SolidFactory maker;
-      maker.Make(type, Vector3d::Ones(), Vector3d::Ones());
-      return *maker.Forms().at(0);
-    };
-    EXPECT_EQ(form(), form());
-    const std::filesystem::directory_iterator files(cache.folder());
-    EXPECT_EQ(std::distance(begin(files), end(files)), 1 + ++made) << "and the mesh";
-  }
-}
-
 /// A mesh in a folder that keeps its decomposition too.
 class MeshFile : public ::testing::Test {
  protected:
@@ -89,6 +69,21 @@ class MeshFile : public ::testing::Test {
 
   static inline std::unique_ptr<TemporaryCache> cache_;
 };
+
+// The first of the suite, so that it makes them.
+TEST_F(MeshFile, AFormIsTheSameMadeOrFound) {
+  std::ptrdiff_t made = 0;
+  for (const schema::Value& type : {Word("torus"), Call("mesh"), Call("hull")}) {
+    const auto form = [&] {
+      objects::SolidFactory maker;
+      maker.Make(type, Vector3d::Ones(), Vector3d::Ones());
+      return *maker.Forms().at(0);
+    };
+    EXPECT_EQ(form(), form());
+    const std::filesystem::directory_iterator files(cache_->folder());
+    EXPECT_EQ(std::distance(begin(files), end(files)), 1 + ++made) << "and the mesh";
+  }
+}
 
 TEST_F(MeshFile, MeshIsACompoundOfItsPieces) {
   objects::SolidFactory maker;

@@ -4,8 +4,11 @@
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
+#include <array>
 #include <cmath>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -127,10 +130,18 @@ struct Kind {
   bool merged, accuracy;
 };
 
-class Conventions : public testing::TestWithParam<Kind> {
- protected:
-  Conventions() {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+/// The shards and the merged file of a plan: with the largest chunks, so they take a second.
+class WrittenPlan {
+ public:
+  explicit WrittenPlan(bool accuracy)
+      : plan_(MakePlan({NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
+                        TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
+                       2,
+                       {.cycles = 35000,
+                        .objects = 1,
+                        .record = {"timing", "stability", "contacts", "poses", "boxes"},
+                        .metrics = accuracy ? schema::WordList{"pairs", "position"}
+                                            : schema::WordList{"none"}})) {
     for (const plan::Run& run : plan_.runs) {
       const FakeResult fake(run);
       store::WriteShard(plan_, run, fake.result, {{"cpu", "cpu " + run.id}, {"compiler", "gcc"}},
@@ -142,12 +153,32 @@ class Conventions : public testing::TestWithParam<Kind> {
       result.status = store::Status::kDone;
       store::WriteReference(plan_.Sha256(), run, result, samples, {}, folder_.path());
     }
-    store::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
+    store::Merge(plan_, {}, folder_.path(), merged());
+  }
+  const std::string& shard_id() const { return plan_.runs[1].id; }
+  std::filesystem::path shard() const { return folder_ / (shard_id() + ".h5"); }
+  std::filesystem::path merged() const { return folder_ / "out.h5"; }
+
+ private:
+  const TemporaryFolder folder_;
+  const plan::Plan plan_;
+};
+
+class Conventions : public testing::TestWithParam<Kind> {
+ protected:
+  static void SetUpTestSuite() {
+    for (const bool accuracy : {false, true})
+      written_[accuracy] = std::make_unique<WrittenPlan>(accuracy);
+  }
+  static void TearDownTestSuite() { written_ = {}; }
+
+  Conventions() {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     const bool merged = GetParam().merged;
     if (GetParam().accuracy) groups_.emplace_back("/accuracy");
     if (GetParam().accuracy && merged) groups_.emplace_back("/accuracy/reference");
-    file_ = H5Fopen((folder_ / (merged ? "out.h5" : plan_.runs[1].id + ".h5")).c_str(),
-                    H5F_ACC_RDONLY, H5P_DEFAULT);
+    file_ = H5Fopen((merged ? written().merged() : written().shard()).c_str(), H5F_ACC_RDONLY,
+                    H5P_DEFAULT);
     for (const std::string& group : groups_) {
       const hid_t id = H5Gopen2(file_, group.c_str(), H5P_DEFAULT);
       for (const std::string& name : LinksInOrder(id)) {
@@ -161,6 +192,8 @@ class Conventions : public testing::TestWithParam<Kind> {
   }
   ~Conventions() override { H5Fclose(file_); }
 
+  static const WrittenPlan& written() { return *written_[GetParam().accuracy]; }
+
   void ForEachDataset(const std::function<void(const std::string&, hid_t)>& visit) {
     for (const std::string& name : datasets_) {
       SCOPED_TRACE(name);
@@ -171,16 +204,7 @@ class Conventions : public testing::TestWithParam<Kind> {
     }
   }
 
-  const TemporaryFolder folder_;
-  const plan::Plan plan_ =
-      MakePlan({NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
-                TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
-               2,
-               {.cycles = 35000,
-                .objects = 1,
-                .record = {"timing", "stability", "contacts", "poses", "boxes"},
-                .metrics = GetParam().accuracy ? schema::WordList{"pairs", "position"}
-                                               : schema::WordList{"none"}});
+  static inline std::array<std::unique_ptr<WrittenPlan>, 2> written_;
   hid_t file_ = -1;
   std::vector<std::string> groups_ = {"/", "/provenance"};
   std::vector<std::string> datasets_;
@@ -377,7 +401,7 @@ TEST_P(Conventions, ShardsNameTheirRunAndMergedFilesTheirPlan) {
     EXPECT_EQ(TextOf(group, "compiler"), "gcc");
   } else {
     EXPECT_THAT(LinksInOrder(group), ElementsAre("run_text"));
-    EXPECT_EQ(TextOf(file_, "run_id"), plan_.runs[1].id);
+    EXPECT_EQ(TextOf(file_, "run_id"), written().shard_id());
   }
   H5Gclose(group);
 }
