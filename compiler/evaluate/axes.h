@@ -7,6 +7,7 @@
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/plan/plan.h"
 #include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
@@ -28,6 +29,9 @@ struct SweepAxis {
 /// All axes of `layers`, in the order in which the sweeps are written. Two of one name are
 /// reported.
 std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, Evaluator& evaluator);
+
+/// A number, or the label of any other value.
+plan::Coordinate CoordinateOf(const schema::Value& value);
 
 /// Indices into `axes` of those that the values of `key` depend on, through lets and other
 /// parameters too.

@@ -50,7 +50,7 @@ class Configuration {
   dsl::Span SpanOfWord(const scenario::ParameterKey& key, std::string_view word);
 
   /// The value that axis `like` of another configuration has here, where it is not swept.
-  std::optional<Term> ConstantFor(const SweepAxis& like);
+  std::optional<schema::Value> ConstantFor(const SweepAxis& like);
 
  private:
   /// The values of one parameter at the points of the axes on which it depends.

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "compiler/evaluate/term.h"
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
@@ -16,7 +16,8 @@ class Evaluator;
 inline constexpr std::size_t kMaxRuns = 100'000;
 
 /// nullopt after a diagnostic.
-std::optional<std::vector<Number>> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
-                                               Evaluator& evaluator);
+std::optional<std::vector<schema::Number>> ExpandRange(const dsl::Expr& range,
+                                                       const scenario::Scope& scope,
+                                                       Evaluator& evaluator);
 
 }  // namespace cdb::evaluate

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "compiler/evaluate/term.h"
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
@@ -18,7 +18,7 @@ struct Sweep {
   /// A value: an expression, or a number of a range.
   struct Item {
     const dsl::Expr* expr = nullptr;
-    std::optional<Number> number;
+    std::optional<schema::Number> number;
   };
   std::vector<Item> items;
 };
@@ -32,7 +32,7 @@ class Sweeps {
   /// From now on `call` has its `index`th value. False where it had it already.
   bool Choose(const dsl::Expr& call, std::size_t index);
   /// The chosen value of `call`.
-  std::optional<Term> Evaluate(const dsl::Expr& call, const scenario::Scope& scope);
+  std::optional<schema::Value> Evaluate(const dsl::Expr& call, const scenario::Scope& scope);
   /// Where the value of `expr` is written, as near as can be told.
   const dsl::Expr& Origin(const dsl::Expr& expr, const scenario::Scope& scope);
 
