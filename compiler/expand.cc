@@ -10,6 +10,7 @@
 #include "compiler/checks/scene_checks.h"
 #include "compiler/evaluate/configuration.h"
 #include "compiler/evaluate/convert.h"
+#include "compiler/evaluate/dependencies.h"
 #include "compiler/evaluate/ranges.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "compiler/evaluate/arguments.h"
-#include "compiler/evaluate/defaults.h"
+#include "compiler/evaluate/dependencies.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -16,50 +16,6 @@ using dsl::Expr;
 using dsl::ExprKind;
 using schema::Number;
 using schema::Value;
-
-/// Visits every expression under `expr`, through lets and, where asked, parameters, each of those
-/// once.
-class Walker {
- public:
-  Walker(const scenario::Layers& layers, const Evaluator& evaluator)
-      : layers_(layers), evaluator_(evaluator) {}
-
-  /// All sweeps that the value of `expr` depends on.
-  void Sweeps(const Expr& expr, const scenario::Scope& scope, std::set<const Expr*>& found) {
-    if (expr.kind == ExprKind::kCall && expr.text == "sweep") found.insert(&expr);
-    for (const auto& item : expr.items) Sweeps(*item, scope, found);
-    for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
-      const dsl::Argument& argument = expr.arguments[i];
-      Sweeps(*argument.value, ArgumentScope(expr, i, scope), found);
-      if (argument.weight) Sweeps(*argument.weight, scope, found);
-    }
-    if (expr.kind != ExprKind::kPath) return;
-    const Referent referent = evaluator_.names().Resolve(expr.text, scope);
-    if (referent.let && seen_.insert(referent.let->node).second)
-      Sweeps(*referent.let->node->value, referent.let->scope, found);
-    if (referent.parameter) Sweeps(*referent.parameter, found);
-    if (!referent.is_object_count) return;
-    for (const std::string& group : layers_.groups)
-      Sweeps(scenario::ParameterKey{group, schema::GroupParameter("quantity").get()}, found);
-  }
-
-  void Sweeps(const scenario::ParameterKey& key, std::set<const Expr*>& found) {
-    if (!seen_parameters_.insert(key).second) return;
-    const auto setting = layers_.settings.find(key);
-    if (setting != layers_.settings.end()) {
-      for (const auto& value : setting->second.node->values)
-        Sweeps(*value, setting->second.scope, found);
-    } else {
-      for (const auto& value : DefaultSetting(*key.second).values) Sweeps(*value, {}, found);
-    }
-  }
-
- private:
-  const scenario::Layers& layers_;
-  const Evaluator& evaluator_;
-  std::set<const void*> seen_;
-  std::set<scenario::ParameterKey> seen_parameters_;
-};
 
 /// A whole number that a double would round is a label rather than a wrong number.
 bool IsExactNumber(const Value& value) {
@@ -197,9 +153,7 @@ class AxisFinder {
   /// 20 and 40, unless another axis takes part in them.
   std::optional<std::vector<Value>> Evaluate(const Expr& call, const Sweep& sweep,
                                              const scenario::Scope& scope, const Part& part) {
-    std::set<const Expr*> in_slot;
-    Walker(layers_, evaluator_).Sweeps(*part.slot, scope, in_slot);
-    const bool alone = in_slot.size() == 1 && !call.axis;
+    const bool alone = SweepsIn(*part.slot, scope, layers_, evaluator_).size() == 1 && !call.axis;
     std::vector<Value> values;
     for (std::size_t i = 0; i < sweep.items.size(); ++i) {
       evaluator_.Choose(call, i);
@@ -260,18 +214,6 @@ plan::Coordinate CoordinateOf(const Value& value) {
 
 std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, Evaluator& evaluator) {
   return AxisFinder(layers, evaluator).Find();
-}
-
-std::vector<std::size_t> Dependencies(const scenario::ParameterKey& key,
-                                      const scenario::Layers& layers,
-                                      const std::vector<SweepAxis>& axes,
-                                      const Evaluator& evaluator) {
-  std::set<const Expr*> found;
-  Walker(layers, evaluator).Sweeps(key, found);
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    if (found.contains(axes[i].call)) indices.push_back(i);
-  return indices;
 }
 
 }  // namespace cdb::evaluate

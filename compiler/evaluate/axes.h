@@ -33,11 +33,4 @@ std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, Evaluator& evalu
 /// A number, or the label of any other value.
 plan::Coordinate CoordinateOf(const schema::Value& value);
 
-/// Indices into `axes` of those that the values of `key` depend on, through lets and other
-/// parameters too.
-std::vector<std::size_t> Dependencies(const scenario::ParameterKey& key,
-                                      const scenario::Layers& layers,
-                                      const std::vector<SweepAxis>& axes,
-                                      const Evaluator& evaluator);
-
 }  // namespace cdb::evaluate

@@ -15,13 +15,13 @@ class Conditions {
  public:
   explicit Conditions(Evaluator& evaluator) : evaluator_(evaluator) {}
 
-  /// From now on the axis `name`, which conditions know beside lets and parameters, has this value.
+  /// Sets the value of axis `name`, which conditions find beside lets and parameters.
   void SetAxis(const std::string& name, schema::Value value);
   /// All values of an axis of words: what a word in a condition can be.
   void SetAxisWords(const std::string& name, std::vector<std::string> words);
   bool HasAxisWords(const std::string& name) const { return axis_words_.contains(name); }
 
-  /// At the axes' present choice; false after a diagnostic.
+  /// At the chosen point of the axes; false after a diagnostic.
   bool Hold(const dsl::Condition& condition, const scenario::Scope& scope);
 
  private:

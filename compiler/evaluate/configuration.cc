@@ -8,6 +8,7 @@
 
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/defaults.h"
+#include "compiler/evaluate/dependencies.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/check.h"
 
@@ -66,7 +67,7 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
       evaluator_(scenario, layers_, diagnostics),
       conditions_(evaluator_),
       axes_(FindAxes(layers_, evaluator_)) {
-  // Also those that nothing uses: a file is checked whole.
+  // Unused lets are checked too.
   for (const auto& [key, let] : layers_.lets)
     if (let.node->value->kind != ExprKind::kRange) evaluator_.Evaluate(*let.node->value, let.scope);
   for (const schema::Parameter& parameter : schema::Schema()) {
@@ -155,7 +156,7 @@ const Value* Configuration::Find(ParameterValues& values) {
   return value ? &values.known.emplace(at, *value).first->second : nullptr;
 }
 
-/// Reports every value of a parameter that is no good, as far as a person would read on.
+/// Reports the invalid values of a parameter, at most as many as a person would read.
 void Configuration::ReportAll(const ParameterValues& values) {
   constexpr int kMost = 1000;
   const Point here = point_;

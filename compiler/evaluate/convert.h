@@ -22,7 +22,7 @@ std::optional<schema::Value> Convert(const schema::Value& value, const schema::P
                                      std::span<const schema::PluginDetector> plugins,
                                      dsl::Diagnostics& diagnostics);
 
-/// `pair` without what it needs: `missing`, of its arguments.
+/// Reports that the word `info` lacks the arguments `missing`.
 void ReportMissingArguments(const schema::ParametrisedWord& info,
                             const std::vector<std::string_view>& missing, const dsl::Span& span,
                             dsl::Diagnostics& diagnostics);

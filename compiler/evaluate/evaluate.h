@@ -20,7 +20,7 @@ class Evaluator {
             dsl::Diagnostics& diagnostics);
   Evaluator(const Evaluator&) = delete;
 
-  /// The value at the axes' present choice.
+  /// The value at the chosen point of the axes.
   std::optional<schema::Value> Evaluate(const dsl::Expr& expr, const scenario::Scope& scope);
   /// `what`: the plural of what `expr` is, for messages.
   std::optional<schema::Number> EvaluateNumber(const dsl::Expr& expr, const scenario::Scope& scope,
@@ -31,7 +31,7 @@ class Evaluator {
   std::optional<schema::Value> ConvertFor(const schema::Parameter& parameter,
                                           const schema::Value& value, const dsl::Expr& expr,
                                           const scenario::Scope& scope);
-  /// From now on the sweep `call` has its `index`th value.
+  /// Chooses the `index`th value of the sweep `call`.
   void Choose(const dsl::Expr& call, std::size_t index);
 
   std::nullopt_t Error(const dsl::DiagnosticKind& kind, const dsl::Span& span, std::string message,

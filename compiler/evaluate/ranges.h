@@ -1,4 +1,4 @@
-// The numbers of a range: `1 .. 5`, `0 .. 1 step 0.1`, `1 .. 1000 log 4`.
+// The numbers of a range: `1 .. 5`, `0 .. 1 step 0.1`, `1 .. 1000 count 4 log`.
 #pragma once
 
 #include <cstddef>
