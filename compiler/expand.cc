@@ -10,6 +10,7 @@
 #include "compiler/checks/scene_checks.h"
 #include "compiler/evaluate/configuration.h"
 #include "compiler/evaluate/convert.h"
+#include "compiler/evaluate/dependencies.h"
 #include "compiler/evaluate/ranges.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"
@@ -142,14 +143,8 @@ class Expander {
       if (swept != configuration->axes().end()) {
         here = swept->values;
       } else {
-        const auto term = configuration->ConstantFor(*axis.sweep);
-        if (!term) {
-          here.emplace_back(std::string(kNoValue));
-        } else if (term->number()) {
-          here.emplace_back(term->number()->AsReal());
-        } else {
-          here.emplace_back(ToText(*term));
-        }
+        const auto value = configuration->ConstantFor(*axis.sweep);
+        here.push_back(value ? evaluate::CoordinateOf(*value) : std::string(kNoValue));
       }
       axis.values.push_back(std::move(here));
     }
@@ -184,11 +179,10 @@ class Expander {
                             "every point has as many: they are the axis `rep`");
         return false;
       }
-      const auto term = here.evaluator().EvaluateParameter({"", repeats});
-      const auto converted = term ? evaluate::Convert(*term, *repeats, span, {}, {}, diagnostics_)
-                                  : std::optional<schema::Value>();
-      if (!converted) return false;
-      const std::uint64_t n = std::get<std::uint64_t>(*converted);
+      auto setting = here.evaluator().EvaluateParameter({"", repeats});
+      if (setting) setting = evaluate::Convert(*setting, *repeats, span, {}, {}, diagnostics_);
+      if (!setting) return false;
+      const std::uint64_t n = std::get<schema::Number>(*setting).AsCount();
       if (value && *value != n) {
         diagnostics_.Report(scenario::kWrongPlace, span, "'repeats' is the same in every case",
                             "set it outside the cases");
@@ -248,23 +242,22 @@ class Expander {
     return words;
   }
 
+  /// A coordinate for conditions: exact if all numbers of its axis are whole.
+  static schema::Value ValueOf(const plan::Axis& axis, std::size_t index) {
+    const auto* real = std::get_if<double>(&axis.values[index]);
+    if (real == nullptr) return schema::Word{std::get<std::string>(axis.values[index])};
+    if (axis.IsInteger()) return schema::Number::Whole(static_cast<schema::Integer>(*real));
+    return *real;
+  }
+
   bool IsSkipped(evaluate::Configuration& configuration, const evaluate::Point& at) {
     if (configuration.layers().skips.empty()) return false;
     evaluate::Conditions& conditions = configuration.conditions();
     for (std::size_t a = 0; a < grid_.size(); ++a) {
       const plan::Axis& axis = grid_[a].axis;
-      const plan::Coordinate& value = axis.values[at[a]];
-      evaluate::Term term{schema::Word{}};
-      if (const auto* number = std::get_if<double>(&value)) {
-        term =
-            axis.IsInteger()
-                ? evaluate::Term{evaluate::Number::Whole(static_cast<evaluate::Integer>(*number))}
-                : evaluate::Term{evaluate::Number::Real(*number)};
-      } else {
-        term = evaluate::Term{schema::Word{std::get<std::string>(value)}};
-        if (!conditions.HasAxisWords(axis.name)) conditions.SetAxisWords(axis.name, WordsOf(axis));
-      }
-      conditions.SetAxis(axis.name, std::move(term));
+      conditions.SetAxis(axis.name, ValueOf(axis, at[a]));
+      if (axis.IsText() && !conditions.HasAxisWords(axis.name))
+        conditions.SetAxisWords(axis.name, WordsOf(axis));
     }
     bool skipped = false;
     for (const scenario::Placed<dsl::Skip>& skip : configuration.layers().skips)

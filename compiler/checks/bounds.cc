@@ -15,20 +15,12 @@ using Eigen::Vector3d;
 constexpr double kDeviations = 3;
 constexpr double kLeastPart = 1e-3;
 
-bool IsNumber(const schema::Value& value) {
-  return std::holds_alternative<double>(value) || std::holds_alternative<std::uint64_t>(value);
-}
-
-double NumberOf(const schema::Value& value) {
-  const auto* count = std::get_if<std::uint64_t>(&value);
-  return count != nullptr ? static_cast<double>(*count) : std::get<double>(value);
-}
-
 /// The ends of what uniform, log_uniform or normal draws.
 std::pair<Vector3d, Vector3d> EndsOf(const schema::Distribution& distribution) {
   const auto part = [&](std::size_t index) -> Vector3d {
     const schema::Value& value = distribution.arguments[index];
-    if (IsNumber(value)) return Vector3d::Constant(NumberOf(value));
+    if (const schema::Number* number = schema::AsNumber(value))
+      return Vector3d::Constant(number->AsReal());
     return std::get<Vector3d>(value);
   };
   if (distribution.kind != schema::DistributionKind::kNormal) return {part(0), part(1)};
@@ -38,15 +30,17 @@ std::pair<Vector3d, Vector3d> EndsOf(const schema::Distribution& distribution) {
 }  // namespace
 
 Bounds PositiveBounds(const schema::Value& value) {
-  if (IsNumber(value)) return {NumberOf(value), NumberOf(value)};
+  if (const schema::Number* number = schema::AsNumber(value))
+    return {number->AsReal(), number->AsReal()};
   const auto* distribution = std::get_if<schema::Distribution>(&value);
   if (distribution == nullptr) return {};
   if (distribution->kind == schema::DistributionKind::kAny) {
     Bounds all{std::numeric_limits<double>::infinity(), 0};
     for (const schema::Value& choice : distribution->arguments) {
-      if (!IsNumber(choice)) continue;
-      all.least = std::min(all.least, NumberOf(choice));
-      all.most = std::max(all.most, NumberOf(choice));
+      const schema::Number* number = schema::AsNumber(choice);
+      if (number == nullptr) continue;
+      all.least = std::min(all.least, number->AsReal());
+      all.most = std::max(all.most, number->AsReal());
     }
     return all.most > 0 ? all : Bounds{};
   }

@@ -17,8 +17,8 @@ constexpr double kPyramid = 0.4;
 
 /// An argument of a layout that is a constant.
 std::optional<double> RealOf(const schema::Call& layout, std::string_view argument) {
-  const auto* given = std::get_if<double>(&schema::ArgumentOf(layout, argument));
-  return given != nullptr ? std::optional<double>(*given) : std::nullopt;
+  const schema::Number* given = schema::AsNumber(schema::ArgumentOf(layout, argument));
+  return given != nullptr ? std::optional<double>(given->AsReal()) : std::nullopt;
 }
 
 /// Layers of a square pyramid of at least `quantity` objects.
@@ -40,9 +40,8 @@ void AddLayout(double side, GroupFacts& objects) {
   } else if (layout->name == "line") {
     objects.overlap = std::max(0.0, -RealOf(*layout, "gap").value_or(0));
   } else if (layout->name == "stack") {
-    const auto* height = std::get_if<std::uint64_t>(&schema::ArgumentOf(*layout, "height"));
-    objects.stacked = height != nullptr ? std::min(objects.quantity, static_cast<double>(*height))
-                                        : objects.quantity;
+    objects.stacked =
+        std::min(objects.quantity, RealOf(*layout, "height").value_or(objects.quantity));
     objects.tower = objects.stacked;
     objects.gap = RealOf(*layout, "gap").value_or(0);
   } else if (layout->name == "pyramid") {
@@ -56,10 +55,10 @@ void AddLinks(GroupFacts& objects) {
   const plan::GroupSettings& settings = *objects.settings;
   objects.linked = settings.WordOr("links.type") != "none";
   objects.springs = settings.WordOr("links.type") == "spring";
-  const auto* end_mass = std::get_if<double>(&settings.Get("links.end_mass"));
+  const schema::Number* end_mass = schema::AsNumber(settings.Get("links.end_mass"));
   if (!objects.linked || end_mass == nullptr) return;
-  objects.load = *end_mass / objects.mass.least;
-  objects.mass.least = std::min(objects.mass.least, *end_mass);
+  objects.load = end_mass->AsReal() / objects.mass.least;
+  objects.mass.least = std::min(objects.mass.least, end_mass->AsReal());
 }
 
 GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, double side) {

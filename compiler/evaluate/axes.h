@@ -7,6 +7,7 @@
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/plan/plan.h"
 #include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
@@ -29,11 +30,7 @@ struct SweepAxis {
 /// reported.
 std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, Evaluator& evaluator);
 
-/// Indices into `axes` of those that the values of `key` depend on, through lets and other
-/// parameters too.
-std::vector<std::size_t> Dependencies(const scenario::ParameterKey& key,
-                                      const scenario::Layers& layers,
-                                      const std::vector<SweepAxis>& axes,
-                                      const Evaluator& evaluator);
+/// A number, or the label of any other value.
+plan::Coordinate CoordinateOf(const schema::Value& value);
 
 }  // namespace cdb::evaluate

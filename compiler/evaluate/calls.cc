@@ -17,15 +17,15 @@ namespace cdb::evaluate {
 namespace {
 
 using dsl::Expr;
+using schema::Value;
 
 /// A word with its arguments.
-std::optional<Term> EvaluateWord(const Expr& expr, const schema::ParametrisedWord& info,
-                                 const scenario::Scope& scope, Evaluator& evaluator) {
+std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWord& info,
+                                  const scenario::Scope& scope, Evaluator& evaluator) {
   const GivenArguments given(expr, info, evaluator.diagnostics());
   bool good = given.good();
   schema::Call call{std::string(info.name), {}};
   std::vector<std::string_view> missing;
-  std::vector<Term> terms(info.arguments.size(), Term{schema::Word{}});
   for (std::size_t i = 0; i < info.arguments.size(); ++i) {
     const schema::Parameter& parameter = info.arguments[i];
     if (given[i] == nullptr) {
@@ -39,22 +39,19 @@ std::optional<Term> EvaluateWord(const Expr& expr, const schema::ParametrisedWor
     scenario::Scope inner = scope;
     inner.parameter = &parameter;
     const Expr& written = *given[i]->value;
-    const auto term = evaluator.Evaluate(written, inner);
-    const auto value =
-        term ? evaluator.ToValue(*term, parameter, written, inner) : std::optional<schema::Value>();
+    auto value = evaluator.Evaluate(written, inner);
+    if (value) value = evaluator.ConvertFor(parameter, *value, written, inner);
     good = good && value;
-    if (!value) continue;
-    call.arguments.push_back(*value);
-    terms[i] = *term;
+    if (value) call.arguments.push_back(*value);
   }
   // A name that is not quite right is what is missing.
   if (given.good() && !missing.empty())
     ReportMissingArguments(info, missing, expr.span, evaluator.diagnostics());
   if (!good || !missing.empty()) return std::nullopt;
   if (schema::NamesFile(info) &&
-      !ReadNamedFile(evaluator.scenario(), terms, call, evaluator.diagnostics()))
+      !ReadNamedFile(evaluator.scenario(), call, evaluator.diagnostics()))
     return std::nullopt;
-  return Term{std::move(call)};
+  return call;
 }
 
 std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
@@ -82,8 +79,8 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
 
 }  // namespace
 
-std::optional<Term> EvaluateCall(const Expr& call, const scenario::Scope& scope,
-                                 Evaluator& evaluator) {
+std::optional<Value> EvaluateCall(const Expr& call, const scenario::Scope& scope,
+                                  Evaluator& evaluator) {
   if (call.text == "sweep") return evaluator.sweeps().Evaluate(call, scope);
   if (call.axis)
     return evaluator.Error(scenario::kMisplacedSweep, call.axis->span,

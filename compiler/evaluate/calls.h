@@ -3,15 +3,15 @@
 
 #include <optional>
 
-#include "compiler/evaluate/term.h"
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
 class Evaluator;
 
 /// nullopt after a diagnostic.
-std::optional<Term> EvaluateCall(const dsl::Expr& call, const scenario::Scope& scope,
-                                 Evaluator& evaluator);
+std::optional<schema::Value> EvaluateCall(const dsl::Expr& call, const scenario::Scope& scope,
+                                          Evaluator& evaluator);
 
 }  // namespace cdb::evaluate

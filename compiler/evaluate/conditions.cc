@@ -11,6 +11,8 @@ namespace {
 
 using dsl::Expr;
 using dsl::ExprKind;
+using schema::Number;
+using schema::Value;
 
 bool CompareNumbers(const std::string& op, const Number& left, const Number& right) {
   const auto order = Compare(left, right);
@@ -22,14 +24,14 @@ bool CompareNumbers(const std::string& op, const Number& left, const Number& rig
   return order >= 0;
 }
 
-bool AreEqual(const Term& left, const Term& right) {
-  if (left.vector() && right.vector()) return *left.vector() == *right.vector();
-  return left.number() == nullptr && right.number() == nullptr && ToText(left) == ToText(right);
+bool AreEqual(const Value& left, const Value& right) {
+  if (AsVector(left) && AsVector(right)) return *AsVector(left) == *AsVector(right);
+  return AsNumber(left) == nullptr && AsNumber(right) == nullptr && LabelOf(left) == LabelOf(right);
 }
 
 }  // namespace
 
-void Conditions::SetAxis(const std::string& name, Term value) {
+void Conditions::SetAxis(const std::string& name, Value value) {
   axis_values_.insert_or_assign(name, std::move(value));
 }
 
@@ -65,8 +67,8 @@ bool Conditions::Compare(const dsl::Condition& condition, const scenario::Scope&
   const auto right = Comparand(*condition.right, *condition.left, scope);
   if (!left || !right) return false;
   const std::string& op = condition.op;
-  if (left->number() && right->number())
-    return CompareNumbers(op, *left->number(), *right->number());
+  if (AsNumber(*left) && AsNumber(*right))
+    return CompareNumbers(op, *AsNumber(*left), *AsNumber(*right));
   if (op != "==" && op != "!=") {
     evaluator_.Error(scenario::kBadComparison, condition.span,
                      fmt::format("'{}' compares numbers only", op),
@@ -76,14 +78,14 @@ bool Conditions::Compare(const dsl::Condition& condition, const scenario::Scope&
   return (op == "==") == AreEqual(*left, *right);
 }
 
-std::optional<Term> Conditions::Comparand(const Expr& expr, const Expr& other,
-                                          const scenario::Scope& scope) {
+std::optional<Value> Conditions::Comparand(const Expr& expr, const Expr& other,
+                                           const scenario::Scope& scope) {
   if (expr.kind == ExprKind::kPath) {
     // Beside `omit`, `sleeping` is a component and not the switch of that name.
     const auto words = WordsOf(other, scope);
     if (std::ranges::find(words, expr.text) != words.end() &&
         !evaluator_.names().Resolve(expr.text, scope).let)
-      return Term{schema::Word{expr.text}};
+      return schema::Word{expr.text};
     const auto axis = axis_values_.find(expr.text);
     if (axis != axis_values_.end()) return axis->second;
   }

@@ -15,20 +15,20 @@ class Conditions {
  public:
   explicit Conditions(Evaluator& evaluator) : evaluator_(evaluator) {}
 
-  /// From now on the axis `name`, which conditions know beside lets and parameters, has this value.
-  void SetAxis(const std::string& name, Term value);
+  /// Sets the value of axis `name`, which conditions find beside lets and parameters.
+  void SetAxis(const std::string& name, schema::Value value);
   /// All values of an axis of words: what a word in a condition can be.
   void SetAxisWords(const std::string& name, std::vector<std::string> words);
   bool HasAxisWords(const std::string& name) const { return axis_words_.contains(name); }
 
-  /// At the axes' present choice; false after a diagnostic.
+  /// At the chosen point of the axes; false after a diagnostic.
   bool Hold(const dsl::Condition& condition, const scenario::Scope& scope);
 
  private:
   bool Compare(const dsl::Condition& condition, const scenario::Scope& scope);
   /// One side of a comparison, `other` being its other side.
-  std::optional<Term> Comparand(const dsl::Expr& expr, const dsl::Expr& other,
-                                const scenario::Scope& scope);
+  std::optional<schema::Value> Comparand(const dsl::Expr& expr, const dsl::Expr& other,
+                                         const scenario::Scope& scope);
   /// `word`, which is no name, can be what `other` is compared with.
   bool CheckWord(const dsl::Expr& word, const dsl::Expr& other, const scenario::Scope& scope);
   bool IsLiteralWord(const dsl::Expr& expr, const scenario::Scope& scope) const;
@@ -36,7 +36,7 @@ class Conditions {
   std::vector<std::string_view> WordsOf(const dsl::Expr& expr, const scenario::Scope& scope) const;
 
   Evaluator& evaluator_;
-  std::map<std::string, Term, std::less<>> axis_values_;
+  std::map<std::string, schema::Value, std::less<>> axis_values_;
   std::map<std::string, std::vector<std::string>, std::less<>> axis_words_;
 };
 

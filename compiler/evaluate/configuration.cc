@@ -8,6 +8,7 @@
 
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/defaults.h"
+#include "compiler/evaluate/dependencies.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/check.h"
 
@@ -15,29 +16,20 @@ namespace cdb::evaluate {
 namespace {
 
 using dsl::ExprKind;
-
-/// A constant argument as an expression gives it; nullopt for a distribution.
-std::optional<Term> TermOf(const schema::Value& value) {
-  if (const auto* count = std::get_if<std::uint64_t>(&value))
-    return Term{Number::Whole(static_cast<Integer>(*count))};
-  if (const auto* real = std::get_if<double>(&value)) return Term{Number::Real(*real)};
-  if (const auto* word = std::get_if<schema::Word>(&value)) return Term{*word};
-  if (const auto* text = std::get_if<schema::Text>(&value)) return Term{*text};
-  if (const auto* vector = std::get_if<Eigen::Vector3d>(&value)) return Term{*vector};
-  return std::nullopt;
-}
+using schema::Value;
 
 /// The argument that axis `like` sweeps, of a value that is not swept here; nullopt where that is
 /// another word.
-std::optional<Term> ArgumentLike(const SweepAxis& like, const Term& term) {
+std::optional<Value> ArgumentLike(const SweepAxis& like, const Value& value) {
   std::optional<schema::Call> call;
-  if (term.call()) call = *term.call();
-  if (term.word() && term.word()->text == like.word->name) call = schema::WithDefaults(*like.word);
+  if (AsCall(value)) call = *AsCall(value);
+  if (AsWord(value) && AsWord(value)->text == like.word->name)
+    call = schema::WithDefaults(*like.word);
   if (!call || call->name != like.word->name) return std::nullopt;
-  return TermOf(schema::ArgumentOf(*call, like.argument->name));
+  return schema::ArgumentOf(*call, like.argument->name);
 }
 
-bool IsDrawn(const schema::Value& value) {
+bool IsDrawn(const Value& value) {
   const auto* word = std::get_if<schema::Word>(&value);
   const schema::Call* call = schema::AsCall(value);
   return std::holds_alternative<schema::Distribution>(value) || (word && word->text == "random") ||
@@ -75,7 +67,7 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
       evaluator_(scenario, layers_, diagnostics),
       conditions_(evaluator_),
       axes_(FindAxes(layers_, evaluator_)) {
-  // Also those that nothing uses: a file is checked whole.
+  // Unused lets are checked too.
   for (const auto& [key, let] : layers_.lets)
     if (let.node->value->kind != ExprKind::kRange) evaluator_.Evaluate(*let.node->value, let.scope);
   for (const schema::Parameter& parameter : schema::Schema()) {
@@ -97,7 +89,7 @@ std::optional<plan::Scene> Configuration::MakeScene() {
   for (const std::string& group : layers_.groups) scene.groups.push_back({group, {}});
   bool good = true;
   for (ParameterValues& values : parameters_) {
-    const schema::Value* value = Find(values);
+    const Value* value = Find(values);
     good = good && value != nullptr;
     if (value == nullptr) continue;
     plan::Settings* settings = &scene.world;
@@ -126,33 +118,33 @@ dsl::Span Configuration::SpanOf(const scenario::ParameterKey& key, const dsl::Sp
 dsl::Span Configuration::SpanOfWord(const scenario::ParameterKey& key, std::string_view word) {
   const scenario::Placed<dsl::Setting>& setting = layers_.settings.at(key);
   for (const auto& value : setting.node->values) {
-    const auto term = evaluator_.Evaluate(*value, setting.scope);
-    if (term && term->word() && term->word()->text == word)
+    const auto item = evaluator_.Evaluate(*value, setting.scope);
+    if (item && AsWord(*item) && AsWord(*item)->text == word)
       return evaluator_.sweeps().Origin(*value, setting.scope).span;
   }
   CDB_CHECK(false);
 }
 
-std::optional<Term> Configuration::ConstantFor(const SweepAxis& like) {
+std::optional<Value> Configuration::ConstantFor(const SweepAxis& like) {
   if (!like.key) return std::nullopt;
   const std::string& group = like.key->first;
   if (!group.empty() && std::ranges::find(layers_.groups, group) == layers_.groups.end())
     return std::nullopt;
-  auto term = evaluator_.EvaluateParameter(*like.key);
-  if (term && like.argument != nullptr) term = ArgumentLike(like, *term);
-  if (!term || term->drawn()) return std::nullopt;
-  if (like.component < 0) return term;
-  const Eigen::Vector3d* parts = term->vector();
-  if (const auto* ratio = std::get_if<schema::Ratio>(&term->what)) parts = &ratio->parts;
+  auto value = evaluator_.EvaluateParameter(*like.key);
+  if (value && like.argument != nullptr) value = ArgumentLike(like, *value);
+  if (!value || AsDistribution(*value)) return std::nullopt;
+  if (like.component < 0) return value;
+  const Eigen::Vector3d* parts = AsVector(*value);
+  if (const schema::Ratio* ratio = AsRatio(*value)) parts = &ratio->parts;
   if (parts == nullptr) return std::nullopt;
-  return Term{Number::Real((*parts)[like.component])};
+  return (*parts)[like.component];
 }
 
 void Configuration::Add(const scenario::ParameterKey& key) {
   parameters_.push_back({key, Dependencies(key, layers_, axes_, evaluator_), {}, false});
 }
 
-const schema::Value* Configuration::Find(ParameterValues& values) {
+const Value* Configuration::Find(ParameterValues& values) {
   if (values.failed) return nullptr;
   Point at;
   for (const std::size_t axis : values.axes) at.push_back(point_[axis]);
@@ -164,7 +156,7 @@ const schema::Value* Configuration::Find(ParameterValues& values) {
   return value ? &values.known.emplace(at, *value).first->second : nullptr;
 }
 
-/// Reports every value of a parameter that is no good, as far as a person would read on.
+/// Reports the invalid values of a parameter, at most as many as a person would read.
 void Configuration::ReportAll(const ParameterValues& values) {
   constexpr int kMost = 1000;
   const Point here = point_;
@@ -181,7 +173,7 @@ void Configuration::ReportAll(const ParameterValues& values) {
   Choose(here);
 }
 
-std::optional<schema::Value> Configuration::Make(const scenario::ParameterKey& key) {
+std::optional<Value> Configuration::Make(const scenario::ParameterKey& key) {
   const schema::Parameter& parameter = *key.second;
   const auto set = layers_.settings.find(key);
   const dsl::Setting& setting =
@@ -189,13 +181,13 @@ std::optional<schema::Value> Configuration::Make(const scenario::ParameterKey& k
   const scenario::Scope scope =
       set != layers_.settings.end() ? set->second.scope : scenario::Scope{};
   if (parameter.type == schema::ParameterType::kWords) {
-    std::vector<std::pair<Term, dsl::Span>> terms;
-    for (const auto& value : setting.values) {
-      const auto term = evaluator_.Evaluate(*value, scope);
-      if (!term) return std::nullopt;
-      terms.emplace_back(*term, evaluator_.sweeps().Origin(*value, scope).span);
+    std::vector<std::pair<Value, dsl::Span>> words;
+    for (const auto& expr : setting.values) {
+      const auto word = evaluator_.Evaluate(*expr, scope);
+      if (!word) return std::nullopt;
+      words.emplace_back(*word, evaluator_.sweeps().Origin(*expr, scope).span);
     }
-    return ConvertList(terms, parameter, evaluator_.diagnostics());
+    return ConvertList(words, parameter, evaluator_.diagnostics());
   }
   if (setting.values.size() > 1) {
     evaluator_.diagnostics().Report(
@@ -204,9 +196,9 @@ std::optional<schema::Value> Configuration::Make(const scenario::ParameterKey& k
         "sweep(…) makes a run for each, any(…) draws one for each object");
     return std::nullopt;
   }
-  const auto term = evaluator_.EvaluateParameter(key);
-  if (!term) return std::nullopt;
-  return evaluator_.ToValue(*term, parameter, *setting.values[0], scope);
+  const auto value = evaluator_.EvaluateParameter(key);
+  if (!value) return std::nullopt;
+  return evaluator_.ConvertFor(parameter, *value, *setting.values[0], scope);
 }
 
 }  // namespace cdb::evaluate

@@ -22,7 +22,7 @@ using Point = std::vector<std::size_t>;
 /// Counts through all points of a grid, the last axis fastest. False at the end.
 bool Advance(Point& point, const std::vector<std::size_t>& extents);
 
-/// Every fault is reported. Not for several threads.
+/// Reports every error. Not thread-safe.
 class Configuration {
  public:
   Configuration(const scenario::Scenario& scenario, scenario::Layers layers,
@@ -34,12 +34,12 @@ class Configuration {
   Evaluator& evaluator() { return evaluator_; }
   Conditions& conditions() { return conditions_; }
 
-  /// What follows is of this point.
+  /// Selects the point for all later calls.
   void Choose(const Point& point);
 
   /// All settings at the chosen point; nullopt after a diagnostic.
   std::optional<plan::Scene> MakeScene();
-  /// Looks at every setting by itself.
+  /// Checks each setting on its own.
   void CheckSettings();
 
   bool IsSet(const scenario::ParameterKey& key) const { return layers_.settings.contains(key); }
@@ -50,7 +50,7 @@ class Configuration {
   dsl::Span SpanOfWord(const scenario::ParameterKey& key, std::string_view word);
 
   /// The value that axis `like` of another configuration has here, where it is not swept.
-  std::optional<Term> ConstantFor(const SweepAxis& like);
+  std::optional<schema::Value> ConstantFor(const SweepAxis& like);
 
  private:
   /// The values of one parameter at the points of the axes on which it depends.

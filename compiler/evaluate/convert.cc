@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/evaluate/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/catalogue.h"
 
 namespace cdb::evaluate {
 namespace {
+
+using schema::Integer;
+using schema::Value;
 
 /// A distribution whose draws are this rarely inside the domain would be drawn again for ever.
 constexpr double kLeastChance = 1e-3;
@@ -25,87 +29,45 @@ class Converter {
         plugins_(plugins),
         diagnostics_(diagnostics) {}
 
-  std::optional<schema::Value> Constant(const Term& term) const {
-    if (const schema::Word* word = term.word()) return FromWord(*word);
-    if (const schema::Call* call = term.call())
-      return parameter_.TakesCall(call->name) ? std::optional(schema::Value(*call))
-                                              : WrongKind(term);
+  std::optional<Value> Constant(const Value& value) const {
+    if (const schema::Word* word = AsWord(value)) return FromWord(*word);
+    if (const schema::Call* call = AsCall(value))
+      return parameter_.TakesCall(call->name) ? std::optional(Value(*call)) : WrongKind(value);
     using enum schema::ParameterType;
     switch (parameter_.type) {
       case kCount:
-        return FromCount(term);
+        return FromCount(value);
       case kReal:
-        if (!term.number()) return WrongKind(term);
-        if (!InDomain(term.number()->AsReal(), term.number()->Text())) return std::nullopt;
-        return schema::Value(term.number()->AsReal());
+        if (!AsNumber(value)) return WrongKind(value);
+        if (!InDomain(AsNumber(value)->AsReal(), AsNumber(value)->Text())) return std::nullopt;
+        return Value(AsNumber(value)->AsReal());
       case kVector:
-        return FromVector(term);
+        return FromVector(value);
       case kRatio: {
-        const auto* ratio = std::get_if<schema::Ratio>(&term.what);
-        if (ratio == nullptr) return WrongKind(term);
+        const schema::Ratio* ratio = AsRatio(value);
+        if (ratio == nullptr) return WrongKind(value);
         for (const double part : ratio->parts)
           if (!InDomain(part, schema::FormatReal(part))) return std::nullopt;
-        return schema::Value(*ratio);
+        return Value(*ratio);
       }
       case kText:
-        if (term.text()) return schema::Value(*term.text());
+        if (AsText(value)) return Value(*AsText(value));
         break;
       case kSwitch:
       case kWord:
       case kWords:
         break;
     }
-    return WrongKind(term);
+    return WrongKind(value);
   }
 
-  std::optional<schema::Value> Drawn(const DrawnTerm& drawn) const {
+  std::optional<Value> Drawn(const schema::Distribution& drawn) const {
     if (!parameter_.distribution)
       return Error(
           scenario::kWrongKind,
           fmt::format("'{}' has one value in a run and takes no distribution", parameter_.name),
           "sweep(…) makes a run for each of several values");
-    schema::Distribution distribution{drawn.kind, {}, drawn.weights};
-    if (drawn.kind == schema::DistributionKind::kAny) {
-      bool good = true;
-      for (std::size_t i = 0; i < drawn.arguments.size(); ++i) {
-        const dsl::Span& at = i < choices_.size() ? choices_[i] : span_;
-        if (drawn.arguments[i].call() && !parameter_.ChoosesCalls()) {
-          diagnostics_.Report(scenario::kBadArguments, at,
-                              fmt::format("{} goes on for the whole run and cannot be a choice "
-                                          "of any( )",
-                                          KindName(drawn.arguments[i])),
-                              "sweep(…) makes a run for each of several");
-          good = false;
-          continue;
-        }
-        const auto value =
-            Converter(parameter_, at, {}, {}, diagnostics_).Constant(drawn.arguments[i]);
-        good = good && value;
-        if (value) distribution.arguments.push_back(*value);
-      }
-      if (!good) return std::nullopt;
-      return schema::Value(std::move(distribution));
-    }
-    const bool vectors = drawn.arguments[0].vector() != nullptr;
-    if (parameter_.type != schema::ParameterType::kReal &&
-        parameter_.type != schema::ParameterType::kVector)
-      return Error(scenario::kWrongKind,
-                   fmt::format("'{}' takes {}; {}( ) draws numbers", parameter_.name,
-                               parameter_.Takes(plugins_), schema::DistributionName(drawn.kind)),
-                   "any(…) draws from a list");
-    if (vectors && parameter_.type != schema::ParameterType::kVector)
-      return Error(
-          scenario::kWrongKind,
-          fmt::format("'{}' is a number and cannot be drawn from vectors", parameter_.name));
-    if (!vectors && !Reachable(drawn)) return std::nullopt;
-    for (const Term& argument : drawn.arguments) {
-      if (vectors) {
-        distribution.arguments.emplace_back(*argument.vector());
-      } else {
-        distribution.arguments.emplace_back(argument.number()->AsReal());
-      }
-    }
-    return schema::Value(std::move(distribution));
+    return drawn.kind == schema::DistributionKind::kAny ? OfChoices(drawn) : OfNumbers(drawn);
   }
 
  private:
@@ -115,8 +77,47 @@ class Converter {
     return std::nullopt;
   }
 
-  std::nullopt_t WrongKind(const Term& term) const {
-    const schema::Text* text = term.text();
+  std::optional<Value> OfChoices(schema::Distribution drawn) const {
+    bool good = true;
+    for (std::size_t i = 0; i < drawn.arguments.size(); ++i) {
+      Value& choice = drawn.arguments[i];
+      const dsl::Span& at = i < choices_.size() ? choices_[i] : span_;
+      if (AsCall(choice) && !parameter_.ChoosesCalls()) {
+        diagnostics_.Report(
+            scenario::kBadArguments, at,
+            fmt::format("{} goes on for the whole run and cannot be a choice of any( )",
+                        KindName(choice)),
+            "sweep(…) makes a run for each of several");
+        good = false;
+        continue;
+      }
+      const auto converted = Converter(parameter_, at, {}, {}, diagnostics_).Constant(choice);
+      good = good && converted;
+      if (converted) choice = *converted;
+    }
+    return good ? std::optional<Value>(std::move(drawn)) : std::nullopt;
+  }
+
+  std::optional<Value> OfNumbers(schema::Distribution drawn) const {
+    const bool are_vectors = AsVector(drawn.arguments[0]) != nullptr;
+    if (parameter_.type != schema::ParameterType::kReal &&
+        parameter_.type != schema::ParameterType::kVector)
+      return Error(scenario::kWrongKind,
+                   fmt::format("'{}' takes {}; {}( ) draws numbers", parameter_.name,
+                               parameter_.Takes(plugins_), schema::DistributionName(drawn.kind)),
+                   "any(…) draws from a list");
+    if (are_vectors && parameter_.type != schema::ParameterType::kVector)
+      return Error(
+          scenario::kWrongKind,
+          fmt::format("'{}' is a number and cannot be drawn from vectors", parameter_.name));
+    if (are_vectors) return drawn;
+    if (!Reachable(drawn)) return std::nullopt;
+    for (Value& argument : drawn.arguments) argument = AsNumber(argument)->AsReal();
+    return drawn;
+  }
+
+  std::nullopt_t WrongKind(const Value& value) const {
+    const schema::Text* text = AsText(value);
     if (text != nullptr &&
         (parameter_.HasWord(text->text, plugins_) || parameter_.TakesCall(text->text)))
       return Error(scenario::kWrongKind,
@@ -124,9 +125,9 @@ class Converter {
                    fmt::format("write {} without quotes", text->text));
     return Error(scenario::kWrongKind,
                  fmt::format("'{}' takes {}; this is {}", parameter_.name,
-                             parameter_.Takes(plugins_), KindName(term)),
+                             parameter_.Takes(plugins_), KindName(value)),
                  text != nullptr && parameter_.TakesCall("mesh")
-                     ? fmt::format("write mesh({})", ToText(schema::Value(*text)))
+                     ? fmt::format("write mesh({})", ToText(Value(*text)))
                      : "");
   }
 
@@ -137,52 +138,51 @@ class Converter {
     return false;
   }
 
-  std::optional<schema::Value> FromCount(const Term& term) const {
-    if (!term.number()) return WrongKind(term);
-    const auto whole = term.number()->AsWhole();
+  std::optional<Value> FromCount(const Value& value) const {
+    if (!AsNumber(value)) return WrongKind(value);
+    const auto whole = AsNumber(value)->AsWhole();
     if (!whole)
       return Error(scenario::kWrongKind, fmt::format("'{}' must be a whole number, not {}",
-                                                     parameter_.name, term.number()->Text()));
+                                                     parameter_.name, AsNumber(value)->Text()));
     constexpr Integer kMost = ~std::uint64_t{0};
     if (*whole > kMost || !parameter_.domain.Contains(static_cast<double>(*whole)))
       return Error(scenario::kOutOfDomain,
                    *whole > 0 ? fmt::format("'{}' does not go up to {}", parameter_.name,
-                                            term.number()->Text())
+                                            AsNumber(value)->Text())
                               : fmt::format("'{}' must be {}, not {}", parameter_.name,
-                                            parameter_.domain.Text(), term.number()->Text()));
-    return schema::Value(static_cast<std::uint64_t>(*whole));
+                                            parameter_.domain.Text(), AsNumber(value)->Text()));
+    return Value(static_cast<std::uint64_t>(*whole));
   }
 
-  std::optional<schema::Value> FromVector(const Term& term) const {
+  std::optional<Value> FromVector(const Value& value) const {
     const auto not_zero = [this](const Eigen::Vector3d& vector) {
-      if (!parameter_.domain.not_zero || !vector.isZero(0))
-        return std::optional(schema::Value(vector));
-      return std::optional<schema::Value>(
+      if (!parameter_.domain.not_zero || !vector.isZero(0)) return std::optional(Value(vector));
+      return std::optional<Value>(
           Error(scenario::kOutOfDomain, fmt::format("'{}' must not be 0", parameter_.name)));
     };
-    if (term.vector()) return not_zero(*term.vector());
-    if (!term.number()) return WrongKind(term);
-    if (term.number()->AsReal() != 0)
+    if (AsVector(value)) return not_zero(*AsVector(value));
+    if (!AsNumber(value)) return WrongKind(value);
+    if (AsNumber(value)->AsReal() != 0)
       return Error(
           scenario::kWrongKind,
           fmt::format("'{}' is a vector; of numbers only 0 stands for one", parameter_.name),
-          fmt::format("write (0, {}, 0), say", term.number()->Text()));
+          fmt::format("write (0, {}, 0), say", AsNumber(value)->Text()));
     return not_zero(Eigen::Vector3d::Zero());
   }
 
-  std::optional<schema::Value> FromWord(const schema::Word& word) const {
+  std::optional<Value> FromWord(const schema::Word& word) const {
     const std::string& text = word.text;
     if (parameter_.type == schema::ParameterType::kSwitch) {
-      if (text == "on" || text == "true") return schema::Value(true);
-      if (text == "off" || text == "false") return schema::Value(false);
+      if (text == "on" || text == "true") return Value(true);
+      if (text == "off" || text == "false") return Value(false);
     }
     if (parameter_.TakesDetectors())
       if (const auto detector = schema::FindDetector(text, plugins_))
-        return CanBeUsed(*detector) ? std::optional(schema::Value(word)) : std::nullopt;
-    if (parameter_.HasWord(text)) return schema::Value(word);
+        return CanBeUsed(*detector) ? std::optional(Value(word)) : std::nullopt;
+    if (parameter_.HasWord(text)) return Value(word);
     if (parameter_.TakesCall(text)) {
       const schema::ParametrisedWord& info = *schema::FindParametrisedWord(text);
-      if (auto call = schema::WithDefaults(info)) return schema::Value(std::move(*call));
+      if (auto call = schema::WithDefaults(info)) return Value(std::move(*call));
       ReportMissingArguments(info, schema::RequiredArguments(info), span_, diagnostics_);
       return std::nullopt;
     }
@@ -223,9 +223,9 @@ class Converter {
   }
 
   /// Draws outside the domain are drawn again; that has to end.
-  bool Reachable(const DrawnTerm& drawn) const {
-    const double a = drawn.arguments[0].number()->AsReal();
-    const double b = drawn.arguments[1].number()->AsReal();
+  bool Reachable(const schema::Distribution& drawn) const {
+    const double a = AsNumber(drawn.arguments[0])->AsReal();
+    const double b = AsNumber(drawn.arguments[1])->AsReal();
     const schema::Domain& domain = parameter_.domain;
     double chance = 0;
     if (a == b || (drawn.kind == schema::DistributionKind::kNormal && b == 0)) {
@@ -242,7 +242,7 @@ class Converter {
     if (chance >= kLeastChance) return true;
     Error(scenario::kOutOfDomain,
           fmt::format("'{}' must be {}; {} {} is", parameter_.name, domain.Text(),
-                      ToText(Term{drawn}), chance > 0 ? "hardly ever" : "never"),
+                      ToText(Value(drawn)), chance > 0 ? "hardly ever" : "never"),
           "what is outside is drawn again, so most of it has to lie inside");
     return false;
   }
@@ -256,12 +256,13 @@ class Converter {
 
 }  // namespace
 
-std::optional<schema::Value> Convert(const Term& term, const schema::Parameter& parameter,
-                                     const dsl::Span& span, const std::vector<dsl::Span>& choices,
-                                     std::span<const schema::PluginDetector> plugins,
-                                     dsl::Diagnostics& diagnostics) {
+std::optional<Value> Convert(const Value& value, const schema::Parameter& parameter,
+                             const dsl::Span& span, const std::vector<dsl::Span>& choices,
+                             std::span<const schema::PluginDetector> plugins,
+                             dsl::Diagnostics& diagnostics) {
   const Converter converter(parameter, span, choices, plugins, diagnostics);
-  return term.drawn() ? converter.Drawn(*term.drawn()) : converter.Constant(term);
+  return AsDistribution(value) ? converter.Drawn(*AsDistribution(value))
+                               : converter.Constant(value);
 }
 
 void ReportMissingArguments(const schema::ParametrisedWord& info,
@@ -275,14 +276,14 @@ void ReportMissingArguments(const schema::ParametrisedWord& info,
                      fmt::format("write {}({})", info.name, usage));
 }
 
-std::optional<schema::Value> ConvertList(const std::vector<std::pair<Term, dsl::Span>>& terms,
-                                         const schema::Parameter& parameter,
-                                         dsl::Diagnostics& diagnostics) {
+std::optional<Value> ConvertList(const std::vector<std::pair<Value, dsl::Span>>& values,
+                                 const schema::Parameter& parameter,
+                                 dsl::Diagnostics& diagnostics) {
   schema::WordList words;
   std::vector<dsl::Span> spans;
   bool good = true;
-  for (const auto& [term, span] : terms) {
-    const auto value = Converter(parameter, span, {}, {}, diagnostics).Constant(term);
+  for (const auto& [item, span] : values) {
+    const auto value = Converter(parameter, span, {}, {}, diagnostics).Constant(item);
     if (!value) {
       good = false;
       continue;
@@ -313,7 +314,7 @@ std::optional<schema::Value> ConvertList(const std::vector<std::pair<Term, dsl::
   if (!good) return std::nullopt;
   // Order has no meaning, so it must not make another run of it.
   std::ranges::sort(words);
-  return schema::Value(std::move(words));
+  return Value(std::move(words));
 }
 
 }  // namespace cdb::evaluate

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compiler/evaluate/evaluate.h"
+#include "compiler/evaluate/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -15,6 +16,8 @@ namespace {
 using dsl::Expr;
 using Eigen::Vector3d;
 using schema::DistributionKind;
+using schema::Number;
+using schema::Value;
 
 /// The weight of a choice of any( ): 1 where none is written.
 std::optional<double> WeightOf(const dsl::Argument& argument, const scenario::Scope& scope,
@@ -30,7 +33,7 @@ std::optional<double> WeightOf(const dsl::Argument& argument, const scenario::Sc
 
 /// Adds a choice of any( ); false after a diagnostic.
 bool AddChoice(const dsl::Argument& argument, const scenario::Scope& scope, Evaluator& evaluator,
-               DrawnTerm& drawn) {
+               schema::Distribution& drawn) {
   if (argument.name) {
     evaluator.Error(scenario::kBadArguments, argument.name->span,
                     fmt::format("any( ) has no argument '{}'", argument.name->text),
@@ -39,7 +42,7 @@ bool AddChoice(const dsl::Argument& argument, const scenario::Scope& scope, Eval
   }
   const auto choice = evaluator.Evaluate(*argument.value, scope);
   const auto weight = WeightOf(argument, scope, evaluator);
-  if (choice && choice->drawn()) {
+  if (choice && AsDistribution(*choice)) {
     evaluator.Error(scenario::kBadArguments, argument.value->span,
                     "a distribution cannot be a choice of any( )");
     return false;
@@ -63,12 +66,12 @@ class PairDistribution {
         scope_(scope),
         evaluator_(evaluator) {}
 
-  std::optional<Term> Evaluate() {
+  std::optional<Value> Evaluate() {
     for (const dsl::Argument& argument : call_.arguments)
       if (!CheckForm(argument) || !Add(argument)) return std::nullopt;
     if (!MatchKinds() || !CheckDomain()) return std::nullopt;
     if (is_variance_) arguments_[1] = DeviationOf(arguments_[1]);
-    return Term{DrawnTerm{kind_, std::move(arguments_), {}}};
+    return schema::Distribution{kind_, std::move(arguments_), {}};
   }
 
  private:
@@ -93,14 +96,14 @@ class PairDistribution {
   }
 
   bool Add(const dsl::Argument& argument) {
-    const auto term = evaluator_.Evaluate(*argument.value, scope_);
-    if (!term) return false;
-    if (!term->number() && !term->vector())
+    const auto value = evaluator_.Evaluate(*argument.value, scope_);
+    if (!value) return false;
+    if (!AsNumber(*value) && !AsVector(*value))
       return Fail(
           scenario::kWrongKind, argument.value->span,
-          fmt::format("{}( ) takes numbers or vectors, this is {}", call_.text, KindName(*term)),
+          fmt::format("{}( ) takes numbers or vectors, this is {}", call_.text, KindName(*value)),
           usage_);
-    arguments_.push_back(*term);
+    arguments_.push_back(*value);
     return true;
   }
 
@@ -111,21 +114,22 @@ class PairDistribution {
                   fmt::format("{}( ) takes two values, here {} {}", call_.text,
                               arguments_.size() == 1 ? "is" : "are", arguments_.size()),
                   usage_);
-    const auto widen = [](Term& term, const Term& other) {
-      if (term.number() && other.vector() && term.number()->AsReal() == 0)
-        term = Term{Vector3d(Vector3d::Zero())};
+    const auto widen = [](Value& value, const Value& other) {
+      if (AsNumber(value) && AsVector(other) && AsNumber(value)->AsReal() == 0)
+        value = Value(Vector3d(Vector3d::Zero()));
     };
     widen(arguments_[0], arguments_[1]);
     widen(arguments_[1], arguments_[0]);
-    if ((arguments_[0].vector() != nullptr) == (arguments_[1].vector() != nullptr)) return true;
+    if ((AsVector(arguments_[0]) != nullptr) == (AsVector(arguments_[1]) != nullptr)) return true;
     return Fail(scenario::kBadArguments, call_.span, "one value is a number, the other a vector",
                 "write both as numbers or both as vectors");
   }
 
   bool CheckDomain() {
     // Numbers as vectors of three equal components, so that one check serves both.
-    const auto triple = [](const Term& term) {
-      return term.vector() ? *term.vector() : Vector3d(Vector3d::Constant(term.number()->AsReal()));
+    const auto triple = [](const Value& value) {
+      return AsVector(value) ? *AsVector(value)
+                             : Vector3d(Vector3d::Constant(AsNumber(value)->AsReal()));
     };
     const Vector3d a = triple(arguments_[0]), b = triple(arguments_[1]);
     if (is_normal_ && (b.array() < 0).any())
@@ -143,9 +147,9 @@ class PairDistribution {
     return true;
   }
 
-  static Term DeviationOf(const Term& variance) {
-    if (variance.vector()) return Term{Vector3d(variance.vector()->array().sqrt())};
-    return Term{Number::Real(std::sqrt(variance.number()->AsReal()))};
+  static Value DeviationOf(const Value& variance) {
+    if (AsVector(variance)) return Value(Vector3d(AsVector(variance)->array().sqrt()));
+    return std::sqrt(AsNumber(variance)->AsReal());
   }
 
   const Expr& call_;
@@ -154,27 +158,27 @@ class PairDistribution {
   const char* const usage_;
   const scenario::Scope& scope_;
   Evaluator& evaluator_;
-  std::vector<Term> arguments_;
+  std::vector<Value> arguments_;
   bool is_variance_ = false;  ///< the second argument is one
 };
 
 }  // namespace
 
-std::optional<Term> EvaluateAny(const Expr& call, const scenario::Scope& scope,
-                                Evaluator& evaluator) {
+std::optional<Value> EvaluateAny(const Expr& call, const scenario::Scope& scope,
+                                 Evaluator& evaluator) {
   if (call.arguments.empty())
     return evaluator.Error(scenario::kBadArguments, call.span, "any( ) has nothing to choose from");
-  DrawnTerm drawn;
+  schema::Distribution drawn;
   drawn.kind = DistributionKind::kAny;
   bool good = true;
   for (const dsl::Argument& argument : call.arguments)
     good = AddChoice(argument, scope, evaluator, drawn) && good;
   if (!good) return std::nullopt;
-  return Term{std::move(drawn)};
+  return drawn;
 }
 
-std::optional<Term> EvaluateDistribution(const Expr& call, DistributionKind kind,
-                                         const scenario::Scope& scope, Evaluator& evaluator) {
+std::optional<Value> EvaluateDistribution(const Expr& call, DistributionKind kind,
+                                          const scenario::Scope& scope, Evaluator& evaluator) {
   return PairDistribution(call, kind, scope, evaluator).Evaluate();
 }
 

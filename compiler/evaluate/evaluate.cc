@@ -9,6 +9,7 @@
 #include "compiler/evaluate/calls.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/defaults.h"
+#include "compiler/evaluate/kind_name.h"
 #include "compiler/evaluate/named_files.h"
 #include "compiler/evaluate/operators.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -19,12 +20,14 @@ namespace {
 
 using dsl::Expr;
 using dsl::ExprKind;
+using schema::Number;
+using schema::Value;
 
 constexpr std::size_t kMaxChain = 500;
 
-std::optional<Term> EvaluateLiteral(const Expr& expr, Evaluator& evaluator) {
+std::optional<Value> EvaluateLiteral(const Expr& expr, Evaluator& evaluator) {
   const auto number = Number::FromLiteral(expr.text);
-  if (number) return Term{*number};
+  if (number) return *number;
   return evaluator.Error(scenario::kNotFinite, expr.span,
                          fmt::format("'{}' does not fit into 64 bits", expr.text));
 }
@@ -41,8 +44,8 @@ std::optional<Eigen::Vector3d> EvaluateTriple(const Expr& expr, const scenario::
   return triple;
 }
 
-std::optional<Term> EvaluateVector(const Expr& expr, const scenario::Scope& scope,
-                                   Evaluator& evaluator) {
+std::optional<Value> EvaluateVector(const Expr& expr, const scenario::Scope& scope,
+                                    Evaluator& evaluator) {
   if (scope.parameter != nullptr && scope.parameter->type == schema::ParameterType::kWords)
     return evaluator.Error(
         scenario::kWrongKind, expr.span,
@@ -50,32 +53,32 @@ std::optional<Term> EvaluateVector(const Expr& expr, const scenario::Scope& scop
         "cases { } are an axis whose values are lists");
   if (expr.items.size() != 3) return std::nullopt;  // as the parser has said
   const auto vector = EvaluateTriple(expr, scope, "a vector's components", evaluator);
-  return vector ? std::optional(Term{*vector}) : std::nullopt;
+  return vector ? std::optional<Value>(*vector) : std::nullopt;
 }
 
-std::optional<Term> EvaluateRatio(const Expr& expr, const scenario::Scope& scope,
-                                  Evaluator& evaluator) {
+std::optional<Value> EvaluateRatio(const Expr& expr, const scenario::Scope& scope,
+                                   Evaluator& evaluator) {
   const auto parts = EvaluateTriple(expr, scope, "a ratio's parts", evaluator);
-  return parts ? std::optional(Term{schema::Ratio{*parts}}) : std::nullopt;
+  return parts ? std::optional<Value>(schema::Ratio{*parts}) : std::nullopt;
 }
 
 /// The value of a list parameter; several words as one: `gravity, walls`.
-std::optional<Term> EvaluateList(const dsl::Setting& setting, const scenario::Scope& scope,
-                                 Evaluator& evaluator) {
+std::optional<Value> EvaluateList(const dsl::Setting& setting, const scenario::Scope& scope,
+                                  Evaluator& evaluator) {
   if (setting.values.size() == 1) return evaluator.Evaluate(*setting.values[0], scope);
   schema::WordList words;
   for (const auto& value : setting.values) {
-    const auto term = evaluator.Evaluate(*value, scope);
-    if (!term) return std::nullopt;
-    words.push_back(ToText(*term));
+    const auto word = evaluator.Evaluate(*value, scope);
+    if (!word) return std::nullopt;
+    words.push_back(LabelOf(*word));
   }
   std::ranges::sort(words);
-  return Term{schema::Word{ToText(schema::Value(std::move(words)))}};
+  return schema::Word{schema::ToText(std::move(words))};
 }
 
-bool IsFinite(const Term& term) {
-  if (term.number()) return std::isfinite(term.number()->AsReal());
-  return term.vector() == nullptr || term.vector()->allFinite();
+bool IsFinite(const Value& value) {
+  if (AsNumber(value)) return std::isfinite(AsNumber(value)->AsReal());
+  return AsVector(value) == nullptr || AsVector(value)->allFinite();
 }
 
 }  // namespace
@@ -98,20 +101,20 @@ void Evaluator::Choose(const Expr& call, std::size_t index) {
   if (sweeps_.Choose(call, index)) let_values_.clear();
 }
 
-std::optional<Term> Evaluator::Evaluate(const Expr& expr, const scenario::Scope& scope) {
+std::optional<Value> Evaluator::Evaluate(const Expr& expr, const scenario::Scope& scope) {
   // Numbers of names and calls have been checked where they are written.
   const bool is_checked = expr.kind == ExprKind::kPath || expr.kind == ExprKind::kCall;
-  auto term = EvaluateUnchecked(expr, scope);
-  if (!term || is_checked || IsFinite(*term)) return term;
+  auto value = EvaluateUnchecked(expr, scope);
+  if (!value || is_checked || IsFinite(*value)) return value;
   return Error(scenario::kNotFinite, expr.span, "this is not a finite number");
 }
 
-std::optional<Term> Evaluator::EvaluateUnchecked(const Expr& expr, const scenario::Scope& scope) {
+std::optional<Value> Evaluator::EvaluateUnchecked(const Expr& expr, const scenario::Scope& scope) {
   switch (expr.kind) {
     case ExprKind::kNumber:
       return EvaluateLiteral(expr, *this);
     case ExprKind::kText:
-      return Term{schema::Text{expr.text}, expr.span};
+      return schema::Text{expr.text, expr.span};
     case ExprKind::kPath:
       return EvaluatePath(expr, scope);
     case ExprKind::kVector:
@@ -133,24 +136,24 @@ std::optional<Term> Evaluator::EvaluateUnchecked(const Expr& expr, const scenari
 
 std::optional<Number> Evaluator::EvaluateNumber(const Expr& expr, const scenario::Scope& scope,
                                                 const char* what) {
-  const auto term = Evaluate(expr, scope);
-  if (!term) return std::nullopt;
-  if (!term->number())
+  const auto value = Evaluate(expr, scope);
+  if (!value) return std::nullopt;
+  if (!AsNumber(*value))
     return Error(scenario::kWrongKind, expr.span,
-                 fmt::format("{} are numbers, this is {}", what, KindName(*term)),
-                 term->drawn()
+                 fmt::format("{} are numbers, this is {}", what, KindName(*value)),
+                 AsDistribution(*value)
                      ? "put the vectors into the distribution: uniform((0, 0, 0), (1, 2, 3))"
                      : "");
-  return *term->number();
+  return *AsNumber(*value);
 }
 
-std::optional<Term> Evaluator::EvaluatePath(const Expr& expr, const scenario::Scope& scope) {
+std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::Scope& scope) {
   const Referent referent = names_.Resolve(expr.text, scope);
   if (referent.IsWord()) {
     if (expr.text.find('.') != std::string::npos)
       return Error(scenario::kUnknownName, expr.span,
                    fmt::format("nothing is called '{}'", expr.text));
-    return Term{schema::Word{expr.text}};
+    return schema::Word{expr.text};
   }
   if (referent.is_object_count) return CountObjects();
   const void* node = referent.let ? static_cast<const void*>(referent.let->node)
@@ -177,30 +180,30 @@ bool Evaluator::CheckCircle(const void* node, const Expr& expr) {
   return false;
 }
 
-std::optional<Term> Evaluator::EvaluateLet(const scenario::Placed<dsl::Let>& let) {
+std::optional<Value> Evaluator::EvaluateLet(const scenario::Placed<dsl::Let>& let) {
   const auto known = let_values_.find(let.node);
   if (known != let_values_.end()) return known->second;
   active_.push_back({let.node, let.node->name});
-  auto term = Evaluate(*let.node->value, let.scope);
+  auto value = Evaluate(*let.node->value, let.scope);
   active_.pop_back();
-  let_values_[let.node] = term;
-  return term;
+  let_values_[let.node] = value;
+  return value;
 }
 
-std::optional<Term> Evaluator::EvaluateNamedParameter(const Expr& expr,
-                                                      const scenario::ParameterKey& key) {
+std::optional<Value> Evaluator::EvaluateNamedParameter(const Expr& expr,
+                                                       const scenario::ParameterKey& key) {
   const auto set = layers_.settings.find(key);
   const dsl::Name written{expr.text, expr.span};
   active_.push_back({key.second, set != layers_.settings.end() ? set->second.node->path : written});
-  auto term = EvaluateParameter(key);
+  auto value = EvaluateParameter(key);
   active_.pop_back();
-  if (term && term->drawn())
+  if (value && AsDistribution(*value))
     return Error(scenario::kWrongKind, expr.span,
                  fmt::format("'{}' is drawn anew for each object and has no one value", expr.text));
-  return term;
+  return value;
 }
 
-std::optional<Term> Evaluator::EvaluateParameter(const scenario::ParameterKey& key) {
+std::optional<Value> Evaluator::EvaluateParameter(const scenario::ParameterKey& key) {
   const auto set = layers_.settings.find(key);
   if (key.second->type == schema::ParameterType::kWords)
     return set != layers_.settings.end() ? EvaluateList(*set->second.node, set->second.scope, *this)
@@ -210,27 +213,27 @@ std::optional<Term> Evaluator::EvaluateParameter(const scenario::ParameterKey& k
   return Evaluate(*DefaultSetting(*key.second).values[0], {});
 }
 
-std::optional<Term> Evaluator::CountObjects() {
+std::optional<Value> Evaluator::CountObjects() {
   Number objects = Number::Whole(0);
   for (const std::string& group : layers_.groups) {
     const auto quantity = EvaluateParameter({group, schema::GroupParameter("quantity").get()});
-    if (!quantity || !quantity->number()) return std::nullopt;
-    objects = objects + *quantity->number();
+    if (!quantity || !AsNumber(*quantity)) return std::nullopt;
+    objects = objects + *AsNumber(*quantity);
   }
   // An empty world still has a cube.
-  return Term{objects.AsReal() < 1 ? Number::Whole(1) : objects};
+  return objects.AsReal() < 1 ? Number::Whole(1) : objects;
 }
 
-std::optional<schema::Value> Evaluator::ToValue(const Term& term,
-                                                const schema::Parameter& parameter,
-                                                const Expr& expr, const scenario::Scope& scope) {
-  if (term.text() != nullptr && parameter.TakesCall(schema::kTraceCall))
-    return TraceNamed(scenario_, term, diagnostics_);
+std::optional<Value> Evaluator::ConvertFor(const schema::Parameter& parameter, const Value& value,
+                                           const Expr& expr, const scenario::Scope& scope) {
+  if (const schema::Text* text = AsText(value);
+      text != nullptr && parameter.TakesCall(schema::kTraceCall))
+    return TraceNamed(scenario_, *text, diagnostics_);
   const Expr& origin = sweeps_.Origin(expr, scope);
   std::vector<dsl::Span> choices;
   if (origin.kind == ExprKind::kCall)
     for (const dsl::Argument& argument : origin.arguments) choices.push_back(argument.value->span);
-  return Convert(term, parameter, origin.span, choices, scenario_.plugins(), diagnostics_);
+  return Convert(value, parameter, origin.span, choices, scenario_.plugins(), diagnostics_);
 }
 
 }  // namespace cdb::evaluate

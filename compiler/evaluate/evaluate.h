@@ -1,4 +1,4 @@
-// Expressions to terms, for one choice of a value on every axis.
+// Expressions to values, for one choice of a value on every axis.
 #pragma once
 
 #include <map>
@@ -8,8 +8,8 @@
 
 #include "compiler/evaluate/names.h"
 #include "compiler/evaluate/sweeps.h"
-#include "compiler/evaluate/term.h"
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
@@ -20,17 +20,18 @@ class Evaluator {
             dsl::Diagnostics& diagnostics);
   Evaluator(const Evaluator&) = delete;
 
-  /// The value at the axes' present choice.
-  std::optional<Term> Evaluate(const dsl::Expr& expr, const scenario::Scope& scope);
+  /// The value at the chosen point of the axes.
+  std::optional<schema::Value> Evaluate(const dsl::Expr& expr, const scenario::Scope& scope);
   /// `what`: the plural of what `expr` is, for messages.
-  std::optional<Number> EvaluateNumber(const dsl::Expr& expr, const scenario::Scope& scope,
-                                       const char* what);
+  std::optional<schema::Number> EvaluateNumber(const dsl::Expr& expr, const scenario::Scope& scope,
+                                               const char* what);
   /// A parameter's value as it is written, or its default.
-  std::optional<Term> EvaluateParameter(const scenario::ParameterKey& key);
-  /// Converts a term of `expr` for `parameter`; errors point at the chosen value of a sweep.
-  std::optional<schema::Value> ToValue(const Term& term, const schema::Parameter& parameter,
-                                       const dsl::Expr& expr, const scenario::Scope& scope);
-  /// From now on the sweep `call` has its `index`th value.
+  std::optional<schema::Value> EvaluateParameter(const scenario::ParameterKey& key);
+  /// Converts the value of `expr` (convert.h); errors point at the chosen value of a sweep.
+  std::optional<schema::Value> ConvertFor(const schema::Parameter& parameter,
+                                          const schema::Value& value, const dsl::Expr& expr,
+                                          const scenario::Scope& scope);
+  /// Chooses the `index`th value of the sweep `call`.
   void Choose(const dsl::Expr& call, std::size_t index);
 
   std::nullopt_t Error(const dsl::DiagnosticKind& kind, const dsl::Span& span, std::string message,
@@ -48,13 +49,14 @@ class Evaluator {
     dsl::Name name;
   };
 
-  std::optional<Term> EvaluateUnchecked(const dsl::Expr& expr, const scenario::Scope& scope);
-  std::optional<Term> EvaluatePath(const dsl::Expr& expr, const scenario::Scope& scope);
-  std::optional<Term> EvaluateLet(const scenario::Placed<dsl::Let>& let);
-  std::optional<Term> EvaluateNamedParameter(const dsl::Expr& expr,
-                                             const scenario::ParameterKey& key);
+  std::optional<schema::Value> EvaluateUnchecked(const dsl::Expr& expr,
+                                                 const scenario::Scope& scope);
+  std::optional<schema::Value> EvaluatePath(const dsl::Expr& expr, const scenario::Scope& scope);
+  std::optional<schema::Value> EvaluateLet(const scenario::Placed<dsl::Let>& let);
+  std::optional<schema::Value> EvaluateNamedParameter(const dsl::Expr& expr,
+                                                      const scenario::ParameterKey& key);
   /// In all groups, at least 1.
-  std::optional<Term> CountObjects();
+  std::optional<schema::Value> CountObjects();
   /// `node`, written as `expr`, is not being evaluated already.
   bool CheckCircle(const void* node, const dsl::Expr& expr);
 
@@ -63,8 +65,8 @@ class Evaluator {
   dsl::Diagnostics& diagnostics_;
   Names names_;
   Sweeps sweeps_;
-  std::map<const dsl::Let*, std::optional<Term>> let_values_;  ///< at the present choice
-  std::vector<Active> active_;                                 ///< the innermost last
+  std::map<const dsl::Let*, std::optional<schema::Value>> let_values_;  ///< at the present choice
+  std::vector<Active> active_;                                          ///< the innermost last
 };
 
 }  // namespace cdb::evaluate

@@ -31,10 +31,9 @@ std::optional<std::string> HashOf(const scenario::Scenario& scenario, bool is_tr
 
 }  // namespace
 
-bool ReadNamedFile(const scenario::Scenario& scenario, const std::vector<Term>& arguments,
-                   schema::Call& call, dsl::Diagnostics& diagnostics) {
-  const std::string& name = arguments[0].text()->text;
-  const dsl::Span& written = arguments[0].written;
+bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
+                   dsl::Diagnostics& diagnostics) {
+  const auto& [name, written] = std::get<schema::Text>(call.arguments[0]);
   const bool is_trace = call.name == schema::kTraceCall;
   const std::string extension = LowerCase(fs::path(name).extension().string());
   if (!is_trace && std::ranges::find(kModelFormats, extension) == std::end(kModelFormats)) {
@@ -54,9 +53,9 @@ bool ReadNamedFile(const scenario::Scenario& scenario, const std::vector<Term>& 
                     is_trace ? "`cdb trace` writes such files; " : ""));
     return false;
   }
-  const schema::Text* wanted = arguments[1].text();
+  const schema::Text* wanted = AsText(call.arguments[1]);
   if (wanted != nullptr && LowerCase(wanted->text) != *hash) {
-    diagnostics.Report(scenario::kContradiction, arguments[1].written,
+    diagnostics.Report(scenario::kContradiction, wanted->written,
                        fmt::format("'{}' has the SHA-256 {}, not {}", path, *hash, wanted->text),
                        "it is another file than the one meant, or was changed");
     return false;
@@ -65,11 +64,11 @@ bool ReadNamedFile(const scenario::Scenario& scenario, const std::vector<Term>& 
   return true;
 }
 
-std::optional<schema::Call> TraceNamed(const scenario::Scenario& scenario, const Term& name,
+std::optional<schema::Call> TraceNamed(const scenario::Scenario& scenario, const schema::Text& name,
                                        dsl::Diagnostics& diagnostics) {
-  schema::Call call{std::string(schema::kTraceCall), {}};
-  if (!ReadNamedFile(scenario, {name, Term{schema::Word{}}}, call, diagnostics))
-    return std::nullopt;
+  const schema::ParametrisedWord& info = *schema::FindParametrisedWord(schema::kTraceCall);
+  schema::Call call{std::string(info.name), {name, schema::DefaultOf(info.arguments[1])}};
+  if (!ReadNamedFile(scenario, call, diagnostics)) return std::nullopt;
   return call;
 }
 

@@ -2,21 +2,20 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
-#include "compiler/evaluate/term.h"
 #include "compiler/scenario/scenario.h"
+#include "compiler/schema/value.h"
 #include "dsl/diagnostics.h"
 
 namespace cdb::evaluate {
 
-/// Gives `call` the path of its file and its hash. `arguments` are the name and the expected hash
-/// as written. False after a diagnostic.
-bool ReadNamedFile(const scenario::Scenario& scenario, const std::vector<Term>& arguments,
-                   schema::Call& call, dsl::Diagnostics& diagnostics);
+/// Replaces the arguments of `call`, the name of a file and its expected hash as written, by the
+/// file's path and its hash. False after a diagnostic.
+bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
+                   dsl::Diagnostics& diagnostics);
 
 /// The call that the text behind `trace` stands for.
-std::optional<schema::Call> TraceNamed(const scenario::Scenario& scenario, const Term& name,
+std::optional<schema::Call> TraceNamed(const scenario::Scenario& scenario, const schema::Text& name,
                                        dsl::Diagnostics& diagnostics);
 
 }  // namespace cdb::evaluate

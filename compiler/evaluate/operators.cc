@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "compiler/evaluate/evaluate.h"
+#include "compiler/evaluate/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -10,57 +11,59 @@ namespace {
 
 using dsl::Expr;
 using Eigen::Vector3d;
+using schema::Number;
+using schema::Value;
 
-Term OfNumbers(char op, const Number& a, const Number& b) {
+Number Calculate(char op, const Number& a, const Number& b) {
   switch (op) {
     case '+':
-      return Term{a + b};
+      return a + b;
     case '-':
-      return Term{a - b};
+      return a - b;
     case '*':
-      return Term{a * b};
+      return a * b;
     case '/':
-      return Term{a / b};
+      return a / b;
     default:
-      return Term{Power(a, b)};
+      return Power(a, b);
   }
 }
 
 /// nullopt where the operator does not go between the two kinds.
-std::optional<Term> Apply(char op, const Term& left, const Term& right) {
-  if (left.number() && right.number()) return OfNumbers(op, *left.number(), *right.number());
-  if (left.vector() && right.vector() && (op == '+' || op == '-')) {
+std::optional<Value> Apply(char op, const Value& left, const Value& right) {
+  if (AsNumber(left) && AsNumber(right)) return Calculate(op, *AsNumber(left), *AsNumber(right));
+  if (AsVector(left) && AsVector(right) && (op == '+' || op == '-')) {
     const double sign = op == '+' ? 1 : -1;
-    return Term{Vector3d(*left.vector() + sign * *right.vector())};
+    return Value(Vector3d(*AsVector(left) + sign * *AsVector(right)));
   }
-  if (left.number() && right.vector() && op == '*')
-    return Term{Vector3d(left.number()->AsReal() * *right.vector())};
-  if (left.vector() && right.number() && op == '*')
-    return Term{Vector3d(*left.vector() * right.number()->AsReal())};
-  if (left.vector() && right.number() && op == '/')
-    return Term{Vector3d(*left.vector() / right.number()->AsReal())};
+  if (AsNumber(left) && AsVector(right) && op == '*')
+    return Value(Vector3d(AsNumber(left)->AsReal() * *AsVector(right)));
+  if (AsVector(left) && AsNumber(right) && op == '*')
+    return Value(Vector3d(*AsVector(left) * AsNumber(right)->AsReal()));
+  if (AsVector(left) && AsNumber(right) && op == '/')
+    return Value(Vector3d(*AsVector(left) / AsNumber(right)->AsReal()));
   return std::nullopt;
 }
 
-bool DividesByZero(char op, const Term& left, const Term& right) {
-  return op == '/' && (left.number() || left.vector()) && right.number() &&
-         right.number()->AsReal() == 0;
+bool DividesByZero(char op, const Value& left, const Value& right) {
+  return op == '/' && (AsNumber(left) || AsVector(left)) && AsNumber(right) &&
+         AsNumber(right)->AsReal() == 0;
 }
 
-std::nullopt_t ReportOperands(const Expr& expr, const Term& left, const Term& right,
+std::nullopt_t ReportOperands(const Expr& expr, const Value& left, const Value& right,
                               const scenario::Scope& scope, Evaluator& evaluator) {
   for (const int side : {0, 1}) {
-    const Term& term = side == 0 ? left : right;
+    const Value& value = side == 0 ? left : right;
     const dsl::Span& span = expr.items[static_cast<std::size_t>(side)]->span;
-    if (const schema::Word* word = term.word()) {
+    if (const schema::Word* word = AsWord(value)) {
       const std::string_view near = evaluator.names().NearestLet(word->text, scope);
       return evaluator.Error(scenario::kUnknownName, span,
                              fmt::format("no let is called '{}'", word->text),
                              near.empty() ? "" : fmt::format("did you mean '{}'?", near));
     }
-    if (!term.number() && !term.vector())
+    if (!AsNumber(value) && !AsVector(value))
       return evaluator.Error(scenario::kWrongKind, span,
-                             fmt::format("cannot calculate with {}", KindName(term)));
+                             fmt::format("cannot calculate with {}", KindName(value)));
   }
   return evaluator.Error(
       scenario::kWrongKind, expr.span,
@@ -69,18 +72,18 @@ std::nullopt_t ReportOperands(const Expr& expr, const Term& left, const Term& ri
 
 }  // namespace
 
-std::optional<Term> EvaluateNegation(const Expr& expr, const scenario::Scope& scope,
-                                     Evaluator& evaluator) {
+std::optional<Value> EvaluateNegation(const Expr& expr, const scenario::Scope& scope,
+                                      Evaluator& evaluator) {
   const auto operand = evaluator.Evaluate(*expr.items[0], scope);
   if (!operand) return std::nullopt;
-  if (operand->number()) return Term{-*operand->number()};
-  if (operand->vector()) return Term{Vector3d(-*operand->vector())};
+  if (AsNumber(*operand)) return -*AsNumber(*operand);
+  if (AsVector(*operand)) return Value(Vector3d(-*AsVector(*operand)));
   return evaluator.Error(scenario::kWrongKind, expr.span,
                          fmt::format("{} cannot be negated", KindName(*operand)));
 }
 
-std::optional<Term> EvaluateBinary(const Expr& expr, const scenario::Scope& scope,
-                                   Evaluator& evaluator) {
+std::optional<Value> EvaluateBinary(const Expr& expr, const scenario::Scope& scope,
+                                    Evaluator& evaluator) {
   const auto left = evaluator.Evaluate(*expr.items[0], scope);
   const auto right = evaluator.Evaluate(*expr.items[1], scope);
   if (!left || !right) return std::nullopt;

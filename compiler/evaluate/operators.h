@@ -1,20 +1,20 @@
-// Arithmetic on terms.
+// Arithmetic on values.
 #pragma once
 
 #include <optional>
 
-#include "compiler/evaluate/term.h"
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
 class Evaluator;
 
 /// `-a`; nullopt after a diagnostic.
-std::optional<Term> EvaluateNegation(const dsl::Expr& expr, const scenario::Scope& scope,
-                                     Evaluator& evaluator);
+std::optional<schema::Value> EvaluateNegation(const dsl::Expr& expr, const scenario::Scope& scope,
+                                              Evaluator& evaluator);
 /// `a + b`, `a - b`, `a * b`, `a / b`, `a ^ b`; nullopt after a diagnostic.
-std::optional<Term> EvaluateBinary(const dsl::Expr& expr, const scenario::Scope& scope,
-                                   Evaluator& evaluator);
+std::optional<schema::Value> EvaluateBinary(const dsl::Expr& expr, const scenario::Scope& scope,
+                                            Evaluator& evaluator);
 
 }  // namespace cdb::evaluate

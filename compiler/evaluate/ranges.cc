@@ -10,6 +10,9 @@
 namespace cdb::evaluate {
 namespace {
 
+using schema::Integer;
+using schema::Number;
+
 using Numbers = std::vector<Number>;
 
 /// Of the end of a range, in steps: a step like 0.1 is not quite a tenth.
@@ -38,7 +41,7 @@ std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
     // In decades, so that 1 .. 1000 count 4 gives 10 and 100 as they are.
     const double low = std::log10(first.AsReal()), high = std::log10(last.AsReal());
     const double part = static_cast<double>(i) / static_cast<double>(*count - 1);
-    return Number::Real(std::pow(10.0, low + part * (high - low)));
+    return Number(std::pow(10.0, low + part * (high - low)));
   };
   // The ends are as written; between them no error adds up.
   Numbers numbers = {first};

@@ -1,12 +1,12 @@
-// The numbers of a range: `1 .. 5`, `0 .. 1 step 0.1`, `1 .. 1000 log 4`.
+// The numbers of a range: `1 .. 5`, `0 .. 1 step 0.1`, `1 .. 1000 count 4 log`.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 #include <vector>
 
-#include "compiler/evaluate/term.h"
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
@@ -16,7 +16,8 @@ class Evaluator;
 inline constexpr std::size_t kMaxRuns = 100'000;
 
 /// nullopt after a diagnostic.
-std::optional<std::vector<Number>> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
-                                               Evaluator& evaluator);
+std::optional<std::vector<schema::Number>> ExpandRange(const dsl::Expr& range,
+                                                       const scenario::Scope& scope,
+                                                       Evaluator& evaluator);
 
 }  // namespace cdb::evaluate

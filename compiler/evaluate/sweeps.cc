@@ -11,6 +11,8 @@ namespace {
 
 using dsl::Expr;
 using dsl::ExprKind;
+using schema::Number;
+using schema::Value;
 
 /// Restores a value at the end of a scope.
 template <typename T>
@@ -42,14 +44,14 @@ bool Sweeps::Choose(const Expr& call, std::size_t index) {
   return true;
 }
 
-std::optional<Term> Sweeps::Evaluate(const Expr& call, const scenario::Scope& scope) {
+std::optional<Value> Sweeps::Evaluate(const Expr& call, const scenario::Scope& scope) {
   if (is_inside_)
     return evaluator_.Error(scenario::kMisplacedSweep, call.span,
                             "a sweep cannot stand inside a sweep");
   const Sweep* sweep = Find(call, scope);
   if (sweep == nullptr) return std::nullopt;
   const Sweep::Item& item = sweep->items[chosen_[&call]];
-  if (item.number) return Term{*item.number};
+  if (item.number) return Value(*item.number);
   const Restore guard(is_inside_, true);
   return evaluator_.Evaluate(*item.expr, scope);
 }

@@ -1,4 +1,4 @@
-// The sweeps of one `Layers`: their values, and the one that is chosen of each.
+// The sweeps of one `Layers`: their values, and the chosen value of each.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "compiler/evaluate/term.h"
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
 
@@ -18,7 +18,7 @@ struct Sweep {
   /// A value: an expression, or a number of a range.
   struct Item {
     const dsl::Expr* expr = nullptr;
-    std::optional<Number> number;
+    std::optional<schema::Number> number;
   };
   std::vector<Item> items;
 };
@@ -29,11 +29,11 @@ class Sweeps {
 
   /// The sweep at `call`, expanded at first use; null where that failed.
   const Sweep* Find(const dsl::Expr& call, const scenario::Scope& scope);
-  /// From now on `call` has its `index`th value. False where it had it already.
+  /// Chooses the `index`th value of `call`; false if it was chosen already.
   bool Choose(const dsl::Expr& call, std::size_t index);
   /// The chosen value of `call`.
-  std::optional<Term> Evaluate(const dsl::Expr& call, const scenario::Scope& scope);
-  /// Where the value of `expr` is written, as near as can be told.
+  std::optional<schema::Value> Evaluate(const dsl::Expr& call, const scenario::Scope& scope);
+  /// The expression that gives the value of `expr`: of a sweep, its chosen item if that is one.
   const dsl::Expr& Origin(const dsl::Expr& expr, const scenario::Scope& scope);
 
  private:

@@ -11,8 +11,8 @@ namespace {
 
 bool IsZero(const schema::Value& value) {
   if (const auto* vector = std::get_if<Eigen::Vector3d>(&value)) return vector->isZero(0);
-  const auto* real = std::get_if<double>(&value);
-  return real != nullptr && *real == 0;
+  const schema::Number* number = schema::AsNumber(value);
+  return number != nullptr && number->AsReal() == 0;
 }
 
 bool IsDriven(const Scene& scene) {
@@ -45,9 +45,8 @@ bool MustRest(const Scene& scene) {
 /// is 1.
 bool KeepsEnergy(const Scene& scene) {
   return std::ranges::all_of(scene.groups, [](const Group& group) {
-    const schema::Value& restitution = group.settings.Get("restitution");
-    const auto* bounce = std::get_if<double>(&restitution);
-    return bounce != nullptr && *bounce == 1 && IsZero(group.settings.Get("friction")) &&
+    const schema::Number* bounce = schema::AsNumber(group.settings.Get("restitution"));
+    return bounce != nullptr && bounce->AsReal() == 1 && IsZero(group.settings.Get("friction")) &&
            IsZero(group.settings.Get("rolling_friction")) &&
            group.settings.WordOr("contact_stiffness") == "rigid";
   });

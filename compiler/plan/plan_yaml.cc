@@ -29,8 +29,7 @@ struct WriteValue {
   YAML::Emitter& out;
 
   void operator()(bool on) const { out << (on ? "on" : "off"); }
-  void operator()(std::uint64_t count) const { out << count; }
-  void operator()(double real) const { out << YamlReal(real); }
+  void operator()(const schema::Number& number) const { out << number.Text(); }
   void operator()(const schema::Word& word) const { out << word.text; }
   void operator()(const Eigen::Vector3d& v) const { WriteReals(v); }
   void operator()(const schema::Ratio& ratio) const { WriteReals(ratio.parts); }

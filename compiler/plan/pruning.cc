@@ -17,7 +17,7 @@ using schema::Components;
 using schema::InfoOf;
 
 bool IsConstantZero(const schema::Value& value) {
-  if (const auto* real = std::get_if<double>(&value)) return *real == 0;
+  if (const schema::Number* number = schema::AsNumber(value)) return number->AsReal() == 0;
   const auto* vector = std::get_if<Eigen::Vector3d>(&value);
   return vector != nullptr && vector->isZero(0);
 }

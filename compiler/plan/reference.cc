@@ -45,8 +45,8 @@ bool StretchSchedules(Settings& settings, double from_s, double to_s) {
   for (auto& [name, value] : settings) {
     const schema::Call* call = schema::AsCall(value);
     if (call == nullptr || call->name != "every") continue;
-    const auto cycles = std::get<std::uint64_t>(schema::ArgumentOf(*call, "cycles"));
-    const auto stretched = WholeSteps(static_cast<double>(cycles) * from_s, to_s);
+    const auto& cycles = std::get<schema::Number>(schema::ArgumentOf(*call, "cycles"));
+    const auto stretched = WholeSteps(cycles.AsReal() * from_s, to_s);
     if (!stretched) return false;
     schema::Call longer = *call;
     const schema::ParametrisedWord& info = *schema::FindParametrisedWord(longer.name);

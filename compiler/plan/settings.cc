@@ -24,14 +24,12 @@ const schema::Value& Settings::ValueOf(const schema::Parameter& parameter) const
 
 template <bool kGrouped>
 double SettingsOf<kGrouped>::Real(Parameter<schema::ValueKind::kReal> parameter) const {
-  const schema::Value& value = Get(parameter);
-  if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
-  return As<double>(value);
+  return As<schema::Number>(Get(parameter)).AsReal();
 }
 
 template <bool kGrouped>
 std::uint64_t SettingsOf<kGrouped>::Count(Parameter<schema::ValueKind::kCount> parameter) const {
-  return As<std::uint64_t>(Get(parameter));
+  return As<schema::Number>(Get(parameter)).AsCount();
 }
 
 template <bool kGrouped>

@@ -41,7 +41,5 @@ inline bool NamesFile(const ParametrisedWord& info) {
 inline constexpr std::string_view kTraceCall = "file";
 /// The argument of a call of the plan; a name that its row does not have is our own bug.
 const Value& ArgumentOf(const Call& call, std::string_view argument);
-/// The value as a call; null where it is none.
-inline const Call* AsCall(const Value& value) { return std::get_if<Call>(&value); }
 
 }  // namespace cdb::schema

@@ -8,10 +8,6 @@
 namespace cdb::schema {
 namespace {
 
-std::string VectorText(const Eigen::Vector3d& v) {
-  return fmt::format("({}, {}, {})", FormatReal(v.x()), FormatReal(v.y()), FormatReal(v.z()));
-}
-
 constexpr std::pair<std::string_view, DistributionKind> kDistributions[] = {
     {"uniform", DistributionKind::kUniform},
     {"normal", DistributionKind::kNormal},
@@ -47,12 +43,22 @@ std::string CallText(const Call& call) {
   return text.empty() ? call.name : fmt::format("{}({})", call.name, text);
 }
 
+/// The user writes no hash, and an axis needs none to tell its values apart.
+Call WithoutHash(Call call) {
+  const ParametrisedWord& info = *FindParametrisedWord(call.name);
+  if (NamesFile(info)) call.arguments[1] = DefaultOf(info.arguments[1]);
+  return call;
+}
+
 struct TextOf {
+  bool is_label;
+
   std::string operator()(bool on) const { return on ? "on" : "off"; }
-  std::string operator()(std::uint64_t count) const { return fmt::format("{}", count); }
-  std::string operator()(double real) const { return FormatReal(real); }
+  std::string operator()(const Number& number) const { return number.Text(); }
   std::string operator()(const Word& word) const { return word.text; }
-  std::string operator()(const Eigen::Vector3d& v) const { return VectorText(v); }
+  std::string operator()(const Eigen::Vector3d& v) const {
+    return fmt::format("({}, {}, {})", FormatReal(v.x()), FormatReal(v.y()), FormatReal(v.z()));
+  }
   std::string operator()(const Ratio& r) const {
     return fmt::format("{} : {} : {}", FormatReal(r.parts.x()), FormatReal(r.parts.y()),
                        FormatReal(r.parts.z()));
@@ -60,16 +66,24 @@ struct TextOf {
   std::string operator()(const WordList& words) const {
     return fmt::format("{}", fmt::join(words, ", "));
   }
-  std::string operator()(const Text& text) const { return QuotedText(text.text); }
-  std::string operator()(const Call& call) const { return CallText(call); }
+  std::string operator()(const Text& text) const {
+    return is_label ? text.text : QuotedText(text.text);
+  }
+  std::string operator()(const Call& call) const {
+    return CallText(is_label ? WithoutHash(call) : call);
+  }
   std::string operator()(const Distribution& d) const {
     std::string text = std::string(DistributionName(d.kind)) + "(";
     for (std::size_t i = 0; i < d.arguments.size(); ++i) {
       if (i > 0) text += ", ";
-      text += ToText(d.arguments[i]);
+      text += Of(d.arguments[i]);
       if (!d.weights.empty() && d.weights[i] != 1) text += " " + FormatReal(d.weights[i]);
     }
     return text + ")";
+  }
+
+  std::string Of(const Value& value) const {
+    return std::visit(*this, static_cast<const Value::variant&>(value));
   }
 };
 
@@ -95,10 +109,8 @@ bool Call::operator==(const Call& other) const {
   return name == other.name && arguments == other.arguments;
 }
 
-std::string FormatReal(double value) { return fmt::format("{}", value); }
+std::string ToText(const Value& value) { return TextOf{.is_label = false}.Of(value); }
 
-std::string ToText(const Value& value) {
-  return std::visit(TextOf{}, static_cast<const Value::variant&>(value));
-}
+std::string LabelOf(const Value& value) { return TextOf{.is_label = true}.Of(value); }
 
 }  // namespace cdb::schema

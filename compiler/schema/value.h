@@ -1,13 +1,15 @@
-// What a parameter holds once every sweep has been resolved: a constant or a distribution.
+// Values: of an expression, of a parameter in the compiler and in the plan.
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
+
+#include "compiler/schema/number.h"
+#include "dsl/source.h"
 
 namespace cdb::schema {
 
@@ -22,11 +24,13 @@ struct Word {
 /// A text in quotes: the name of a file.
 struct Text {
   std::string text;
-  bool operator==(const Text&) const = default;
+  /// Its place in a scenario, whose folder a relative name is looked up in; empty in a plan.
+  dsl::Span written = {};
+  bool operator==(const Text& other) const { return text == other.text; }
 };
 
 /// A word that takes arguments: `ring(radius: 20)`, `mesh("rock.obj")`, `every(60, uniform(a, b))`.
-/// Complete: a value for each argument of its row in compiler/calls.h, in that order.
+/// Complete: a value for each argument of its row in parametrised_words.h, in that order.
 struct Call {
   std::string name;
   std::vector<Value> arguments;
@@ -56,23 +60,35 @@ struct Distribution {
 /// A list of words (`record timing, counts`).
 using WordList = std::vector<std::string>;
 
-/// The value of one parameter of one run. Integers are unsigned: no integer parameter takes a
-/// negative one.
-class Value : public std::variant<bool, std::uint64_t, double, Word, Eigen::Vector3d, Ratio,
-                                  WordList, Distribution, Text, Call> {
+/// The value of an expression; converted for a parameter (compiler/evaluate/convert.h), the setting
+/// of a run. Only expressions hold negative whole numbers; only settings hold booleans and lists.
+class Value : public std::variant<bool, Number, Word, Eigen::Vector3d, Ratio, WordList,
+                                  Distribution, Text, Call> {
  public:
   using variant::variant;
   bool operator==(const Value&) const = default;
 };
 
+/// Null if the value is of another kind.
+inline const Number* AsNumber(const Value& value) { return std::get_if<Number>(&value); }
+inline const Word* AsWord(const Value& value) { return std::get_if<Word>(&value); }
+inline const Eigen::Vector3d* AsVector(const Value& value) {
+  return std::get_if<Eigen::Vector3d>(&value);
+}
+inline const Ratio* AsRatio(const Value& value) { return std::get_if<Ratio>(&value); }
+inline const Distribution* AsDistribution(const Value& value) {
+  return std::get_if<Distribution>(&value);
+}
+inline const Text* AsText(const Value& value) { return std::get_if<Text>(&value); }
+inline const Call* AsCall(const Value& value) { return std::get_if<Call>(&value); }
+
 /// `uniform`, `normal`, `log_uniform`, `any`; and back.
 std::string_view DistributionName(DistributionKind kind);
 std::optional<DistributionKind> FindDistribution(std::string_view name);
 
-/// The shortest text that reads back to the same double: `0.1`, `1e-09`, `250`.
-std::string FormatReal(double value);
-
 /// A value as `.cdb` writes it: `normal(275, 75)`, `1 : 1 : 5`, `any(sphere 3, cone)`.
 std::string ToText(const Value& value);
+/// The same as a label: a text without quotes, a file without its hash.
+std::string LabelOf(const Value& value);
 
 }  // namespace cdb::schema

@@ -18,8 +18,6 @@ std::string FullName(std::string_view group, std::string_view parameter) {
   return group.empty() ? std::string(parameter) : fmt::format("{}.{}", group, parameter);
 }
 
-const Distribution* AsDistribution(const Value& value) { return std::get_if<Distribution>(&value); }
-
 /// `orientation random`: a word that stands for a distribution.
 bool IsRandomWord(const Value& value) {
   const auto* word = std::get_if<schema::Word>(&value);
@@ -36,8 +34,7 @@ const Value& Scheduled(const Value& value) {
 
 /// A number; a vector's or a ratio's component.
 double Component(const Value& value, int component) {
-  if (const auto* real = std::get_if<double>(&value)) return *real;
-  if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
+  if (const schema::Number* number = schema::AsNumber(value)) return number->AsReal();
   const auto* vector = std::get_if<Eigen::Vector3d>(&value);
   CDB_CHECK(vector != nullptr);
   return (*vector)[component];

@@ -25,11 +25,17 @@ const schema::Call& LayoutOf(const plan::Group& group) {
 }
 
 /// Empty where the argument is a word: `fit`, `all`.
-template <typename Number>
-std::optional<Number> Argument(const schema::Call& layout, std::string_view name) {
+template <typename T>
+std::optional<T> Argument(const schema::Call& layout, std::string_view name) {
   const schema::Value& value = schema::ArgumentOf(layout, name);
   if (std::holds_alternative<schema::Word>(value)) return std::nullopt;
-  return std::get<Number>(value);
+  return std::get<T>(value);
+}
+
+/// Empty where the argument is a word.
+std::optional<double> RealArgument(const schema::Call& layout, std::string_view name) {
+  const auto number = Argument<schema::Number>(layout, name);
+  return number ? std::optional(number->AsReal()) : std::nullopt;
 }
 
 /// The smallest number whose `power` is not below n.
@@ -90,7 +96,7 @@ class ExactPlacer {
 
   void Stack() {
     const std::size_t n = range_.size();
-    const std::size_t height = Argument<std::uint64_t>(layout_, "height").value_or(n);
+    const std::size_t height = Argument<schema::Number>(layout_, "height").value_or(n).AsCount();
     const std::size_t columns = (n + height - 1) / height;
     const std::size_t edge = RootUp(columns, Square);
     const double spacing = Length("spacing").value_or(1.5 * std::max(largest_.x(), largest_.z()));
@@ -203,9 +209,7 @@ class ExactPlacer {
   static constexpr int kMaxDirections = 1000;
 
   /// Empty for `fit`.
-  std::optional<double> Length(std::string_view name) const {
-    return Argument<double>(layout_, name);
-  }
+  std::optional<double> Length(std::string_view name) const { return RealArgument(layout_, name); }
 
   Vector3d Extents(std::size_t i) const { return bodies_.Extents(range_.first + i); }
 
@@ -294,7 +298,7 @@ std::vector<Vector3d> PlacesAbovePile(const plan::Group& group, double side,
   const double cell = 2 * kLoose * radius;
   const std::size_t n = objects.size();
   std::size_t edge = RootUp(n, Cube);
-  if (const auto width = Argument<double>(LayoutOf(group), "width")) {
+  if (const auto width = RealArgument(LayoutOf(group), "width")) {
     const double cells = std::floor(*width / cell);
     if (cells < 1) {
       throw library::SceneError(fmt::format(

@@ -72,8 +72,8 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
   }
   if (!group.HasLinks()) return;
   // The other value is the word `same`.
-  const auto* end_mass = std::get_if<double>(&group.settings.Get("links.end_mass"));
-  if (end_mass != nullptr) objects.back().mass = *end_mass;
+  const schema::Number* end_mass = schema::AsNumber(group.settings.Get("links.end_mass"));
+  if (end_mass != nullptr) objects.back().mass = end_mass->AsReal();
 }
 
 }  // namespace

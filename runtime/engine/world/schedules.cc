@@ -16,7 +16,8 @@ using schema::GroupParameter;
 using schema::WorldParameter;
 
 bool IsDueAt(const schema::Call& call, std::uint64_t step) {
-  return call.name != "every" || step % std::get<std::uint64_t>(ArgumentOf(call, "cycles")) == 0;
+  return call.name != "every" ||
+         step % std::get<schema::Number>(ArgumentOf(call, "cycles")).AsCount() == 0;
 }
 
 }  // namespace
@@ -51,7 +52,7 @@ Vector3d Schedules::ValueAt(Row& row, std::uint64_t step) const {
   const auto& vector = std::get<Vector3d>(ArgumentOf(*row.call, "vector"));
   const auto& about = std::get<Vector3d>(ArgumentOf(*row.call, "about"));
   const double turns = static_cast<double>(step) * scene_.world.Real("timestep") /
-                       std::get<double>(ArgumentOf(*row.call, "period"));
+                       std::get<schema::Number>(ArgumentOf(*row.call, "period")).AsReal();
   const double angle = 2 * std::numbers::pi * (turns - std::floor(turns));
   return Eigen::AngleAxisd(angle, about.stableNormalized()) * vector;
 }

@@ -181,7 +181,7 @@ Scene Shot(Maker& make) {
   SetGroup(scene, "size", size);
   SetGroup(scene, "ccd", make.Chance(0.3));
   make.PutAt(scene, Vector3d::Zero());
-  const double step = std::get<double>(scene.world.Get("timestep"));
+  const double step = scene.world.Real("timestep");
   SetGroup(scene, "linear_velocity", Vector3d(size / step * make.Log(1e-2, 1e3), 0, 0));
   make.Fall(scene, make.Chance(0.5) ? 0 : make.Gravity());
   return scene;
@@ -256,7 +256,7 @@ Scene Spring(Maker& make) {
   const std::uint64_t n = make.Count(1, 6);
   const double size = make.Size();
   Scene scene = make.Make(n, 100 * size);
-  const double mass = make.Log(0.1, 100), step = std::get<double>(scene.world.Get("timestep"));
+  const double mass = make.Log(0.1, 100), step = scene.world.Real("timestep");
   SetWorld(scene, "world.walls", Word("none"));
   SetGroup(scene, "size", size);
   SetGroup(scene, "mass", mass);
