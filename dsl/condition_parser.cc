@@ -154,25 +154,32 @@ bool ValueParser::AtComparison() const {
   }
 }
 
+bool ValueParser::AtComparisonEnd() const {
+  return AtAnd() || AtOr() || AtClose() || cursor_.AtStatementEnd();
+}
+
+void ValueParser::ReportMissingComparison() {
+  // Points at the word that dangles, where there is one.
+  const Token& before = cursor_.Previous();
+  const bool word = before.kind == TokenKind::kPath || before.kind == TokenKind::kAnd ||
+                    before.kind == TokenKind::kOr || before.kind == TokenKind::kNot;
+  cursor_.Report(
+      kMissingComparison, cursor_.SpanOf(word ? before : cursor_.Peek()),
+      word ? cursor_.Quote(before) + " needs a comparison after it"
+           : Concat({"expected a comparison here, not ", cursor_.Describe(cursor_.Peek())}),
+      "for example: quantity > 3000");
+}
+
 ConditionPtr ValueParser::ParseComparison() {
-  if ((AtAnd() || AtOr() || AtClose() || cursor_.AtStatementEnd()) && !cursor_.Peek().faulty) {
-    // Points at the word that dangles, where there is one.
-    const Token& before = cursor_.Previous();
-    const bool word = before.kind == TokenKind::kPath || before.kind == TokenKind::kAnd ||
-                      before.kind == TokenKind::kOr || before.kind == TokenKind::kNot;
-    cursor_.Report(
-        kMissingComparison, cursor_.SpanOf(word ? before : cursor_.Peek()),
-        word ? cursor_.Quote(before) + " needs a comparison after it"
-             : Concat({"expected a comparison here, not ", cursor_.Describe(cursor_.Peek())}),
-        "for example: quantity > 3000");
+  if (AtComparisonEnd() && !cursor_.Peek().faulty) {
+    ReportMissingComparison();
     return nullptr;
   }
   auto condition = std::make_unique<Condition>();
   condition->left = ParseSum();
   if (!condition->left) return nullptr;
   if (!AtComparison()) {
-    const bool expected_end = AtAnd() || AtOr() || AtClose() || cursor_.AtStatementEnd();
-    if (!expected_end) {
+    if (!AtComparisonEnd()) {
       cursor_.ReportUnexpected("a comparison such as == or <");
       return nullptr;
     }
@@ -186,7 +193,7 @@ ConditionPtr ValueParser::ParseComparison() {
     cursor_.Report(kSingleEquals, cursor_.SpanOf(op), "a comparison is written '=='",
                    "did you mean '=='?");
   condition->op = ComparisonOf(op.kind);
-  if (AtAnd() || AtOr() || AtClose() || cursor_.AtStatementEnd()) {
+  if (AtComparisonEnd()) {
     cursor_.Report(kMissingValue, cursor_.SpanOf(op),
                    cursor_.Quote(op) + " needs a value after it");
     return nullptr;

@@ -1,24 +1,17 @@
 #include "dsl/lexer.h"
 
 #include <algorithm>
-#include <charconv>
-#include <system_error>
+#include <utility>
 
+#include "dsl/characters.h"
 #include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
+#include "dsl/foreign_operators.h"
+#include "dsl/number.h"
 #include "dsl/utf8.h"
 
 namespace cdb::dsl {
 namespace {
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-bool IsHexDigit(char c) { return IsDigit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
-bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool IsNameChar(char c) { return IsLetter(c) || IsDigit(c); }
-bool IsControl(char c) {
-  const auto byte = static_cast<unsigned char>(c);
-  return (byte < 0x20 && c != '\t') || byte == 0x7F;
-}
 
 std::string Hex(std::uint32_t value, int width) {
   std::string digits;
@@ -26,37 +19,6 @@ std::string Hex(std::uint32_t value, int width) {
     digits.insert(digits.begin(), "0123456789ABCDEF"[value % 16]);
   return digits;
 }
-
-// What other languages, word processors and keyboards write, and what is written here.
-struct Foreign {
-  std::string_view text;
-  TokenKind kind;
-  std::string_view here;
-};
-// Longer ones first where one begins another.
-constexpr Foreign kForeign[] = {
-    {"===", TokenKind::kEqual, "=="},
-    {"!==", TokenKind::kNotEqual, "!="},
-    {"=>", TokenKind::kGreaterEqual, ">="},
-    {"=<", TokenKind::kLessEqual, "<="},
-    {"<>", TokenKind::kNotEqual, "!="},
-    {":=", TokenKind::kAssign, "="},
-    {"**", TokenKind::kCaret, "^"},
-    {"&&", TokenKind::kAnd, "and"},
-    {"||", TokenKind::kOr, "or"},
-    {"&", TokenKind::kAnd, "and"},
-    {"|", TokenKind::kOr, "or"},
-    {"\u2212", TokenKind::kMinus, "-"},
-    {"\u2013", TokenKind::kMinus, "-"},
-    {"\u2014", TokenKind::kMinus, "-"},
-    {"\u00D7", TokenKind::kStar, "*"},
-    {"\u00B7", TokenKind::kStar, "*"},
-    {"\u00F7", TokenKind::kSlash, "/"},
-    {"\u2026", TokenKind::kDots, ".."},
-    {"\u2264", TokenKind::kLessEqual, "<="},
-    {"\u2265", TokenKind::kGreaterEqual, ">="},
-    {"\u2260", TokenKind::kNotEqual, "!="},
-};
 
 class Lexer {
  public:
@@ -86,7 +48,6 @@ class Lexer {
   void LexUnknown();
 
   void CheckEscapes(std::size_t begin, std::size_t end);
-  bool CheckNumber(std::string_view lexeme, const Span& span);
   /// True where a letter that is no ASCII letter stands (and not one of the foreign operators).
   bool AtForeignLetter(std::size_t at) const;
   std::size_t SkipNameChars(std::size_t at, bool* foreign) const;
@@ -201,8 +162,7 @@ void Lexer::LexForeignComment() {
 bool Lexer::AtForeignLetter(std::size_t at) const {
   if (at >= text_.size() || static_cast<unsigned char>(text_[at]) < 0x80) return false;
   const char32_t value = DecodeUtf8(text_, at).value;
-  for (const Foreign& foreign : kForeign)
-    if (text_.substr(at).starts_with(foreign.text)) return false;
+  if (FindForeignOperator(text_.substr(at)) != nullptr) return false;
   // Latin-1 signs, spaces and general punctuation are no letters; above them nearly all is.
   return (value >= 0xC0 || value == 0xB5) && !(value >= 0x2000 && value <= 0x2BFF) &&
          value != 0x3000 && value != 0xFEFF;
@@ -255,87 +215,8 @@ void Lexer::LexNumber() {
     if (!IsNameChar(c) && !AtForeignLetter(end) && !sign && !point) break;
     end += AtForeignLetter(end) ? static_cast<std::size_t>(DecodeUtf8(text_, end).bytes) : 1;
   }
-  const bool good = CheckNumber(text_.substr(at_, end - at_), SpanOf(at_, end));
+  const bool good = CheckNumber(text_.substr(at_, end - at_), SpanOf(at_, end), diagnostics_);
   Add(TokenKind::kNumber, end, !good);
-}
-
-bool Lexer::CheckNumber(std::string_view lexeme, const Span& span) {
-  const std::string quoted = Concat({"'", lexeme, "'"});
-  const auto refuse = [&](const DiagnosticKind& kind, std::string message, std::string help) {
-    diagnostics_.Report(kind, span, std::move(message), std::move(help));
-    return false;
-  };
-  const bool hex = lexeme.starts_with("0x") || lexeme.starts_with("0X");
-  std::string digits;  // without the underscores
-  for (std::size_t i = 0; i < lexeme.size(); ++i) {
-    if (lexeme[i] != '_') {
-      digits += lexeme[i];
-      continue;
-    }
-    const auto is_digit = hex ? IsHexDigit : IsDigit;
-    if (i == 0 || i + 1 == lexeme.size() || !is_digit(lexeme[i - 1]) || !is_digit(lexeme[i + 1]))
-      return refuse(kBadNumber, quoted + " is not a number",
-                    "'_' stands between two digits: 1_000");
-  }
-  const char* begin = digits.data();
-  const char* end = begin + digits.size();
-  if (hex) {
-    std::uint64_t value = 0;
-    const auto [stop, error] = std::from_chars(begin + 2, end, value, 16);
-    if (stop != end || stop == begin + 2)
-      return refuse(kBadNumber, quoted + " is not a number",
-                    "after 0x come the digits 0 to 9 and A to F, without a point");
-    if (error == std::errc::result_out_of_range)
-      return refuse(kNumberRange, quoted + " does not fit into 64 bits",
-                    "the largest is 0xFFFFFFFFFFFFFFFF");
-    return true;
-  }
-  if (digits.front() == '.')
-    return refuse(kBadNumber, "a number begins with a digit", Concat({"write 0", lexeme}));
-  if (digits.back() == '.')
-    return refuse(kBadNumber, "a number does not end with a point",
-                  Concat({"write ", lexeme, "0, or leave the point out"}));
-  // 1. digits, 2. a point between digits, 3. an exponent with digits
-  std::size_t i = 0;
-  const auto skip_digits = [&] {
-    const std::size_t from = i;
-    while (i < digits.size() && IsDigit(digits[i])) ++i;
-    return i > from;
-  };
-  skip_digits();
-  bool whole = true;
-  bool well_formed = true;
-  if (i < digits.size() && digits[i] == '.') {
-    whole = false;
-    ++i;
-    well_formed = skip_digits();
-  }
-  if (well_formed && i < digits.size() && (digits[i] == 'e' || digits[i] == 'E')) {
-    whole = false;
-    ++i;
-    if (i < digits.size() && (digits[i] == '+' || digits[i] == '-')) ++i;
-    well_formed = skip_digits();
-  }
-  if (!well_formed) return refuse(kBadNumber, quoted + " is not a number", "");
-  if (i < digits.size()) {
-    const bool unit =
-        IsLetter(digits[i]) && std::all_of(digits.begin() + static_cast<std::ptrdiff_t>(i),
-                                           digits.end(), [](char c) { return IsLetter(c); });
-    return refuse(kBadNumber, quoted + " is not a number",
-                  unit ? Concat({"units are not written; write ", digits.substr(0, i)}) : "");
-  }
-  if (whole) {
-    std::uint64_t value = 0;
-    if (std::from_chars(begin, end, value).ec == std::errc::result_out_of_range)
-      return refuse(kNumberRange, quoted + " does not fit into 64 bits",
-                    "where a rounded number will do, write an exponent: 1e20");
-    return true;
-  }
-  double value = 0;
-  if (std::from_chars(begin, end, value).ec == std::errc::result_out_of_range)
-    return refuse(kNumberRange, quoted + " does not fit into a 64-bit real",
-                  "reals reach from about 1e-308 to 1.8e308");
-  return true;
 }
 
 void Lexer::LexText(char quote) {
@@ -423,32 +304,19 @@ bool Lexer::LexForeign() {
     Add(TokenKind::kNot, at_ + 1, true);
     return true;
   }
-  for (const Foreign& foreign : kForeign) {
-    if (!StartsWith(foreign.text)) continue;
-    const std::size_t end = at_ + foreign.text.size();
-    Report(kForeignOperator, at_, end, Concat({"'", foreign.text, "' means nothing here"}),
-           Concat({"did you mean '", foreign.here, "'?"}));
-    Add(foreign.kind, end, true);
+  const std::string_view rest = text_.substr(at_);
+  if (const ForeignOperator* foreign = FindForeignOperator(rest)) {
+    const std::size_t end = at_ + foreign->text.size();
+    Report(kForeignOperator, at_, end, Concat({"'", foreign->text, "' means nothing here"}),
+           Concat({"did you mean '", foreign->here, "'?"}));
+    Add(foreign->kind, end, true);
     return true;
   }
-  // Typographic quotes: “…”, „…“, «…».
-  for (const std::string_view quote :
-       {"\u201C", "\u201D", "\u201E", "\u00AB", "\u2018", "\u2019"}) {
-    if (!StartsWith(quote)) continue;
-    std::size_t end = at_ + quote.size();
-    const std::size_t line_end = std::min(text_.find_first_of("\r\n", at_), text_.size());
-    std::size_t close = line_end;
-    for (const std::string_view last : {"\u201D", "\u201C", "\u00BB", "\u2019", "\""}) {
-      const std::size_t at = text_.find(last, end);
-      if (at < close) {
-        close = at;
-        end = at + last.size();
-      }
-    }
-    if (close == line_end) end = line_end;
-    Report(kUnknownCharacter, at_, at_ + quote.size(),
-           "a text does not stand in typographic quotes", "write \"…\"");
-    Add(TokenKind::kText, end, true);
+  std::size_t quote_bytes = 0;
+  if (const std::size_t bytes = ForeignTextBytes(rest, quote_bytes); bytes > 0) {
+    Report(kUnknownCharacter, at_, at_ + quote_bytes, "a text does not stand in typographic quotes",
+           "write \"…\"");
+    Add(TokenKind::kText, at_ + bytes, true);
     return true;
   }
   return false;

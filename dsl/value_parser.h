@@ -34,6 +34,7 @@ class ValueParser {
   ExprPtr ParseBracketed();
   ExprPtr ParseCall(const Token& name);
   bool ParseArgument(Expr& call);
+  bool ParseLabelled(Argument& argument);
   /// `ring radius: 20`: a call with one argument, without brackets.
   ExprPtr ParseBareCall();
   ExprPtr ParseText();
@@ -42,6 +43,9 @@ class ValueParser {
   ExprPtr FinishValue(ExprPtr first);
   ExprPtr FinishRatio(std::vector<ExprPtr> parts);
   ExprPtr FinishRange(ExprPtr first);
+  enum class RangeWord { kTaken, kNone, kFailed };
+  RangeWord TakeRangeWord(Expr& range);
+  RangeWord ParseRangeNumber(Expr& range, const Token& word, bool is_step, bool known);
 
   ConditionPtr ParseAnd();
   ConditionPtr ParseOperand();
@@ -49,6 +53,9 @@ class ValueParser {
   ConditionPtr ParseBracketedCondition();
   ConditionPtr ParseComparison();
   bool AtComparison() const;
+  /// Where a comparison, or a side of it, cannot go on.
+  bool AtComparisonEnd() const;
+  void ReportMissingComparison();
   bool AtAnd() const { return cursor_.At(TokenKind::kAnd) || cursor_.AtWord("and"); }
   bool AtOr() const { return cursor_.At(TokenKind::kOr) || cursor_.AtWord("or"); }
   bool AtNot() const { return cursor_.At(TokenKind::kNot) || cursor_.AtWord("not"); }

@@ -3,10 +3,14 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "compiler/plan/plan.h"
 
 namespace cdb::plan {
+
+/// The key of the format's version, by which a plan is known.
+inline constexpr std::string_view kPlanFormat = "cdb_plan";
 
 /// A document that is no plan: the message names the file, the line, what is wrong and what to do.
 class PlanError : public std::runtime_error {

@@ -49,63 +49,28 @@ class Analysis {
   Answer Of(Component component, PruningRequest asked) const {
     switch (component) {
       case Component::kWalls:
-        if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
-        if (ccd_) return {Decision::kKept, Sweeps()};
-        if (linked_) return {Decision::kKept, Pull()};
-        return {Decision::kOpen, "where each object can get to is known when all are placed"};
+        return Walls();
       case Component::kRaycastTree:
-        if (!DetectorIsSweepAndPrune())
-          return {Decision::kAbsent, fmt::format("{} has none", scene_.world.WordOr("detector"))};
-        if (ccd_) return {Decision::kKept, Sweeps()};
-        return {Decision::kLeftOut, "no object has ccd, so nothing casts a ray"};
+        return RaycastTree();
       case Component::kDetection:
-        if (asked != PruningRequest::kByName)
-          for (const char* what : {"timing", "counts", "contacts", "pairs", "boxes"})
-            if (scene_.world.Lists("record", what))
-              return {Decision::kKept, fmt::format("record {} asks for it", what)};
-        if (asked != PruningRequest::kByName)
-          for (const char* what : {"contacts", "pairs", "penetration"})
-            if (scene_.world.Lists("accuracy.metrics", what))
-              return {Decision::kKept, fmt::format("accuracy.metrics {} asks for it", what)};
-        return IfNothingTouches();
+        return Detection(asked);
       case Component::kSolver:
         return IfNothingTouches();
       case Component::kSleeping:
-        if (!scene_.world.On("sleeping")) return {Decision::kAbsent, "sleeping is off"};
-        if (linked_) return {Decision::kKept, Pull()};
-        return {Decision::kOpen, "whether an object can come to rest is known when all are placed"};
+        return Sleeping();
       case Component::kSweptContacts:
         if (ccd_) return {Decision::kKept, Sweeps()};
         return {Decision::kLeftOut, "no object has ccd"};
       case Component::kGravity:
-        if (IsConstantZero(scene_.world.Get("acceleration")))
-          return {Decision::kLeftOut, "the acceleration is 0"};
-        return {Decision::kKept, fmt::format("the acceleration is {}",
-                                             schema::ToText(scene_.world.Get("acceleration")))};
+        return Gravity();
       case Component::kDamping:
-        for (const auto what :
-             {schema::GroupParameter("linear_damping"), schema::GroupParameter("angular_damping")})
-          if (const auto group = GroupWith(scene_, what))
-            return {Decision::kKept, fmt::format("{} have {}", *group, what.name())};
-        return {Decision::kLeftOut, "no object is damped"};
+        return Damping();
       case Component::kRotation:
-        if (spin_) return {Decision::kKept, fmt::format("{} have angular_velocity", *spin_)};
-        if (linked_) return {Decision::kKept, Pull()};
-        return {Decision::kOpen,
-                "whether a touch can set an object spinning is known when all are "
-                "placed"};
+        return Rotation();
       case Component::kMotionStates:
         return {Decision::kLeftOut, "nothing draws the scene while it runs"};
       case Component::kStaticBoxes:
-        // A box that is not updated moves into dbvt's second tree, without its margin, and pairs
-        // are found in another order.
-        if (scene_.world.WordOr("detector") == "dbvt")
-          return {Decision::kKept, "dbvt finds other pairs where boxes are not updated"};
-        if (scene_.world.On("sleeping"))
-          return {Decision::kOpen,
-                  "an object that falls asleep needs its box once more; whether one can is known "
-                  "when all are placed"};
-        return {Decision::kLeftOut, "walls and fixed objects stay where they are"};
+        return StaticBoxes();
       case Component::kPools:
         return {Decision::kOpen, "how many contacts there can be is known when all are placed"};
     }
@@ -120,6 +85,70 @@ class Analysis {
   std::string Sweeps() const { return fmt::format("{} have ccd and look ahead", *ccd_); }
   std::string Pull() const {
     return fmt::format("{} are linked and pull at one another", *linked_);
+  }
+
+  Answer Walls() const {
+    if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
+    if (ccd_) return {Decision::kKept, Sweeps()};
+    if (linked_) return {Decision::kKept, Pull()};
+    return {Decision::kOpen, "where each object can get to is known when all are placed"};
+  }
+
+  Answer RaycastTree() const {
+    if (!DetectorIsSweepAndPrune())
+      return {Decision::kAbsent, fmt::format("{} has none", scene_.world.WordOr("detector"))};
+    if (ccd_) return {Decision::kKept, Sweeps()};
+    return {Decision::kLeftOut, "no object has ccd, so nothing casts a ray"};
+  }
+
+  Answer Detection(PruningRequest asked) const {
+    if (asked == PruningRequest::kByName) return IfNothingTouches();
+    for (const char* what : {"timing", "counts", "contacts", "pairs", "boxes"})
+      if (scene_.world.Lists("record", what))
+        return {Decision::kKept, fmt::format("record {} asks for it", what)};
+    for (const char* what : {"contacts", "pairs", "penetration"})
+      if (scene_.world.Lists("accuracy.metrics", what))
+        return {Decision::kKept, fmt::format("accuracy.metrics {} asks for it", what)};
+    return IfNothingTouches();
+  }
+
+  Answer Sleeping() const {
+    if (!scene_.world.On("sleeping")) return {Decision::kAbsent, "sleeping is off"};
+    if (linked_) return {Decision::kKept, Pull()};
+    return {Decision::kOpen, "whether an object can come to rest is known when all are placed"};
+  }
+
+  Answer Gravity() const {
+    const schema::Value& acceleration = scene_.world.Get("acceleration");
+    if (IsConstantZero(acceleration)) return {Decision::kLeftOut, "the acceleration is 0"};
+    return {Decision::kKept, fmt::format("the acceleration is {}", schema::ToText(acceleration))};
+  }
+
+  Answer Damping() const {
+    for (const auto what :
+         {schema::GroupParameter("linear_damping"), schema::GroupParameter("angular_damping")})
+      if (const auto group = GroupWith(scene_, what))
+        return {Decision::kKept, fmt::format("{} have {}", *group, what.name())};
+    return {Decision::kLeftOut, "no object is damped"};
+  }
+
+  Answer Rotation() const {
+    if (spin_) return {Decision::kKept, fmt::format("{} have angular_velocity", *spin_)};
+    if (linked_) return {Decision::kKept, Pull()};
+    return {Decision::kOpen,
+            "whether a touch can set an object spinning is known when all are placed"};
+  }
+
+  Answer StaticBoxes() const {
+    // A box that is not updated moves into dbvt's second tree, without its margin, and pairs are
+    // found in another order.
+    if (scene_.world.WordOr("detector") == "dbvt")
+      return {Decision::kKept, "dbvt finds other pairs where boxes are not updated"};
+    if (scene_.world.On("sleeping"))
+      return {Decision::kOpen,
+              "an object that falls asleep needs its box once more; whether one can is known when "
+              "all are placed"};
+    return {Decision::kLeftOut, "walls and fixed objects stay where they are"};
   }
 
   Answer IfNothingTouches() const {

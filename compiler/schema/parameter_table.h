@@ -8,23 +8,24 @@
 
 namespace cdb::schema {
 
-consteval auto MakeParameters() {
+/// The words of the table stand in a class, so that they are names of the table alone.
+struct ParameterTable {
   using enum ParameterType;
   using enum WordSource;
-  constexpr double kMaxSeed = 18446744073709551615.0;
-  constexpr Domain kAny = {};
-  constexpr Domain kPositive = {.min = 0, .min_open = true};
-  constexpr Domain kNotNegative = {.min = 0};
-  constexpr Domain kFraction = {.min = 0, .max = 1};
+  static constexpr double kMaxSeed = 18446744073709551615.0;
+  static constexpr Domain kAny = {};
+  static constexpr Domain kPositive = {.min = 0, .min_open = true};
+  static constexpr Domain kNotNegative = {.min = 0};
+  static constexpr Domain kFraction = {.min = 0, .max = 1};
   /// Cycles, objects and repeats are int32 coordinates of the results.
-  constexpr Domain kCountFromOne = {.min = 1, .max = 2147483647};
-  constexpr Domain kCountFromZero = {.min = 0, .max = 2147483647};
-  constexpr bool kGroup = true;
-  constexpr bool kDrawn = true;
-  constexpr bool kConstant = false;
+  static constexpr Domain kCountFromOne = {.min = 1, .max = 2147483647};
+  static constexpr Domain kCountFromZero = {.min = 0, .max = 2147483647};
+  static constexpr bool kGroup = true;
+  static constexpr bool kDrawn = true;
+  static constexpr bool kConstant = false;
 
   // clang-format off
-  return std::to_array<Parameter>({
+  static constexpr auto kRows = std::to_array<Parameter>({
     // The ten of the paper, section 3.1.
     {"cycles", false, kCount, kCountFromOne, kConstant, "", "1000", "", kOwn,
      "collision-detection cycles to time",
@@ -184,8 +185,8 @@ consteval auto MakeParameters() {
      "of the reference run; same is the run's own"},
 });
   // clang-format on
-}
+};
 
-inline constexpr auto kParameters = MakeParameters();
+inline constexpr const auto& kParameters = ParameterTable::kRows;
 
 }  // namespace cdb::schema

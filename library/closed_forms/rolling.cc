@@ -90,70 +90,108 @@ std::size_t RequirePlateOnBalls(const Fit& fit) {
   return plate;
 }
 
+/// What must hold of a plate and its balls; each function refuses the scene if it does not.
+struct PlateOnBalls {
+  const Fit& fit;
+  const std::size_t plate_index;
+  const int upright;  ///< the plate's axis
+  const layouts::ObjectState& plate;
+  const layouts::ObjectState& ball;  ///< which all are like
+
+  double radius() const { return ball.solid.sides.x() / 2; }
+  double height() const { return plate.solid.sides[upright]; }
+  double balls() const { return static_cast<double>(fit.size() - 1); }
+  Vector3d FromPlate(std::size_t i) const {
+    return fit.object(i).pose.position - plate.pose.position;
+  }
+
+  /// The positions from which they roll, by object. `way`: that of the plate past a ball, to the
+  /// end.
+  std::vector<Vector3d> RequireRest(const Vector3d& way) const {
+    const double floor = fit.WallAt(-1);
+    std::vector<Vector3d> rest(fit.size());
+    for (std::size_t i = 0; i < fit.size(); ++i) {
+      const Vector3d& position = fit.object(i).pose.position;
+      rest[i] = position;
+      if (i == plate_index) {
+        rest[i].y() = floor + 2 * radius() + height() / 2;
+        fit.RequireStanding(i, position.y() - rest[i].y(), height());
+        continue;
+      }
+      RequireLikeBall(i);
+      rest[i].y() = floor + radius();
+      fit.RequireStanding(i, position.y() - rest[i].y(), 2 * radius());
+      if (!fit.IsOverBase(plate_index, upright, FromPlate(i)) ||
+          !fit.IsOverBase(plate_index, upright, FromPlate(i) - way))
+        fit.Refuse(fit.Name(i) + " is not under the plate from start to end",
+                   "make the plate larger or the run shorter");
+    }
+    return rest;
+  }
+
+  void RequireLikeBall(std::size_t i) const {
+    fit.RequireBall(i);
+    const layouts::ObjectState& object = fit.object(i);
+    if (object.solid.sides != ball.solid.sides || object.mass != ball.mass ||
+        object.friction != ball.friction)
+      fit.Refuse(fit.Name(i) + " is not like the other balls",
+                 "give all one size, mass and friction");
+  }
+
+  /// Where below the plate's middle the balls' forces add up must be between the balls, by their
+  /// box alone. `held`: what friction must give the plate, m/s^2.
+  void RequireNoTipping(const Vector3d& held, const Vector3d& way) const {
+    objects::Box at_start = kNowhere, at_end = kNowhere;  // of the centres, seen from the plate
+    for (std::size_t i = 0; i < fit.size(); ++i) {
+      if (i == plate_index) continue;
+      Extend(at_start, FromPlate(i));
+      Extend(at_end, FromPlate(i) - way);
+    }
+    const Vector3d pressed = held / fit.Pressing() * height() / 2;
+    for (const objects::Box& box : {at_start, at_end})
+      for (const int axis : {0, 2})
+        if (pressed[axis] < box.lower[axis] || pressed[axis] > box.upper[axis])
+          fit.Refuse("the plate would tip off the balls",
+                     "put balls under its ends, or make the run shorter");
+  }
+
+  /// What friction must do so that nothing slips, over all balls together.
+  void RequireNoSlipping(const Vector3d& downhill, const Vector3d& along) const {
+    const Vector3d held = downhill - 2 * along;
+    const double on_plate = plate.mass * held.norm();
+    const double on_floor =
+        (balls() * ball.mass * (along - downhill) + plate.mass * (2 * along - downhill)).norm();
+    const double above = plate.friction * ball.friction * plate.mass * fit.Pressing();
+    const double below = ball.friction * library::kWallFriction *
+                         (plate.mass + balls() * ball.mass) * fit.Pressing();
+    if (on_plate > above || on_floor > below)
+      fit.Refuse(
+          fmt::format("the balls would slip on the {}", on_plate > above ? "plate" : "floor"),
+          "make the friction larger or tilt the acceleration less");
+  }
+};
+
 }  // namespace
 
 std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit) {
   fit.RequireFloor();
   const std::size_t plate_index = RequirePlateOnBalls(fit);
   const layouts::ObjectState& plate = fit.object(plate_index);
-  const int upright = fit.RequireLevelCuboid(plate_index);
-  const double height = plate.solid.sides[upright];
   const layouts::ObjectState& ball = fit.object(plate_index == 0 ? 1 : 0);
-  const double radius = ball.solid.sides.x() / 2, floor = fit.WallAt(-1);
+  const PlateOnBalls system = {fit, plate_index, fit.RequireLevelCuboid(plate_index), plate, ball};
+  const double radius = system.radius();
 
   // The plate gains on each ball what the ball has gone.
-  const double balls = static_cast<double>(fit.size() - 1);
   const double rolling = ball.mass * (1 + ball.solid.InertiaPerMass().x() / (radius * radius));
-  const double gain = (2 * plate.mass + balls * ball.mass) / (4 * plate.mass + balls * rolling);
+  const double gain =
+      (2 * plate.mass + system.balls() * ball.mass) / (4 * plate.mass + system.balls() * rolling);
   const Vector3d downhill = fit.Downhill(), along = gain * downhill;
   if (downhill.isZero(0)) fit.Refuse("the acceleration is straight down", "tilt it");
   const Vector3d way = along * fit.end() * fit.end() / 2;
 
-  std::vector<Vector3d> rest(fit.size());
-  objects::Box at_start = kNowhere,
-               at_end = kNowhere;  // of the balls' centres, as seen from the plate
-  for (std::size_t i = 0; i < fit.size(); ++i) {
-    const layouts::ObjectState& object = fit.object(i);
-    rest[i] = object.pose.position;
-    if (i == plate_index) {
-      rest[i].y() = floor + 2 * radius + height / 2;
-      fit.RequireStanding(i, object.pose.position.y() - rest[i].y(), height);
-      continue;
-    }
-    fit.RequireBall(i);
-    if (object.solid.sides != ball.solid.sides || object.mass != ball.mass ||
-        object.friction != ball.friction)
-      fit.Refuse(fit.Name(i) + " is not like the other balls",
-                 "give all one size, mass and friction");
-    rest[i].y() = floor + radius;
-    fit.RequireStanding(i, object.pose.position.y() - rest[i].y(), 2 * radius);
-    const Vector3d from_plate = object.pose.position - plate.pose.position;
-    if (!fit.IsOverBase(plate_index, upright, from_plate) ||
-        !fit.IsOverBase(plate_index, upright, from_plate - way))
-      fit.Refuse(fit.Name(i) + " is not under the plate from start to end",
-                 "make the plate larger or the run shorter");
-    Extend(at_start, from_plate);
-    Extend(at_end, from_plate - way);
-  }
-
-  // What friction must do so that nothing slips, over all balls together; and where below the
-  // plate's middle the balls' forces add up, which by their box alone is between them.
-  const Vector3d held = downhill - 2 * along;
-  const Vector3d pressed = held / fit.Pressing() * height / 2;
-  for (const objects::Box& box : {at_start, at_end})
-    for (const int axis : {0, 2})
-      if (pressed[axis] < box.lower[axis] || pressed[axis] > box.upper[axis])
-        fit.Refuse("the plate would tip off the balls",
-                   "put balls under its ends, or make the run shorter");
-  const double on_plate = plate.mass * held.norm();
-  const double on_floor =
-      (balls * ball.mass * (along - downhill) + plate.mass * (2 * along - downhill)).norm();
-  const double above = plate.friction * ball.friction * plate.mass * fit.Pressing();
-  const double below =
-      ball.friction * library::kWallFriction * (plate.mass + balls * ball.mass) * fit.Pressing();
-  if (on_plate > above || on_floor > below)
-    fit.Refuse(fmt::format("the balls would slip on the {}", on_plate > above ? "plate" : "floor"),
-               "make the friction larger or tilt the acceleration less");
+  std::vector<Vector3d> rest = system.RequireRest(way);
+  system.RequireNoTipping(downhill - 2 * along, way);
+  system.RequireNoSlipping(downhill, along);
   return std::make_unique<Rolling>(fit, plate_index, radius, along, std::move(rest));
 }
 

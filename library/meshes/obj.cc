@@ -26,6 +26,31 @@ bool NextLine(Lines& lines, std::string& text, Place& place) {
   return true;
 }
 
+/// The vertex of `vertex/texture/normal`, counted from 0; the last two parts may be missing.
+/// `vertices`: the number of those before this line.
+std::uint32_t ReadCorner(std::string_view word, std::size_t vertices, std::string_view name,
+                         Place place) {
+  std::string_view rest = word;
+  const std::size_t slash = std::min(rest.find('/'), rest.size());
+  const std::int64_t index = Integer(rest.substr(0, slash), name, place);
+  for (int part = 1; slash < word.size() && part <= 3; ++part) {
+    rest.remove_prefix(std::min(rest.find('/'), rest.size()));
+    if (rest.empty()) break;
+    rest.remove_prefix(1);
+    const std::string_view other = rest.substr(0, rest.find('/'));
+    if (part == 3) Refuse(name, place, fmt::format("`{}` has too many parts", word));
+    if (!other.empty()) Integer(other, name, place);
+  }
+  const auto count = static_cast<std::int64_t>(vertices);
+  const std::int64_t from_zero = index < 0 ? count + index : index - 1;
+  if (index == 0 || from_zero < 0 || index > static_cast<std::int64_t>(kMaxVertices))
+    Refuse(name, place,
+           fmt::format("a face has vertex {}; they count from 1, or back from -1 with {} before "
+                       "this line",
+                       index, count));
+  return static_cast<std::uint32_t>(from_zero);
+}
+
 }  // namespace
 
 Mesh ParseObj(std::string_view bytes, std::string_view name) {
@@ -51,28 +76,8 @@ Mesh ParseObj(std::string_view bytes, std::string_view name) {
                 mesh, name, place);
     } else if (words[0] == "f" || words[0] == "fo") {
       faces.push_back({corners.size(), place});
-      for (std::size_t i = 1; i < words.size(); ++i) {
-        std::string_view rest = words[i];
-        const std::size_t slash = std::min(rest.find('/'), rest.size());
-        const std::int64_t index = Integer(rest.substr(0, slash), name, place);
-        // vertex/texture/normal, the last two of which may be missing.
-        for (int part = 1; slash < words[i].size() && part <= 3; ++part) {
-          rest.remove_prefix(std::min(rest.find('/'), rest.size()));
-          if (rest.empty()) break;
-          rest.remove_prefix(1);
-          const std::string_view other = rest.substr(0, rest.find('/'));
-          if (part == 3) Refuse(name, place, fmt::format("`{}` has too many parts", words[i]));
-          if (!other.empty()) Integer(other, name, place);
-        }
-        const auto count = static_cast<std::int64_t>(mesh.vertices.size());
-        const std::int64_t from_zero = index < 0 ? count + index : index - 1;
-        if (index == 0 || from_zero < 0 || index > static_cast<std::int64_t>(kMaxVertices))
-          Refuse(name, place,
-                 fmt::format("a face has vertex {}; they count from 1, or back from -1 with {} "
-                             "before this line",
-                             index, count));
-        corners.push_back(static_cast<std::uint32_t>(from_zero));
-      }
+      for (std::size_t i = 1; i < words.size(); ++i)
+        corners.push_back(ReadCorner(words[i], mesh.vertices.size(), name, place));
     } else if (std::find(std::begin(kNoSurface), std::end(kNoSurface), words[0]) ==
                std::end(kNoSurface)) {
       Refuse(name, place, fmt::format("cannot read `{}`; export the model as polygons", words[0]));

@@ -36,10 +36,22 @@ bool IsHeader(std::string_view word) {
   return word == "OFF";
 }
 
-}  // namespace
+/// `what` are counted by the word.
+std::uint64_t ReadCount(std::string_view word, std::string_view what, std::string_view bytes,
+                        std::string_view name, Place place) {
+  const std::int64_t count = Integer(word, name, place);
+  // Each has a line of its own of two bytes or more.
+  if (count < 0 || static_cast<std::uint64_t>(count) > bytes.size() / 2)
+    Refuse(name, place,
+           fmt::format("says {} {}, which cannot be in {} bytes", count, what, bytes.size()));
+  return static_cast<std::uint64_t>(count);
+}
 
-Mesh ParseOff(std::string_view bytes, std::string_view name) {
-  OffReader reader(bytes, name);
+struct Counts {
+  std::uint64_t vertices, faces;
+};
+
+Counts ReadHead(std::string_view bytes, std::string_view name, OffReader& reader) {
   reader.Require("its first word");
   auto& words = reader.words();
   if (!IsHeader(words[0]))
@@ -51,49 +63,60 @@ Mesh ParseOff(std::string_view bytes, std::string_view name) {
   if (words.empty()) reader.Require("the numbers of vertices and faces");
   if (words.size() < 2 || words.size() > 3)
     Refuse(name, reader.place(), "should be the numbers of vertices, faces and edges");
-  std::uint64_t counts[2];
-  for (int i = 0; i < 2; ++i) {
-    const std::int64_t count = Integer(words[i], name, reader.place());
-    // Each has a line of its own of two bytes or more.
-    if (count < 0 || static_cast<std::uint64_t>(count) > bytes.size() / 2)
-      Refuse(name, reader.place(),
-             fmt::format("says {} {}, which cannot be in {} bytes", count,
-                         i == 0 ? "vertices" : "faces", bytes.size()));
-    counts[i] = static_cast<std::uint64_t>(count);
-  }
+  const std::uint64_t vertices = ReadCount(words[0], "vertices", bytes, name, reader.place());
+  const std::uint64_t faces = ReadCount(words[1], "faces", bytes, name, reader.place());
   if (words.size() == 3) Integer(words[2], name, reader.place());
+  return {vertices, faces};
+}
 
+void ReadVertex(std::string_view name, OffReader& reader, Mesh& mesh) {
+  const auto& words = reader.words();
+  if (words.size() < 3)
+    Refuse(name, reader.place(), "should be a line with the 3 coordinates of a vertex");
+  AddVertex({Number(words[0], name, reader.place()), Number(words[1], name, reader.place()),
+             Number(words[2], name, reader.place())},
+            mesh, name, reader.place());
+}
+
+/// Of a face, into `corners`.
+void ReadCorners(std::uint64_t vertices, std::string_view name, OffReader& reader,
+                 std::vector<std::uint32_t>& corners) {
+  const auto& words = reader.words();
+  const std::int64_t count = Integer(words[0], name, reader.place());
+  // What comes after the corners is the face's colour.
+  if (count < 0 || static_cast<std::uint64_t>(count) > words.size() - 1)
+    Refuse(name, reader.place(),
+           fmt::format("says {} corners and has {}", count, words.size() - 1));
+  corners.clear();
+  for (std::int64_t k = 1; k <= count; ++k) {
+    const std::int64_t corner = Integer(words[static_cast<std::size_t>(k)], name, reader.place());
+    if (corner < 0 || static_cast<std::uint64_t>(corner) >= vertices)
+      Refuse(
+          name, reader.place(),
+          fmt::format("a face has vertex {}, counted from 0, and there are {}", corner, vertices));
+    corners.push_back(static_cast<std::uint32_t>(corner));
+  }
+}
+
+}  // namespace
+
+Mesh ParseOff(std::string_view bytes, std::string_view name) {
+  OffReader reader(bytes, name);
+  const Counts counts = ReadHead(bytes, name, reader);
   Mesh mesh;
-  for (std::uint64_t i = 0; i < counts[0]; ++i) {
-    reader.Require(fmt::format("vertex {} of {}", i + 1, counts[0]));
-    if (words.size() < 3)
-      Refuse(name, reader.place(), "should be a line with the 3 coordinates of a vertex");
-    AddVertex({Number(words[0], name, reader.place()), Number(words[1], name, reader.place()),
-               Number(words[2], name, reader.place())},
-              mesh, name, reader.place());
+  for (std::uint64_t i = 0; i < counts.vertices; ++i) {
+    reader.Require(fmt::format("vertex {} of {}", i + 1, counts.vertices));
+    ReadVertex(name, reader, mesh);
   }
   std::vector<std::uint32_t> corners;
-  for (std::uint64_t i = 0; i < counts[1]; ++i) {
-    reader.Require(fmt::format("face {} of {}", i + 1, counts[1]));
-    const std::int64_t count = Integer(words[0], name, reader.place());
-    // What comes after the corners is the face's colour.
-    if (count < 0 || static_cast<std::uint64_t>(count) > words.size() - 1)
-      Refuse(name, reader.place(),
-             fmt::format("says {} corners and has {}", count, words.size() - 1));
-    corners.clear();
-    for (std::int64_t k = 1; k <= count; ++k) {
-      const std::int64_t corner = Integer(words[static_cast<std::size_t>(k)], name, reader.place());
-      if (corner < 0 || static_cast<std::uint64_t>(corner) >= counts[0])
-        Refuse(name, reader.place(),
-               fmt::format("a face has vertex {}, counted from 0, and there are {}", corner,
-                           counts[0]));
-      corners.push_back(static_cast<std::uint32_t>(corner));
-    }
+  for (std::uint64_t i = 0; i < counts.faces; ++i) {
+    reader.Require(fmt::format("face {} of {}", i + 1, counts.faces));
+    ReadCorners(counts.vertices, name, reader, corners);
     AddPolygon(corners, mesh.vertices.size(), mesh, name, reader.place());
   }
   if (reader.Next())
     Refuse(name, reader.place(),
-           fmt::format("goes on after the {} faces that its head says", counts[1]));
+           fmt::format("goes on after the {} faces that its head says", counts.faces));
   return mesh;
 }
 

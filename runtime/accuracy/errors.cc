@@ -47,27 +47,15 @@ class At {
   double Error(ErrorKind kind) const {
     switch (kind) {
       case ErrorKind::kPosition:
-        if (truth_.positions.empty()) return kNone;
-        return RmsOverObjects(run_, [&](std::size_t i) {
-          return ((run_.position(sample_, i) - truth_.positions[i]) / run_.size(i)).squaredNorm();
-        });
+        return Position();
       case ErrorKind::kVelocity:
-        if (truth_.velocities.empty()) return kNone;
-        return RmsOverObjects(run_, [&](std::size_t i) {
-          return (run_.velocity(sample_, i) - truth_.velocities[i]).squaredNorm();
-        });
+        return Velocity();
       case ErrorKind::kEnergy:
-        if (!truth_.energy) return kNone;
-        return Over(std::fabs(run_.energy(sample_) - run_.energy(0) - *truth_.energy),
-                    standard_->energy_scale());
+        return Energy();
       case ErrorKind::kMomentum:
-        if (!truth_.momentum) return kNone;
-        return Over((run_.momentum(sample_) - *truth_.momentum).norm(),
-                    standard_->momentum_scale());
+        return Momentum();
       case ErrorKind::kAngularMomentum:
-        if (!truth_.angular_momentum) return kNone;
-        return Over((run_.angular_momentum(sample_) - *truth_.angular_momentum).norm(),
-                    standard_->angular_momentum_scale());
+        return AngularMomentum();
       case ErrorKind::kPenetration:
         return run_.observable(sample_, measure::kDepthMean);
       case ErrorKind::kPenetrationMax:
@@ -75,13 +63,8 @@ class At {
       case ErrorKind::kHeight:
       case ErrorKind::kHeightW1:
         return Heights(kind);
-      case ErrorKind::kContacts: {
-        const auto contacts =
-            standard_ != nullptr ? standard_->Contacts(sample_) : std::optional<double>();
-        if (!contacts) return kNone;
-        return std::fabs(run_.observable(sample_, measure::kContactCount) - *contacts) /
-               std::max(1.0, *contacts);
-      }
+      case ErrorKind::kContacts:
+        return Contacts();
       case ErrorKind::kPairsMissed:
         return OfExactPairs(measure::kPairsMissed);
       case ErrorKind::kPairsPhantom:
@@ -101,6 +84,45 @@ class At {
   }
 
  private:
+  double Position() const {
+    if (truth_.positions.empty()) return kNone;
+    return RmsOverObjects(run_, [&](std::size_t i) {
+      return ((run_.position(sample_, i) - truth_.positions[i]) / run_.size(i)).squaredNorm();
+    });
+  }
+
+  double Velocity() const {
+    if (truth_.velocities.empty()) return kNone;
+    return RmsOverObjects(run_, [&](std::size_t i) {
+      return (run_.velocity(sample_, i) - truth_.velocities[i]).squaredNorm();
+    });
+  }
+
+  double Energy() const {
+    if (!truth_.energy) return kNone;
+    return Over(std::fabs(run_.energy(sample_) - run_.energy(0) - *truth_.energy),
+                standard_->energy_scale());
+  }
+
+  double Momentum() const {
+    if (!truth_.momentum) return kNone;
+    return Over((run_.momentum(sample_) - *truth_.momentum).norm(), standard_->momentum_scale());
+  }
+
+  double AngularMomentum() const {
+    if (!truth_.angular_momentum) return kNone;
+    return Over((run_.angular_momentum(sample_) - *truth_.angular_momentum).norm(),
+                standard_->angular_momentum_scale());
+  }
+
+  double Contacts() const {
+    const auto contacts =
+        standard_ != nullptr ? standard_->Contacts(sample_) : std::optional<double>();
+    if (!contacts) return kNone;
+    return std::fabs(run_.observable(sample_, measure::kContactCount) - *contacts) /
+           std::max(1.0, *contacts);
+  }
+
   double OfExactPairs(measure::Observable which) const {
     return run_.observable(sample_, which) /
            std::max(1.0, run_.observable(sample_, measure::kPairsExact));

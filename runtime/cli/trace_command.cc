@@ -2,20 +2,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/trace.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/subcommand.h"
+#include "runtime/cli/trace_plan.h"
+#include "runtime/measure/recorded_trace.h"
 #include "runtime/process/stop.h"
 #include "runtime/process/worker.h"
 #include "runtime/report/console.h"
@@ -36,112 +35,6 @@ struct TraceArguments {
   bool fresh = false;
   bool quiet = false;
 };
-
-/// The plan with each point once, recording what a trace holds and nothing else.
-plan::Plan TracePlan(plan::Plan plan) {
-  std::erase_if(plan.runs, [](const plan::Run& run) { return run.rep > 0; });
-  plan.repeats = 1;
-  for (plan::Run& run : plan.runs) {
-    if (plan::TraceOf(run.scene))
-      throw CommandError(
-          fmt::format("{}: {} runs on a trace already; trace a benchmark of a live world",
-                      plan.benchmark, plan::Describe(plan, run)));
-    const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
-      run.scene.world.Set(parameter, std::move(value));
-    };
-    set("record", schema::WordList{"boxes", "poses"});
-    set("pair_order", schema::Word{"sorted"});
-    set("accuracy.metrics", schema::WordList{"none"});
-    set("repeats", std::uint64_t{1});
-    run.id = plan::RunId(run.scene, 0);
-  }
-  plan.references.clear();
-  return plan;
-}
-
-/// `crowd`, `crowd_n-1000_detector-dbvt`: a point's name as a file can have it.
-std::string FileName(const plan::Plan& plan, const plan::Run& run) {
-  std::string name = plan.benchmark;
-  for (std::size_t i = 0; i < plan.axes.size(); ++i) {
-    const plan::Coordinate& value = plan.axes[i].values[run.at[i]];
-    const auto* number = std::get_if<double>(&value);
-    name += fmt::format("_{}-{}", plan.axes[i].name,
-                        number ? schema::FormatReal(*number) : std::get<std::string>(value));
-  }
-  for (char& c : name) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                          (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '+';
-    if (!is_plain) c = '_';
-  }
-  return name;
-}
-
-/// A file for each run, each another.
-std::vector<fs::path> FilesOf(const plan::Plan& plan, const TraceArguments& arguments,
-                              std::size_t plan_count) {
-  std::error_code error;
-  const bool is_one = plan.runs.size() == 1 && plan_count == 1;
-  if (is_one && !arguments.out.empty() && !fs::is_directory(arguments.out, error))
-    return {arguments.out};
-  fs::path folder = arguments.out;
-  if (folder.empty()) folder = plan.runs.size() == 1 ? "." : plan.benchmark + ".traces";
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder, error))
-    throw CommandError(
-        fmt::format("cannot make the folder '{}' for the traces: {}; choose another "
-                    "place by -o",
-                    folder.string(), error ? error.message() : "a file is there"));
-  std::vector<fs::path> files;
-  std::set<std::string> taken;
-  for (const plan::Run& run : plan.runs) {
-    std::string name = FileName(plan, run);
-    if (!taken.insert(name).second) name += "_" + run.id;
-    fs::path file = folder / (name + ".trace.h5");
-    files.push_back(arguments.out.empty() && plan.runs.size() == 1 ? file.lexically_normal()
-                                                                   : std::move(file));
-  }
-  return files;
-}
-
-/// Bodies without a filter were never in the world: walls that the run left out.
-std::vector<std::size_t> BodiesOf(const measure::Recording& recording) {
-  const auto filters = recording.Reals("box_filters");
-  std::vector<std::size_t> bodies;
-  for (std::size_t i = 0; i < filters.size() / measure::kFilterSize; ++i)
-    if (!std::isnan(filters[i * measure::kFilterSize])) bodies.push_back(i);
-  return bodies;
-}
-
-measure::TraceMemory MemoryOf(const plan::Run& run, const measure::Recording& recording) {
-  const std::vector<std::size_t> bodies = BodiesOf(recording);
-  if (bodies.empty()) throw CommandError("there is no body in it, so there is nothing to trace");
-  const std::uint64_t cycles = run.scene.world.Count("cycles");
-  const bool is_double = run.scene.world.WordOr("precision") == "double";
-  const auto filters = recording.Reals("box_filters"), boxes = recording.Reals("boxes");
-  const std::size_t all = filters.size() / measure::kFilterSize;
-  measure::TraceMemory trace = measure::TraceMemory::Create({bodies.size(), cycles, is_double});
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const double* filter = &filters[bodies[i] * measure::kFilterSize];
-    trace.filters()[i] = {static_cast<std::uint32_t>(filter[0]),
-                          static_cast<std::uint32_t>(filter[1]),
-                          static_cast<std::uint32_t>(filter[2])};
-  }
-  std::vector<double> sides(trace.shape().PerCycle());
-  for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const auto box =
-          boxes.subspan((cycle * all + bodies[i]) * measure::kBoxSize, measure::kBoxSize);
-      if (std::ranges::any_of(box, [](double side) { return std::isnan(side); }))
-        throw CommandError(fmt::format(
-            "body {} has no box that is a number in cycle {}: the scene exploded; `cdb run` says "
-            "how",
-            bodies[i], cycle));
-      std::ranges::copy(box, &sides[i * measure::kBoxSize]);
-    }
-    trace.SetBoxes(cycle, sides);
-  }
-  return trace;
-}
 
 class Tracer {
  public:
@@ -167,7 +60,7 @@ class Tracer {
                               store::StatusName(ending->result.status), ending->result.message));
       return ExitStatus::kRuns;
     }
-    const measure::TraceMemory trace = MemoryOf(run, *ending->recording);
+    const measure::TraceMemory trace = measure::TraceOf(run.scene, *ending->recording);
     const store::TraceOrigin origin = {plan_.benchmark,
                                        plan_.axes.empty() ? "" : plan::Describe(plan_, run),
                                        run.id,
@@ -211,9 +104,9 @@ ExitStatus TracePlans(const TraceArguments& arguments) {
   const process::StopOnSignals signals(stop);
   ExitStatus status = ExitStatus::kGood;
   for (plan::Plan& plan : plans) {
-    plan = TracePlan(std::move(plan));
+    plan = MakeTracePlan(std::move(plan));
     schedule::CheckMemory(plan);
-    const std::vector<fs::path> files = FilesOf(plan, arguments, plans.size());
+    const std::vector<fs::path> files = TraceFiles(plan, arguments.out, plans.size());
     Tracer tracer(plan, arguments, stop);
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {
       status = std::max(status, tracer.Trace(plan.runs[i], files[i]));

@@ -96,22 +96,19 @@ std::vector<measure::ContactRecord> ReadContacts(int fd, std::span<const std::in
   return contacts;
 }
 
-}  // namespace
+bool HasExited(const ProcessEnd& end) {
+  return WIFEXITED(end.wait_status) && WEXITSTATUS(end.wait_status) == 0;
+}
 
-store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::Recording& recording,
-                         int contacts_fd) {
-  const measure::RecordingHeader& header = recording.header();
-  const std::uint64_t cycles = run.scene.world.Count("cycles");
+/// How the run ended, and why. `reported`: the cycles that the worker says it finished, of which
+/// the result may have fewer.
+void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::RecordingHeader& header,
+               std::uint64_t reported, store::RunResult& result) {
   const measure::WorkerOutcome outcome = header.outcome.load(std::memory_order_acquire);
-  store::RunResult result;
-  result.n_cycles = std::min(header.cycles_done.load(std::memory_order_acquire), cycles);
-  const std::uint64_t reported = result.n_cycles;
-  if (run.scene.world.Lists("record", "contacts"))
-    result.contacts = ReadContacts(contacts_fd, recording.Ints("contacts"), result.n_cycles);
-
+  const std::uint64_t cycles = run.scene.world.Count("cycles");
   const std::string where =
       measure::PluginCallText(header.plugin_call.load(std::memory_order_relaxed), run.scene);
-  const bool has_exited = WIFEXITED(end.wait_status) && WEXITSTATUS(end.wait_status) == 0;
+  const bool has_exited = HasExited(end);
   if (has_exited && outcome == measure::WorkerOutcome::kDone && result.n_cycles == cycles) {
     result.status = store::Status::kDone;
     result.state_hash = BoundedText(header.state_hash);
@@ -133,6 +130,22 @@ store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::R
                     : "the worker ended without all of its contacts";
     result.message = CrashText(end, trouble, where);
   }
+}
+
+}  // namespace
+
+store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::Recording& recording,
+                         int contacts_fd) {
+  const measure::RecordingHeader& header = recording.header();
+  const std::uint64_t cycles = run.scene.world.Count("cycles");
+  store::RunResult result;
+  result.n_cycles = std::min(header.cycles_done.load(std::memory_order_acquire), cycles);
+  const std::uint64_t reported = result.n_cycles;
+  if (run.scene.world.Lists("record", "contacts"))
+    result.contacts = ReadContacts(contacts_fd, recording.Ints("contacts"), result.n_cycles);
+
+  const bool has_exited = HasExited(end);
+  SetStatus(run, end, header, reported, result);
   if (result.status != store::Status::kFailed) {
     const measure::Verdict ending =
         result.status == store::Status::kTimedOut  ? measure::Verdict::kTimedOut

@@ -9,7 +9,7 @@
 //
 // `nothing_touches` is proven without assumptions, because then nothing ever leaves free flight.
 // The consequences of contacts rest on the assumption that Bullet adds no more energy than
-// contact_clusters.cc allows for; runs that rely on it need an omission guard.
+// cluster_energy.cc allows for; runs that rely on it need an omission guard.
 #pragma once
 
 #include <cstddef>

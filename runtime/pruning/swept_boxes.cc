@@ -43,4 +43,17 @@ bool Sweep(std::vector<SweptBox> boxes, const SweepPartners& partners, std::uint
   return true;
 }
 
+SortedBoxes::SortedBoxes(std::vector<SweptBox> boxes)
+    : axis_(BestSweepAxis(boxes)), boxes_(std::move(boxes)) {
+  for (const SweptBox& swept : boxes_) longest_ = std::max(longest_, swept.box.sizes()[axis_]);
+  std::ranges::sort(boxes_, {}, [&](const SweptBox& swept) { return swept.box.min()[axis_]; });
+}
+
+std::span<const SweptBox> SortedBoxes::Near(const Box& box) const {
+  const auto least = [&](const SweptBox& swept) { return swept.box.min()[axis_]; };
+  const auto begin = std::ranges::lower_bound(boxes_, box.min()[axis_] - longest_, {}, least);
+  const auto end = std::ranges::upper_bound(begin, boxes_.end(), box.max()[axis_], {}, least);
+  return {begin, end};
+}
+
 }  // namespace cdb::pruning

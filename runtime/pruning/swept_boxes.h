@@ -1,10 +1,12 @@
-// Finds overlapping pairs in a large set of boxes by one sweep along an axis.
+// Finds overlapping pairs in a large set of boxes by one sweep along an axis, and the boxes near
+// another one.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "runtime/pruning/trajectory.h"
@@ -30,5 +32,21 @@ using SweepPartners = std::array<std::uint8_t, kSweepKinds>;
 /// reporting all pairs. No box may contain a NaN.
 bool Sweep(std::vector<SweptBox> boxes, const SweepPartners& partners, std::uint64_t& tests_left,
            const std::function<void(std::uint32_t, std::uint32_t)>& report);
+
+/// Boxes sorted along their best axis, for queries by a box.
+class SortedBoxes {
+ public:
+  SortedBoxes() = default;
+  /// No box may contain a NaN.
+  explicit SortedBoxes(std::vector<SweptBox> boxes);
+
+  /// All that overlap `box` along the axis, and some more.
+  std::span<const SweptBox> Near(const Box& box) const;
+
+ private:
+  int axis_ = 0;
+  double longest_ = 0;
+  std::vector<SweptBox> boxes_;
+};
 
 }  // namespace cdb::pruning

@@ -23,8 +23,4 @@ std::string ShowDetectors(const store::ResultFile& file,
 std::string HarnessText(const store::ResultFile& file,
                         const std::vector<store::ResultFile::Cell>& cells);
 
-/// The slope of log y over log x by least squares; NaN for fewer than three different x, or where
-/// one is not positive.
-double GrowthExponent(const std::vector<std::pair<double, double>>& points);
-
 }  // namespace cdb::report

@@ -1,10 +1,8 @@
 #include "runtime/store/layout.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ctime>
 #include <limits>
 #include <set>
 #include <utility>
@@ -12,7 +10,7 @@
 #include "compiler/plan/capacity.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/requested_errors.h"
-#include "compiler/schema/schema.h"
+#include "compiler/schema/metrics.h"
 #include "dsl/check.h"
 #include "runtime/store/hdf5/chunks.h"
 
@@ -22,69 +20,6 @@ namespace {
 using hdf5::Type;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-/// netCDF's mark, by its file format specification, of a dimension without a coordinate.
-constexpr std::string_view kNoCoordinate = "This is a netCDF dimension but not a netCDF variable.";
-/// Separators of `labels`, in order of preference.
-constexpr std::string_view kSeparators = " ;|\t\n";
-
-std::vector<double> Indices(std::uint64_t n) {
-  std::vector<double> indices(n);
-  for (std::size_t i = 0; i < n; ++i) indices[i] = static_cast<double>(i);
-  return indices;
-}
-
-Dimension Counted(std::string name, std::uint64_t size, std::string doc) {
-  return {std::move(name), size, Type::kInt32, Indices(size), {}, {{"long_name", std::move(doc)}}};
-}
-
-/// Readers that cannot read text datasets (Octave) find the labels in an attribute; nothing where
-/// one contains every separator.
-Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc) {
-  Dimension dimension{std::move(name), texts.size(), Type::kText, {}, {}, {}};
-  for (const char separator : kSeparators) {
-    const bool is_free = std::ranges::all_of(texts, [&](const std::string& text) {
-      return !text.empty() && text.find(separator) == std::string::npos;
-    });
-    if (!is_free) continue;
-    std::string labels = fmt::format("{}", fmt::join(texts, std::string(1, separator)));
-    if (labels.size() > 32000) break;  // attributes have an end; the dataset has not
-    dimension.attributes = {{"labels", std::move(labels)},
-                            {"labels_separator", std::string(1, separator)}};
-    break;
-  }
-  if (!doc.empty()) dimension.attributes.emplace("long_name", std::move(doc));
-  dimension.texts = std::move(texts);
-  return dimension;
-}
-
-/// The parameter's line in the schema; the axis' own name for a `let` or `cases`.
-std::string LongName(const plan::Axis& axis) {
-  const std::string_view name = axis.parameter;
-  const schema::Parameter* row = schema::FindParameter(name, false);
-  if (row == nullptr) row = schema::FindParameter(name.substr(name.find('.') + 1), true);
-  return std::string(row != nullptr ? row->doc : axis.name);
-}
-
-Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_t index) {
-  std::vector<plan::Coordinate> values = axis.values;
-  if (run != nullptr) values = {axis.values[run->at[index]]};
-  Dimension dimension;
-  if (axis.IsText()) {
-    std::vector<std::string> texts;
-    for (const auto& value : values) texts.push_back(std::get<std::string>(value));
-    dimension = Labelled(axis.name, std::move(texts), "");
-  } else {
-    // By the whole axis, so that a shard's coordinate has the type of the merged one.
-    dimension = {axis.name, values.size(), axis.IsInteger() ? Type::kInt32 : Type::kFloat64, {}, {},
-                 {}};
-    for (const auto& value : values) dimension.numbers.push_back(std::get<double>(value));
-  }
-  dimension.attributes.emplace("axis_name", axis.name);
-  dimension.attributes.emplace("parameter", axis.parameter);
-  dimension.attributes.emplace("units", axis.unit);
-  dimension.attributes.emplace("long_name", LongName(axis));
-  return dimension;
-}
 
 /// Whole if that fits; else the cycles are split evenly, and then the bodies.
 hdf5::Shape ChunkOf(const Array& array, std::size_t outer) {
@@ -296,12 +231,6 @@ class Maker {
   std::vector<std::string> grid_;
 };
 
-std::string Now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
-
-}  // namespace
-
-namespace {
-
 std::string VerdictNames() {
   std::string names;
   for (const measure::VerdictInfo& info : measure::Verdicts())
@@ -467,73 +396,6 @@ hdf5::Shape ChunkStart(const Array& array, const hdf5::Shape& cell, std::uint64_
 Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, const plan::Run* run,
                   std::uint64_t contact_rows) {
   return Maker(facts, run).Make(plan, contact_rows);
-}
-
-void CreateArrays(hdf5::File& file, const Layout& layout) {
-  for (const Array& array : layout.arrays)
-    for (std::size_t slash = array.name.find('/'); slash != std::string::npos;
-         slash = array.name.find('/', slash + 1))
-      if (const std::string group = array.name.substr(0, slash); !file.Has(group))
-        file.CreateGroup(group);
-  for (const Dimension& dimension : layout.dimensions) {
-    hdf5::Dataset dataset =
-        file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});
-    const bool is_text = dimension.type == Type::kText;
-    if (is_text) {
-      dataset.WriteText(dimension.texts);
-    } else if (!dimension.numbers.empty()) {
-      dataset.Write(dimension.numbers);
-    }
-    const bool has_coordinate = is_text || !dimension.numbers.empty();
-    dataset.MakeScale(has_coordinate ? dimension.name
-                                     : fmt::format("{}{:10}", kNoCoordinate, dimension.size));
-    for (const auto& [name, text] : dimension.attributes) dataset.SetText(name.c_str(), text);
-  }
-  std::vector<hdf5::Group::Attachment> attachments;
-  for (const Array& array : layout.arrays) {
-    hdf5::Dataset dataset =
-        file.CreateDataset({array.name, array.type, array.shape, array.chunk, array.fill});
-    if (array.has_fill_value) dataset.SetNumbers("_FillValue", array.type, {{array.fill}});
-    for (const auto& [name, text] : array.attributes) dataset.SetText(name.c_str(), text);
-    if (!array.flags.empty()) {
-      const auto count = static_cast<std::uint64_t>(std::ranges::count(array.flags, ' ')) + 1;
-      dataset.SetNumbers("flag_values", array.type, Indices(count));
-      dataset.SetText("flag_meanings", array.flags);
-    }
-    attachments.push_back({array.name, array.dimensions});
-  }
-  file.AttachScales(attachments);
-}
-
-void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
-               const Layout& layout, std::string_view what) {
-  const std::string now = Now();
-  file.SetText("title", plan.title.empty() ? plan.benchmark : plan.title);
-  file.SetText("source", plan.source);
-  file.SetText("schema", kSchema);
-  file.SetNumber("schema_version", Type::kInt32, kSchemaVersion);
-  file.SetText("history", fmt::format("{} cdb: {}", now, what));
-  file.SetText("date_created", now);
-  file.SetText("plan_sha256", facts.sha256);
-  file.SetText("benchmark", plan.benchmark);
-  std::string axes;
-  for (std::size_t i = 0; i < plan.axes.size(); ++i)
-    axes.append(i == 0 ? "" : " ").append(layout.dimensions[i].name);
-  file.SetText("axes", axes);
-}
-
-void CheckHead(const hdf5::File& file, const std::string& name) {
-  if (file.Text("schema") != kSchema)
-    throw StoreError(
-        fmt::format("{}: is HDF5, but not a result of cdb; it was left as it is: "
-                    "choose another file",
-                    name));
-  const double version = file.Number("schema_version");
-  if (version != kSchemaVersion)
-    throw StoreError(
-        fmt::format("{}: is a result of schema version {}, and this cdb reads version "
-                    "{}; it was left as it is: use the cdb that wrote it",
-                    name, version, kSchemaVersion));
 }
 
 }  // namespace cdb::store

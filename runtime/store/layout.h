@@ -11,14 +11,11 @@
 
 #include "compiler/plan/plan.h"
 #include "runtime/measure/series.h"
-#include "runtime/store/hdf5/file.h"
+#include "runtime/store/dimensions.h"
+#include "runtime/store/hdf5/dataset.h"
 #include "runtime/store/store.h"
 
 namespace cdb::store {
-
-inline constexpr std::string_view kSchema = "cdb-results";
-/// Raised when a reader of the version before would misunderstand a file.
-inline constexpr int kSchemaVersion = 1;
 
 /// An array over the grid that holds one number for each run.
 struct RunNumber {
@@ -74,16 +71,6 @@ struct ReferenceArray {
 };
 const std::vector<ReferenceArray>& ReferenceArrays();
 
-/// A dimension with its coordinate, a dataset of the same name.
-struct Dimension {
-  std::string name;
-  std::uint64_t size = 0;
-  hdf5::Type type = hdf5::Type::kInt32;
-  std::vector<double> numbers;     ///< the coordinate; `size` of them,
-  std::vector<std::string> texts;  ///< or of these; neither: a dimension without a coordinate
-  std::map<std::string, std::string> attributes;
-};
-
 struct Array {
   std::string name;
   hdf5::Type type = hdf5::Type::kFloat64;
@@ -109,15 +96,6 @@ struct Layout {
 /// not null. `contact_rows`: extent of `contact`.
 Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, const plan::Run* run,
                   std::uint64_t contact_rows);
-
-/// Makes every dataset, with scales and attributes; coordinates are filled, arrays are not.
-void CreateArrays(hdf5::File& file, const Layout& layout);
-
-/// The attributes of the file itself. `what` is the line of `history`.
-void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
-               const Layout& layout, std::string_view what);
-/// Throws StoreError where `file` is not of this schema and version.
-void CheckHead(const hdf5::File& file, const std::string& name);
 
 /// Chunks that a chunked array has for one cell of the grid (`outer` dimensions), and the first
 /// element of the one numbered `index` of cell `cell`.

@@ -16,6 +16,7 @@
 
 #include "compiler/plan/plan_yaml.h"
 #include "runtime/store/layout.h"
+#include "runtime/store/layout_file.h"
 #include "runtime/store/reference_shard.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"

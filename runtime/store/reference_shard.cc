@@ -7,6 +7,7 @@
 
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
+#include "runtime/store/layout_file.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/store/hdf5/file.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/store.h"
 

@@ -8,7 +8,7 @@
 
 #include "dsl/check.h"
 #include "runtime/store/hdf5/file.h"
-#include "runtime/store/layout.h"
+#include "runtime/store/layout_file.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/store.h"

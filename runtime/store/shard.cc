@@ -11,6 +11,7 @@
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
+#include "runtime/store/layout_file.h"
 #include "runtime/store/safe_file.h"
 
 namespace cdb::store {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "library/detectors/kernels/bodies.h"
@@ -77,101 +78,163 @@ class Lengths {
   std::vector<std::size_t> counts_;
 };
 
-}  // namespace
+using Vector = std::array<double, 3>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The density is that of the middle of the boxes: a few that are far away must not make cells so
-// large that all others share one.
-void BoxGrid::ChooseShape(std::size_t count) {
-  age_ = 0;
-  shaped_for_ = count;
-  Sample sample = Take(loose_.get(), count);
+/// Where the grid is, and how many boxes it holds.
+struct Region {
+  Vector from, spread;
+  double total;    ///< number of boxes
+  double density;  ///< boxes per volume
+};
+
+/// Most of the boxes, and as much again on both sides, but no further than the last. The density
+/// is that of the middle of the boxes: a few that are far away must not make cells so large that
+/// all others share one.
+Region RegionOf(const Sample& sample, std::size_t count) {
   const std::size_t n = sample.size;
-  if (n == 0) {  // none that could stand in a grid
-    shape_ = {.origin = {}, .inverse = {}, .last = {}, .reach = {-1, -1, -1}, .n = {1, 1, 1}};
-    return;
-  }
-  // Where they are: most of them, and as much again on both sides, but no further than the last.
-  double from[3], spread[3];
+  Region region;
   double dense_volume = 1;  // where the middle half of each axis lies, doubled
   for (std::size_t axis = 0; axis < 3; ++axis) {
     auto x = sample.lower[axis];
     std::sort(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n));
     const double low = x[n / 16], high = x[n - 1 - n / 16], width = high - low;
-    from[axis] = std::max<double>(x[0], low - width);
-    spread[axis] = std::min<double>(x[n - 1], high + width) - from[axis];
+    region.from[axis] = std::max<double>(x[0], low - width);
+    region.spread[axis] = std::min<double>(x[n - 1], high + width) - region.from[axis];
     dense_volume *= std::max(width * 8 / 7, 1e-30);
   }
-  // What is too long: with each limit, the rest costs a cell's tests, those beyond a scan of all.
-  const auto total = static_cast<double>(count);
-  const double density = total / dense_volume;
-  double best = std::numeric_limits<double>::infinity();
+  region.total = static_cast<double>(count);
+  region.density = region.total / dense_volume;
+  return region;
+}
+
+/// The longest side that a box in a cell may have. With each limit, the boxes within it cost the
+/// tests of a cell, those beyond it a scan of all boxes.
+float CheapestLimit(const Lengths& lengths, const Region& region) {
+  double best = kInfinity;
   float limit = 0;
-  const Columns& boxes = loose_.get();
-  Lengths(boxes, count).ForEachLimit([&](float length, std::size_t beyond) {
-    const double share = 1 - static_cast<double>(beyond) / total;
+  lengths.ForEachLimit([&](float length, std::size_t beyond) {
+    const double share = 1 - static_cast<double>(beyond) / region.total;
     double volume = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      volume *= std::min<double>(2 * length, spread[axis] + length);
-    const double cost = share * (volume * density * kTestCost) + (1 - share) * total / 8;
+      volume *= std::min<double>(2 * length, region.spread[axis] + length);
+    const double cost =
+        share * (volume * region.density * kTestCost) + (1 - share) * region.total / 8;
     if (cost >= best) return;
     best = cost;
     limit = length;
   });
-  float reach[3] = {};
+  return limit;
+}
+
+/// The extent of the boxes within `limit`: the largest, with room to grow until the next shape.
+std::array<float, 3> Reach(const Columns& boxes, std::size_t count, float limit) {
+  std::array<float, 3> reach = {};
   for (std::size_t i = 0; i < count; ++i) {
     if (!(Longest(boxes, i) <= limit)) continue;
     for (std::size_t axis = 0; axis < 3; ++axis)
       reach[axis] = std::max(reach[axis], boxes.upper[axis][i] - boxes.lower[axis][i]);
   }
-  double mean[3] = {};
+  for (float& extent : reach) extent = extent * 1.25f + std::numeric_limits<float>::min();
+  return reach;
+}
+
+/// The mean extent of the boxes within `limit`.
+Vector MeanExtent(const Sample& sample, float limit) {
+  const auto longest = std::span(sample.longest).first(sample.size);
   const auto kept = static_cast<double>(
-      std::count_if(sample.longest.begin(), sample.longest.begin() + static_cast<std::ptrdiff_t>(n),
-                    [&](float longest) { return longest <= limit; }));
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < n; ++i)
+      std::ranges::count_if(longest, [&](float length) { return length <= limit; }));
+  Vector mean = {};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t i = 0; i < sample.size; ++i)
       if (sample.longest[i] <= limit) mean[axis] += sample.extent[axis][i] / kept;
-    // They may grow until the next shape.
-    reach[axis] = reach[axis] * 1.25f + std::numeric_limits<float>::min();
+  return mean;
+}
+
+/// The boxes of a grid whose cells are to be chosen.
+struct Contents {
+  Region region;
+  std::array<float, 3> reach;
+  Vector mean;
+  double usual;  ///< the largest reach
+};
+
+struct Cells {
+  Vector sides = {};
+  double cost = kInfinity;  ///< of a query; infinite if there would be too many rows
+};
+
+/// Cells as wide as `width` of the largest boxes: the rows that a query scans, and the boxes that
+/// it tests in them.
+Cells CellsOfWidth(const Contents& it, double width) {
+  const Vector& spread = it.region.spread;
+  Cells cells;
+  Vector& sides = cells.sides;
+  double rows = 1, area = 1;
+  for (std::size_t axis = 1; axis < 3; ++axis) {
+    sides[axis] = std::max(width * it.usual, spread[axis] / 1023);
+    const double crossed = 1 + (it.reach[axis] + it.mean[axis]) / sides[axis];
+    const double scanned = std::min(crossed, spread[axis] / sides[axis] + 1);
+    rows *= scanned;
+    area *= std::min(scanned * sides[axis], spread[axis] + it.usual);
   }
-  // Cells as wide as costs least, the rows that are scanned against what is tested in them.
-  double side[3];
-  const double usual = std::max({reach[0], reach[1], reach[2]});
-  best = std::numeric_limits<double>::infinity();
+  // Along x a row is cut as often as there are boxes to pay for it.
+  const double columns =
+      (std::floor(spread[1] / sides[1]) + 1) * (std::floor(spread[2] / sides[2]) + 1);
+  const double most = 2 * it.region.total + 64;
+  if (columns > most) return cells;
+  sides[0] = std::max({it.mean[0] / 4, spread[0] * columns / most, spread[0] / 65535});
+  const double length = std::min(it.reach[0] + it.mean[0] + sides[0], spread[0] + it.usual);
+  const double tests = area * length * it.region.density / rows;  // in one row
+  cells.cost = rows * (kScanCost + kTestCost * std::ceil(tests / 8) * 8);
+  return cells;
+}
+
+Vector CheapestSides(const Contents& it) {
+  Cells best;
   for (const double width : {0.35, 0.5, 0.7, 1., 1.4, 2., 2.8, 4., 5.6, 8., 16., 32., 64.}) {
-    double rows = 1, area = 1;
-    double sides[3] = {};
-    for (std::size_t axis = 1; axis < 3; ++axis) {
-      sides[axis] = std::max(width * usual, spread[axis] / 1023);
-      const double crossed = 1 + (reach[axis] + mean[axis]) / sides[axis];
-      const double cells = std::min(crossed, spread[axis] / sides[axis] + 1);
-      rows *= cells;
-      area *= std::min(cells * sides[axis], spread[axis] + usual);
-    }
-    // Along x a row is cut as often as there are boxes to pay for it.
-    const double columns =
-        (std::floor(spread[1] / sides[1]) + 1) * (std::floor(spread[2] / sides[2]) + 1);
-    if (columns > 2 * total + 64) continue;
-    sides[0] = std::max({mean[0] / 4, spread[0] * columns / (2 * total + 64), spread[0] / 65535});
-    const double length = std::min(reach[0] + mean[0] + sides[0], spread[0] + usual);
-    const double tests = area * length * density / rows;  // in one row
-    const double cost = rows * (kScanCost + kTestCost * std::ceil(tests / 8) * 8);
-    if (cost < best) {
-      best = cost;
-      std::copy(std::begin(sides), std::end(sides), side);
-    }
+    const Cells cells = CellsOfWidth(it, width);
+    if (cells.cost < best.cost) best = cells;
   }
-  if (!(best < std::numeric_limits<double>::infinity()))
+  if (!(best.cost < kInfinity))
     for (std::size_t axis = 0; axis < 3; ++axis)
-      side[axis] = std::max({usual, spread[axis] / std::cbrt(total + 64)});
+      best.sides[axis] =
+          std::max({it.usual, it.region.spread[axis] / std::cbrt(it.region.total + 64)});
+  return best.sides;
+}
+
+GridShape ShapeOf(const Contents& it, const Vector& sides) {
+  GridShape shape = {};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double cells =
-        std::clamp(std::floor(spread[axis] / std::max(side[axis], 1e-30)) + 1, 1., 65536.);
-    shape_.origin[axis] = static_cast<float>(from[axis]);
-    shape_.inverse[axis] = static_cast<float>(std::min(1 / std::max(side[axis], 1e-30), 1e30));
-    shape_.n[axis] = static_cast<std::uint32_t>(cells);
-    shape_.last[axis] = static_cast<float>(shape_.n[axis] - 1);
-    shape_.reach[axis] = reach[axis];
+    const double side = std::max(sides[axis], 1e-30);
+    const double cells = std::clamp(std::floor(it.region.spread[axis] / side) + 1, 1., 65536.);
+    shape.origin[axis] = static_cast<float>(it.region.from[axis]);
+    shape.inverse[axis] = static_cast<float>(std::min(1 / side, 1e30));
+    shape.n[axis] = static_cast<std::uint32_t>(cells);
+    shape.last[axis] = static_cast<float>(shape.n[axis] - 1);
+    shape.reach[axis] = it.reach[axis];
   }
+  return shape;
+}
+
+}  // namespace
+
+void BoxGrid::ChooseShape(std::size_t count) {
+  age_ = 0;
+  shaped_for_ = count;
+  const Columns& boxes = loose_.get();
+  const Sample sample = Take(boxes, count);
+  if (sample.size == 0) {  // no box that could be in a cell
+    shape_ = {.origin = {}, .inverse = {}, .last = {}, .reach = {-1, -1, -1}, .n = {1, 1, 1}};
+    return;
+  }
+  Contents contents;
+  contents.region = RegionOf(sample, count);
+  const float limit = CheapestLimit(Lengths(boxes, count), contents.region);
+  contents.reach = Reach(boxes, count, limit);
+  contents.mean = MeanExtent(sample, limit);
+  contents.usual = *std::ranges::max_element(contents.reach);
+  shape_ = ShapeOf(contents, CheapestSides(contents));
 }
 
 bool BoxGrid::Build(const Box* boxes, std::size_t count) {

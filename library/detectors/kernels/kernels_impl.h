@@ -18,6 +18,24 @@ inline float Below(float x) {
   return x - ((x < 0 ? -x : x) * 0x1p-23f + kLeast);
 }
 inline float Above(float x) { return -Below(-x); }
+
+/// Writes box `i`; true if each of its numbers is a float, or it is left out.
+inline bool NarrowOne(const Box& box, std::size_t i, const Columns& columns) {
+  const double* at = &box.lower.x;
+  bool is_exact = true, is_valid = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lower = at[axis], upper = at[axis + 3];
+    is_valid &= lower <= upper;
+    float below = static_cast<float>(lower), above = static_cast<float>(upper);
+    const bool fits = (static_cast<double>(below) == lower) & (static_cast<double>(above) == upper);
+    is_exact &= fits | !(lower <= upper);
+    columns.lower[axis][i] = fits ? below : Below(below);
+    columns.upper[axis][i] = fits ? above : Above(above);
+  }
+  if (!is_valid) columns.lower[0][i] = kNotANumber;
+  return is_exact;
+}
+
 #if defined(__SSE2__)
 inline __m128 Below(__m128 x) {
   const __m128 held = _mm_min_ps(_mm_set1_ps(kMost), x);  // of NaN, kMost
@@ -28,78 +46,89 @@ inline __m128 Above(__m128 x) {
   const __m128 sign = _mm_set1_ps(-0.0f);
   return _mm_xor_ps(Below(_mm_xor_ps(x, sign)), sign);
 }
+
+/// The columns of four boxes.
+struct Four {
+  __m128 low_x, low_y, low_z, high_x, high_y, high_z;
+};
+
+/// Rounds four boxes to the nearest floats and turns them from rows into columns, as the shuffles
+/// are cheaper than single stores; true if nothing was rounded.
+[[gnu::always_inline]] inline bool LoadFour(const Box* boxes, Four& four) {
+  __m128 first[4], second[4];
+#if defined(__AVX2__)
+  __m256d changed = _mm256_setzero_pd();
+#else
+  __m128d changed = _mm_setzero_pd();
+#endif
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double* at = &boxes[k].lower.x;
+#if defined(__AVX2__)
+    const __m256d a = _mm256_loadu_pd(at), b = _mm256_loadu_pd(at + 2);
+    first[k] = _mm256_cvtpd_ps(a);
+    second[k] = _mm256_cvtpd_ps(b);
+    changed = _mm256_or_pd(changed, _mm256_cmp_pd(_mm256_cvtps_pd(first[k]), a, _CMP_NEQ_UQ));
+    changed = _mm256_or_pd(changed, _mm256_cmp_pd(_mm256_cvtps_pd(second[k]), b, _CMP_NEQ_UQ));
+#else
+    const __m128d a = _mm_loadu_pd(at), b = _mm_loadu_pd(at + 2), c = _mm_loadu_pd(at + 4);
+    const __m128 x = _mm_cvtpd_ps(a), y = _mm_cvtpd_ps(b), z = _mm_cvtpd_ps(c);
+    first[k] = _mm_movelh_ps(x, y);
+    second[k] = _mm_movelh_ps(y, z);
+    changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(x), a));
+    changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(y), b));
+    changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(z), c));
+#endif
+  }
+  _MM_TRANSPOSE4_PS(first[0], first[1], first[2], first[3]);      // lower, upper x
+  _MM_TRANSPOSE4_PS(second[0], second[1], second[2], second[3]);  // lower z, upper
+  four = {first[0], first[1], first[2], first[3], second[2], second[3]};
+#if defined(__AVX2__)
+  return _mm256_movemask_pd(changed) == 0;
+#else
+  return _mm_movemask_pd(changed) == 0;
+#endif
+}
+
+[[gnu::always_inline]] inline void RoundOutwards(Four& four) {
+  four.low_x = Below(four.low_x);
+  four.low_y = Below(four.low_y);
+  four.low_z = Below(four.low_z);
+  four.high_x = Above(four.high_x);
+  four.high_y = Above(four.high_y);
+  four.high_z = Above(four.high_z);
+}
+
+/// Writes four boxes from `i` on.
+[[gnu::always_inline]] inline void StoreFour(const Four& four, std::size_t i,
+                                             const Columns& columns) {
+  __m128 valid =
+      _mm_and_ps(_mm_cmple_ps(four.low_x, four.high_x), _mm_cmple_ps(four.low_y, four.high_y));
+  valid = _mm_and_ps(valid, _mm_cmple_ps(four.low_z, four.high_z));
+  const __m128 all = _mm_castsi128_ps(_mm_set1_epi32(-1));
+  _mm_storeu_ps(columns.lower[0] + i, _mm_or_ps(four.low_x, _mm_andnot_ps(valid, all)));
+  _mm_storeu_ps(columns.lower[1] + i, four.low_y);
+  _mm_storeu_ps(columns.lower[2] + i, four.low_z);
+  _mm_storeu_ps(columns.upper[0] + i, four.high_x);
+  _mm_storeu_ps(columns.upper[1] + i, four.high_y);
+  _mm_storeu_ps(columns.upper[2] + i, four.high_z);
+}
 #endif
 
 bool Narrow(const Box* boxes, std::size_t count, const Columns& columns) {
   bool is_exact = true;
   std::size_t i = 0;
 #if defined(__SSE2__)
-  // Four boxes: turned from rows into columns, as the shuffles are cheaper than single stores.
   for (; i + 4 <= count; i += 4) {
-    __m128 first[4], second[4];
-#if defined(__AVX2__)
-    __m256d changed = _mm256_setzero_pd();
-#else
-    __m128d changed = _mm_setzero_pd();
-#endif
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double* at = &boxes[i + k].lower.x;
-#if defined(__AVX2__)
-      const __m256d a = _mm256_loadu_pd(at), b = _mm256_loadu_pd(at + 2);
-      first[k] = _mm256_cvtpd_ps(a);
-      second[k] = _mm256_cvtpd_ps(b);
-      changed = _mm256_or_pd(changed, _mm256_cmp_pd(_mm256_cvtps_pd(first[k]), a, _CMP_NEQ_UQ));
-      changed = _mm256_or_pd(changed, _mm256_cmp_pd(_mm256_cvtps_pd(second[k]), b, _CMP_NEQ_UQ));
-#else
-      const __m128d a = _mm_loadu_pd(at), b = _mm_loadu_pd(at + 2), c = _mm_loadu_pd(at + 4);
-      const __m128 x = _mm_cvtpd_ps(a), y = _mm_cvtpd_ps(b), z = _mm_cvtpd_ps(c);
-      first[k] = _mm_movelh_ps(x, y);
-      second[k] = _mm_movelh_ps(y, z);
-      changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(x), a));
-      changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(y), b));
-      changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(z), c));
-#endif
-    }
-    _MM_TRANSPOSE4_PS(first[0], first[1], first[2], first[3]);      // lower, upper x
-    _MM_TRANSPOSE4_PS(second[0], second[1], second[2], second[3]);  // lower z, upper
-#if defined(__AVX2__)
-    const bool was_changed = _mm256_movemask_pd(changed) != 0;
-#else
-    const bool was_changed = _mm_movemask_pd(changed) != 0;
-#endif
-    __m128 &low_x = first[0], &low_y = first[1], &low_z = first[2], &high_x = first[3],
-           &high_y = second[2], &high_z = second[3];
-    if (was_changed) {  // one of four: all are rounded
+    Four four;
+    if (!LoadFour(boxes + i, four)) {  // one of four: all are rounded
       is_exact = false;
-      low_x = Below(low_x), low_y = Below(low_y), low_z = Below(low_z);
-      high_x = Above(high_x), high_y = Above(high_y), high_z = Above(high_z);
+      RoundOutwards(four);
     }
-    __m128 valid = _mm_and_ps(_mm_cmple_ps(low_x, high_x), _mm_cmple_ps(low_y, high_y));
-    valid = _mm_and_ps(valid, _mm_cmple_ps(low_z, high_z));
-    const __m128 all = _mm_castsi128_ps(_mm_set1_epi32(-1));
-    _mm_storeu_ps(columns.lower[0] + i, _mm_or_ps(low_x, _mm_andnot_ps(valid, all)));
-    _mm_storeu_ps(columns.lower[1] + i, low_y);
-    _mm_storeu_ps(columns.lower[2] + i, low_z);
-    _mm_storeu_ps(columns.upper[0] + i, high_x);
-    _mm_storeu_ps(columns.upper[1] + i, high_y);
-    _mm_storeu_ps(columns.upper[2] + i, high_z);
+    StoreFour(four, i, columns);
   }
 #endif
-  for (; i < count; ++i) {
-    const double* at = &boxes[i].lower.x;
-    bool is_valid = true;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double lower = at[axis], upper = at[axis + 3];
-      is_valid &= lower <= upper;
-      float below = static_cast<float>(lower), above = static_cast<float>(upper);
-      const bool fits =
-          (static_cast<double>(below) == lower) & (static_cast<double>(above) == upper);
-      is_exact &= fits | !(lower <= upper);
-      columns.lower[axis][i] = fits ? below : Below(below);
-      columns.upper[axis][i] = fits ? above : Above(above);
-    }
-    if (!is_valid) columns.lower[0][i] = kNotANumber;
-  }
+  for (; i < count; ++i)
+    if (!NarrowOne(boxes[i], i, columns)) is_exact = false;
   return is_exact;
 }
 

@@ -53,59 +53,78 @@ void MotionWatch::Begin() {
   }
 }
 
-MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
+MotionWatch::Step MotionWatch::StepOf(const btRigidBody& body, const Track& track) const {
   const double timestep = static_cast<double>(engine_.timestep());
   const Vector3d& g = engine_.acceleration();
   const double pull = g.norm();
-  double worst = 0;  // distance of a ratio from 1
+  Step step;
+  step.way = world::ToEigen(body.getWorldTransform().getOrigin()) - world::ToEigen(track.position);
+  step.velocity = world::ToEigen(body.getLinearVelocity());
+  step.speedup = pull > 0 ? (step.velocity - world::ToEigen(track.velocity)).dot(g) / pull : 0;
+  step.spin = world::ToEigen(body.getAngularVelocity()).norm();
+  const auto threshold = static_cast<double>(body.getCcdMotionThreshold());
+  step.is_swept = threshold > 0 && step.velocity.norm() * timestep > threshold;
+  return step;
+}
+
+double MotionWatch::TurnRatio(const btRigidBody& body, const Track& track, double spin) const {
+  const double due = spin * static_cast<double>(engine_.timestep());
+  if (!(due > kLeastTurn)) return std::numeric_limits<double>::quiet_NaN();
+  return AngleBetween(body.getWorldTransform().getBasis(), track.basis) / due;
+}
+
+void MotionWatch::CompareWay(const Step& step, Track& track, double& worst, Seen& seen) const {
+  track.gone += step.way.cwiseAbs();
+  track.to_go += step.velocity.cwiseAbs() * static_cast<double>(engine_.timestep());
+  const double longest = track.to_go.maxCoeff();
+  for (int axis = 0; axis < 3 && longest > kLeastWay * track.least_side; ++axis) {
+    const double excess = (track.gone[axis] - track.to_go[axis]) / longest;
+    if (std::abs(excess) < worst) continue;
+    worst = std::abs(excess);
+    seen.motion_ratio = 1 + excess;
+  }
+}
+
+void MotionWatch::CompareFall(const Step& step, Track& track, Seen& seen) const {
+  const double timestep = static_cast<double>(engine_.timestep());
+  const double pull = engine_.acceleration().norm();
+  if (!(pull > 0)) return;
+  track.gained += step.speedup;
+  track.due += pull * timestep;
+  if (track.due > (kLeastCycles - 0.5) * pull * timestep)
+    seen.fall_ratio = std::fmin(seen.fall_ratio, track.gained / track.due);
+}
+
+MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
+  const double timestep = static_cast<double>(engine_.timestep());
+  double worst = 0;  // distance of the motion ratio from 1
   Seen seen;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const btRigidBody& body = *engine_.objects()[i];
     if (body.isStaticObject()) continue;
     Track& track = tracks_[i];
     const btTransform& pose = body.getWorldTransform();
-    const Vector3d way = world::ToEigen(pose.getOrigin()) - world::ToEigen(track.position);
-    const Vector3d velocity = world::ToEigen(body.getLinearVelocity());
-    const double gain = pull > 0 ? (velocity - world::ToEigen(track.velocity)).dot(g) / pull : 0;
-    const double spin = world::ToEigen(body.getAngularVelocity()).norm();
+    const Step step = StepOf(body, track);
     seen.displacement =
         std::max(seen.displacement,
                  (world::ToEigen(pose.getOrigin()) - track.start).norm() / track.least_side);
-    // A body that ccd sweeps stops where it hits.
-    const bool is_swept =
-        body.getCcdMotionThreshold() > 0 &&
-        velocity.norm() * timestep > static_cast<double>(body.getCcdMotionThreshold());
-    if (body.isActive() && !is_swept && spin * timestep > kLeastTurn)
-      seen.turn_ratio = std::fmin(seen.turn_ratio,
-                                  AngleBetween(pose.getBasis(), track.basis) / (spin * timestep));
+    if (body.isActive() && !step.is_swept)
+      seen.turn_ratio = std::fmin(seen.turn_ratio, TurnRatio(body, track, step.spin));
     track.position = pose.getOrigin();
     track.velocity = body.getLinearVelocity();
-    if (spin != 0) track.basis = pose.getBasis();
+    if (step.spin != 0) track.basis = pose.getBasis();
     // Bullet moves a body by its velocity at the end of the step, and out of what it overlaps.
-    const bool is_pushed = touches[i] == kPushed || is_swept;
-    if (!body.isActive() || is_pushed) {
+    if (!body.isActive() || touches[i] == kPushed || step.is_swept) {
       Forget(track);
       continue;
     }
     if (touches[i] != kFree) {
       track.gained = track.due = 0;
       // What rests trembles, by less than can matter.
-      if (!(velocity.norm() * timestep > kLeastWay * track.least_side)) continue;
+      if (!(step.velocity.norm() * timestep > kLeastWay * track.least_side)) continue;
     }
-    track.gone += way.cwiseAbs();
-    track.to_go += velocity.cwiseAbs() * timestep;
-    const double longest = track.to_go.maxCoeff();
-    for (int axis = 0; axis < 3 && longest > kLeastWay * track.least_side; ++axis) {
-      const double excess = (track.gone[axis] - track.to_go[axis]) / longest;
-      if (std::abs(excess) < worst) continue;
-      worst = std::abs(excess);
-      seen.motion_ratio = 1 + excess;
-    }
-    if (track.is_damped || !(pull > 0) || touches[i] != kFree) continue;
-    track.gained += gain;
-    track.due += pull * timestep;
-    if (track.due > (kLeastCycles - 0.5) * pull * timestep)
-      seen.fall_ratio = std::fmin(seen.fall_ratio, track.gained / track.due);
+    CompareWay(step, track, worst, seen);
+    if (!track.is_damped && touches[i] == kFree) CompareFall(step, track, seen);
   }
   return seen;
 }

@@ -58,7 +58,20 @@ class MotionWatch {
     double gained, due;
   };
 
+  /// What a body did in a cycle.
+  struct Step {
+    Eigen::Vector3d way, velocity;
+    double speedup;  ///< m/s, along g
+    double spin;     ///< rad/s
+    bool is_swept;   ///< by ccd: it stops where it hits
+  };
+
   void Forget(Track& track) const;
+  Step StepOf(const btRigidBody& body, const Track& track) const;
+  /// NaN where it turns too little.
+  double TurnRatio(const btRigidBody& body, const Track& track, double spin) const;
+  void CompareWay(const Step& step, Track& track, double& worst, Seen& seen) const;
+  void CompareFall(const Step& step, Track& track, Seen& seen) const;
 
   world::Engine& engine_;
   std::vector<Track> tracks_;  ///< by object

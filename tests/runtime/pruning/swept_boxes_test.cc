@@ -84,5 +84,22 @@ TEST(SweptBoxes, TakesTheAxisThatSeparatesMost) {
   }
 }
 
+TEST(SortedBoxes, FindsAllThatOverlap) {
+  std::mt19937 random(3);
+  const std::vector<pruning::SweptBox> boxes = RandomBoxes(random, 200, 0.3);
+  const pruning::SortedBoxes sorted(boxes);
+  std::size_t found = 0;
+  for (const pruning::SweptBox& query : RandomBoxes(random, 100, 0.1)) {
+    std::set<std::uint32_t> expected, reported;
+    for (const pruning::SweptBox& swept : boxes)
+      if (swept.box.intersects(query.box)) expected.insert(swept.object);
+    for (const pruning::SweptBox& swept : sorted.Near(query.box))
+      if (swept.box.intersects(query.box)) reported.insert(swept.object);
+    EXPECT_EQ(reported, expected);
+    found += sorted.Near(query.box).size();
+  }
+  EXPECT_LT(found, 100u * 200u);
+}
+
 }  // namespace
 }  // namespace cdb::tests

@@ -1,0 +1,283 @@
+// Values with brackets: vectors, and calls with their arguments.
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dsl/concat.h"
+#include "dsl/diagnostic_kinds.h"
+#include "dsl/value_parser.h"
+
+namespace cdb::dsl {
+namespace {
+
+bool IsName(std::string_view path) { return path.find('.') == std::string_view::npos; }
+
+}  // namespace
+
+Token ValueParser::TakeOpen() {
+  const Token open = cursor_.Take();
+  if (open.kind == TokenKind::kLeftBracket)
+    cursor_.Report(kSquareBracket, cursor_.SpanOf(open), "square brackets mean nothing here",
+                   "vectors and arguments stand in ( )");
+  return open;
+}
+
+void ValueParser::SkipElement() {
+  for (int depth = 0; !cursor_.At(TokenKind::kEnd); cursor_.Take()) {
+    switch (cursor_.Peek().kind) {
+      case TokenKind::kNewline:
+      case TokenKind::kSemicolon:
+      case TokenKind::kLeftBrace:
+      case TokenKind::kRightBrace:
+        return;
+      case TokenKind::kLeftParen:
+      case TokenKind::kLeftBracket:
+        ++depth;
+        break;
+      case TokenKind::kRightParen:
+      case TokenKind::kRightBracket:
+        if (depth-- == 0) return;
+        break;
+      case TokenKind::kComma:
+        if (depth == 0) return;
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+bool ValueParser::Close(const Token& open, std::string_view expected) {
+  if (AtClose()) {
+    const Token close = cursor_.Take();
+    if (open.kind == TokenKind::kLeftParen && close.kind == TokenKind::kRightBracket)
+      cursor_.Report(kMismatchedBracket, cursor_.SpanOf(close), "'(' is closed by ')', not by ']'",
+                     "", {{cursor_.SpanOf(open), "it was opened here"}});
+    return true;
+  }
+  const Token& found = cursor_.Peek();
+  if (cursor_.AtStatementEnd() || found.kind == TokenKind::kLeftBrace) {
+    std::vector<Note> notes;
+    if (found.kind == TokenKind::kNewline)
+      notes.push_back({{&cursor_.source(), found.begin, found.begin},
+                       "the line ends here; inside ( ) it can break after ','"});
+    else
+      notes.push_back({cursor_.SpanOf(found), cursor_.Describe(found) + " comes before its ')'"});
+    cursor_.Report(kUnclosedBracket, cursor_.SpanOf(open),
+                   Concat({"this ", cursor_.Quote(open), " is not closed"}), "", std::move(notes));
+    return false;
+  }
+  cursor_.ReportUnexpected(expected);
+  return false;
+}
+
+void ValueParser::ReportMisplacedAs() {
+  const Token as = cursor_.Take();
+  if (cursor_.At(TokenKind::kPath)) cursor_.Take();
+  cursor_.Report(kMisplacedAs, cursor_.SpanFrom(as.begin), "'as' stands after a ')' only",
+                 "for example: sweep(1 .. 5) as z");
+}
+
+template <typename ParseOne>
+bool ValueParser::ParseList(const Token& open, ParseOne parse_one) {
+  bool comma_reported = false;
+  while (!AtClose()) {
+    if (cursor_.AtStatementEnd()) return Close(open, "");
+    if (!parse_one()) {
+      if (cursor_.gave_up()) return false;
+      SkipElement();
+      if (!AtClose() && !cursor_.At(TokenKind::kComma)) return false;
+    }
+    if (cursor_.At(TokenKind::kNewline) && cursor_.NextLineContinues()) {
+      const Token& next = cursor_.Peek(1);
+      cursor_.Report(
+          kLineBreak, cursor_.SpanOf(next), "inside ( ) a line can break after ',' only",
+          next.kind == TokenKind::kComma ? "put the ',' at the end of the line above" : "");
+      cursor_.Take();
+      comma_reported = true;
+      // An element that goes on with an operator is not read again.
+      if (!cursor_.AtValueStart()) SkipElement();
+    }
+    if (cursor_.At(TokenKind::kComma)) {
+      const Token comma = cursor_.Take();
+      if (AtClose())
+        cursor_.Report(kTrailingComma, cursor_.SpanOf(comma), "no value follows this ','",
+                       "leave it out");
+      continue;
+    }
+    if (AtClose()) break;
+    if (cursor_.AtWord("as")) {
+      ReportMisplacedAs();
+      continue;
+    }
+    if (!cursor_.AtValueStart()) {
+      if (Close(open, "',' or ')'")) return true;
+      SkipElement();
+      if (cursor_.At(TokenKind::kComma)) {
+        cursor_.Take();
+        continue;
+      }
+      if (!AtClose()) return false;
+      break;
+    }
+    if (!comma_reported && !cursor_.Peek().faulty)
+      cursor_.Report(kMissingComma, cursor_.SpanOf(cursor_.Peek()),
+                     Concat({"a ',' is missing before ", cursor_.Quote(cursor_.Peek())}));
+    comma_reported = true;
+  }
+  return Close(open, "')'");
+}
+
+ExprPtr ValueParser::ParseBracketed() {
+  const DepthScope deeper(cursor_);
+  const Token open = TakeOpen();
+  if (!cursor_.FitsDepth(1, cursor_.SpanOf(open))) return nullptr;
+  std::vector<ExprPtr> items;
+  bool all_good = true;
+  const bool closed = ParseList(open, [&] {
+    ExprPtr item = ParseValue();
+    if (item && (item->kind == ExprKind::kRange || item->kind == ExprKind::kRatio ||
+                 item->kind == ExprKind::kText)) {
+      const char* what = item->kind == ExprKind::kRange   ? "a range"
+                         : item->kind == ExprKind::kRatio ? "a ratio"
+                                                          : "a text";
+      cursor_.Report(kBracketedValue, item->span,
+                     std::string(what) + " cannot stand in plain brackets",
+                     item->kind == ExprKind::kRange ? "write sweep(a .. b), or no brackets" : "");
+    }
+    all_good &= item != nullptr;
+    const bool good = item != nullptr;
+    if (good) items.push_back(std::move(item));
+    return good;
+  });
+  if (!closed) return nullptr;
+  const Span span = cursor_.SpanFrom(open.begin);
+  if (items.empty()) {
+    if (all_good) cursor_.Report(kMissingValue, span, "there is no value in these brackets");
+    return nullptr;
+  }
+  if (items.size() == 1) {
+    ExprPtr inner = std::move(items.front());
+    inner->span = span;
+    return inner;
+  }
+  if (items.size() != 3 && all_good)
+    cursor_.Report(
+        kVectorParts, span,
+        Concat({"a vector has three parts, and this has ", std::to_string(items.size())}),
+        "a vector is written (x, y, z)");
+  ExprPtr vector = Make(ExprKind::kVector, open.begin);
+  vector->items = std::move(items);
+  return Finish(std::move(vector), cursor_.SpanOf(open));
+}
+
+ExprPtr ValueParser::ParseCall(const Token& name) {
+  ExprPtr call = Make(ExprKind::kCall, name.begin);
+  call->text = cursor_.Text(name);
+  if (!name.faulty && !IsName(call->text))
+    cursor_.Report(kBadName, cursor_.SpanOf(name), "a function's name has no '.' in it");
+  {
+    const DepthScope deeper(cursor_);
+    const Token open = TakeOpen();
+    if (!cursor_.FitsDepth(1, cursor_.SpanOf(open))) return nullptr;
+    if (!ParseList(open, [&] { return ParseArgument(*call); })) return nullptr;
+  }
+  if (cursor_.AtWord("as")) {
+    const Token as = cursor_.Take();
+    call->axis = cursor_.ParseName("an axis", /*within_value=*/true);
+    if (!call->axis) {
+      cursor_.Report(kMissingName, cursor_.SpanOf(as), "'as' needs the axis's name after it",
+                     "for example: sweep(1 .. 5) as z");
+      return nullptr;
+    }
+  }
+  return Finish(std::move(call), cursor_.SpanOf(name));
+}
+
+bool ValueParser::AtLabel(std::size_t ahead) const {
+  const Token& name = cursor_.Peek(ahead);
+  return name.kind == TokenKind::kPath && IsName(cursor_.Text(name)) &&
+         cursor_.Peek(ahead + 1).kind == TokenKind::kColon;
+}
+
+ExprPtr ValueParser::ParseBareCall() {
+  const Token name = cursor_.Take();
+  ExprPtr call = Make(ExprKind::kCall, name.begin);
+  call->text = cursor_.Text(name);
+  call->bare = true;
+  const Name function{call->text, cursor_.SpanOf(name)};
+  if (!name.faulty) cursor_.RefuseReserved(function);
+  if (!name.faulty && !IsName(call->text))
+    cursor_.Report(kBadName, function.span, "a function's name has no '.' in it");
+  const Token label = cursor_.Take();
+  cursor_.Take();
+  Argument argument;
+  argument.name = Name{std::string(cursor_.Text(label)), cursor_.SpanOf(label)};
+  cursor_.RefuseReserved(*argument.name);
+  // No bare call again: in `ring radius: r gap: 2` it is the brackets that are missing.
+  if (cursor_.At(TokenKind::kText)) {
+    argument.value = ParseText();
+  } else if (ExprPtr first = ParseSum()) {
+    argument.value = FinishValue(std::move(first));
+  }
+  if (!argument.value) return nullptr;
+  call->arguments.push_back(std::move(argument));
+  return Finish(std::move(call), cursor_.SpanOf(name));
+}
+
+/// An argument that begins with `name :`; no value where one is missing.
+bool ValueParser::ParseLabelled(Argument& argument) {
+  const Token first = cursor_.Take();
+  cursor_.Take();
+  Name name{std::string(cursor_.Text(first)), cursor_.SpanOf(first)};
+  std::vector<ExprPtr> sums;
+  while (true) {
+    if (sums.empty() && cursor_.At(TokenKind::kText)) {
+      argument.value = ParseText();
+      break;
+    }
+    ExprPtr sum = ParseSum();
+    if (!sum) return false;
+    sums.push_back(std::move(sum));
+    if (!cursor_.At(TokenKind::kColon) || sums.size() == 3) break;
+    cursor_.Take();
+  }
+  cursor_.RefuseReserved(name);
+  if (sums.empty()) {
+    argument.name = std::move(name);
+  } else if (sums.size() == 1) {
+    argument.name = std::move(name);
+    argument.value =
+        cursor_.At(TokenKind::kDots) ? FinishRange(std::move(sums.front())) : std::move(sums[0]);
+  } else if (sums.size() == 2) {
+    ExprPtr part = Make(ExprKind::kPath, first.begin);
+    part->span = name.span;
+    part->text = std::move(name.text);
+    sums.insert(sums.begin(), std::move(part));
+    argument.value = FinishRatio(std::move(sums));
+  } else if (sums.size() == 3) {
+    argument.name = std::move(name);
+    argument.value = FinishRatio(std::move(sums));
+  }
+  return true;
+}
+
+// `sd: 3`, `1 : y : z`, `y : 1 : 1` and `sphere 3`: how many colons there are tells a ratio that
+// begins with a name from a named argument.
+bool ValueParser::ParseArgument(Expr& call) {
+  Argument argument;
+  if (!AtLabel()) {
+    argument.value = ParseValue();
+  } else if (!ParseLabelled(argument)) {
+    return false;
+  }
+  if (!argument.value) return false;
+  const bool weighable = argument.value->kind == ExprKind::kCall ||
+                         (argument.value->kind == ExprKind::kPath && IsName(argument.value->text));
+  if (weighable && cursor_.At(TokenKind::kNumber)) argument.weight = ParsePrimary();
+  call.arguments.push_back(std::move(argument));
+  return true;
+}
+
+}  // namespace cdb::dsl

@@ -1,0 +1,141 @@
+#include "dsl/number.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "dsl/characters.h"
+#include "dsl/concat.h"
+#include "dsl/diagnostic_kinds.h"
+
+namespace cdb::dsl {
+namespace {
+
+class NumberCheck {
+ public:
+  NumberCheck(std::string_view lexeme, const Span& span, Diagnostics& diagnostics)
+      : lexeme_(lexeme), span_(span), diagnostics_(diagnostics) {}
+
+  bool Run() {
+    const bool is_hex = lexeme_.starts_with("0x") || lexeme_.starts_with("0X");
+    if (!TakeDigits(is_hex)) return false;
+    if (is_hex) return CheckHex();
+    if (digits_.front() == '.')
+      return Refuse(kBadNumber, "a number begins with a digit", Concat({"write 0", lexeme_}));
+    if (digits_.back() == '.')
+      return Refuse(kBadNumber, "a number does not end with a point",
+                    Concat({"write ", lexeme_, "0, or leave the point out"}));
+    return CheckDecimal();
+  }
+
+ private:
+  bool Refuse(const DiagnosticKind& kind, std::string message, std::string help) {
+    diagnostics_.Report(kind, span_, std::move(message), std::move(help));
+    return false;
+  }
+  std::string Quoted() const { return Concat({"'", lexeme_, "'"}); }
+  bool RefuseForm(std::string help) {
+    return Refuse(kBadNumber, Quoted() + " is not a number", std::move(help));
+  }
+
+  /// Into `digits_`, without the underscores.
+  bool TakeDigits(bool is_hex) {
+    const auto is_digit = is_hex ? IsHexDigit : IsDigit;
+    for (std::size_t i = 0; i < lexeme_.size(); ++i) {
+      if (lexeme_[i] != '_') {
+        digits_ += lexeme_[i];
+        continue;
+      }
+      if (i == 0 || i + 1 == lexeme_.size() || !is_digit(lexeme_[i - 1]) ||
+          !is_digit(lexeme_[i + 1]))
+        return RefuseForm("'_' stands between two digits: 1_000");
+    }
+    return true;
+  }
+
+  bool CheckHex() {
+    const char *begin = digits_.data() + 2, *end = digits_.data() + digits_.size();
+    std::uint64_t value = 0;
+    const auto [stop, error] = std::from_chars(begin, end, value, 16);
+    if (stop != end || stop == begin)
+      return RefuseForm("after 0x come the digits 0 to 9 and A to F, without a point");
+    if (error == std::errc::result_out_of_range)
+      return Refuse(kNumberRange, Quoted() + " does not fit into 64 bits",
+                    "the largest is 0xFFFFFFFFFFFFFFFF");
+    return true;
+  }
+
+  bool SkipDigits(std::size_t& at) const {
+    const std::size_t from = at;
+    while (at < digits_.size() && IsDigit(digits_[at])) ++at;
+    return at > from;
+  }
+
+  /// Skips digits, a point between digits, and an exponent with digits. Nullopt if one of them is
+  /// incomplete, else whether the number is whole.
+  std::optional<bool> SkipDecimal(std::size_t& at) const {
+    const auto has = [&](std::string_view any) {
+      return at < digits_.size() && any.find(digits_[at]) != std::string_view::npos;
+    };
+    bool is_whole = true;
+    SkipDigits(at);
+    if (has(".")) {
+      is_whole = false;
+      ++at;
+      if (!SkipDigits(at)) return std::nullopt;
+    }
+    if (has("eE")) {
+      is_whole = false;
+      ++at;
+      if (has("+-")) ++at;
+      if (!SkipDigits(at)) return std::nullopt;
+    }
+    return is_whole;
+  }
+
+  bool CheckDecimal() {
+    std::size_t at = 0;
+    const std::optional<bool> is_whole = SkipDecimal(at);
+    if (!is_whole) return RefuseForm("");
+    if (at < digits_.size()) {
+      const bool is_unit = std::all_of(digits_.begin() + static_cast<std::ptrdiff_t>(at),
+                                       digits_.end(), [](char c) { return IsLetter(c); });
+      return RefuseForm(is_unit ? Concat({"units are not written; write ", digits_.substr(0, at)})
+                                : "");
+    }
+    return *is_whole ? CheckWholeRange() : CheckRealRange();
+  }
+
+  template <typename Number>
+  bool Fits() const {
+    Number value = 0;
+    return std::from_chars(digits_.data(), digits_.data() + digits_.size(), value).ec !=
+           std::errc::result_out_of_range;
+  }
+  bool CheckWholeRange() {
+    return Fits<std::uint64_t>() ||
+           Refuse(kNumberRange, Quoted() + " does not fit into 64 bits",
+                  "where a rounded number will do, write an exponent: 1e20");
+  }
+  bool CheckRealRange() {
+    return Fits<double>() || Refuse(kNumberRange, Quoted() + " does not fit into a 64-bit real",
+                                    "reals reach from about 1e-308 to 1.8e308");
+  }
+
+  std::string_view lexeme_;
+  const Span& span_;
+  Diagnostics& diagnostics_;
+  std::string digits_;
+};
+
+}  // namespace
+
+bool CheckNumber(std::string_view lexeme, const Span& span, Diagnostics& diagnostics) {
+  return NumberCheck(lexeme, span, diagnostics).Run();
+}
+
+}  // namespace cdb::dsl

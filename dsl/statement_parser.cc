@@ -1,0 +1,293 @@
+#include "dsl/statement_parser.h"
+
+#include <utility>
+
+#include "dsl/concat.h"
+#include "dsl/diagnostic_kinds.h"
+
+namespace cdb::dsl {
+
+void StatementParser::ParseStatement(std::vector<Statement>& statements) {
+  const Token first = cursor_.Peek();
+  cursor_.BeginStatement();
+  Statement statement;
+  const auto keep = [&](auto parsed) {
+    if (!parsed) return;
+    statement.what = std::move(*parsed);
+    statement.span = cursor_.SpanFrom(first.begin);
+    statements.push_back(std::move(statement));
+  };
+  if (cursor_.AtWord("let")) {
+    keep(ParseLet());
+  } else if (cursor_.AtWord("cases")) {
+    keep(ParseCases());
+  } else if (cursor_.AtWord("skip")) {
+    keep(ParseSkip());
+  } else if (cursor_.AtWord("benchmark") || cursor_.AtWord("use")) {
+    ParseMisplaced();
+  } else if (first.kind == TokenKind::kPath) {
+    Name path = cursor_.TakePath();
+    const Token sign = cursor_.Peek();
+    if (sign.kind == TokenKind::kAssign || sign.kind == TokenKind::kColon) {
+      if (!sign.faulty)
+        cursor_.Report(kEqualsInSetting, cursor_.SpanOf(sign),
+                       Concat({"a setting is written without ", cursor_.Quote(sign)}),
+                       "write a space between the name and its value");
+      cursor_.Take();
+    }
+    if (AtGroup())
+      keep(ParseGroup(std::move(path), first.faulty));
+    else
+      keep(ParseSetting(std::move(path)));
+  } else if (first.kind == TokenKind::kLeftBrace) {
+    cursor_.Report(kUnexpectedToken, cursor_.SpanOf(first), "a block needs a name before its '{'");
+    Block dropped;
+    ParseBlock(dropped, cursor_.SpanOf(first));
+  } else {
+    if (first.kind == TokenKind::kRightParen || first.kind == TokenKind::kRightBracket)
+      ReportStrayBracket();
+    else if (!first.faulty)
+      cursor_.Report(
+          kUnexpectedToken, cursor_.SpanOf(first),
+          Concat({"a statement begins with a name, not with ", cursor_.Describe(first)}));
+    cursor_.Take();
+    SkipStatement();
+  }
+  EndStatement();
+}
+
+void StatementParser::ParseMisplaced() {
+  const Token word = cursor_.Peek();
+  cursor_.Report(kMisplacedStatement, cursor_.SpanOf(word),
+                 cursor_.Quote(word) + " cannot stand inside a block",
+                 "it stands outside all blocks, at the start of a line");
+  if (cursor_.AtWord("use"))
+    ParseUse();
+  else
+    ParseBenchmark();
+}
+
+bool StatementParser::AtGroup() const {
+  const auto at = [&](std::size_t ahead, TokenKind kind) {
+    return cursor_.Peek(ahead).kind == kind;
+  };
+  if (at(0, TokenKind::kLeftBrace)) return true;
+  if (at(0, TokenKind::kNewline)) return at(1, TokenKind::kLeftBrace);
+  const bool label = at(0, TokenKind::kPath) || at(0, TokenKind::kText);
+  if (!label) return false;
+  return at(1, TokenKind::kLeftBrace) ||
+         (at(1, TokenKind::kNewline) && at(2, TokenKind::kLeftBrace));
+}
+
+std::optional<Group> StatementParser::ParseGroup(Name kind, bool faulty) {
+  Group group;
+  if (cursor_.At(TokenKind::kText)) {
+    const Token text = cursor_.Take();
+    if (!text.faulty)
+      cursor_.Report(kBadName, cursor_.SpanOf(text), "the name of a group stands without quotes");
+  } else if (cursor_.At(TokenKind::kPath)) {
+    group.label = cursor_.ParseName("a group");
+  }
+  if (cursor_.At(TokenKind::kLeftBrace) && ListInBraces()) {
+    const Token brace = cursor_.Peek();
+    SkipBraces();
+    cursor_.Report(kBracesForList, cursor_.SpanFrom(brace.begin), "values do not stand in { }",
+                   "a vector is written (x, y, z), a list a, b, c");
+    return std::nullopt;
+  }
+  if (!faulty && kind.text.find('.') != std::string::npos)
+    cursor_.Report(kBadName, kind.span, "the name of a block has no '.' in it",
+                   "put one block into the other");
+  const Span owner = kind.span;
+  group.kind = std::move(kind);
+  if (!ParseBlock(group.block, owner)) return std::nullopt;
+  return group;
+}
+
+std::optional<Setting> StatementParser::ParseSetting(Name path) {
+  if (cursor_.AtStatementEnd()) {
+    const bool sign = cursor_.Previous().kind == TokenKind::kAssign ||
+                      cursor_.Previous().kind == TokenKind::kColon;
+    if (!sign)
+      cursor_.Report(kMissingValue, path.span, Concat({"'", path.text, "' is given no value"}));
+    return std::nullopt;
+  }
+  Setting setting;
+  setting.path = std::move(path);
+  if (!ParseMoreValues(setting)) {
+    SkipStatement();
+    return std::nullopt;
+  }
+  return setting;
+}
+
+bool StatementParser::ParseMoreValues(Setting& setting) {
+  std::optional<Token> comma;  // before the current value, where there is one
+  bool comma_reported = false;
+  while (true) {
+    const std::size_t start = cursor_.index();
+    const Token first = cursor_.Peek();
+    ExprPtr value = values_.ParseValue();
+    if (!value) return false;
+    if (comma && IsTrailing(*comma, first, *value)) {
+      cursor_.Report(kTrailingComma, cursor_.SpanOf(*comma),
+                     "after this ',' the next line goes on with the list",
+                     "leave it out if the list ends here");
+      cursor_.Rewind(start);
+      statement_begins_ = true;
+      return true;
+    }
+    if (RefuseSecondArgument(*value)) return false;
+    const ExprKind kind = value->kind;
+    const std::string word = value->text;
+    setting.values.push_back(std::move(value));
+    if (cursor_.At(TokenKind::kComma)) {
+      comma = cursor_.Take();
+      if (!cursor_.AtStatementEnd()) continue;
+      cursor_.Report(kTrailingComma, cursor_.SpanOf(*comma), "no value follows this ','",
+                     "leave it out");
+      return true;
+    }
+    comma.reset();
+    const Token next = cursor_.Peek();
+    if (!cursor_.AtValueStart() || next.faulty || cursor_.AtWord("as")) return true;
+    if (RefuseMissingSemicolon(kind, word)) return true;
+    if (!comma_reported)
+      cursor_.Report(kMissingComma, cursor_.SpanOf(next),
+                     Concat({"a ',' is missing before ", cursor_.Quote(next)}),
+                     kind == ExprKind::kPath && next.kind != TokenKind::kPath
+                         ? Concat({"arguments stand in brackets: ", word, "(…)"})
+                         : "");
+    comma_reported = true;
+  }
+}
+
+/// `record timing,` and on the next line `cycles 5`: the comma is what is wrong. `value` begins
+/// with `first`.
+bool StatementParser::IsTrailing(const Token& comma, const Token& first, const Expr& value) const {
+  const auto line_of = [&](const Token& token) {
+    return cursor_.source().PositionAt(token.begin).line;
+  };
+  const bool next_statement = value.kind == ExprKind::kPath && first.kind == TokenKind::kPath &&
+                              (cursor_.AtValueStart() || cursor_.At(TokenKind::kLeftBrace) ||
+                               cursor_.At(TokenKind::kAssign));
+  return next_statement && line_of(comma) < line_of(first);
+}
+
+/// `ring radius: 20 gap: 2` or `ring radius: 20, gap: 2`: true, with a report.
+bool StatementParser::RefuseSecondArgument(const Expr& value) {
+  const bool after_comma = cursor_.At(TokenKind::kComma);
+  if (!value.bare || !(values_.AtLabel() || (after_comma && values_.AtLabel(1)))) return false;
+  const Token& label = cursor_.Peek(after_comma ? 1 : 0);
+  cursor_.Report(kMissingBrackets, cursor_.SpanOf(label),
+                 Concat({"several arguments of '", value.text, "' stand in brackets"}),
+                 Concat({"write: ", value.text, "(", value.arguments[0].name->text, ": …, ",
+                         cursor_.Text(label), ": …)"}));
+  return true;
+}
+
+/// Where another statement seems to begin behind the last value, of which `word` is the text: true,
+/// with a report.
+bool StatementParser::RefuseMissingSemicolon(ExprKind last, const std::string& word) {
+  const Token next = cursor_.Peek();
+  const bool is_statement =
+      next.kind == TokenKind::kPath &&
+      (cursor_.AtValueStart(1) || cursor_.Peek(1).kind == TokenKind::kLeftBrace ||
+       cursor_.Peek(1).kind == TokenKind::kAssign || cursor_.Peek(1).kind == TokenKind::kColon ||
+       IsReserved(cursor_.Text(next)));
+  if (!is_statement) return false;
+  cursor_.Report(kMissingSemicolon, cursor_.SpanOf(next),
+                 Concat({"a ';' or a ',' is missing before ", cursor_.Quote(next)}),
+                 last == ExprKind::kPath
+                     ? Concat({"';' before another statement, ',' before another value; or write: ",
+                               word, "(", cursor_.Text(next), ": …)"})
+                     : "';' before another statement, ',' before another value");
+  statement_begins_ = true;
+  return true;
+}
+
+std::optional<Cases> StatementParser::ParseCases() {
+  Cases cases;
+  cases.keyword = cursor_.SpanOf(cursor_.Take());
+  if (cursor_.At(TokenKind::kPath)) cases.name = cursor_.ParseName("an axis");
+  const Span owner = cursor_.SpanFrom(cases.keyword.begin);
+  Span braces;
+  const bool parsed = ParseBraces(braces, owner, [&] {
+    if (std::optional<Case> one = ParseCase()) cases.cases.push_back(std::move(*one));
+  });
+  if (!parsed) return std::nullopt;
+  return cases;
+}
+
+std::optional<Case> StatementParser::ParseCase() {
+  const Token first = cursor_.Peek();
+  if (first.kind == TokenKind::kComma) {
+    cursor_.Take();
+    cursor_.Report(kUnexpectedToken, cursor_.SpanOf(first), "no ',' stands between cases",
+                   "leave it out");
+    return std::nullopt;
+  }
+  std::optional<Case> result;
+  if (std::optional<Name> name = cursor_.ParseName("a case")) {
+    Case one;
+    one.name = std::move(*name);
+    if (cursor_.At(TokenKind::kAssign) || cursor_.At(TokenKind::kColon)) {
+      const Token sign = cursor_.Take();
+      cursor_.Report(kEqualsInSetting, cursor_.SpanOf(sign),
+                     Concat({"a case is written without ", cursor_.Quote(sign)}),
+                     "write NAME { … }");
+    }
+    if (cursor_.At(TokenKind::kText)) one.title = TextContents(cursor_.Text(cursor_.Take()));
+    const bool setting = cursor_.AtValueStart() && !cursor_.Peek().faulty;
+    if (setting) {
+      cursor_.Report(kMissingBlock, one.name.span, "a case has a block, and no value of its own",
+                     Concat({"write ", one.name.text, " { … }"}));
+      SkipStatement();
+    } else if (ParseBlock(one.block, one.name.span)) {
+      result = std::move(one);
+    }
+  } else {
+    if (!first.faulty)
+      cursor_.Report(kUnexpectedToken, cursor_.SpanOf(first),
+                     Concat({"a case begins with its name, not with ", cursor_.Describe(first)}),
+                     "write NAME { … }");
+    if (first.kind == TokenKind::kLeftBrace) {
+      Block dropped;
+      ParseBlock(dropped, cursor_.SpanOf(first));
+    } else {
+      cursor_.Take();
+      SkipStatement();
+    }
+  }
+  if (!cursor_.At(TokenKind::kComma)) EndStatement();
+  return result;
+}
+
+std::optional<Skip> StatementParser::ParseSkip() {
+  const Token word = cursor_.Take();
+  if (cursor_.AtWord("when")) {
+    cursor_.Take();
+  } else if (cursor_.AtStatementEnd()) {
+    cursor_.Report(kMissingWhen, cursor_.SpanOf(word),
+                   "'skip' does not say which points to leave out",
+                   "for example: skip when quantity > 3000");
+    return std::nullopt;
+  } else {
+    const Token next = cursor_.Peek();
+    const bool instead =
+        cursor_.AtWord("if") || cursor_.AtWord("where") || cursor_.AtWord("unless");
+    if (!next.faulty)
+      cursor_.Report(kMissingWhen, cursor_.SpanOf(instead ? next : word),
+                     "'skip' is followed by 'when'", "write: skip when …");
+    if (instead) cursor_.Take();
+  }
+  Skip skip;
+  skip.when = values_.ParseCondition();
+  if (!skip.when) {
+    SkipStatement();
+    return std::nullopt;
+  }
+  return skip;
+}
+
+}  // namespace cdb::dsl

@@ -1,0 +1,76 @@
+// Statements, blocks and the items of a file: all of the language but values.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dsl/diagnostics.h"
+#include "dsl/syntax.h"
+#include "dsl/token_cursor.h"
+#include "dsl/value_parser.h"
+
+namespace cdb::dsl {
+
+/// Every function reports what is wrong, and goes on where the next statement begins.
+class StatementParser {
+ public:
+  StatementParser(const Source& source, Diagnostics& diagnostics)
+      : cursor_(source, diagnostics), values_(cursor_) {}
+
+  void ParseItems(File& file);
+
+ private:
+  Use ParseUse();
+  std::optional<Let> ParseLet();
+  std::optional<Benchmark> ParseBenchmark();
+  void ParseStatement(std::vector<Statement>& statements);
+  std::optional<Cases> ParseCases();
+  std::optional<Case> ParseCase();
+  std::optional<Skip> ParseSkip();
+  bool AtGroup() const;
+  std::optional<Group> ParseGroup(Name kind, bool faulty);
+  std::optional<Setting> ParseSetting(Name path);
+  bool ParseMoreValues(Setting& setting);
+  bool IsTrailing(const Token& comma, const Token& first, const Expr& value) const;
+  bool RefuseSecondArgument(const Expr& value);
+  bool RefuseMissingSemicolon(ExprKind last, const std::string& word);
+  void ParseMisplaced();
+
+  /// A block and its braces. False where there is none, which is reported as missing from `owner`.
+  bool ParseBlock(Block& block, const Span& owner);
+  /// Calls `parse_one` for everything between the braces.
+  bool ParseBraces(Span& span, const Span& owner, const std::function<void()>& parse_one);
+  bool ListInBraces() const;
+  void SkipBraces();
+  void ReportUnclosed();
+  bool AtFileItem() const;
+
+  /// After a statement: its end has to be here.
+  void EndStatement();
+  void ReportStrayBracket();
+  /// To the end of the statement; blocks on the way are still checked.
+  void SkipStatement();
+  void SkipEmpty() {
+    while (cursor_.At(TokenKind::kNewline) || cursor_.At(TokenKind::kSemicolon)) cursor_.Take();
+  }
+
+  struct OpenBlock {
+    Span brace;
+    std::uint32_t indent;  // of the line on which it opens
+  };
+  std::uint32_t IndentAt(std::uint32_t offset) const;
+
+  TokenCursor cursor_;
+  ValueParser values_;
+  std::vector<OpenBlock> open_;
+  // The brace of a block that was closed by a '}' further left than it should be: where a '}' is
+  // missing at the end, it is this block's, whatever the count says.
+  std::optional<Span> suspect_;
+  bool unclosed_reported_ = false;
+  bool statement_begins_ = false;  // where a statement's end is missing and was reported
+};
+
+}  // namespace cdb::dsl

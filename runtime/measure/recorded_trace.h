@@ -1,0 +1,14 @@
+// The boxes of a recorded run as a trace.
+#pragma once
+
+#include "compiler/plan/plan.h"
+#include "runtime/measure/recording.h"
+#include "runtime/measure/trace_memory.h"
+
+namespace cdb::measure {
+
+/// Of a finished run of `scene` that records `boxes`. Walls that the run omitted are not in the
+/// trace. Throws std::runtime_error where no body is left or a side is NaN, std::system_error.
+TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording);
+
+}  // namespace cdb::measure

@@ -1,0 +1,78 @@
+#include "runtime/store/dimensions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "compiler/schema/schema.h"
+
+namespace cdb::store {
+namespace {
+
+using hdf5::Type;
+
+/// Separators of `labels`, in order of preference.
+constexpr std::string_view kSeparators = " ;|\t\n";
+
+/// The parameter's line in the schema; the axis' own name for a `let` or `cases`.
+std::string LongName(const plan::Axis& axis) {
+  const std::string_view name = axis.parameter;
+  const schema::Parameter* row = schema::FindParameter(name, false);
+  if (row == nullptr) row = schema::FindParameter(name.substr(name.find('.') + 1), true);
+  return std::string(row != nullptr ? row->doc : axis.name);
+}
+
+}  // namespace
+
+std::vector<double> Indices(std::uint64_t n) {
+  std::vector<double> indices(n);
+  for (std::size_t i = 0; i < n; ++i) indices[i] = static_cast<double>(i);
+  return indices;
+}
+
+Dimension Counted(std::string name, std::uint64_t size, std::string doc) {
+  return {std::move(name), size, Type::kInt32, Indices(size), {}, {{"long_name", std::move(doc)}}};
+}
+
+Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc) {
+  Dimension dimension{std::move(name), texts.size(), Type::kText, {}, {}, {}};
+  for (const char separator : kSeparators) {
+    const bool is_free = std::ranges::all_of(texts, [&](const std::string& text) {
+      return !text.empty() && text.find(separator) == std::string::npos;
+    });
+    if (!is_free) continue;
+    std::string labels = fmt::format("{}", fmt::join(texts, std::string(1, separator)));
+    if (labels.size() > 32000) break;  // attributes have an end; the dataset has not
+    dimension.attributes = {{"labels", std::move(labels)},
+                            {"labels_separator", std::string(1, separator)}};
+    break;
+  }
+  if (!doc.empty()) dimension.attributes.emplace("long_name", std::move(doc));
+  dimension.texts = std::move(texts);
+  return dimension;
+}
+
+Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_t index) {
+  std::vector<plan::Coordinate> values = axis.values;
+  if (run != nullptr) values = {axis.values[run->at[index]]};
+  Dimension dimension;
+  if (axis.IsText()) {
+    std::vector<std::string> texts;
+    for (const auto& value : values) texts.push_back(std::get<std::string>(value));
+    dimension = Labelled(axis.name, std::move(texts), "");
+  } else {
+    // By the whole axis, so that a shard's coordinate has the type of the merged one.
+    dimension = {axis.name, values.size(), axis.IsInteger() ? Type::kInt32 : Type::kFloat64, {}, {},
+                 {}};
+    for (const auto& value : values) dimension.numbers.push_back(std::get<double>(value));
+  }
+  dimension.attributes.emplace("axis_name", axis.name);
+  dimension.attributes.emplace("parameter", axis.parameter);
+  dimension.attributes.emplace("units", axis.unit);
+  dimension.attributes.emplace("long_name", LongName(axis));
+  return dimension;
+}
+
+}  // namespace cdb::store

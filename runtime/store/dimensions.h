@@ -1,0 +1,35 @@
+// The dimensions of a results file, with their coordinates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/store/hdf5/object.h"
+
+namespace cdb::store {
+
+/// A dimension with its coordinate, a dataset of the same name.
+struct Dimension {
+  std::string name;
+  std::uint64_t size = 0;
+  hdf5::Type type = hdf5::Type::kInt32;
+  std::vector<double> numbers;     ///< the coordinate; `size` of them,
+  std::vector<std::string> texts;  ///< or of these; neither: a dimension without a coordinate
+  std::map<std::string, std::string> attributes;
+};
+
+/// The numbers from 0 to `n` - 1.
+std::vector<double> Indices(std::uint64_t n);
+/// A dimension of indices. `doc`: its `long_name`.
+Dimension Counted(std::string name, std::uint64_t size, std::string doc);
+/// A dimension of words. Readers that cannot read text datasets (Octave) find them in the attribute
+/// `labels`, which is missing where one of them contains every separator.
+Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc);
+/// The values of an axis, the one numbered `index`; only that of `run` where that is not null.
+Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_t index);
+
+}  // namespace cdb::store

@@ -1,0 +1,169 @@
+#include "runtime/store/hdf5/dataset.h"
+
+#include <hdf5.h>
+#include <hdf5_hl.h>
+
+#include <algorithm>
+
+#include "runtime/store/hdf5/calls.h"
+
+namespace cdb::hdf5 {
+namespace {
+
+/// For `n` values that HDF5 converts: its buffer is otherwise 1 MiB, which it fills with zeros each
+/// time.
+Id Transfer(std::size_t n) {
+  Id transfer = NewProperties(H5P_DATASET_XFER);
+  const std::size_t bytes = std::clamp<std::size_t>(n * 16, 1 << 10, 1 << 20);
+  Check(H5Pset_buffer(transfer.get(), bytes, nullptr, nullptr), "set up HDF5");
+  return transfer;
+}
+
+Type TypeOf(const Id& type) {
+  const std::size_t bytes = H5Tget_size(type.get());
+  switch (H5Tget_class(type.get())) {
+    case H5T_INTEGER:
+      if (bytes == 1) return Type::kInt8;
+      if (bytes == 4) return Type::kInt32;
+      break;
+    case H5T_FLOAT:
+      if (bytes == 4) return Type::kFloat32;
+      if (bytes == 8) return Type::kFloat64;
+      break;
+    case H5T_STRING:
+      if (H5Tis_variable_str(type.get()) > 0) return Type::kText;
+      break;
+    default:
+      break;
+  }
+  throw Error("it holds a type of value that results files do not have");
+}
+
+}  // namespace
+
+Dataset::Dataset(Id id) : Object(std::move(id)) {
+  type_ = TypeOf({H5Dget_type(id_.get()), H5Tclose, "read an array's type"});
+  shape_ = ShapeOf({H5Dget_space(id_.get()), H5Sclose, "read an array's shape"});
+}
+
+Shape Dataset::ChunkShape() const {
+  const Id creation(H5Dget_create_plist(id_.get()), H5Pclose, "read an array's layout");
+  if (H5Pget_layout(creation.get()) != H5D_CHUNKED) return {};
+  Shape chunk(shape_.size());
+  Check(H5Pget_chunk(creation.get(), static_cast<int>(chunk.size()),
+                     reinterpret_cast<hsize_t*>(chunk.data())),
+        "read an array's layout");
+  return chunk;
+}
+
+void Dataset::Write(std::span<const double> values) {
+  if (values.size() != Product(shape_)) throw Error("an array of another size");
+  if (values.empty()) return;
+  Check(H5Dwrite(id_.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, Transfer(values.size()).get(),
+                 values.data()),
+        "write an array");
+}
+
+void Dataset::WriteText(std::span<const std::string> values) {
+  if (values.size() != Product(shape_)) throw Error("an array of another size");
+  std::vector<const char*> pointers;
+  for (const std::string& value : values) pointers.push_back(value.c_str());
+  Check(H5Dwrite(id_.get(), NewText(H5T_VARIABLE).get(), H5S_ALL, H5S_ALL,
+                 Transfer(pointers.size()).get(), pointers.data()),
+        "write an array of text");
+}
+
+std::vector<double> Dataset::Read() const {
+  if (type_ == Type::kText) throw Error("it holds text where numbers should be");
+  std::vector<double> values(Product(shape_));
+  if (values.empty()) return values;
+  Check(H5Dread(id_.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, Transfer(values.size()).get(),
+                values.data()),
+        "read an array");
+  return values;
+}
+
+std::vector<std::string> Dataset::ReadText() const {
+  if (type_ != Type::kText) throw Error("it holds numbers where text should be");
+  std::vector<char*> pointers(Product(shape_));
+  if (pointers.empty()) return {};
+  const Id type = NewText(H5T_VARIABLE);
+  Check(H5Dread(id_.get(), type.get(), H5S_ALL, H5S_ALL, Transfer(pointers.size()).get(),
+                pointers.data()),
+        "read an array of text");
+  std::vector<std::string> values;
+  for (const char* pointer : pointers) values.emplace_back(pointer != nullptr ? pointer : "");
+  const Id space = NewSpace({pointers.size()});
+  H5Dvlen_reclaim(type.get(), space.get(), H5P_DEFAULT, pointers.data());
+  return values;
+}
+
+std::vector<double> Dataset::Read(const Shape& start, const Shape& count) const {
+  if (type_ == Type::kText) throw Error("it holds text where numbers should be");
+  std::vector<double> values(Product(count));
+  if (values.empty()) return values;
+  const Id file_space(H5Dget_space(id_.get()), H5Sclose, "read an array's shape");
+  Check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, Dims(start), nullptr, Dims(count),
+                            nullptr),
+        "find a part of an array");
+  const Id memory_space = NewSpace({values.size()});
+  Check(H5Dread(id_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
+                Transfer(values.size()).get(), values.data()),
+        "read an array");
+  return values;
+}
+
+void Dataset::Write(const Shape& start, const Shape& count, std::span<const double> values) {
+  if (values.size() != Product(count)) throw Error("an array of another size");
+  if (values.empty()) return;
+  const Id file_space(H5Dget_space(id_.get()), H5Sclose, "read an array's shape");
+  Check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, Dims(start), nullptr, Dims(count),
+                            nullptr),
+        "find a part of an array");
+  const Id memory_space = NewSpace({values.size()});
+  Check(H5Dwrite(id_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
+                 Transfer(values.size()).get(), values.data()),
+        "write an array");
+}
+
+void Dataset::Write(const Shape& start, const Shape& count, const std::byte* data,
+                    const Shape& data_shape) {
+  if (Product(count) == 0) return;
+  const Id file_space(H5Dget_space(id_.get()), H5Sclose, "read an array's shape");
+  Check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, Dims(start), nullptr, Dims(count),
+                            nullptr),
+        "find a part of an array");
+  const Id memory_space = NewSpace(data_shape);
+  const Shape origin(data_shape.size(), 0);
+  Check(H5Sselect_hyperslab(memory_space.get(), H5S_SELECT_SET, Dims(origin), nullptr, Dims(count),
+                            nullptr),
+        "find a part of an array");
+  Check(H5Dwrite(id_.get(), FileType(type_).get(), memory_space.get(), file_space.get(),
+                 H5P_DEFAULT, data),
+        "write an array");
+}
+
+bool Dataset::ReadChunk(const Shape& start, RawChunk& chunk) const {
+  hsize_t bytes = 0;
+  unsigned mask = 0;
+  haddr_t address = HADDR_UNDEF;
+  Check(H5Dget_chunk_info_by_coord(id_.get(), Dims(start), &mask, &address, &bytes),
+        "find a chunk");
+  if (address == HADDR_UNDEF || bytes == 0) return false;
+  chunk.bytes.resize(bytes);
+  Check(H5Dread_chunk(id_.get(), H5P_DEFAULT, Dims(start), &chunk.filter_mask, chunk.bytes.data()),
+        "read a chunk");
+  return true;
+}
+
+void Dataset::WriteChunk(const Shape& start, const RawChunk& chunk) {
+  Check(H5Dwrite_chunk(id_.get(), H5P_DEFAULT, chunk.filter_mask, Dims(start), chunk.bytes.size(),
+                       chunk.bytes.data()),
+        "write a chunk");
+}
+
+void Dataset::MakeScale(const std::string& name) {
+  Check(H5DSset_scale(id_.get(), name.c_str()), "make a dimension scale");
+}
+
+}  // namespace cdb::hdf5

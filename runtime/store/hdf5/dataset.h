@@ -1,0 +1,63 @@
+// Arrays in an HDF5 file. Throws Error. Threads: any, for different files.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/store/hdf5/object.h"
+
+namespace cdb::hdf5 {
+
+/// A chunk as it stands in the file, filtered.
+struct RawChunk {
+  std::uint32_t filter_mask = 0;
+  std::vector<std::byte> bytes;
+};
+
+class Dataset : public Object {
+ public:
+  explicit Dataset(Id id);
+  const Shape& shape() const { return shape_; }
+  Type type() const { return type_; }
+  /// Empty where it is not chunked.
+  Shape ChunkShape() const;
+
+  /// All of it; numbers are converted, and must be as many as it holds.
+  void Write(std::span<const double> values);
+  void WriteText(std::span<const std::string> values);
+  std::vector<double> Read() const;
+  std::vector<std::string> ReadText() const;
+
+  /// The block of `count` from `start`, numbers as doubles.
+  std::vector<double> Read(const Shape& start, const Shape& count) const;
+  void Write(const Shape& start, const Shape& count, std::span<const double> values);
+  /// Writes the first `count` of each dimension of `data`, an array of shape `data_shape` and of
+  /// this dataset's type, to `start`.
+  void Write(const Shape& start, const Shape& count, const std::byte* data,
+             const Shape& data_shape);
+
+  /// `start` is the chunk's first element. False where the file holds no such chunk.
+  bool ReadChunk(const Shape& start, RawChunk& chunk) const;
+  void WriteChunk(const Shape& start, const RawChunk& chunk);
+
+  /// Makes it a dimension scale of that name.
+  void MakeScale(const std::string& name);
+
+ private:
+  Type type_;
+  Shape shape_;
+};
+
+struct DatasetSpec {
+  std::string name;
+  Type type = Type::kFloat64;
+  Shape shape;      ///< empty: a scalar
+  Shape chunk;      ///< empty: contiguous; else shuffled and compressed
+  double fill = 0;  ///< numbers only
+};
+
+}  // namespace cdb::hdf5

@@ -1,0 +1,68 @@
+// Identifiers of HDF5 that close themselves, errors that are thrown, and attributes. Threads: any,
+// for different files (Debian's HDF5 takes a global lock).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace cdb::hdf5 {
+
+/// What HDF5 or the system below it said.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// How values stand in the file. Text is UTF-8 of variable length.
+enum class Type { kInt8, kInt32, kFloat32, kFloat64, kText };
+std::size_t ItemBytes(Type type);
+
+using Shape = std::vector<std::uint64_t>;
+std::uint64_t Product(const Shape& shape);
+
+/// An identifier of HDF5, closed at the end.
+class Id {
+ public:
+  using Close = int (*)(std::int64_t);
+  Id() = default;
+  /// Throws Error where `id` is negative.
+  Id(std::int64_t id, Close close, std::string_view doing);
+  Id(Id&& other) noexcept;
+  Id& operator=(Id&& other) noexcept;
+  ~Id() { Reset(); }
+  std::int64_t get() const { return id_; }
+  /// False where closing failed.
+  bool Reset();
+
+ private:
+  std::int64_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+/// Whatever can have attributes.
+class Object {
+ public:
+  /// Scalar, fixed length, null-padded, UTF-8. Empty text makes no attribute; text past 32 kB is
+  /// cut at a character (HDF5 has room for 64 kB in all).
+  void SetText(const char* name, std::string_view text);
+  void SetNumber(const char* name, Type type, double value);
+  void SetNumbers(const char* name, Type type, std::span<const double> values);
+  /// Empty where there is none of that name, or none that is text.
+  std::string Text(const char* name) const;
+  /// NaN where there is none of that name.
+  double Number(const char* name) const;
+  /// Every text attribute.
+  std::map<std::string, std::string> Texts() const;
+
+ protected:
+  explicit Object(Id id) : id_(std::move(id)) {}
+  Id id_;
+};
+
+}  // namespace cdb::hdf5
