@@ -12,12 +12,9 @@
 namespace cdb::report {
 namespace {
 
-/// In what the catalogue says of a detector's limits.
-constexpr std::string_view kMayMiss = "may miss pairs";
-
 bool MayMissPairs(const std::string& detector) {
   const schema::DetectorInfo* info = schema::FindDetector(detector);
-  return info != nullptr && info->limits.find(kMayMiss) != std::string_view::npos;
+  return info != nullptr && info->Makes(schema::KnownErrors::kMissesPairs);
 }
 
 /// A mean that grows.
