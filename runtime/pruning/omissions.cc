@@ -18,8 +18,8 @@ using plan::Decision;
 using plan::PruningDecision;
 using schema::Component;
 
-/// Bullet switches off a body whose box has this diagonal, m; half of it, to be safe.
-constexpr double kLargestBox = 5e5;
+/// Half of the diagonal, m, at which Bullet switches off a body, to be safe.
+constexpr double kSafeBox = plan::kLargestBox / 2;
 /// Where more objects than these may meet one another, contacts that share an object are likely,
 /// and the run would soon have to start again with all walls.
 constexpr std::size_t kLargestCrowd = 64;
@@ -52,7 +52,7 @@ class Settlement {
       case Component::kWalls:
         return Walls();
       case Component::kDetection:
-        if (forecast_.largest_box >= kLargestBox)
+        if (forecast_.largest_box >= kSafeBox)
           return decide(false, fmt::format("a box grows to {:.4g} m, which detection has to see",
                                            forecast_.largest_box));
         [[fallthrough]];

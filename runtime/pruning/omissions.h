@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "compiler/plan/engine_constants.h"
 #include "compiler/plan/plan.h"
 #include "compiler/plan/pruning.h"
 #include "library/layouts/initial_state.h"
 
 namespace cdb::pruning {
 
-/// Thickness of a box wall, as a fraction of the cube's side.
-inline constexpr double kWallThickness = 0.1;
+using plan::kWallCount;
+using plan::kWallThickness;
 /// Bits of the walls, in the order in which the engine adds them.
-inline constexpr int kWallCount = 6;
 inline constexpr const char* kWallNames[kWallCount] = {"-x", "+x", "-y", "+y", "-z", "+z"};
 /// The bits of the walls that are present in `scene`.
 std::uint8_t StandingWalls(const plan::Scene& scene);

@@ -37,7 +37,7 @@ struct Reachability {
   /// `ccd`, or numbers overflow.
   std::size_t largest_crowd = 1;
   /// m: the largest diagonal of the box of a moving object in any cycle, including its displacement
-  /// in one cycle, if nothing touches. Bullet deactivates objects beyond 1e6.
+  /// in one cycle, if nothing touches. Bullet deactivates objects beyond kLargestBox.
   double largest_box = 0;
   /// s: an upper bound of the longest uninterrupted time that any moving object is below Bullet's
   /// sleeping thresholds, if nothing touches. Bullet puts objects to sleep after 2 s; the analysis
