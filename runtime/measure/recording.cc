@@ -14,8 +14,6 @@
 #include <system_error>
 #include <utility>
 
-#include "compiler/plan/capacity.h"
-
 namespace cdb::measure {
 namespace {
 
@@ -31,9 +29,7 @@ Recording::Recording(int fd, const plan::Scene& scene, bool create) : fd_(fd) {
   bytes_ = Aligned(sizeof(RecordingHeader));
   for (const Series& series : AllSeries()) {
     if (!series.IsRecordedBy(scene)) continue;
-    const std::size_t bytes =
-        series.ItemBytes() *
-        series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount(), plan::BodyCount(scene));
+    const std::size_t bytes = series.ItemBytes() * series.ValueCount(ExtentsOf(scene));
     places_.push_back({&series, bytes_, bytes});
     bytes_ += Aligned(bytes);
   }

@@ -40,26 +40,30 @@ std::string CrashText(const ProcessEnd& end, std::string_view trouble, const std
   return end.last_lines.empty() ? text : text + ": " + end.last_lines;
 }
 
-/// Sets what belongs to `cycle` and later ones to `none`.
+/// Sets the values of `cycle` and later cycles to `none`. `extents` are those of the series, the
+/// cycle at `cycle_dimension`.
 template <typename T>
-void ClearFrom(std::span<T> values, const measure::Series& series, std::uint64_t cycle,
-               std::uint64_t cycles, T none) {
-  if (!series.HasCycles()) return;
-  if (series.shape == measure::SeriesShape::kPhase) {
-    for (std::size_t row = 0; row + cycles <= values.size(); row += cycles)
-      std::ranges::fill(values.subspan(row + cycle, cycles - cycle), none);
-  } else {
-    std::ranges::fill(values.subspan(values.size() / cycles * cycle), none);
-  }
+void ClearFrom(std::span<T> values, std::span<const std::uint64_t> extents,
+               std::size_t cycle_dimension, std::uint64_t cycle, T none) {
+  const std::uint64_t cycles = extents[cycle_dimension];
+  std::size_t per_cycle = 1;
+  for (const std::uint64_t extent : extents.subspan(cycle_dimension + 1)) per_cycle *= extent;
+  const std::size_t row = cycles * per_cycle;
+  if (row == 0) return;
+  for (std::size_t at = 0; at < values.size(); at += row)
+    std::ranges::fill(values.subspan(at + cycle * per_cycle, (cycles - cycle) * per_cycle), none);
 }
 
-void ClearUnfinished(measure::Recording& recording, std::uint64_t n_cycles, std::uint64_t cycles) {
+void ClearUnfinished(measure::Recording& recording, const measure::RunExtents& run,
+                     std::uint64_t n_cycles) {
   for (const measure::Series& series : measure::AllSeries()) {
-    if (recording.Bytes(series).empty()) continue;
+    const auto dimension = series.CycleDimension();
+    if (recording.Bytes(series).empty() || !dimension) continue;
+    const std::vector<std::uint64_t> extents = series.Extents(run);
     if (series.type == measure::SeriesType::kInt32) {
-      ClearFrom<std::int32_t>(recording.Ints(series.name), series, n_cycles, cycles, -1);
+      ClearFrom<std::int32_t>(recording.Ints(series.name), extents, *dimension, n_cycles, -1);
     } else {
-      ClearFrom<double>(recording.Reals(series.name), series, n_cycles, cycles,
+      ClearFrom<double>(recording.Reals(series.name), extents, *dimension, n_cycles,
                         std::numeric_limits<double>::quiet_NaN());
     }
   }
@@ -140,7 +144,8 @@ store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::R
                                                    : measure::Verdict::kUnknown;
     result.judgement = measure::Judge(run.scene, recording, result.n_cycles, ending);
   }
-  if (result.status != store::Status::kDone) ClearUnfinished(recording, result.n_cycles, cycles);
+  if (result.status != store::Status::kDone)
+    ClearUnfinished(recording, measure::ExtentsOf(run.scene), result.n_cycles);
 
   result.omitted = BoundedText(header.omitted);
   result.needs = BoundedText(header.needs);

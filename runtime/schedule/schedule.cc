@@ -212,7 +212,7 @@ void CheckMemory(const plan::Plan& plan) {
     if (series.IsRecordedBy(plan))
       bytes += static_cast<double>(
           series.ItemBytes() *
-          series.ValueCount(plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)));
+          series.ValueCount({plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)}));
   for (const plan::Run& run : plan.runs)
     if (const auto shape = measure::SampleShapeOf(run.scene))
       sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));

@@ -123,17 +123,11 @@ class Maker {
     layout_.dimensions.push_back(std::move(rep));
     grid_.push_back("rep");
     for (const Dimension& dimension : layout_.dimensions) layout_.grid.push_back(dimension.size);
-    std::vector<std::string> phases(measure::PhaseNames().begin(), measure::PhaseNames().end());
-    layout_.dimensions.push_back(Labelled("phase", phases, "part of a cycle that is timed"));
-    layout_.dimensions.push_back(Counted("cycle", facts_.cycles, "recorded cycle"));
+    AddLabelled(measure::Dimension::kPhase);
+    AddCounted(measure::Dimension::kCycle, facts_.cycles);
     const bool holds_references = run_ == nullptr && !plan.references.empty();
-    if (facts_.poses || holds_references)
-      layout_.dimensions.push_back(
-          Counted("body", facts_.bodies, "object, in the order of its group and within it"));
-    if (facts_.poses) {
-      layout_.dimensions.push_back(Labelled("pose", {"x", "y", "z", "qx", "qy", "qz", "qw"},
-                                            "centre of mass, m, and quaternion"));
-    }
+    if (facts_.poses || holds_references) AddCounted(measure::Dimension::kBody, facts_.bodies);
+    if (facts_.poses) AddLabelled(measure::Dimension::kPose);
     if (facts_.boxes) AddBoxDimensions();
     if (facts_.contacts) AddContactDimensions(contact_rows);
     if (facts_.samples > 0) AddSampleDimension();
@@ -172,12 +166,9 @@ class Maker {
   }
 
   void AddSeries(const measure::Series& series) {
-    std::vector<std::string> inner = {"cycle"};
-    if (series.shape == measure::SeriesShape::kPhase) inner = {"phase", "cycle"};
-    if (series.shape == measure::SeriesShape::kPose) inner = {"cycle", "body", "pose"};
-    if (series.shape == measure::SeriesShape::kBox) inner = {"cycle", "box_body", "bound"};
-    if (series.shape == measure::SeriesShape::kFilter) inner = {"box_body", "filter"};
-    if (series.shape == measure::SeriesShape::kSample) inner = {"sample"};
+    std::vector<std::string> inner;
+    for (const measure::Dimension dimension : measure::DimensionsOf(series.shape))
+      inner.emplace_back(measure::InfoOf(dimension).name);
     const bool is_int = series.type == measure::SeriesType::kInt32;
     Array& array =
         Add(std::string(series.name), is_int ? Type::kInt32 : Type::kFloat64, inner, true);
@@ -195,22 +186,29 @@ class Maker {
     }
   }
 
+  void AddCounted(measure::Dimension dimension, std::uint64_t size) {
+    const measure::DimensionInfo& info = measure::InfoOf(dimension);
+    layout_.dimensions.push_back(Counted(std::string(info.name), size, std::string(info.doc)));
+  }
+
+  void AddLabelled(measure::Dimension dimension) {
+    const measure::DimensionInfo& info = measure::InfoOf(dimension);
+    layout_.dimensions.push_back(Labelled(
+        std::string(info.name), {info.labels.begin(), info.labels.end()}, std::string(info.doc)));
+  }
+
   void AddBoxDimensions() {
-    layout_.dimensions.push_back(Counted("box_body", facts_.box_bodies,
-                                         "object as of `body`, then the walls -x +x -y +y -z +z"));
-    layout_.dimensions.push_back(
-        Labelled("bound", {"lower_x", "lower_y", "lower_z", "upper_x", "upper_y", "upper_z"},
-                 "side of a box"));
-    layout_.dimensions.push_back(
-        Labelled("filter", {"group", "mask", "fixed"}, "what decides whom a body may meet"));
+    AddCounted(measure::Dimension::kBoxBody, facts_.box_bodies);
+    AddLabelled(measure::Dimension::kBound);
+    AddLabelled(measure::Dimension::kFilter);
   }
 
   void AddSampleDimension() {
-    Dimension sample{"sample", facts_.samples, Type::kFloat64, {}, {}, {}};
+    const measure::DimensionInfo& info = measure::InfoOf(measure::Dimension::kSample);
+    Dimension sample{std::string(info.name), facts_.samples, Type::kFloat64, {}, {}, {}};
     for (std::uint64_t i = 0; i < facts_.samples; ++i)
       sample.numbers.push_back(static_cast<double>(i) * facts_.interval_s);
-    sample.attributes = {{"units", "s"},
-                         {"long_name", "simulated time of a sample, warm-up included"}};
+    sample.attributes = {{"units", "s"}, {"long_name", std::string(info.doc)}};
     layout_.dimensions.push_back(std::move(sample));
   }
 

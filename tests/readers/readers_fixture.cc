@@ -94,7 +94,7 @@ class Fixture {
       array.shape.push_back(kObjects);
       array.shape.push_back(measure::kPoseSize);
     }
-    const std::size_t count = series.ValueCount(kCycles, kObjects, 0);
+    const std::size_t count = series.ValueCount({kCycles, kObjects, 0});
     const std::size_t per_cycle =
         series.shape == measure::SeriesShape::kPose ? kObjects * measure::kPoseSize : 1;
     const double fill = series.type == measure::SeriesType::kInt32 ? -1 : kNaN;

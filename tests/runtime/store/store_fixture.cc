@@ -107,7 +107,7 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
   const std::uint64_t bodies = plan::BodyCount(run.scene);
   for (const measure::Series& series : measure::AllSeries()) {
     if (!series.IsRecordedBy(run.scene)) continue;
-    const std::size_t count = series.ValueCount(cycles, objects, bodies);
+    const std::size_t count = series.ValueCount({cycles, objects, bodies});
     std::vector<std::byte>& bytes = memory_.emplace_back(count * series.ItemBytes());
     const std::size_t per_cycle = series.shape == measure::SeriesShape::kPhase ? 1 : count / cycles;
     for (std::size_t i = 0; i < count; ++i) {
