@@ -65,9 +65,6 @@ void Recording::Clear() {
   header_ = new (header_) RecordingHeader{};
   header_->magic = RecordingHeader::kMagic;
   header_->bytes = bytes_;
-  header_->peak_rss_bytes = header_->place_ns = header_->build_ns = header_->harness_ns =
-      header_->fill_fraction = header_->initial_energy = header_->energy_scale =
-          header_->least_side = header_->speed_scale = kNone;
   for (const Place& place : places_) {
     if (place.series->type == SeriesType::kInt32) {
       std::ranges::fill(Ints(place.series->name), -1);

@@ -1,7 +1,6 @@
 #include "runtime/process/collect.h"
 
 #include <fmt/format.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,12 +18,6 @@
 
 namespace cdb::process {
 namespace {
-
-/// Text in shared memory that a crashing process may have written over.
-template <std::size_t kSize>
-std::string BoundedText(const char (&text)[kSize]) {
-  return std::string(text, strnlen(text, kSize));
-}
 
 /// What a worker wrote before it ended; empty where a crash left something else there.
 std::string LinesOf(std::string text) {
@@ -118,10 +111,10 @@ store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::R
   const bool has_exited = WIFEXITED(end.wait_status) && WEXITSTATUS(end.wait_status) == 0;
   if (has_exited && outcome == measure::WorkerOutcome::kDone && result.n_cycles == cycles) {
     result.status = store::Status::kDone;
-    result.state_hash = BoundedText(header.state_hash);
+    result.state_hash = header.state_hash.str();
   } else if (has_exited && outcome == measure::WorkerOutcome::kFailed) {
     result.status = store::Status::kFailed;
-    result.message = BoundedText(header.message);
+    result.message = header.message.str();
     if (result.message.empty()) result.message = "the worker failed without a reason";
   } else if (end.is_timed_out && !has_exited) {
     result.status = store::Status::kTimedOut;
@@ -147,19 +140,13 @@ store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::R
   if (result.status != store::Status::kDone)
     ClearUnfinished(recording, measure::ExtentsOf(run.scene), result.n_cycles);
 
-  result.omitted = BoundedText(header.omitted);
-  result.needs = BoundedText(header.needs);
-  result.models = BoundedText(header.models);
-  if (!has_exited) {
-    result.omitted = LinesOf(std::move(result.omitted));
-    result.needs = LinesOf(std::move(result.needs));
-    result.models = LinesOf(std::move(result.models));
-  }
-  result.peak_rss_bytes = header.peak_rss_bytes;
-  result.place_ns = header.place_ns;
-  result.build_ns = header.build_ns;
-  result.fill_fraction = header.fill_fraction;
-  result.harness_ns = header.harness_ns;
+  const auto text = [has_exited](const auto& shared) {
+    return has_exited ? shared.str() : LinesOf(shared.str());
+  };
+  result.omitted = text(header.omitted);
+  result.needs = text(header.needs);
+  result.models = text(header.models);
+  result.scalars = header.scalars;
   for (const measure::Series& series : measure::AllSeries())
     if (const auto bytes = recording.Bytes(series); !bytes.empty())
       result.series.emplace_back(&series, bytes);

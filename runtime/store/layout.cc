@@ -311,7 +311,16 @@ std::string VerdictNames() {
   return names;
 }
 
-std::string StatusNames() { return "missing done skipped failed crashed timed_out"; }
+std::string StatusNames() { return fmt::format("{}", fmt::join(kStatusNames, " ")); }
+
+/// Adds what the worker measures.
+std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
+  for (const measure::RunScalarInfo& info : measure::AllRunScalars())
+    numbers.push_back({std::string(info.name), Type::kFloat64, std::string(info.unit),
+                       std::string(info.doc), kNaN,
+                       [value = info.value](const RunResult& r) { return r.scalars.*value; }});
+  return numbers;
+}
 
 double ErrorOf(const RunResult& result, const std::string& name) {
   const auto found = result.errors.values.find(name);
@@ -396,7 +405,7 @@ const std::vector<ReferenceArray>& ReferenceArrays() {
 
 const std::vector<RunNumber>& RunNumbers() {
   using R = const RunResult&;
-  static const std::vector<RunNumber> kNumbers = {
+  static const std::vector<RunNumber> kNumbers = WithScalars({
       {"status", Type::kInt8, "", "how the run ended", 0,
        [](R r) { return static_cast<double>(r.status); }, StatusNames},
       {"verdict", Type::kInt8, "", "how the run ended as physics: cdb doc verdicts", 0,
@@ -409,18 +418,7 @@ const std::vector<RunNumber>& RunNumbers() {
        [](R r) { return r.started_s; }},
       {"load", Type::kFloat64, "", "the machine's one-minute load average when the run began", kNaN,
        [](R r) { return r.load; }},
-      {"peak_rss", Type::kFloat64, "bytes", "most memory that the run's process held", kNaN,
-       [](R r) { return r.peak_rss_bytes; }},
-      {"place_time", Type::kFloat64, "ns", "time of finding a place for every object", kNaN,
-       [](R r) { return r.place_ns; }},
-      {"build_time", Type::kFloat64, "ns", "time of making the world", kNaN,
-       [](R r) { return r.build_ns; }},
-      {"harness", Type::kFloat64, "ns",
-       "what a cycle's calling of a detector costs beside the detector's own work", kNaN,
-       [](R r) { return r.harness_ns; }},
-      {"fill_fraction", Type::kFloat64, "", "volume of the objects over that of the world", kNaN,
-       [](R r) { return r.fill_fraction; }},
-  };
+  });
   return kNumbers;
 }
 

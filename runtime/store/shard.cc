@@ -175,12 +175,4 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
   }
 }
 
-std::string_view StatusName(Status status) {
-  constexpr std::string_view kNames[] = {"missing", "done",    "skipped",
-                                         "failed",  "crashed", "timed_out"};
-  const auto index = static_cast<std::size_t>(status);
-  CDB_CHECK(index < std::size(kNames));
-  return kNames[index];
-}
-
 }  // namespace cdb::store

@@ -109,20 +109,21 @@ void Probes::Begin() {
 void Probes::SetScales() {
   const Energy energy = EnergyOf(engine_);
   const double pull = engine_.acceleration().norm();
-  header_.initial_energy = energy.kinetic + energy.other +
-                           engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
-  header_.energy_scale = energy.kinetic;
+  header_.scales.initial_energy =
+      energy.kinetic + energy.other +
+      engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
+  header_.scales.energy_scale = energy.kinetic;
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
     const double mass = engine_.initial_state().objects[i].mass;
     smallest = std::min(smallest, least_sides_[i]);
     // What is at rest without gravity has no energy of its own to measure against: a hundredth of
     // its side a second.
-    header_.energy_scale +=
+    header_.scales.energy_scale +=
         mass * (pull * engine_.side() + std::pow(0.01 * least_sides_[i], 2) / 2);
   }
-  header_.least_side = smallest;
-  header_.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
+  header_.scales.least_side = smallest;
+  header_.scales.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
 }
 
 double Probes::SmallerSide(int a, int b) const {

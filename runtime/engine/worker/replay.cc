@@ -105,7 +105,7 @@ class Replay {
     const auto counts = recording_.Ints("pairs");
     const std::int64_t build_begin = world::Now();
     const detection::NamedDetector detector = Prepared();
-    header.build_ns = static_cast<double>(world::Now() - build_begin);
+    header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
     for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
       traced_.MoveTo(i);
       pairs_.clear();
@@ -126,10 +126,9 @@ class Replay {
       if (!counts.empty()) counts[cycle] = Count(pairs_.size());
       header.cycles_done.store(cycle + 1, std::memory_order_release);
     }
-    const std::string hash = HashOf(pairs_);
-    std::memcpy(header.state_hash, hash.c_str(), hash.size() + 1);
-    header.peak_rss_bytes = probes::PeakRssBytes();
-    header.harness_ns = HarnessNs();
+    header.state_hash = HashOf(pairs_);
+    header.scalars.peak_rss_bytes = probes::PeakRssBytes();
+    header.scalars.harness_ns = HarnessNs();
   }
 
   /// The same cycles once more from the start with a detector made anew, held against brute force.

@@ -87,11 +87,11 @@ TEST(Shard, HoldsEverySeriesOfItsRun) {
   EXPECT_NE(fake.result.needs, "");
   EXPECT_EQ(file.ReadReal("started", cell), fake.result.started_s);
   EXPECT_EQ(file.ReadReal("load", cell), fake.result.load);
-  EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.peak_rss_bytes);
-  EXPECT_EQ(file.ReadReal("place_time", cell), fake.result.place_ns);
-  EXPECT_EQ(file.ReadReal("build_time", cell), fake.result.build_ns);
-  EXPECT_EQ(file.ReadReal("fill_fraction", cell), fake.result.fill_fraction);
-  EXPECT_EQ(file.ReadReal("harness", cell), fake.result.harness_ns);
+  EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.scalars.peak_rss_bytes);
+  EXPECT_EQ(file.ReadReal("place_time", cell), fake.result.scalars.place_ns);
+  EXPECT_EQ(file.ReadReal("build_time", cell), fake.result.scalars.build_ns);
+  EXPECT_EQ(file.ReadReal("fill_fraction", cell), fake.result.scalars.fill_fraction);
+  EXPECT_EQ(file.ReadReal("harness", cell), fake.result.scalars.harness_ns);
   EXPECT_EQ(file.ReadProvenance("cpu"), "a µ-processor");
   EXPECT_THAT(file.ReadProvenance("run_text"), HasSubstr(run.id));
   EXPECT_EQ(file.ReadProvenance("no such fact"), "");

@@ -148,11 +148,11 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
   result.needs = "walls: left out: run " + std::to_string(NumberOf(run)) +
                  "\ngravity: kept: the acceleration is (0, -9.8, 0)\n";
   result.load = 0.25 + n;
-  result.peak_rss_bytes = 5e6 + n;
-  result.place_ns = 1000 + n;
-  result.build_ns = 2000 + n;
-  result.fill_fraction = 0.125;
-  result.harness_ns = 40 + n;
+  result.scalars.peak_rss_bytes = 5e6 + n;
+  result.scalars.place_ns = 1000 + n;
+  result.scalars.build_ns = 2000 + n;
+  result.scalars.fill_fraction = 0.125;
+  result.scalars.harness_ns = 40 + n;
   if (status == store::Status::kDone) {
     result.state_hash = run.id;
   } else {
