@@ -1,4 +1,4 @@
-// A term held against the parameter it is meant for.
+// Checks a term against its parameter and converts it to a value.
 #pragma once
 
 #include <optional>

@@ -26,7 +26,7 @@ struct Text {
 };
 
 /// A word that takes arguments: `ring(radius: 20)`, `mesh("rock.obj")`, `every(60, uniform(a, b))`.
-/// Complete: a value for each argument of its row in compiler/calls.h, in that order.
+/// Complete: a value for each argument of its row in parametrised_words.h, in that order.
 struct Call {
   std::string name;
   std::vector<Value> arguments;

@@ -85,7 +85,7 @@ std::string AllLints() {
 
 std::string AllErrors() {
   report::Table table;
-  for (const char* head : {"error", "metrics", "unit", "held against", "up to", ""})
+  for (const char* head : {"error", "metrics", "unit", "compared with", "up to", ""})
     table.AddColumn(head, false);
   for (const schema::ErrorInfo& error : schema::Errors())
     table.AddRow({std::string(error.name), std::string(error.metric), std::string(error.unit),
@@ -136,7 +136,7 @@ constexpr Topic kTopics[] = {
      [] { return std::string(report::kOmitReference) + AllComponents() + "\n"; }},
     {"lints", "numbers that Bullet cannot follow, before anything runs",
      [] { return std::string(report::kLintsReference) + AllLints() + "\n"; }},
-    {"accuracy", "errors beside timings, and what they are held against",
+    {"accuracy", "errors, and the truth that runs are compared with",
      [] { return std::string(report::kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",
      [] { return std::string(report::kResultsReference) + AllSeriesText(); }},

@@ -42,9 +42,9 @@ struct RecordingHeader {
   std::atomic<std::uint32_t> plugin_call;  ///< where the worker is (measure/plugin_call.h)
   FixedText<20> state_hash;                ///< 16 hex digits after the last cycle; empty before
   FixedText<2048> message;                 ///< why it failed, in the user's words
-  FixedText<256> omitted;  ///< names of the omitted components (compiler/plan/pruning.h)
-  FixedText<4096> needs;   ///< the decision about each component, and its reason
-  FixedText<4096> models;  ///< the hulls of the compounds in the scene (ModelsText)
+  FixedText<256> omitted;     ///< names of the omitted components (compiler/plan/pruning.h)
+  FixedText<4096> decisions;  ///< the decision about each component, and its reason
+  FixedText<4096> models;     ///< the hulls of the compounds in the scene (ModelsText)
   RunScalars scalars;
   VerdictScales scales;
 };

@@ -144,7 +144,7 @@ store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::R
     return has_exited ? shared.str() : LinesOf(shared.str());
   };
   result.omitted = text(header.omitted);
-  result.needs = text(header.needs);
+  result.decisions = text(header.decisions);
   result.models = text(header.models);
   result.scalars = header.scalars;
   for (const measure::Series& series : measure::AllSeries())

@@ -21,7 +21,7 @@ inline constexpr const char* kWallNames[kWallCount] = {"-x", "+x", "-y", "+y", "
 std::uint8_t StandingWalls(const plan::Scene& scene);
 
 struct Omissions {
-  std::vector<plan::PruningDecision> needs;  ///< one for each component, none of them undecided
+  std::vector<plan::PruningDecision> decisions;  ///< one for each component, none of them undecided
   /// By object: the bits of the walls that it keeps. If empty, every object keeps all walls.
   std::vector<std::uint8_t> walls;
   /// If the pools are omitted: the number of pairs that they hold; more come from the heap.

@@ -347,7 +347,7 @@ trace, all detectors are timed on the same motion, without the physics.
                                         several traces. file("NAME.trace.h5", sha256: "...") requires
                                         a given trace.
 
-  benchmark rivals {
+  benchmark compare {
     trace     sweep("dense.traces/dense_n-1000.trace.h5", "dense.traces/dense_n-10000.trace.h5")
     detector  sweep(dbvt, sap32)
     record    timing, counts, memory, pairs

@@ -435,7 +435,7 @@ const std::vector<RunText>& RunTexts() {
       {"omitted", "parts of the engine that were left out, separated by spaces",
        [](const Run&, R r) { return r.omitted; }},
       {"needs", "what became of each part of the engine and why, one line each",
-       [](const Run&, R r) { return r.needs; }},
+       [](const Run&, R r) { return r.decisions; }},
   };
   return kTexts;
 }

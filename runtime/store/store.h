@@ -57,11 +57,11 @@ struct RunResult {
   double started_s = 0;  ///< since 1970-01-01 00:00:00 UTC
   std::string state_hash;
   std::string host;
-  std::string message;  ///< why it did not end well; empty where it did
-  std::string omitted;  ///< names of the components left out, separated by spaces
-  std::string needs;    ///< what became of each component: a line each (compiler/needs.h)
-  std::string models;   ///< the hulls of the compounds in the scene: a line each; may be empty
-  double load = 0;      ///< the machine's one-minute load average when the run began
+  std::string message;    ///< why it did not end well; empty where it did
+  std::string omitted;    ///< names of the components left out, separated by spaces
+  std::string decisions;  ///< about each component: a line each (compiler/plan/pruning.h)
+  std::string models;     ///< the hulls of the compounds in the scene: a line each; may be empty
+  double load = 0;        ///< the machine's one-minute load average when the run began
   measure::RunScalars scalars;
   std::vector<std::pair<const measure::Series*, std::span<const std::byte>>> series;
   measure::RunErrors errors;  ///< empty where the scene asks for none

@@ -131,7 +131,7 @@ class Replay {
     header.scalars.harness_ns = HarnessNs();
   }
 
-  /// The same cycles once more from the start with a detector made anew, held against brute force.
+  /// The same cycles once more from the start with a detector made anew, compared with brute force.
   void Judge() {
     if (recording_.Ints("missed_pairs").empty()) return;
     const auto series = [&](const char* name, std::uint64_t cycle, std::size_t count) {
@@ -147,7 +147,7 @@ class Replay {
       const detectors::PairFaults faults = detectors::ComparePairs(traced_.scene(), pairs_);
       series("exact_pairs", i - warmup_, faults.exact);
       series("missed_pairs", i - warmup_, faults.missed);
-      series("phantom_pairs", i - warmup_, faults.phantom);
+      series("phantom_pairs", i - warmup_, faults.false_positives);
       series("duplicate_pairs", i - warmup_, faults.duplicate);
     }
   }

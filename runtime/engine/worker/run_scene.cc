@@ -27,19 +27,19 @@ namespace {
 class Stepper {
  public:
   Stepper(const plan::Scene& scene, world::Engine& engine)
-      : engine_(engine), schedules_(scene, engine), tripwire_(engine) {}
+      : engine_(engine), schedules_(scene, engine), guard_(engine) {}
 
   void Step() {
     schedules_.BeforeStep(steps_++);
-    tripwire_.BeforeStep();
+    guard_.BeforeStep();
     engine_.Step();
-    tripwire_.AfterStep();
+    guard_.AfterStep();
   }
 
  private:
   world::Engine& engine_;
   world::Schedules schedules_;
-  world::OmissionGuard tripwire_;
+  world::OmissionGuard guard_;
   std::uint64_t steps_ = 0;
 };
 
@@ -91,7 +91,7 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
   }
 }
 
-/// The same run once more without a clock, from the start, for what is held against the truth
+/// The same run once more without a clock, from the start, for what is compared with the truth
 /// alone. It has to go the same way.
 void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Recording& recording) {
   plan::Scene quiet = scene;
@@ -131,8 +131,8 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     if (!keep_walls.empty()) omissions.Keep(schema::Component::kWalls, keep_walls);
     engine = std::make_unique<world::Engine>(run.scene, std::move(state), std::move(omissions));
     header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
-    header.omitted = plan::OmittedNames(engine->omissions().needs);
-    header.needs = plan::DecisionsText(engine->omissions().needs);
+    header.omitted = plan::OmittedNames(engine->omissions().decisions);
+    header.decisions = plan::DecisionsText(engine->omissions().decisions);
     if (run.scene.role == plan::Role::kMeasured) {
       header.scalars.harness_ns = HarnessNs(run.scene, *engine);
       RunCycles(run.scene, *engine, recording, contacts_fd);

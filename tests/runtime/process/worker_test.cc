@@ -62,7 +62,7 @@ TEST(WorkerTest, ARunThatFinishes) {
   EXPECT_EQ(result.n_cycles, 10u);
   EXPECT_EQ(result.state_hash, "0123456789abcdef");
   EXPECT_EQ(result.omitted, "raycast_tree pools");
-  EXPECT_EQ(result.needs, "walls: kept: a test\npools: left out: a test\n");
+  EXPECT_EQ(result.decisions, "walls: kept: a test\npools: left out: a test\n");
   EXPECT_EQ(result.scalars.peak_rss_bytes, 4096);
   EXPECT_EQ(result.scalars.place_ns, 1);
   EXPECT_EQ(result.scalars.build_ns, 2);
@@ -194,7 +194,7 @@ TEST(WorkerTest, ASpoiledRecordingDoesNoHarm) {
   EXPECT_EQ(ending.result.status, store::Status::kCrashed);
   EXPECT_LE(ending.result.n_cycles, 10u);
   EXPECT_TRUE(Has(ending.result.message, "SIGSEGV"));
-  EXPECT_EQ(ending.result.omitted + ending.result.needs, "");
+  EXPECT_EQ(ending.result.omitted + ending.result.decisions, "");
 }
 
 TEST(WorkerTest, LastWordsAreText) {

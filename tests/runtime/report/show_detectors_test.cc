@@ -33,7 +33,7 @@ class Made {
     Ints("exact_pairs", {10, 10, 10});
     Reals("depth_error", {1e-5, NAN, 3e-5});
     Reals("normal_error", {NAN, NAN, NAN});
-    fake_.result.message = fake_.result.omitted = fake_.result.needs = "";
+    fake_.result.message = fake_.result.omitted = fake_.result.decisions = "";
     fake_.result.scalars.peak_rss_bytes = 8e6;
     fake_.result.scalars.harness_ns = NAN;
   }

@@ -47,7 +47,7 @@ class Worker {
         with_contacts_(run.scene.world.Lists("record", "contacts")) {
     measure::RecordingHeader& header = recording_.header();
     header.omitted = "raycast_tree pools";
-    header.needs = "walls: kept: a test\npools: left out: a test\n";
+    header.decisions = "walls: kept: a test\npools: left out: a test\n";
   }
 
   /// Figures that a reader can foretell: cycle i has the duration 1000 * phase + i, and so on.

@@ -83,8 +83,8 @@ TEST(Shard, HoldsEverySeriesOfItsRun) {
   EXPECT_EQ(file.ReadText("host", cell), fake.result.host);
   EXPECT_EQ(file.ReadText("message", cell), "");
   EXPECT_EQ(file.ReadText("omitted", cell), fake.result.omitted);
-  EXPECT_EQ(file.ReadText("needs", cell), fake.result.needs);
-  EXPECT_NE(fake.result.needs, "");
+  EXPECT_EQ(file.ReadText("needs", cell), fake.result.decisions);
+  EXPECT_NE(fake.result.decisions, "");
   EXPECT_EQ(file.ReadReal("started", cell), fake.result.started_s);
   EXPECT_EQ(file.ReadReal("load", cell), fake.result.load);
   EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.scalars.peak_rss_bytes);

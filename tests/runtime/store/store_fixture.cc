@@ -145,8 +145,8 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
   result.started_s = 1.7e9 + n + 0.5;
   result.host = "nöde-" + std::to_string(NumberOf(run) % 3);
   result.omitted = NumberOf(run) % 2 == 0 ? "walls raycast_tree" : "";
-  result.needs = "walls: left out: run " + std::to_string(NumberOf(run)) +
-                 "\ngravity: kept: the acceleration is (0, -9.8, 0)\n";
+  result.decisions = "walls: left out: run " + std::to_string(NumberOf(run)) +
+                     "\ngravity: kept: the acceleration is (0, -9.8, 0)\n";
   result.load = 0.25 + n;
   result.scalars.peak_rss_bytes = 5e6 + n;
   result.scalars.place_ns = 1000 + n;

@@ -33,7 +33,7 @@ class ThirdPartyPairs : public testing::TestWithParam<schema::DetectorInfo> {
       EXPECT_EQ(faults.missed, 0u) << what;
     }
     if (!GetParam().Makes(schema::KnownErrors::kFalsePositives)) {
-      EXPECT_EQ(faults.phantom, 0u) << what;
+      EXPECT_EQ(faults.false_positives, 0u) << what;
     }
     EXPECT_EQ(faults.duplicate, 0u) << what;
   }

@@ -96,10 +96,10 @@ TEST(Worker, StartsAgainWithAllWallsWhereItTrips) {
       << recording.header().message.str();
   const Recorded here = RunHere(run.scene);
   EXPECT_EQ(recording.header().state_hash.str(), here.hash());
-  EXPECT_EQ(recording.header().needs.str(), here.header().needs.str());
-  EXPECT_NE(recording.header().needs.str().find("walls: kept: object 1 came to rest"),
+  EXPECT_EQ(recording.header().decisions.str(), here.header().decisions.str());
+  EXPECT_NE(recording.header().decisions.str().find("walls: kept: object 1 came to rest"),
             std::string::npos)
-      << recording.header().needs.str();
+      << recording.header().decisions.str();
   EXPECT_EQ(recording.header().cycles_done.load(), 200u);
   // A list is held to its word.
   SetWorld(run.scene, "omit", schema::WordList{"walls"});
