@@ -1,4 +1,4 @@
-// Checks a term against its parameter and converts it to a value.
+// A term held against the parameter it is meant for.
 #pragma once
 
 #include <optional>
