@@ -1,5 +1,6 @@
 // Lints about contacts: too deep, too soft, or missed between two steps.
 #include "compiler/checks/lint_formulae.h"
+#include "compiler/plan/engine_constants.h"
 
 namespace cdb::checks {
 namespace {
@@ -31,7 +32,7 @@ std::optional<Estimate> ThinWall(const SceneFacts& scene, const GroupFacts& obje
   if (!scene.has_box_walls || MayBeOn(objects, "ccd")) return std::nullopt;
   // Walls stand across the axes.
   const double value = scene.FastestComponent(objects) * scene.timestep /
-                       (objects.least_side + kWallThickness * scene.side);
+                       (objects.least_side + plan::kWallThickness * scene.side);
   return Estimate{value, kThinWall, ShorterStep(scene, value, kThinWall)};
 }
 

@@ -12,9 +12,6 @@
 
 namespace cdb::checks {
 
-/// Box walls have this thickness, in sides of the cube (runtime/pruning/omissions.h).
-inline constexpr double kWallThickness = 0.1;
-
 /// The objects of one group, by the bounds of the values that they draw. SI units.
 struct GroupFacts {
   const plan::GroupSettings* settings = nullptr;

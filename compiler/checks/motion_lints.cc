@@ -5,18 +5,20 @@
 #include <limits>
 
 #include "compiler/checks/lint_formulae.h"
+#include "compiler/plan/engine_constants.h"
 
 namespace cdb::checks {
 namespace {
 
 using Eigen::Vector3d;
+using plan::kSleepAfter;
+using plan::kSlowSpeed;
+using plan::kSlowSpin;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Measured.
-constexpr double kFastSpin = 1.41, kSpinDrift = 0.05, kHugeBox = 1e6;
-/// Bullet deactivates objects that have been slower than both for this time, s.
-constexpr double kSlowSpeed = 0.8, kSlowSpin = 1, kSleepAfter = 2;
+constexpr double kFastSpin = 1.41, kSpinDrift = 0.05;
 constexpr double kRounding = 1e-9;
 
 /// How fast a free spin changes its direction in the body, over the spin: |w x Iw| / (|w| |Iw|), of
@@ -67,7 +69,7 @@ std::optional<Estimate> SpinDrift(const SceneFacts& scene, const GroupFacts& obj
 
 std::optional<Estimate> HugeBox(const SceneFacts& scene, const GroupFacts& objects) {
   const double box = objects.most_sides.norm() + scene.FastestSpeed(objects) * scene.timestep;
-  return Estimate{box, kHugeBox, Harmless(kHugeBox)};
+  return Estimate{box, plan::kLargestBox, Harmless(plan::kLargestBox)};
 }
 
 std::optional<Estimate> EarlySleep(const SceneFacts& scene, const GroupFacts& objects) {

@@ -17,7 +17,7 @@ namespace cdb::checks {
 
 bool SceneChecks::Pass(evaluate::Configuration& configuration, plan::Scene& scene) {
   if (plan::TraceOf(scene)) return Trace(configuration, scene) && CheckCounts(configuration, scene);
-  return CheckCounts(configuration, scene) && CheckNeeds(configuration, scene) &&
+  return CheckCounts(configuration, scene) && CheckOmit(configuration, scene) &&
          CheckAccuracy(configuration, scene);
 }
 
@@ -120,21 +120,21 @@ bool SceneChecks::CheckLinks(evaluate::Configuration& configuration, const plan:
   return good;
 }
 
-// Whoever names a component wants it left out; where the scene needs it that cannot be.
-bool SceneChecks::CheckNeeds(evaluate::Configuration& configuration, const plan::Scene& scene) {
+// A component that `omit` names must not be one that the scene needs.
+bool SceneChecks::CheckOmit(evaluate::Configuration& configuration, const plan::Scene& scene) {
   if (scene.world.Lists("omit", "auto") || scene.world.Lists("omit", "none")) return true;
   bool good = true;
-  for (const plan::PruningDecision& need : plan::AnalysePruning(scene)) {
-    if (need.fate != plan::Decision::kKept ||
-        plan::RequestFor(scene, need.component) != plan::PruningRequest::kByName)
+  for (const plan::PruningDecision& part : plan::AnalysePruning(scene)) {
+    if (part.decision != plan::Decision::kKept ||
+        plan::RequestFor(scene, part.component) != plan::PruningRequest::kByName)
       continue;
     good = false;
-    const std::string_view name = schema::InfoOf(need.component).name;
+    const std::string_view name = schema::InfoOf(part.component).name;
     const dsl::Span span =
         configuration.SpanOfWord({"", schema::WorldParameter("omit").get()}, name);
-    if (!needed_.emplace(span.source, span.begin, need.component).second) continue;
+    if (!refused_.emplace(span.source, span.begin, part.component).second) continue;
     diagnostics_.Report(
-        scenario::kNeeded, span, fmt::format("'{}' cannot be left out: {}", name, need.why),
+        scenario::kNeeded, span, fmt::format("'{}' cannot be left out: {}", name, part.why),
         "take it out of the list; omit auto leaves out all that a scene does not need");
   }
   return good;

@@ -1,5 +1,5 @@
-// What is wrong with a whole scene though each setting is right: too many bodies, a component that
-// it needs left out, errors that nobody collects, settings that mean nothing on a trace.
+// Errors of a whole scene whose settings are valid one by one: too many bodies, the omission of a
+// component that it needs, errors that cannot be collected, settings without a meaning on a trace.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,7 @@ class SceneChecks {
   bool CheckCounts(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckPlaces(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckLinks(evaluate::Configuration& configuration, const plan::Scene& scene);
-  bool CheckNeeds(evaluate::Configuration& configuration, const plan::Scene& scene);
+  bool CheckOmit(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckAccuracy(evaluate::Configuration& configuration, const plan::Scene& scene);
 
   dsl::Span benchmark_;
@@ -43,7 +43,7 @@ class SceneChecks {
   std::set<std::pair<std::string, std::string>>
       misplaced_;  ///< groups, and their layouts or what is wrong with their links
   /// Words of `omit` that were refused: the reason may be another one in each run.
-  std::set<std::tuple<const dsl::Source*, std::size_t, schema::Component>> needed_;
+  std::set<std::tuple<const dsl::Source*, std::size_t, schema::Component>> refused_;
   std::set<std::pair<scenario::ParameterKey, std::string>>
       untraceable_;          ///< settings, and words of `record`, that do not go with a trace
   bool inaccurate_ = false;  ///< a fault in what is said of accuracy

@@ -218,7 +218,7 @@ class Converter {
     Error(scenario::kUnavailable,
           fmt::format("'{}' is not part of this build: it needs the package {}", detector.name,
                       part->package),
-          "`./setup --rivals` installs it and builds the detectors that need it");
+          "`./setup --third-party` installs it and builds the detectors that need it");
     return false;
   }
 

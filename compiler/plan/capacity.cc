@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "compiler/plan/engine_constants.h"
+
 namespace cdb::plan {
 
 std::uint64_t BodyCount(const Scene& scene) {
   const std::string_view walls = scene.world.WordOr("world.walls");
-  return scene.ObjectCount() + (walls == "all" ? 6 : walls == "floor" ? 1 : 0);
+  return scene.ObjectCount() + (walls == "all" ? kWallCount : walls == "floor" ? 1 : 0);
 }
 
 std::uint64_t MaxBodyCount(const Plan& plan) {

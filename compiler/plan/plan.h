@@ -79,8 +79,8 @@ struct Run {
   std::vector<std::size_t> at;  ///< the index on each axis; empty for a reference
   std::uint64_t rep = 0;
   Scene scene;
-  /// Ids of the plan's references that it is held against; empty where there are none, and in a run
-  /// that was read by itself.
+  /// Ids of the plan's references that it is compared with; empty where there are none, and in a
+  /// run that was read by itself.
   std::string reference, twin;
   bool operator==(const Run&) const = default;
 };

@@ -34,7 +34,7 @@ std::optional<std::string> GroupWith(const Scene& scene, schema::GroupParameter 
 }
 
 struct Answer {
-  Decision fate;
+  Decision decision;
   std::string why;
 };
 
@@ -172,35 +172,35 @@ PruningRequest RequestFor(const Scene& scene, Component component) {
 std::vector<PruningDecision> AnalysePruning(const Scene& scene) {
   const Analysis analysis(scene);
   const bool is_none = scene.world.Lists("omit", "none");
-  std::vector<PruningDecision> needs;
-  needs.reserve(Components().size());
+  std::vector<PruningDecision> decisions;
+  decisions.reserve(Components().size());
   for (const ComponentInfo& info : Components()) {
     const PruningRequest asked = RequestFor(scene, info.component);
     Answer answer = asked == PruningRequest::kNo
                         ? Answer{Decision::kKept, is_none ? "omit none" : "omit does not list it"}
                         : analysis.Of(info.component, asked);
-    needs.push_back({info.component, answer.fate, std::move(answer.why)});
+    decisions.push_back({info.component, answer.decision, std::move(answer.why)});
   }
-  return needs;
+  return decisions;
 }
 
-std::string DecisionsText(std::span<const PruningDecision> needs) {
+std::string DecisionsText(std::span<const PruningDecision> decisions) {
   std::string text;
-  for (const PruningDecision& need : needs) {
-    const char* fate = need.fate == Decision::kLeftOut ? "left out"
-                       : need.fate == Decision::kKept  ? "kept"
-                       : need.fate == Decision::kOpen  ? "open"
-                                                       : "none";
-    text += fmt::format("{}: {}: {}\n", InfoOf(need.component).name, fate, need.why);
+  for (const PruningDecision& part : decisions) {
+    const char* word = part.decision == Decision::kLeftOut ? "left out"
+                       : part.decision == Decision::kKept  ? "kept"
+                       : part.decision == Decision::kOpen  ? "open"
+                                                           : "none";
+    text += fmt::format("{}: {}: {}\n", InfoOf(part.component).name, word, part.why);
   }
   return text;
 }
 
-std::string OmittedNames(std::span<const PruningDecision> needs) {
+std::string OmittedNames(std::span<const PruningDecision> decisions) {
   std::string names;
-  for (const PruningDecision& need : needs)
-    if (need.fate == Decision::kLeftOut)
-      names += (names.empty() ? "" : " ") + std::string(InfoOf(need.component).name);
+  for (const PruningDecision& part : decisions)
+    if (part.decision == Decision::kLeftOut)
+      names += (names.empty() ? "" : " ") + std::string(InfoOf(part.component).name);
   return names;
 }
 

@@ -22,7 +22,7 @@ enum class Decision {
 /// What becomes of one component in one run, and the number that decides it.
 struct PruningDecision {
   schema::Component component;
-  Decision fate;
+  Decision decision;
   std::string why;  ///< `no object has ccd`; for people
   bool operator==(const PruningDecision&) const = default;
 };
@@ -36,8 +36,8 @@ enum class PruningRequest { kNo, kAuto, kByName };
 PruningRequest RequestFor(const Scene& scene, schema::Component component);
 
 /// One line for each: `walls: left out: ...`. The text that results carry as `needs`.
-std::string DecisionsText(std::span<const PruningDecision> needs);
+std::string DecisionsText(std::span<const PruningDecision> decisions);
 /// The names of those left out, separated by spaces: what results carry as `omitted`.
-std::string OmittedNames(std::span<const PruningDecision> needs);
+std::string OmittedNames(std::span<const PruningDecision> decisions);
 
 }  // namespace cdb::plan

@@ -13,6 +13,18 @@ struct ObjectType {
   std::string_view doc;
 };
 
+/// Errors that a third-party detector is known to make.
+enum class KnownErrors : std::uint8_t {
+  kNone = 0,
+  kMissesPairs = 1,
+  kFalsePositives = 2,
+  kNoNearContacts = 4,  ///< bodies that are close, but do not overlap, have no contact
+};
+constexpr KnownErrors operator|(KnownErrors a, KnownErrors b) {
+  return static_cast<KnownErrors>(static_cast<std::uint8_t>(a) | static_cast<std::uint8_t>(b));
+}
+
+/// A row of detector_table.h.
 struct DetectorInfo {
   std::string_view name;
   std::string_view doc;
@@ -22,11 +34,16 @@ struct DetectorInfo {
   std::uint64_t max_bodies = 0;  ///< objects and walls together; 0 means no limit
   std::string_view limits = {};  ///< what else it cannot do, or does wrong; may be empty
   std::string_view part = {};    ///< the optional part it is in; empty for what is always there
-  bool HasPhase(std::string_view phase) const {
+  KnownErrors known_errors = KnownErrors::kNone;
+
+  constexpr bool HasPhase(std::string_view phase) const {
     return phases.find(phase) != std::string_view::npos;
   }
   /// So many, walls included.
   bool Holds(std::uint64_t bodies) const { return max_bodies == 0 || bodies <= max_bodies; }
+  bool Makes(KnownErrors error) const {
+    return (static_cast<std::uint8_t>(known_errors) & static_cast<std::uint8_t>(error)) != 0;
+  }
 };
 
 /// A family of algorithms that the source paper's section 2 names: some detector is of it

@@ -163,7 +163,7 @@ struct ParameterTable {
      "which parts of the engine to leave out that the scene provably does not need",
      "prune exclude skip_parts without leave_out"},
 
-    // What it is held against.
+    // What it is compared with.
     {"accuracy.metrics", false, kWords, kAny, kConstant, "", "none", "none", kMetrics,
      "errors to collect, in a pass of its own beside the timed one",
      "errors error accuracy"},

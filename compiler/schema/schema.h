@@ -60,7 +60,7 @@ struct Parameter {
   WordSource word_source = WordSource::kOwn;
   std::string_view doc;         ///< one line
   std::string_view also = {};   ///< space-separated names that people try first, to put them right
-  std::string_view calls = {};  ///< space-separated words with arguments that it takes: calls.h
+  std::string_view calls = {};  ///< space-separated words that take arguments: parametrised_words.h
 
   /// `objects.size`, `timestep`.
   std::string FullName() const;

@@ -1,4 +1,4 @@
-// A broad phase for cdb: bodies sorted along x, and each held against those that begin before it
+// A broad phase for cdb: bodies sorted along x, and each compared with those that begin before it
 // ends. The order of the last cycle is nearly that of this one.
 #include <cdb/detector.h>
 

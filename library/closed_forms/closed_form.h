@@ -41,9 +41,9 @@ class ClosedForm {
   virtual double energy_scale() const = 0;
 };
 
-/// `name` is of ClosedForms() (library/catalogue.h); any other is our own bug. Throws SceneError
-/// that names what in the scene is not of this form, and what would be. Scene and state are looked
-/// at and not kept.
+/// `name` is of ClosedForms() (compiler/schema/catalogue.h); any other is our own bug. Throws
+/// SceneError that names what in the scene is not of this form, and what would be. Scene and state
+/// are looked at and not kept.
 std::unique_ptr<ClosedForm> MakeClosedForm(std::string_view name, const plan::Scene& scene,
                                            const layouts::InitialState& state);
 

@@ -70,7 +70,7 @@ PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found) {
   faults.missed = rest.size();
   rest.clear();
   std::ranges::set_difference(found, exact, std::back_inserter(rest));
-  faults.phantom = rest.size();
+  faults.false_positives = rest.size();
   return faults;
 }
 

@@ -14,10 +14,10 @@ std::vector<Pair> ExactPairs(const Scene& scene);
 
 /// The errors of a list of pairs.
 struct PairFaults {
-  std::size_t exact = 0;      ///< number of exact pairs
-  std::size_t missed = 0;     ///< exact pairs that are not in the list
-  std::size_t phantom = 0;    ///< false positives: listed without an overlap, each counted once
-  std::size_t duplicate = 0;  ///< listed more than once
+  std::size_t exact = 0;            ///< number of exact pairs
+  std::size_t missed = 0;           ///< exact pairs that are not in the list
+  std::size_t false_positives = 0;  ///< listed without an overlap, each counted once
+  std::size_t duplicate = 0;        ///< listed more than once
   bool operator==(const PairFaults&) const = default;
 };
 

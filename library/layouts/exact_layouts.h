@@ -25,8 +25,9 @@ bool IsPile(const plan::Group& group);
 ///            edge; the box's centre at the cell's. fit: the cells fill the cube
 ///   stack    columns, each filled from the floor before the next begins; boxes `gap` apart and
 ///            above the floor, centred on the column's axis. The axes are a square lattice about
-///            x = z = 0 with ceil(sqrt columns) along each edge. fit: see compiler/calls.cc; the
-///            first object's gap to the floor is a thousandth of its own height
+///            x = z = 0 with ceil(sqrt columns) along each edge. fit: see
+///            compiler/schema/parametrised_words.cc; the first object's gap to the floor is a
+///            thousandth of its own height
 ///   pyramid  square layers about x = z = 0 from the smallest base that holds n, each one fewer
 ///            along both sides; cells as large as the largest box along each axis and `gap`; boxes
 ///            stand on the cell's floor

@@ -1,4 +1,4 @@
-// What a run's samples are held against: another run's, or a closed form.
+// What a run's samples are compared with: another run's, or a closed form.
 #pragma once
 
 #include <memory>

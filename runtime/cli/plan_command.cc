@@ -38,28 +38,29 @@ struct PlanArguments {
 std::string LeftOut(const plan::Scene& scene) {
   using plan::Decision;
   std::string names;
-  for (const plan::PruningDecision& need : plan::AnalysePruning(scene)) {
-    const schema::ComponentInfo& info = InfoOf(need.component);
-    if (!info.IsVisible() || (need.fate != Decision::kLeftOut && need.fate != Decision::kOpen))
+  for (const plan::PruningDecision& part : plan::AnalysePruning(scene)) {
+    const schema::ComponentInfo& info = InfoOf(part.component);
+    if (!info.IsVisible() ||
+        (part.decision != Decision::kLeftOut && part.decision != Decision::kOpen))
       continue;
     names += fmt::format("{}{}{}", names.empty() ? "" : " ", info.name,
-                         need.fate == Decision::kOpen ? "?" : "");
+                         part.decision == Decision::kOpen ? "?" : "");
   }
   return names.empty() ? "-" : names;
 }
 
 /// `walls: left out: …` for each component, in columns.
-std::string InColumns(std::string_view needs) {
+std::string InColumns(std::string_view decisions) {
   std::size_t widest = 0;
   for (const schema::ComponentInfo& info : schema::Components())
     widest = std::max(widest, info.name.size());
   std::string text;
-  while (!needs.empty()) {
-    const std::string_view line = needs.substr(0, needs.find('\n'));
-    needs.remove_prefix(std::min(needs.size(), line.size() + 1));
-    const std::size_t name = line.find(": "), fate = line.find(": ", name + 2);
+  while (!decisions.empty()) {
+    const std::string_view line = decisions.substr(0, decisions.find('\n'));
+    decisions.remove_prefix(std::min(decisions.size(), line.size() + 1));
+    const std::size_t name = line.find(": "), decision = line.find(": ", name + 2);
     text += fmt::format("  {:{}}  {:8}  {}\n", line.substr(0, name), widest,
-                        line.substr(name + 2, fate - name - 2), line.substr(fate + 2));
+                        line.substr(name + 2, decision - name - 2), line.substr(decision + 2));
   }
   return text;
 }
@@ -68,7 +69,7 @@ std::string InColumns(std::string_view needs) {
 bool SayWhy(const plan::Scene& scene) {
   try {
     const layouts::InitialState state = layouts::MakeInitialState(scene);
-    report::Print(InColumns(DecisionsText(pruning::DecideOmissions(scene, state).needs)));
+    report::Print(InColumns(DecisionsText(pruning::DecideOmissions(scene, state).decisions)));
     return true;
   } catch (const library::SceneError& error) {
     report::Print(fmt::format("  this run fails: {}\n", error.what()));
@@ -110,8 +111,9 @@ std::string PlanTable(const plan::Plan& plan) {
       grid.empty() ? "" : " = " + grid,
       plan.skipped.empty() ? "" : fmt::format(", {} left out by skip", plan.skipped.size()));
   if (!plan.references.empty())
-    text += fmt::format("  held against {} reference runs, half of them twins: cdb doc accuracy\n",
-                        plan.references.size());
+    text +=
+        fmt::format("  compared with {} reference runs, half of them perturbed: cdb doc accuracy\n",
+                    plan.references.size());
   report::Table table;
   table.AddColumn("run", false);
   for (const plan::Axis& axis : plan.axes) table.AddColumn(axis.name, !axis.IsText());

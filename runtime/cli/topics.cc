@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <system_error>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "runtime/report/language_reference.h"
 #include "runtime/report/table.h"
 #include "runtime/report/word_reference.h"
+#include "runtime/store/store.h"
 
 namespace cdb::cli {
 namespace {
@@ -37,6 +39,13 @@ std::string AllParameters() {
     table.AddRow({parameter.FullName(), std::string(parameter.default_text),
                   std::string(parameter.unit), std::string(parameter.doc)});
   return table.Text();
+}
+
+std::string AllStatuses() {
+  std::string text = "Values of status:";
+  for (std::size_t i = 0; i < std::size(store::kStatusNames); ++i)
+    text += fmt::format(" {} {}", i, store::kStatusNames[i]);
+  return text + "\n\n";
 }
 
 std::string AllSeriesText() {
@@ -85,7 +94,7 @@ std::string AllLints() {
 
 std::string AllErrors() {
   report::Table table;
-  for (const char* head : {"error", "metrics", "unit", "held against", "up to", ""})
+  for (const char* head : {"error", "metrics", "unit", "compared with", "up to", ""})
     table.AddColumn(head, false);
   for (const schema::ErrorInfo& error : schema::Errors())
     table.AddRow({std::string(error.name), std::string(error.metric), std::string(error.unit),
@@ -136,10 +145,10 @@ constexpr Topic kTopics[] = {
      [] { return std::string(report::kOmitReference) + AllComponents() + "\n"; }},
     {"lints", "numbers that Bullet cannot follow, before anything runs",
      [] { return std::string(report::kLintsReference) + AllLints() + "\n"; }},
-    {"accuracy", "errors beside timings, and what they are held against",
+    {"accuracy", "errors, and the truth that runs are compared with",
      [] { return std::string(report::kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",
-     [] { return std::string(report::kResultsReference) + AllSeriesText(); }},
+     [] { return std::string(report::kResultsReference) + AllStatuses() + AllSeriesText(); }},
     {"traces", "recorded boxes, and detectors that are run on them",
      [] { return std::string(report::kTracesReference); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},

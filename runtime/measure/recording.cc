@@ -14,7 +14,6 @@
 #include <system_error>
 #include <utility>
 
-#include "compiler/plan/capacity.h"
 #include "runtime/measure/alignment.h"
 
 namespace cdb::measure {
@@ -23,9 +22,7 @@ Recording::Recording(int fd, const plan::Scene& scene, bool create) : fd_(fd) {
   bytes_ = WholeCacheLines(sizeof(RecordingHeader));
   for (const Series& series : AllSeries()) {
     if (!series.IsRecordedBy(scene)) continue;
-    const std::size_t bytes =
-        series.ItemBytes() *
-        series.ValueCount(scene.world.Count("cycles"), scene.ObjectCount(), plan::BodyCount(scene));
+    const std::size_t bytes = series.ItemBytes() * series.ValueCount(ExtentsOf(scene));
     places_.push_back({&series, bytes_, bytes});
     bytes_ += WholeCacheLines(bytes);
   }
@@ -61,9 +58,6 @@ void Recording::Clear() {
   header_ = new (header_) RecordingHeader{};
   header_->magic = RecordingHeader::kMagic;
   header_->bytes = bytes_;
-  header_->peak_rss_bytes = header_->place_ns = header_->build_ns = header_->harness_ns =
-      header_->fill_fraction = header_->initial_energy = header_->energy_scale =
-          header_->least_side = header_->speed_scale = kNone;
   for (const Place& place : places_) {
     if (place.series->type == SeriesType::kInt32) {
       std::ranges::fill(Ints(place.series->name), -1);

@@ -5,12 +5,15 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "runtime/measure/fixed_text.h"
+#include "runtime/measure/run_scalars.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 
@@ -18,6 +21,16 @@ namespace cdb::measure {
 
 /// The outcome of a worker.
 enum class WorkerOutcome : std::int32_t { kRunning = 0, kDone = 1, kFailed = 2 };
+
+/// Reference values for verdicts, of a run that records stability; NaN otherwise.
+struct VerdictScales {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double initial_energy = kNone;  ///< J, as the series `energy`, before the first recorded cycle
+  /// J, that kinetic energy plus what the objects can gain by falling.
+  double energy_scale = kNone;
+  double least_side = kNone;   ///< m, of the smallest object
+  double speed_scale = kNone;  ///< m/s, sqrt(g size) of that object
+};
 
 /// The header of the memory. Written by the worker, read by the runner after the worker has exited.
 struct RecordingHeader {
@@ -27,21 +40,13 @@ struct RecordingHeader {
   std::atomic<std::uint64_t> cycles_done;
   std::atomic<WorkerOutcome> outcome;
   std::atomic<std::uint32_t> plugin_call;  ///< where the worker is (measure/plugin_call.h)
-  char state_hash[20];                     ///< 16 hex digits after the last cycle; empty before
-  char message[2048];                      ///< why it failed, in the user's words
-  char omitted[256];      ///< names of the omitted components (compiler/plan/pruning.h)
-  char needs[4096];       ///< the decision about each component, and its reason
-  char models[4096];      ///< the hulls of the compounds in the scene (FormsText)
-  double peak_rss_bytes;  ///< of the worker process; NaN if it did not get that far
-  double place_ns;        ///< placing the objects
-  double build_ns;        ///< deciding the omissions and building the world
-  double harness_ns;  ///< of a cycle: its clock stamps and a call of a detector that does nothing
-  double fill_fraction;  ///< objects' volume over the cube's
-  // Reference values for verdicts, of a run that records stability.
-  double initial_energy;  ///< J, as the series `energy`, before the first recorded cycle
-  double energy_scale;    ///< J, that kinetic energy plus what the objects can gain by falling
-  double least_side;      ///< m, of the smallest object
-  double speed_scale;     ///< m/s, sqrt(g size) of that object
+  FixedText<20> state_hash;                ///< 16 hex digits after the last cycle; empty before
+  FixedText<2048> message;                 ///< why it failed, in the user's words
+  FixedText<256> omitted;     ///< names of the omitted components (compiler/plan/pruning.h)
+  FixedText<4096> decisions;  ///< the decision about each component, and its reason
+  FixedText<4096> models;     ///< the hulls of the compounds in the scene (ModelsText)
+  RunScalars scalars;
+  VerdictScales scales;
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 

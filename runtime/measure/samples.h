@@ -108,7 +108,7 @@ struct Samples {
 /// The errors of one run, by the arrays of /accuracy that hold them: one value, or one a sample.
 struct RunErrors {
   std::map<std::string, std::vector<double>, std::less<>> values;
-  std::string truth;    ///< what they are held against: a closed form, or a reference's id
+  std::string truth;    ///< what they are compared with: a closed form, or a reference's id
   std::string message;  ///< why some have no value; empty where all have
 };
 

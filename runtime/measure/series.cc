@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compiler/plan/capacity.h"
 #include "compiler/plan/trace.h"
 #include "compiler/schema/schema.h"
 
@@ -66,28 +67,89 @@ constexpr Series kSeries[] = {
     {"normal_error", "pairs", kFloat64, kScalar, "rad", "mean error of their normals"},
 };
 
-constexpr std::string_view kPhaseNames[] = {"broad", "narrow",    "detect",
-                                            "solve", "integrate", "step"};
+constexpr std::string_view kPhases[kPhaseCount] = {"broad", "narrow",    "detect",
+                                                   "solve", "integrate", "step"};
+constexpr std::string_view kPoseComponents[kPoseSize] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+constexpr std::string_view kBounds[kBoxSize] = {"lower_x", "lower_y", "lower_z",
+                                                "upper_x", "upper_y", "upper_z"};
+constexpr std::string_view kFilterComponents[kFilterSize] = {"group", "mask", "fixed"};
+
+/// In the order of Dimension.
+constexpr DimensionInfo kDimensions[] = {
+    {"phase", "part of a cycle that is timed", kPhases},
+    {"cycle", "recorded cycle"},
+    {"body", "object, in the order of its group and within it"},
+    {"pose", "centre of mass, m, and quaternion", kPoseComponents},
+    {"box_body", "object as of `body`, then the walls -x +x -y +y -z +z"},
+    {"bound", "side of a box", kBounds},
+    {"filter", "what decides whom a body may meet", kFilterComponents},
+    {"sample", "simulated time of a sample, warm-up included"},
+};
+
+std::uint64_t ExtentOf(Dimension dimension, const RunExtents& run) {
+  switch (dimension) {
+    case Dimension::kCycle:
+      return run.cycles;
+    case Dimension::kBody:
+      return run.objects;
+    case Dimension::kBoxBody:
+      return run.bodies;
+    default:
+      return InfoOf(dimension).labels.size();
+  }
+}
 
 }  // namespace
 
-std::size_t Series::ValueCount(std::uint64_t cycles, std::uint64_t objects,
-                               std::uint64_t bodies) const {
+const DimensionInfo& InfoOf(Dimension dimension) {
+  return kDimensions[static_cast<std::size_t>(dimension)];
+}
+
+std::span<const Dimension> DimensionsOf(SeriesShape shape) {
+  using enum Dimension;
+  static constexpr Dimension kOfScalar[] = {kCycle}, kOfPhase[] = {Dimension::kPhase, kCycle},
+                             kOfPose[] = {kCycle, kBody, Dimension::kPose},
+                             kOfBox[] = {kCycle, kBoxBody, kBound},
+                             kOfFilter[] = {kBoxBody, Dimension::kFilter},
+                             kOfSample[] = {Dimension::kSample};
   switch (shape) {
-    case kScalar:
-      return cycles;
-    case kPhase:
-      return cycles * kPhaseCount;
-    case kPose:
-      return cycles * objects * kPoseSize;
-    case kBox:
-      return cycles * bodies * kBoxSize;
-    case kFilter:
-      return bodies * kFilterSize;
-    case kSample:
-      break;
+    case SeriesShape::kScalar:
+      return kOfScalar;
+    case SeriesShape::kPhase:
+      return kOfPhase;
+    case SeriesShape::kPose:
+      return kOfPose;
+    case SeriesShape::kBox:
+      return kOfBox;
+    case SeriesShape::kFilter:
+      return kOfFilter;
+    case SeriesShape::kSample:
+      return kOfSample;
   }
-  return 0;
+  return {};
+}
+
+RunExtents ExtentsOf(const plan::Scene& scene) {
+  return {scene.world.Count("cycles"), scene.ObjectCount(), plan::BodyCount(scene)};
+}
+
+std::optional<std::size_t> Series::CycleDimension() const {
+  const auto dimensions = DimensionsOf(shape);
+  const auto found = std::ranges::find(dimensions, Dimension::kCycle);
+  if (found == dimensions.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - dimensions.begin());
+}
+
+std::vector<std::uint64_t> Series::Extents(const RunExtents& run) const {
+  std::vector<std::uint64_t> extents;
+  for (const Dimension dimension : DimensionsOf(shape)) extents.push_back(ExtentOf(dimension, run));
+  return extents;
+}
+
+std::size_t Series::ValueCount(const RunExtents& run) const {
+  std::size_t count = 1;
+  for (const std::uint64_t extent : Extents(run)) count *= extent;
+  return count;
 }
 
 bool Series::IsRecordedBy(const plan::Scene& scene) const {
@@ -111,6 +173,6 @@ const Series* FindSeries(std::string_view name) {
   return row == std::end(kSeries) ? nullptr : row;
 }
 
-std::span<const std::string_view> PhaseNames() { return kPhaseNames; }
+std::span<const std::string_view> PhaseNames() { return kPhases; }
 
 }  // namespace cdb::measure

@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "compiler/plan/plan.h"
 
@@ -13,15 +15,34 @@ namespace cdb::measure {
 
 enum class SeriesType { kInt32, kFloat64 };
 
-/// The dimension a series has beside the cycle.
-enum class SeriesShape {
-  kScalar,  ///< [cycle]
-  kPhase,   ///< [phase, cycle]
-  kPose,    ///< [cycle, body, pose]: x y z qx qy qz qw
-  kBox,     ///< [cycle, box_body, bound]: lower x y z, upper x y z
-  kFilter,  ///< [box_body, filter]: group, mask, fixed; once a run
-  kSample,  ///< [sample]; errors, of which a run's recording knows nothing
+/// A dimension of series beside the axes of the sweep.
+enum class Dimension { kPhase, kCycle, kBody, kPose, kBoxBody, kBound, kFilter, kSample };
+
+struct DimensionInfo {
+  std::string_view name;
+  std::string_view doc;                           ///< the coordinate's long_name
+  std::span<const std::string_view> labels = {};  ///< empty if the extent depends on the run
 };
+const DimensionInfo& InfoOf(Dimension dimension);
+
+/// The dimensions of a series (DimensionsOf).
+enum class SeriesShape {
+  kScalar,  ///< a value for each cycle
+  kPhase,
+  kPose,
+  kBox,
+  kFilter,  ///< once a run
+  kSample,  ///< errors, which are not part of a recording
+};
+std::span<const Dimension> DimensionsOf(SeriesShape shape);
+
+/// Extents of one run, or the largest of a plan.
+struct RunExtents {
+  std::uint64_t cycles = 0;
+  std::uint64_t objects = 0;
+  std::uint64_t bodies = 0;  ///< objects, and the walls that are present
+};
+RunExtents ExtentsOf(const plan::Scene& scene);
 
 struct Series {
   std::string_view name;     ///< the dataset
@@ -33,9 +54,12 @@ struct Series {
   bool on_traces = false;  ///< a detector that is run on a trace has it too
 
   std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
-  bool HasCycles() const { return shape != SeriesShape::kFilter && shape != SeriesShape::kSample; }
-  /// Values of one run of so many cycles and objects; `bodies`: with the walls that stand.
-  std::size_t ValueCount(std::uint64_t cycles, std::uint64_t objects, std::uint64_t bodies) const;
+  /// The position of the cycle among its dimensions; nullopt if it has one value a run.
+  std::optional<std::size_t> CycleDimension() const;
+  bool HasCycles() const { return CycleDimension().has_value(); }
+  /// The extent of each of its dimensions in a recording, outermost first.
+  std::vector<std::uint64_t> Extents(const RunExtents& run) const;
+  std::size_t ValueCount(const RunExtents& run) const;
   /// `scene` asks for it.
   bool IsRecordedBy(const plan::Scene& scene) const;
   /// Any run of `plan` asks for it.
@@ -54,7 +78,7 @@ inline constexpr std::size_t kPhaseCount = 6;
 constexpr std::size_t IndexOf(Phase phase) { return static_cast<std::size_t>(phase); }
 std::span<const std::string_view> PhaseNames();
 
-/// Components of a pose, of a box, of a filter.
+/// Labels of kPose, kBound, kFilter.
 inline constexpr std::size_t kPoseSize = 7;
 inline constexpr std::size_t kBoxSize = 6;
 inline constexpr std::size_t kFilterSize = 3;

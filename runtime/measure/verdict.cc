@@ -46,7 +46,7 @@ class Case {
   Case(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles)
       : scene_(scene),
         recording_(recording),
-        header_(recording.header()),
+        scales_(recording.header().scales),
         n_(n_cycles),
         late_(n_cycles -
               static_cast<std::size_t>(std::ceil(kLate * static_cast<double>(n_cycles)))),
@@ -72,7 +72,7 @@ class Case {
         return MustRest() ? FirstAbove("displacement", kCollapse) : -1;
       case kPenetrating:
         return Earlier(Earlier(LateAbove("penetration_ratio", kLateDepth),
-                               LateAbove("joint_gap", kLateDepth * header_.least_side)),
+                               LateAbove("joint_gap", kLateDepth * scales_.least_side)),
                        MustRest() ? FirstAbove("penetration_ratio", kPeakDepth) : -1);
       case kDrifting:
         return Drifting();
@@ -136,9 +136,9 @@ class Case {
   std::int64_t FirstRise(double limit) const {
     if (expectation_ == Expectation::kDriven) return -1;
     const auto energy = Reals("energy");
-    double least = header_.initial_energy;
+    double least = scales_.initial_energy;
     for (std::size_t i = 0; i < energy.size(); ++i) {
-      if (energy[i] - least > limit * header_.energy_scale) return static_cast<std::int64_t>(i);
+      if (energy[i] - least > limit * scales_.energy_scale) return static_cast<std::int64_t>(i);
       least = std::min(least, energy[i]);
     }
     return -1;
@@ -162,17 +162,17 @@ class Case {
         if (const auto touch = FirstCount("contacts"); touch >= 0)
           end = static_cast<std::size_t>(touch);
       first = Earlier(first, FirstIn(energy.first(end), [&](double x) {
-                        return std::abs(x - header_.initial_energy) > kDrift * header_.energy_scale;
+                        return std::abs(x - scales_.initial_energy) > kDrift * scales_.energy_scale;
                       }));
     }
     if (MustRest())
-      first = Earlier(first, LateAbove("max_speed", kLateSpeed * header_.speed_scale));
+      first = Earlier(first, LateAbove("max_speed", kLateSpeed * scales_.speed_scale));
     return first;
   }
 
   const plan::Scene& scene_;
   const Recording& recording_;
-  const RecordingHeader& header_;
+  const VerdictScales& scales_;
   const std::size_t n_, late_;  ///< cycles; the first late one
   const Expectation expectation_;
 };

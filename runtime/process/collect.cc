@@ -1,7 +1,6 @@
 #include "runtime/process/collect.h"
 
 #include <fmt/format.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,12 +19,6 @@
 namespace cdb::process {
 namespace {
 
-/// Text in shared memory that a crashing process may have written over.
-template <std::size_t kSize>
-std::string BoundedText(const char (&text)[kSize]) {
-  return std::string(text, strnlen(text, kSize));
-}
-
 /// What a worker wrote before it ended; empty where a crash left something else there.
 std::string LinesOf(std::string text) {
   const bool is_text = std::ranges::all_of(
@@ -40,26 +33,30 @@ std::string CrashText(const ProcessEnd& end, std::string_view trouble, const std
   return end.last_lines.empty() ? text : text + ": " + end.last_lines;
 }
 
-/// Sets what belongs to `cycle` and later ones to `none`.
+/// Sets the values of `cycle` and later cycles to `none`. `extents` are those of the series, the
+/// cycle at `cycle_dimension`.
 template <typename T>
-void ClearFrom(std::span<T> values, const measure::Series& series, std::uint64_t cycle,
-               std::uint64_t cycles, T none) {
-  if (!series.HasCycles()) return;
-  if (series.shape == measure::SeriesShape::kPhase) {
-    for (std::size_t row = 0; row + cycles <= values.size(); row += cycles)
-      std::ranges::fill(values.subspan(row + cycle, cycles - cycle), none);
-  } else {
-    std::ranges::fill(values.subspan(values.size() / cycles * cycle), none);
-  }
+void ClearFrom(std::span<T> values, std::span<const std::uint64_t> extents,
+               std::size_t cycle_dimension, std::uint64_t cycle, T none) {
+  const std::uint64_t cycles = extents[cycle_dimension];
+  std::size_t per_cycle = 1;
+  for (const std::uint64_t extent : extents.subspan(cycle_dimension + 1)) per_cycle *= extent;
+  const std::size_t row = cycles * per_cycle;
+  if (row == 0) return;
+  for (std::size_t at = 0; at < values.size(); at += row)
+    std::ranges::fill(values.subspan(at + cycle * per_cycle, (cycles - cycle) * per_cycle), none);
 }
 
-void ClearUnfinished(measure::Recording& recording, std::uint64_t n_cycles, std::uint64_t cycles) {
+void ClearUnfinished(measure::Recording& recording, const measure::RunExtents& run,
+                     std::uint64_t n_cycles) {
   for (const measure::Series& series : measure::AllSeries()) {
-    if (recording.Bytes(series).empty()) continue;
+    const auto dimension = series.CycleDimension();
+    if (recording.Bytes(series).empty() || !dimension) continue;
+    const std::vector<std::uint64_t> extents = series.Extents(run);
     if (series.type == measure::SeriesType::kInt32) {
-      ClearFrom<std::int32_t>(recording.Ints(series.name), series, n_cycles, cycles, -1);
+      ClearFrom<std::int32_t>(recording.Ints(series.name), extents, *dimension, n_cycles, -1);
     } else {
-      ClearFrom<double>(recording.Reals(series.name), series, n_cycles, cycles,
+      ClearFrom<double>(recording.Reals(series.name), extents, *dimension, n_cycles,
                         std::numeric_limits<double>::quiet_NaN());
     }
   }
@@ -111,10 +108,10 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
   const bool has_exited = HasExited(end);
   if (has_exited && outcome == measure::WorkerOutcome::kDone && result.n_cycles == cycles) {
     result.status = store::Status::kDone;
-    result.state_hash = BoundedText(header.state_hash);
+    result.state_hash = header.state_hash.str();
   } else if (has_exited && outcome == measure::WorkerOutcome::kFailed) {
     result.status = store::Status::kFailed;
-    result.message = BoundedText(header.message);
+    result.message = header.message.str();
     if (result.message.empty()) result.message = "the worker failed without a reason";
   } else if (end.is_timed_out && !has_exited) {
     result.status = store::Status::kTimedOut;
@@ -153,21 +150,16 @@ store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::R
                                                    : measure::Verdict::kUnknown;
     result.judgement = measure::Judge(run.scene, recording, result.n_cycles, ending);
   }
-  if (result.status != store::Status::kDone) ClearUnfinished(recording, result.n_cycles, cycles);
+  if (result.status != store::Status::kDone)
+    ClearUnfinished(recording, measure::ExtentsOf(run.scene), result.n_cycles);
 
-  result.omitted = BoundedText(header.omitted);
-  result.needs = BoundedText(header.needs);
-  result.models = BoundedText(header.models);
-  if (!has_exited) {
-    result.omitted = LinesOf(std::move(result.omitted));
-    result.needs = LinesOf(std::move(result.needs));
-    result.models = LinesOf(std::move(result.models));
-  }
-  result.peak_rss_bytes = header.peak_rss_bytes;
-  result.place_ns = header.place_ns;
-  result.build_ns = header.build_ns;
-  result.fill_fraction = header.fill_fraction;
-  result.harness_ns = header.harness_ns;
+  const auto text = [has_exited](const auto& shared) {
+    return has_exited ? shared.str() : LinesOf(shared.str());
+  };
+  result.omitted = text(header.omitted);
+  result.decisions = text(header.decisions);
+  result.models = text(header.models);
+  result.scalars = header.scalars;
   for (const measure::Series& series : measure::AllSeries())
     if (const auto bytes = recording.Bytes(series); !bytes.empty())
       result.series.emplace_back(&series, bytes);

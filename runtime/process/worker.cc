@@ -62,7 +62,7 @@ class OnCpu {
   bool is_set_ = false;
 };
 
-/// A processor for each slot; empty where there are not enough, or where one slot has no rival.
+/// A processor for each slot; empty where there are not enough, or where there is only one slot.
 std::vector<int> ChooseCpus(std::size_t slots) {
   cpu_set_t allowed;
   if (slots < 2 || sched_getaffinity(0, sizeof allowed, &allowed) != 0) return {};
@@ -143,15 +143,15 @@ fs::path FindAnyWorker() { return FindWorker(OwnFolder(), kSingleWorker); }
 
 WorkerPrograms FindWorkers(const plan::Plan& plan, const fs::path& folder) {
   WorkerPrograms programs;
-  const auto needs = [&plan](std::string_view precision) {
+  const auto uses = [&plan](std::string_view precision) {
     const auto is_of_it = [precision](const plan::Run& run) {
       return run.scene.world.WordOr("precision") == precision;
     };
     return std::ranges::any_of(plan.runs, is_of_it) ||
            std::ranges::any_of(plan.references, is_of_it);
   };
-  if (needs("single")) programs.single = FindWorker(folder, kSingleWorker);
-  if (needs("double")) programs.double_ = FindWorker(folder, "cdb-worker-f64");
+  if (uses("single")) programs.single = FindWorker(folder, kSingleWorker);
+  if (uses("double")) programs.double_ = FindWorker(folder, "cdb-worker-f64");
   return programs;
 }
 

@@ -18,11 +18,11 @@ using plan::Decision;
 using plan::PruningDecision;
 using schema::Component;
 
-/// Bullet switches off a body whose box has this diagonal, m; half of it, to be safe.
-constexpr double kLargestBox = 5e5;
+/// Half of the diagonal, m, at which Bullet switches off a body, to be safe.
+constexpr double kSafeBox = plan::kLargestBox / 2;
 /// Where more objects than these may meet one another, contacts that share an object are likely,
 /// and the run would soon have to start again with all walls.
-constexpr std::size_t kLargestCrowd = 64;
+constexpr std::size_t kLargestCluster = 64;
 /// Entries of Bullet's pools, and enough for boxes that overlap where nothing touches.
 constexpr int kBulletsPool = 4096, kFewPairs = 64;
 
@@ -52,7 +52,7 @@ class Settlement {
       case Component::kWalls:
         return Walls();
       case Component::kDetection:
-        if (forecast_.largest_box >= kLargestBox)
+        if (forecast_.largest_box >= kSafeBox)
           return decide(false, fmt::format("a box grows to {:.4g} m, which detection has to see",
                                            forecast_.largest_box));
         [[fallthrough]];
@@ -86,22 +86,24 @@ class Settlement {
                        forecast_.longest_rest, kSleepAfter);
   }
 
-  bool LeavesWallsOut() const { return forecast_.largest_crowd <= kLargestCrowd && kept_ < all_; }
+  bool LeavesWallsOut() const {
+    return forecast_.largest_cluster <= kLargestCluster && kept_ < all_;
+  }
 
   PruningDecision Walls() const {
-    const auto need = [](Decision fate, std::string why) {
-      return PruningDecision{Component::kWalls, fate, std::move(why)};
+    const auto decide = [](Decision decision, std::string why) {
+      return PruningDecision{Component::kWalls, decision, std::move(why)};
     };
     if (LeavesWallsOut())
-      return need(Decision::kLeftOut, fmt::format("for {} of {} pairs of object and wall; {}",
-                                                  all_ - kept_, all_, forecast_.closest));
-    if (all_ == 0) return need(Decision::kKept, "nothing moves that could reach one");
+      return decide(Decision::kLeftOut, fmt::format("for {} of {} pairs of object and wall; {}",
+                                                    all_ - kept_, all_, forecast_.closest));
+    if (all_ == 0) return decide(Decision::kKept, "nothing moves that could reach one");
     if (kept_ == all_)
-      return need(Decision::kKept,
-                  fmt::format("every object may reach every wall; {}", forecast_.closest));
-    return need(Decision::kKept,
-                fmt::format("{} objects may meet one another, more than {}; {}",
-                            forecast_.largest_crowd, kLargestCrowd, forecast_.closest));
+      return decide(Decision::kKept,
+                    fmt::format("every object may reach every wall; {}", forecast_.closest));
+    return decide(Decision::kKept,
+                  fmt::format("{} objects may meet one another, more than {}; {}",
+                              forecast_.largest_cluster, kLargestCluster, forecast_.closest));
   }
 
   /// Those there can be; no more than a few, beside the walls that are kept, where the objects are
@@ -130,27 +132,27 @@ std::uint8_t StandingWalls(const plan::Scene& scene) {
 }
 
 bool Omissions::Omits(Component component) const {
-  return needs[static_cast<std::size_t>(component)].fate == Decision::kLeftOut;
+  return decisions[static_cast<std::size_t>(component)].decision == Decision::kLeftOut;
 }
 
 void Omissions::Keep(Component component, std::string why) {
-  needs[static_cast<std::size_t>(component)] = {component, Decision::kKept, std::move(why)};
+  decisions[static_cast<std::size_t>(component)] = {component, Decision::kKept, std::move(why)};
   if (component == Component::kWalls) walls.clear();
 }
 
 Omissions DecideOmissions(const plan::Scene& scene, const layouts::InitialState& state) {
   Omissions omissions;
-  omissions.needs = plan::AnalysePruning(scene);
+  omissions.decisions = plan::AnalysePruning(scene);
   const bool has_open =
-      std::ranges::count(omissions.needs, Decision::kOpen, &PruningDecision::fate) > 0;
+      std::ranges::count(omissions.decisions, Decision::kOpen, &PruningDecision::decision) > 0;
   if (!has_open) return omissions;
   const Settlement settlement(scene, state);
-  for (PruningDecision& need : omissions.needs) {
-    if (need.fate == Decision::kOpen) need = settlement.Settle(need.component);
-    if (need.fate == Decision::kKept &&
-        plan::RequestFor(scene, need.component) == plan::PruningRequest::kByName)
+  for (PruningDecision& part : omissions.decisions) {
+    if (part.decision == Decision::kOpen) part = settlement.Settle(part.component);
+    if (part.decision == Decision::kKept &&
+        plan::RequestFor(scene, part.component) == plan::PruningRequest::kByName)
       throw library::SceneError(
-          fmt::format("omit {}: this scene needs it: {}", InfoOf(need.component).name, need.why));
+          fmt::format("omit {}: this scene needs it: {}", InfoOf(part.component).name, part.why));
   }
   if (omissions.Omits(Component::kWalls)) omissions.walls = settlement.walls();
   omissions.pool_size = settlement.pool_size();
@@ -159,9 +161,9 @@ Omissions DecideOmissions(const plan::Scene& scene, const layouts::InitialState&
 
 Omissions KeepEverything(const plan::Scene& scene) {
   Omissions omissions;
-  omissions.needs = plan::AnalysePruning(scene);
-  for (PruningDecision& need : omissions.needs)
-    if (need.fate != Decision::kAbsent) need = {need.component, Decision::kKept, "omit none"};
+  omissions.decisions = plan::AnalysePruning(scene);
+  for (PruningDecision& part : omissions.decisions)
+    if (part.decision != Decision::kAbsent) part = {part.component, Decision::kKept, "omit none"};
   return omissions;
 }
 

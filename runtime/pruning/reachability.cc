@@ -96,7 +96,7 @@ class Forecaster {
     flights_.reserve(state.objects.size());
     for (const ObjectState& object : state.objects)
       flights_.push_back(TrajectoryOf(object, state.acceleration, scene, horizon_));
-    crowds_.emplace(scene, state, horizon_, room_, flights_);
+    clusters_.emplace(scene, state, horizon_, room_, flights_);
   }
 
   Reachability Make() {
@@ -138,9 +138,9 @@ class Forecaster {
       forecast_.closest = EscapeText(escape_);
       return std::nullopt;
     }
-    if (auto why = crowds_->Follow(tests_left_)) return why;
-    forecast_.walls = crowds_->walls();
-    forecast_.largest_crowd = crowds_->Largest();
+    if (auto why = clusters_->Follow(tests_left_)) return why;
+    forecast_.walls = clusters_->walls();
+    forecast_.largest_cluster = clusters_->Largest();
     forecast_.closest = MeetingText(meeting_);
     return std::nullopt;
   }
@@ -160,11 +160,11 @@ class Forecaster {
 
   void GiveUp(const std::string& why) {
     forecast_.nothing_touches = false;
-    forecast_.largest_crowd = 0;
+    forecast_.largest_cluster = 0;
     for (std::size_t i = 0; i < flights_.size(); ++i) {
       if (flights_[i].motion == Motion::kFixed) continue;
       forecast_.walls[i] = room_.standing();
-      ++forecast_.largest_crowd;
+      ++forecast_.largest_cluster;
     }
     forecast_.closest =
         meeting_.HasHappened() ? fmt::format("{}; {}", MeetingText(meeting_), why) : why;
@@ -186,7 +186,7 @@ class Forecaster {
         return !(room_.Gap(wall, flight.PathUntil(t), reach) > 0);
       });
       meeting_.TakeIfLess({time, object, object, wall});
-      crowds_->MeetWall(object, wall, time);
+      clusters_->MeetWall(object, wall, time);
     }
   }
 
@@ -225,7 +225,7 @@ class Forecaster {
       return;
     }
     meeting_.TakeIfLess({approach.time, a, b});
-    crowds_->MeetObject(a, b, approach.time);
+    clusters_->MeetObject(a, b, approach.time);
   }
 
   /// m^2: beyond it products of squares overflow.
@@ -236,7 +236,7 @@ class Forecaster {
   const Horizon horizon_;
   const Room room_;
   std::vector<Trajectory> flights_;
-  std::optional<ContactClusters> crowds_;
+  std::optional<ContactClusters> clusters_;
   std::uint64_t tests_left_;
   Encounter meeting_, escape_;
   Reachability forecast_;

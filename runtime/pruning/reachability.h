@@ -35,9 +35,9 @@ struct Reachability {
   /// Number of moving objects in the largest cluster; 1 if none may meet another. All of them if
   /// the analysis gave up: too many may meet, one with a soft contact may touch something, one has
   /// `ccd`, or numbers overflow.
-  std::size_t largest_crowd = 1;
+  std::size_t largest_cluster = 1;
   /// m: the largest diagonal of the box of a moving object in any cycle, including its displacement
-  /// in one cycle, if nothing touches. Bullet deactivates objects beyond 1e6.
+  /// in one cycle, if nothing touches. Bullet deactivates objects beyond kLargestBox.
   double largest_box = 0;
   /// s: an upper bound of the longest uninterrupted time that any moving object is below Bullet's
   /// sleeping thresholds, if nothing touches. Bullet puts objects to sleep after 2 s; the analysis

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "compiler/plan/engine_constants.h"
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 
@@ -101,8 +102,9 @@ double FirstTime(double end, const Predicate& is_true) {
   return before;
 }
 
-/// Bullet's sleeping thresholds: an object is slow below both, and put to sleep after this time.
-inline constexpr double kSlowSpeed = 0.8, kSlowSpin = 1.0, kSleepAfter = 2.0;
+using plan::kSleepAfter;
+using plan::kSlowSpeed;
+using plan::kSlowSpin;
 /// The longest uninterrupted time, s, that a moving object in free flight is slow, at most `end`.
 /// As Bullet counts: one step for each step in which it finds the object slow.
 double LongestRest(const layouts::ObjectState& object, const Eigen::Vector3d& acceleration,

@@ -22,7 +22,7 @@ std::vector<std::string> Limits(const DetectorInfo& detector) {
   if (part != nullptr && !part->is_built)
     limits.push_back(
         fmt::format("not in this build: install {} and run ./setup again, or ./setup "
-                    "--rivals for all of them",
+                    "--third-party for all of them",
                     part->package));
   if (detector.max_bodies != 0)
     limits.push_back(fmt::format("at most {} bodies, walls included", detector.max_bodies));

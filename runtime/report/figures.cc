@@ -27,11 +27,13 @@ void Sort(Pool& pool) {
   std::ranges::sort(pool.contacts);
 }
 
-/// `needs` says that the component was there: not left out, and not absent from the scene anyway.
-bool SaysKept(std::string_view needs, std::string_view component) {
+/// `decisions` says that the component was there: not left out, and not absent from the scene
+/// anyway.
+bool SaysKept(std::string_view decisions, std::string_view component) {
   const std::string line = fmt::format("{}: kept: ", component);
-  for (std::size_t at = needs.find(line); at != needs.npos; at = needs.find(line, at + 1))
-    if (at == 0 || needs[at - 1] == '\n') return true;
+  for (std::size_t at = decisions.find(line); at != decisions.npos;
+       at = decisions.find(line, at + 1))
+    if (at == 0 || decisions[at - 1] == '\n') return true;
   return false;
 }
 

@@ -12,12 +12,9 @@
 namespace cdb::report {
 namespace {
 
-/// In what the catalogue says of a detector's limits.
-constexpr std::string_view kMayMiss = "may miss pairs";
-
 bool MayMissPairs(const std::string& detector) {
   const schema::DetectorInfo* info = schema::FindDetector(detector);
-  return info != nullptr && info->limits.find(kMayMiss) != std::string_view::npos;
+  return info != nullptr && info->Makes(schema::KnownErrors::kMissesPairs);
 }
 
 /// A mean that grows.
@@ -46,7 +43,7 @@ void AddPairs(const store::ResultFile& file, const store::ResultFile::Cell& cell
     return file.Has(name) ? file.ReadSeries(name, cell) : std::vector<double>();
   };
   const auto exact = series("exact_pairs"), missed = series("missed_pairs"),
-             phantom = series("phantom_pairs"), duplicate = series("duplicate_pairs"),
+             false_positives = series("phantom_pairs"), duplicate = series("duplicate_pairs"),
              contacts = series("missed_contacts");
   bool is_wrong = false, is_watched = false;
   for (std::uint64_t cycle = 0; cycle < exact.size(); ++cycle) {
@@ -58,7 +55,7 @@ void AddPairs(const store::ResultFile& file, const store::ResultFile::Cell& cell
       return values[cycle] > 0;
     };
     add(findings.exact, exact);
-    add(findings.phantom, phantom);
+    add(findings.false_positives, false_positives);
     const auto note = [&](std::uint64_t& sum, const std::vector<double>& values,
                           std::optional<DetectorFindings::Place>& first) {
       if (add(sum, values) && !first) first = {cell, cycle};
@@ -147,7 +144,7 @@ std::string OtherFaults(const std::vector<DetectorFindings>& findings) {
                             of_exact ? fmt::format(" beside {}", of.exact) : "");
     return text.empty() ? text : fmt::format("\n{}: {}.\n", head, text);
   };
-  return line("Pairs listed that do not overlap", &DetectorFindings::phantom, true) +
+  return line("Pairs listed that do not overlap", &DetectorFindings::false_positives, true) +
          line("Pairs listed again", &DetectorFindings::duplicate, true) +
          line("Overlaps left without a contact", &DetectorFindings::missed_contacts, false);
 }

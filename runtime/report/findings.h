@@ -16,7 +16,7 @@ struct DetectorFindings {
   std::string detector;
   std::size_t runs = 0;  ///< whose pairs were recorded
   std::uint64_t cycles = 0;
-  std::uint64_t exact = 0, missed = 0, phantom = 0, duplicate = 0, missed_contacts = 0;
+  std::uint64_t exact = 0, missed = 0, false_positives = 0, duplicate = 0, missed_contacts = 0;
   /// Means over the cycles that have one; NaN where none has.
   double depth_error = 0, normal_error = 0;
   std::size_t wrong_runs = 0;  ///< that missed a pair

@@ -294,7 +294,7 @@ with named axes. For the axes quantity and detector:
   rep(rep)  phase(phase)  cycle(cycle)    phase: broad narrow detect solve integrate step
   duration(quantity, detector, rep, phase, cycle)    ns; NaN for cycles that did not run
   pairs, contacts, ... (quantity, detector, rep, cycle)
-  status(quantity, detector, rep)         0 missing 1 done 2 skipped 3 failed 4 crashed 5 timed_out
+  status(quantity, detector, rep)         how the run ended; the values are listed below
   verdict                                 whether the simulation was sound: `cdb doc verdicts`
   first_bad_cycle                         the first cycle at which the verdict applies; -1 if none
   n_cycles                                number of cycles that ran
@@ -347,7 +347,7 @@ trace, all detectors are timed on the same motion, without the physics.
                                         several traces. file("NAME.trace.h5", sha256: "...") requires
                                         a given trace.
 
-  benchmark rivals {
+  benchmark compare {
     trace     sweep("dense.traces/dense_n-1000.trace.h5", "dense.traces/dense_n-10000.trace.h5")
     detector  sweep(dbvt, sap32)
     record    timing, counts, memory, pairs

@@ -30,7 +30,7 @@ class Head {
   std::string Text() const {
     std::string text = Grid() + WrongDetectors(file_, findings_) + Timing();
     for (const std::string& trouble : references_)
-      text += fmt::format("  What runs are held against is not there: {}\n", trouble);
+      text += fmt::format("  A reference is missing: {}\n", trouble);
     text += HarnessText(file_, groups_.good) + LeftOut() + Models() + Verdicts() + Errors();
     if (groups_.missing > 0) text += fmt::format("  {} not run yet.\n", groups_.missing);
     return text + BadRuns();

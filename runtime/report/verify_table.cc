@@ -34,7 +34,7 @@ std::string Verdict(const DetectorFindings& of) {
   }
   if (of.cycles == 0) return "nothing to judge";
   if (of.duplicate > 0) return "lists pairs twice";
-  return of.phantom > 0 ? "superset" : "exact";
+  return of.false_positives > 0 ? "superset" : "exact";
 }
 
 std::string ErrorText(double value) {
@@ -63,7 +63,7 @@ class Verified {
     for (const DetectorFindings& of : all_) {
       std::vector<std::string> row = {of.detector};
       for (const std::uint64_t count : {std::uint64_t{of.AllRuns()}, of.cycles, of.exact, of.missed,
-                                        of.phantom, of.duplicate, of.missed_contacts})
+                                        of.false_positives, of.duplicate, of.missed_contacts})
         row.push_back(fmt::format("{}", count));
       for (const double error : {of.depth_error, of.normal_error}) row.push_back(ErrorText(error));
       row.push_back(Verdict(of));

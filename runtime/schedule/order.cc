@@ -15,8 +15,8 @@
 namespace cdb::schedule {
 namespace {
 
-/// Runs that differ in nothing but the detector.
-struct Rivals {
+/// Runs that differ only in the detector.
+struct DetectorGroup {
   std::string point;  ///< names the scene without its detector
   std::uint64_t rep = 0;
   double work = 0;
@@ -32,8 +32,8 @@ std::string PointKey(const plan::Run& run) {
 }
 
 /// In grid order, the repeats one after the other.
-std::vector<Rivals> GroupRivals(const plan::Plan& plan) {
-  std::vector<Rivals> groups;
+std::vector<DetectorGroup> GroupByDetector(const plan::Plan& plan) {
+  std::vector<DetectorGroup> groups;
   std::unordered_set<std::string_view> seen;
   std::unordered_map<std::string, std::size_t> places;
   for (const plan::Run& run : plan.runs) {
@@ -45,7 +45,7 @@ std::vector<Rivals> GroupRivals(const plan::Plan& plan) {
     groups[place->second].runs.push_back(&run);
     groups[place->second].work += EstimatedWork(run);
   }
-  std::ranges::stable_sort(groups, {}, &Rivals::rep);
+  std::ranges::stable_sort(groups, {}, &DetectorGroup::rep);
   return groups;
 }
 
@@ -59,7 +59,7 @@ void Shuffle(std::vector<const plan::Run*>& runs, std::uint64_t seed) {
 }
 
 /// The heaviest first, each to the shard that has least so far.
-std::vector<Rivals> Pick(std::vector<Rivals> groups, ShardChoice shard) {
+std::vector<DetectorGroup> Pick(std::vector<DetectorGroup> groups, ShardChoice shard) {
   std::vector<std::size_t> heaviest(groups.size());
   std::iota(heaviest.begin(), heaviest.end(), std::size_t{0});
   std::ranges::stable_sort(heaviest, std::greater<>{},
@@ -74,7 +74,7 @@ std::vector<Rivals> Pick(std::vector<Rivals> groups, ShardChoice shard) {
     loads.emplace(std::pair{load + groups[i].work, index}, 0);
     is_ours[i] = index == shard.index;
   }
-  std::vector<Rivals> ours;
+  std::vector<DetectorGroup> ours;
   for (std::size_t i = 0; i < groups.size(); ++i)
     if (is_ours[i]) ours.push_back(std::move(groups[i]));
   return ours;
@@ -107,12 +107,12 @@ std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shar
         fmt::format("there is no shard {} of {}: shards count from 1 to {}", shard.index,
                     shard.count, std::max<std::uint64_t>(shard.count, 1)));
   const std::string hash = plan.Sha256();
-  std::vector<Rivals> groups = GroupRivals(plan);
+  std::vector<DetectorGroup> groups = GroupByDetector(plan);
   if (shard.count > 1) groups = Pick(std::move(groups), shard);
   std::vector<const plan::Run*> order;
-  for (Rivals& rivals : groups) {
-    Shuffle(rivals.runs, plan::StreamSeed(rivals.rep, hash + rivals.point));
-    order.insert(order.end(), rivals.runs.begin(), rivals.runs.end());
+  for (DetectorGroup& group : groups) {
+    Shuffle(group.runs, plan::StreamSeed(group.rep, hash + group.point));
+    order.insert(order.end(), group.runs.begin(), group.runs.end());
   }
   return order;
 }

@@ -14,15 +14,15 @@ struct ShardChoice {
   std::uint64_t count = 1;
 };
 
-/// Each run that `shard` picks, once (a run that stands at two points of the grid has one id):
-/// repeats outermost, then the points of the grid, then the rivals of a point (runs that differ in
-/// nothing but the detector), shuffled. So rivals stand side by side, none always goes first, and a
-/// machine that drifts does so for all. Rivals are never in different shards; shards are made even
-/// by estimated work. The same on every machine for the same plan. Throws ScheduleError for a shard
-/// that there is not.
+/// Each run that `shard` picks, once (a run at two points of the grid has one id): repeats
+/// outermost, then the points of the grid, then the detectors of a point, shuffled. Runs that
+/// differ only in the detector are therefore neighbours, no detector always goes first, and a drift
+/// of the machine affects all of them. They are never in different shards; shards are balanced by
+/// estimated work. The order is the same on every machine for the same plan. Throws ScheduleError
+/// for a shard that does not exist.
 std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shard = {});
 
-/// The references that `runs` are held against, each once, in the order of the plan.
+/// The references that `runs` are compared with, each once, in the order of the plan.
 std::vector<const plan::Run*> ReferencesOf(const plan::Plan& plan,
                                            const std::vector<const plan::Run*>& runs);
 

@@ -7,10 +7,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <tuple>
+
+#include "runtime/measure/file_descriptor_io.h"
 
 namespace cdb::schedule {
 namespace {
@@ -94,12 +96,8 @@ ProgressOutput StandardError() {
     return std::size_t{size.ws_col};
   };
   output.write = [](std::string_view text) {
-    while (!text.empty()) {
-      const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) return;  // a sweep does not end because nobody looks on
-      text.remove_prefix(static_cast<std::size_t>(written));
-    }
+    // A sweep does not end because nobody reads its progress.
+    std::ignore = measure::TryWriteAll(STDERR_FILENO, std::as_bytes(std::span(text)));
   };
   return output;
 }

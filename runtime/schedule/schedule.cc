@@ -124,8 +124,8 @@ class Execution {
     return is_busy;
   }
 
-  /// What runs are held against has to be there when they end. And nothing that runs beside them
-  /// should be longer than they are.
+  /// References must be complete when the runs that are compared with them end, and no run beside
+  /// them should take longer than they do.
   bool MustWait() const {
     const auto is_reference = [](const plan::Run* run) {
       return run != nullptr && run->scene.role != plan::Role::kMeasured;
@@ -171,7 +171,8 @@ class Execution {
       return;
     }
     if (plan::SamplingOf(run.scene)) {
-      ending.result.errors = held_against_.ErrorsOf(run, ending.result.status, *ending.recording);
+      ending.result.errors =
+          error_evaluator_.ErrorsOf(run, ending.result.status, *ending.recording);
       const measure::RunErrors& errors = ending.result.errors;
       if (!errors.message.empty() && ending.result.status == store::Status::kDone)
         listener_.Warn(
@@ -190,7 +191,7 @@ class Execution {
   ProgressListener& listener_;
   const store::ShardWriter writer_{plan_, options_.provenance};
   const std::string plan_sha256_ = plan_.Sha256();
-  ErrorEvaluator held_against_{plan_, options_.folder};
+  ErrorEvaluator error_evaluator_{plan_, options_.folder};
   std::optional<ShardFolder> folder_;
   std::vector<const plan::Run*> queue_;
   std::size_t next_ = 0;                 // of queue_
@@ -212,7 +213,7 @@ void CheckMemory(const plan::Plan& plan) {
     if (series.IsRecordedBy(plan))
       bytes += static_cast<double>(
           series.ItemBytes() *
-          series.ValueCount(plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)));
+          series.ValueCount({plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)}));
   for (const plan::Run& run : plan.runs)
     if (const auto shape = measure::SampleShapeOf(run.scene))
       sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));

@@ -54,17 +54,11 @@ class Maker {
     layout_.dimensions.push_back(std::move(rep));
     grid_.push_back("rep");
     for (const Dimension& dimension : layout_.dimensions) layout_.grid.push_back(dimension.size);
-    std::vector<std::string> phases(measure::PhaseNames().begin(), measure::PhaseNames().end());
-    layout_.dimensions.push_back(Labelled("phase", phases, "part of a cycle that is timed"));
-    layout_.dimensions.push_back(Counted("cycle", facts_.cycles, "recorded cycle"));
+    AddLabelled(measure::Dimension::kPhase);
+    AddCounted(measure::Dimension::kCycle, facts_.cycles);
     const bool holds_references = run_ == nullptr && !plan.references.empty();
-    if (facts_.poses || holds_references)
-      layout_.dimensions.push_back(
-          Counted("body", facts_.bodies, "object, in the order of its group and within it"));
-    if (facts_.poses) {
-      layout_.dimensions.push_back(Labelled("pose", {"x", "y", "z", "qx", "qy", "qz", "qw"},
-                                            "centre of mass, m, and quaternion"));
-    }
+    if (facts_.poses || holds_references) AddCounted(measure::Dimension::kBody, facts_.bodies);
+    if (facts_.poses) AddLabelled(measure::Dimension::kPose);
     if (facts_.boxes) AddBoxDimensions();
     if (facts_.contacts) AddContactDimensions(contact_rows);
     if (facts_.samples > 0) AddSampleDimension();
@@ -103,12 +97,9 @@ class Maker {
   }
 
   void AddSeries(const measure::Series& series) {
-    std::vector<std::string> inner = {"cycle"};
-    if (series.shape == measure::SeriesShape::kPhase) inner = {"phase", "cycle"};
-    if (series.shape == measure::SeriesShape::kPose) inner = {"cycle", "body", "pose"};
-    if (series.shape == measure::SeriesShape::kBox) inner = {"cycle", "box_body", "bound"};
-    if (series.shape == measure::SeriesShape::kFilter) inner = {"box_body", "filter"};
-    if (series.shape == measure::SeriesShape::kSample) inner = {"sample"};
+    std::vector<std::string> inner;
+    for (const measure::Dimension dimension : measure::DimensionsOf(series.shape))
+      inner.emplace_back(measure::InfoOf(dimension).name);
     const bool is_int = series.type == measure::SeriesType::kInt32;
     Array& array =
         Add(std::string(series.name), is_int ? Type::kInt32 : Type::kFloat64, inner, true);
@@ -126,22 +117,29 @@ class Maker {
     }
   }
 
+  void AddCounted(measure::Dimension dimension, std::uint64_t size) {
+    const measure::DimensionInfo& info = measure::InfoOf(dimension);
+    layout_.dimensions.push_back(Counted(std::string(info.name), size, std::string(info.doc)));
+  }
+
+  void AddLabelled(measure::Dimension dimension) {
+    const measure::DimensionInfo& info = measure::InfoOf(dimension);
+    layout_.dimensions.push_back(Labelled(
+        std::string(info.name), {info.labels.begin(), info.labels.end()}, std::string(info.doc)));
+  }
+
   void AddBoxDimensions() {
-    layout_.dimensions.push_back(Counted("box_body", facts_.box_bodies,
-                                         "object as of `body`, then the walls -x +x -y +y -z +z"));
-    layout_.dimensions.push_back(
-        Labelled("bound", {"lower_x", "lower_y", "lower_z", "upper_x", "upper_y", "upper_z"},
-                 "side of a box"));
-    layout_.dimensions.push_back(
-        Labelled("filter", {"group", "mask", "fixed"}, "what decides whom a body may meet"));
+    AddCounted(measure::Dimension::kBoxBody, facts_.box_bodies);
+    AddLabelled(measure::Dimension::kBound);
+    AddLabelled(measure::Dimension::kFilter);
   }
 
   void AddSampleDimension() {
-    Dimension sample{"sample", facts_.samples, Type::kFloat64, {}, {}, {}};
+    const measure::DimensionInfo& info = measure::InfoOf(measure::Dimension::kSample);
+    Dimension sample{std::string(info.name), facts_.samples, Type::kFloat64, {}, {}, {}};
     for (std::uint64_t i = 0; i < facts_.samples; ++i)
       sample.numbers.push_back(static_cast<double>(i) * facts_.interval_s);
-    sample.attributes = {{"units", "s"},
-                         {"long_name", "simulated time of a sample, warm-up included"}};
+    sample.attributes = {{"units", "s"}, {"long_name", std::string(info.doc)}};
     layout_.dimensions.push_back(std::move(sample));
   }
 
@@ -238,7 +236,16 @@ std::string VerdictNames() {
   return names;
 }
 
-std::string StatusNames() { return "missing done skipped failed crashed timed_out"; }
+std::string StatusNames() { return fmt::format("{}", fmt::join(kStatusNames, " ")); }
+
+/// Adds what the worker measures.
+std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
+  for (const measure::RunScalarInfo& info : measure::AllRunScalars())
+    numbers.push_back({std::string(info.name), Type::kFloat64, std::string(info.unit),
+                       std::string(info.doc), kNaN,
+                       [value = info.value](const RunResult& r) { return r.scalars.*value; }});
+  return numbers;
+}
 
 double ErrorOf(const RunResult& result, const std::string& name) {
   const auto found = result.errors.values.find(name);
@@ -323,7 +330,7 @@ const std::vector<ReferenceArray>& ReferenceArrays() {
 
 const std::vector<RunNumber>& RunNumbers() {
   using R = const RunResult&;
-  static const std::vector<RunNumber> kNumbers = {
+  static const std::vector<RunNumber> kNumbers = WithScalars({
       {"status", Type::kInt8, "", "how the run ended", 0,
        [](R r) { return static_cast<double>(r.status); }, StatusNames},
       {"verdict", Type::kInt8, "", "how the run ended as physics: cdb doc verdicts", 0,
@@ -336,18 +343,7 @@ const std::vector<RunNumber>& RunNumbers() {
        [](R r) { return r.started_s; }},
       {"load", Type::kFloat64, "", "the machine's one-minute load average when the run began", kNaN,
        [](R r) { return r.load; }},
-      {"peak_rss", Type::kFloat64, "bytes", "most memory that the run's process held", kNaN,
-       [](R r) { return r.peak_rss_bytes; }},
-      {"place_time", Type::kFloat64, "ns", "time of finding a place for every object", kNaN,
-       [](R r) { return r.place_ns; }},
-      {"build_time", Type::kFloat64, "ns", "time of making the world", kNaN,
-       [](R r) { return r.build_ns; }},
-      {"harness", Type::kFloat64, "ns",
-       "what a cycle's calling of a detector costs beside the detector's own work", kNaN,
-       [](R r) { return r.harness_ns; }},
-      {"fill_fraction", Type::kFloat64, "", "volume of the objects over that of the world", kNaN,
-       [](R r) { return r.fill_fraction; }},
-  };
+  });
   return kNumbers;
 }
 
@@ -364,7 +360,7 @@ const std::vector<RunText>& RunTexts() {
       {"omitted", "parts of the engine that were left out, separated by spaces",
        [](const Run&, R r) { return r.omitted; }},
       {"needs", "what became of each part of the engine and why, one line each",
-       [](const Run&, R r) { return r.needs; }},
+       [](const Run&, R r) { return r.decisions; }},
   };
   return kTexts;
 }

@@ -182,7 +182,7 @@ bool ResultFile::Has(std::string_view dataset) const {
 
 Status ResultFile::ReadStatus(const Cell& cell) const {
   const double status = impl_->Reading([&] { return impl_->Number("status", cell); });
-  if (!(status >= 0 && status <= static_cast<double>(Status::kTimedOut)))
+  if (!(status >= 0 && status < static_cast<double>(std::size(kStatusNames))))
     throw StoreError(
         fmt::format("{}: holds the status {}, which this cdb does not know; it was "
                     "left as it is: use the cdb that wrote it",

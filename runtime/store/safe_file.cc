@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "runtime/measure/file_descriptor_io.h"
 #include "runtime/measure/host.h"
 #include "runtime/store/store.h"
 
@@ -70,16 +71,6 @@ class Descriptor {
  private:
   int fd_;
 };
-
-bool WriteAll(int fd, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-  }
-  return true;
-}
 
 /// Returns how many bytes were read; fewer than asked for at the end of the file or after an error
 /// (errno, else 0).
@@ -184,7 +175,7 @@ void WriteParts(std::initializer_list<std::span<const std::byte>> parts,
   {
     Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
     bool good = file.get() >= 0;
-    for (const auto& part : parts) good = good && WriteAll(file.get(), part);
+    for (const auto& part : parts) good = good && measure::TryWriteAll(file.get(), part);
     if (!good || !file.Close()) FailWrite(temporary, final_name, "write it", errno);
   }
   Publish(temporary, final_name);

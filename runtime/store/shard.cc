@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "compiler/plan/capacity.h"
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
@@ -35,22 +34,15 @@ std::uint64_t ContactRows(const plan::Run& run, const RunResult& result) {
 /// The cycles that ran; the file keeps fill values for the rest.
 void WriteSeries(hdf5::File& file, const Layout& layout, const plan::Run& run,
                  const RunResult& result) {
-  const std::uint64_t cycles = run.scene.world.Count("cycles");
-  const std::uint64_t objects = run.scene.ObjectCount();
-  const std::uint64_t bodies = plan::BodyCount(run.scene);
+  const measure::RunExtents extents = measure::ExtentsOf(run.scene);
   for (const auto& [series, bytes] : result.series) {
-    CDB_CHECK(bytes.size() == series->ItemBytes() * series->ValueCount(cycles, objects, bodies));
-    hdf5::Shape inner = {cycles};
-    if (series->shape == measure::SeriesShape::kPhase) inner = {measure::kPhaseCount, cycles};
-    if (series->shape == measure::SeriesShape::kPose) inner = {cycles, objects, measure::kPoseSize};
-    if (series->shape == measure::SeriesShape::kBox) inner = {cycles, bodies, measure::kBoxSize};
-    if (series->shape == measure::SeriesShape::kFilter) inner = {bodies, measure::kFilterSize};
+    CDB_CHECK(bytes.size() == series->ItemBytes() * series->ValueCount(extents));
+    const hdf5::Shape inner = series->Extents(extents);
     hdf5::Shape data_shape(layout.grid.size(), 1);
     data_shape.insert(data_shape.end(), inner.begin(), inner.end());
     hdf5::Shape count = data_shape;
-    if (series->HasCycles())
-      count[layout.grid.size() + (series->shape == measure::SeriesShape::kPhase ? 1 : 0)] =
-          result.n_cycles;
+    if (const auto cycle = series->CycleDimension())
+      count[layout.grid.size() + *cycle] = result.n_cycles;
     hdf5::Dataset dataset = file.OpenDataset(layout.Get(series->name).name);
     dataset.Write(hdf5::Shape(count.size(), 0), count, bytes.data(), data_shape);
   }
@@ -182,14 +174,6 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
                     "its run is done again",
                     path.string(), error.what()));
   }
-}
-
-std::string_view StatusName(Status status) {
-  constexpr std::string_view kNames[] = {"missing", "done",    "skipped",
-                                         "failed",  "crashed", "timed_out"};
-  const auto index = static_cast<std::size_t>(status);
-  CDB_CHECK(index < std::size(kNames));
-  return kNames[index];
 }
 
 }  // namespace cdb::store

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <span>
@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "dsl/check.h"
+#include "runtime/measure/run_scalars.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
@@ -30,8 +32,14 @@ class StoreError : public std::runtime_error {
 
 /// `flag_values` of `status`, in this order.
 enum class Status : std::int8_t { kMissing, kDone, kSkipped, kFailed, kCrashed, kTimedOut };
+inline constexpr std::string_view kStatusNames[] = {"missing", "done",    "skipped",
+                                                    "failed",  "crashed", "timed_out"};
 /// `done`, `timed_out`.
-std::string_view StatusName(Status status);
+constexpr std::string_view StatusName(Status status) {
+  const auto index = static_cast<std::size_t>(status);
+  CDB_CHECK(index < std::size(kStatusNames));
+  return kStatusNames[index];
+}
 
 /// How a run stands: its process, and its physics.
 struct Outcome {
@@ -49,13 +57,12 @@ struct RunResult {
   double started_s = 0;  ///< since 1970-01-01 00:00:00 UTC
   std::string state_hash;
   std::string host;
-  std::string message;  ///< why it did not end well; empty where it did
-  std::string omitted;  ///< names of the components left out, separated by spaces
-  std::string needs;    ///< what became of each component: a line each (compiler/needs.h)
-  std::string models;   ///< the hulls of the compounds in the scene: a line each; may be empty
-  double load = 0;      ///< the machine's one-minute load average when the run began
-  double peak_rss_bytes = 0, place_ns = 0, build_ns = 0, fill_fraction = 0;
-  double harness_ns = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured
+  std::string message;    ///< why it did not end well; empty where it did
+  std::string omitted;    ///< names of the components left out, separated by spaces
+  std::string decisions;  ///< about each component: a line each (compiler/plan/pruning.h)
+  std::string models;     ///< the hulls of the compounds in the scene: a line each; may be empty
+  double load = 0;        ///< the machine's one-minute load average when the run began
+  measure::RunScalars scalars;
   std::vector<std::pair<const measure::Series*, std::span<const std::byte>>> series;
   measure::RunErrors errors;  ///< empty where the scene asks for none
   std::vector<measure::ContactRecord>

@@ -34,7 +34,10 @@ void AddScale(hdf5::File& file, const std::string& name, std::uint64_t size) {
   scale.MakeScale(name);
 }
 
-void AddScale(hdf5::File& file, const std::string& name, const std::vector<std::string>& labels) {
+void AddScale(hdf5::File& file, measure::Dimension dimension) {
+  const measure::DimensionInfo& info = measure::InfoOf(dimension);
+  const std::string name(info.name);
+  const std::vector<std::string> labels(info.labels.begin(), info.labels.end());
   hdf5::Dataset scale = file.CreateDataset({name, Type::kText, {labels.size()}, {}, 0});
   scale.WriteText(labels);
   scale.MakeScale(name);
@@ -73,9 +76,9 @@ void WriteArrays(hdf5::File& file, const measure::TraceMemory& trace, std::uint6
   AddScale(file, "cycle", shape.cycles);
   AddScale(file, "body", shape.bodies);
   AddScale(file, "object", objects);
-  AddScale(file, "bound", {"lower_x", "lower_y", "lower_z", "upper_x", "upper_y", "upper_z"});
-  AddScale(file, "filter", {"group", "mask", "fixed"});
-  AddScale(file, "pose", {"x", "y", "z", "qx", "qy", "qz", "qw"});
+  for (const measure::Dimension dimension :
+       {measure::Dimension::kBound, measure::Dimension::kFilter, measure::Dimension::kPose})
+    AddScale(file, dimension);
 
   const hdf5::Shape all = {shape.cycles, shape.bodies, measure::kBoxSize};
   hdf5::Dataset boxes =

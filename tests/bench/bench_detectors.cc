@@ -1,10 +1,11 @@
-// Broad phases against each other on the same moving boxes: ours, Bullet's dbvt, and those in
-// shared libraries. All in one process, in blocks of cycles in turn. Means are processor time of
-// the calling thread (with -t elapsed time, as other threads work too), median and worst cycle and
-// the start elapsed time. The start is Prepare and the first cycle, and not in the rest. The pairs
-// of the last cycle are checked. Ratios are of means: dbvt's to each one's, and the best rival's,
-// dbvt included. Usage: bench_detectors [-t THREADS] [-c CYCLES] [-b BLOCK] [-s SCENE]... [-o
-// NAME]... [-w]
+// Broad phases compared on the same moving boxes: cdb's, Bullet's dbvt, and those in shared
+// libraries. All in one process, in blocks of cycles in turn. Means are processor time of the
+// calling thread (with -t elapsed time, as other threads work too); median and worst cycle and the
+// start are elapsed time. The start is Prepare and the first cycle, and not part of the rest. The
+// pairs of the last cycle are checked. Ratios are of means: dbvt's to that of each detector, and
+// that of the best detector that is not cdb's.
+//
+// Usage: bench_detectors [-t THREADS] [-c CYCLES] [-b BLOCK] [-s SCENE]... [-o NAME]... [-w]
 //                        [-d FOLDER WITH SHARED LIBRARIES] [N ...]
 // -w: six walls whose boxes are infinite. -o: only these detectors, and dbvt.
 
@@ -96,9 +97,9 @@ class Dbvt final : public Detector {
   std::vector<Box> boxes_;
 };
 
-struct Rival {
+struct Competitor {
   std::string name;
-  bool is_ours = false;
+  bool is_builtin = false;
   std::unique_ptr<Detector> detector;
   std::vector<Pair> pairs = {};
   std::vector<double> cycles = {};  ///< seconds
@@ -117,56 +118,56 @@ struct Settings {
 /// What one may take for a scene before it is left out.
 constexpr double kPatience = 20;
 
-std::vector<Rival> MakeRivals(const Settings& settings, std::size_t bodies) {
-  std::vector<Rival> rivals;
-  const auto add = [&](const DetectorEntry& entry, bool is_ours) {
+std::vector<Competitor> MakeCompetitors(const Settings& settings, std::size_t bodies) {
+  std::vector<Competitor> competitors;
+  const auto add = [&](const DetectorEntry& entry, bool is_builtin) {
     const bool is_asked =
         settings.only.empty() || std::ranges::count(settings.only, entry.name) > 0;
     if (!is_asked || !HasAny(entry.phases, kBroad)) return;
     if (entry.max_bodies != 0 && bodies > entry.max_bodies) return;
-    rivals.push_back({.name = entry.name,
-                      .is_ours = is_ours,
-                      .detector = std::unique_ptr<Detector>(entry.make(settings.options))});
+    competitors.push_back({.name = entry.name,
+                           .is_builtin = is_builtin,
+                           .detector = std::unique_ptr<Detector>(entry.make(settings.options))});
   };
-  rivals.push_back({.name = "dbvt", .detector = std::make_unique<Dbvt>(false)});
-  rivals.push_back({.name = "dbvt, listed", .detector = std::make_unique<Dbvt>(true)});
+  competitors.push_back({.name = "dbvt", .detector = std::make_unique<Dbvt>(false)});
+  competitors.push_back({.name = "dbvt, listed", .detector = std::make_unique<Dbvt>(true)});
   for (const DetectorEntry& entry : builtin::BuiltinDetectors()) add(entry, true);
   for (const std::string& path : settings.libraries) {
     const Plugin& plugin = detectors::LoadPlugin(path);
     for (std::size_t i = 0; i < plugin.count; ++i) add(plugin.entries[i], false);
   }
-  return rivals;
+  return competitors;
 }
 
 /// The mean is of whole blocks by `clock`, which is a system call where it is the thread's own;
 /// each cycle is timed by the cheap clock of elapsed time.
-void RunBlock(Rival& rival, Scene scene, std::span<const std::vector<Box>> frames, bool is_first,
-              clockid_t clock) {
-  if (!rival.note.empty()) return;
+void RunBlock(Competitor& competitor, Scene scene, std::span<const std::vector<Box>> frames,
+              bool is_first, clockid_t clock) {
+  if (!competitor.note.empty()) return;
   const double heap = HeapBytes();
   try {
     double begin = Seconds(clock);
     for (const std::vector<Box>& frame : frames) {
       scene.boxes = frame;
-      rival.pairs.clear();
+      competitor.pairs.clear();
       const double cycle_begin = Seconds(CLOCK_MONOTONIC);
-      if (is_first) rival.detector->Prepare(scene);
-      rival.detector->FindPairs(scene, rival.pairs);
+      if (is_first) competitor.detector->Prepare(scene);
+      competitor.detector->FindPairs(scene, competitor.pairs);
       const double took = Seconds(CLOCK_MONOTONIC) - cycle_begin;
       if (is_first) {
-        rival.start = took;
+        competitor.start = took;
         begin = Seconds(clock);
       } else {
-        rival.cycles.push_back(took);
+        competitor.cycles.push_back(took);
       }
       is_first = false;
     }
-    rival.total += Seconds(clock) - begin;
+    competitor.total += Seconds(clock) - begin;
   } catch (const std::exception& error) {
-    rival.note = error.what();
+    competitor.note = error.what();
   }
-  rival.bytes += HeapBytes() - heap;
-  if (rival.start + rival.total > kPatience) rival.note = "gave up";
+  competitor.bytes += HeapBytes() - heap;
+  if (competitor.start + competitor.total > kPatience) competitor.note = "gave up";
 }
 
 void RunScene(const Settings& settings, std::string_view name, std::size_t objects) {
@@ -176,9 +177,9 @@ void RunScene(const Settings& settings, std::string_view name, std::size_t objec
   const std::size_t cycles =
       settings.cycles != 0 ? settings.cycles : std::clamp<std::size_t>(8000000 / objects, 8, 400);
   tests::BoxScene moving(name, objects, settings.walls);
-  std::vector<Rival> rivals = MakeRivals(settings, moving.View().size);
+  std::vector<Competitor> competitors = MakeCompetitors(settings, moving.View().size);
   std::mt19937 random(1);
-  std::vector<std::size_t> turns(rivals.size());
+  std::vector<std::size_t> turns(competitors.size());
   for (std::size_t i = 0; i < turns.size(); ++i) turns[i] = i;
   std::vector<std::vector<Box>> frames(block);
   for (std::size_t cycle = 0; cycle < cycles; cycle += block) {
@@ -190,43 +191,46 @@ void RunScene(const Settings& settings, std::string_view name, std::size_t objec
     // Whoever comes first, or after one that needs much memory, finds the boxes further away.
     std::ranges::shuffle(turns, random);
     for (const std::size_t turn : turns) {
-      RunBlock(rivals[turn], moving.View(), frames, cycle == 0, clock);
+      RunBlock(competitors[turn], moving.View(), frames, cycle == 0, clock);
     }
   }
   Scene last = moving.View();
   last.boxes = frames.back();
   double dbvt = 0, best = 0;
   std::string best_name;
-  const auto mean = [](const Rival& rival) {
-    return rival.total / static_cast<double>(std::max<std::size_t>(1, rival.cycles.size()));
+  const auto mean = [](const Competitor& competitor) {
+    return competitor.total /
+           static_cast<double>(std::max<std::size_t>(1, competitor.cycles.size()));
   };
-  for (const Rival& rival : rivals) {
-    if (!rival.note.empty() || rival.cycles.empty()) continue;
-    if (rival.name == "dbvt") dbvt = mean(rival);
-    if (!rival.is_ours && (best_name.empty() || mean(rival) < best)) {
-      best = mean(rival);
-      best_name = rival.name;
+  for (const Competitor& competitor : competitors) {
+    if (!competitor.note.empty() || competitor.cycles.empty()) continue;
+    if (competitor.name == "dbvt") dbvt = mean(competitor);
+    if (!competitor.is_builtin && (best_name.empty() || mean(competitor) < best)) {
+      best = mean(competitor);
+      best_name = competitor.name;
     }
   }
-  fmt::print("\n{}, {} objects{}: {} cycles; best rival {}\n", name, objects,
+  fmt::print("\n{}, {} objects{}: {} cycles; best third-party {}\n", name, objects,
              settings.walls ? " and 6 walls" : "", cycles, best_name);
   fmt::print("{:<17} {:>10} {:>10} {:>10} {:>10}{:>9}{:>8}{:>8}{:>9}  {}\n", "", "mean ms",
              "median", "worst", "start", "pairs", "/dbvt", "/best", "MiB", "wrong");
-  for (Rival& rival : rivals) {
-    if (rival.cycles.empty()) rival.cycles.push_back(rival.start);
-    const std::size_t pairs = rival.pairs.size();
+  for (Competitor& competitor : competitors) {
+    if (competitor.cycles.empty()) competitor.cycles.push_back(competitor.start);
+    const std::size_t pairs = competitor.pairs.size();
     std::string wrong;
-    if (rival.name != "dbvt" && rival.name != "null" && rival.note.empty()) {
-      const detectors::PairFaults faults = detectors::ComparePairs(last, std::move(rival.pairs));
-      if (faults.missed + faults.phantom + faults.duplicate > 0)
-        wrong = fmt::format("{} missed, {} phantom, {} twice", faults.missed, faults.phantom,
+    if (competitor.name != "dbvt" && competitor.name != "null" && competitor.note.empty()) {
+      const detectors::PairFaults faults =
+          detectors::ComparePairs(last, std::move(competitor.pairs));
+      if (faults.missed + faults.false_positives + faults.duplicate > 0)
+        wrong = fmt::format("{} missed, {} false, {} twice", faults.missed, faults.false_positives,
                             faults.duplicate);
     }
     fmt::print(
         "{:<17} {:>10.4f} {:>10.4f} {:>10.4f} {:>10.3f}{:>9}{:>8.1f}{:>8.1f}{:>9.1f}  {}{}\n",
-        rival.name, 1e3 * mean(rival), 1e3 * Median(rival.cycles),
-        1e3 * std::ranges::max(rival.cycles), 1e3 * rival.start, pairs, dbvt / mean(rival),
-        best / mean(rival), rival.bytes / 1048576, wrong, rival.note);
+        competitor.name, 1e3 * mean(competitor), 1e3 * Median(competitor.cycles),
+        1e3 * std::ranges::max(competitor.cycles), 1e3 * competitor.start, pairs,
+        dbvt / mean(competitor), best / mean(competitor), competitor.bytes / 1048576, wrong,
+        competitor.note);
     std::fflush(stdout);
   }
 }

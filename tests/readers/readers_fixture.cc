@@ -94,7 +94,7 @@ class Fixture {
       array.shape.push_back(kObjects);
       array.shape.push_back(measure::kPoseSize);
     }
-    const std::size_t count = series.ValueCount(kCycles, kObjects, 0);
+    const std::size_t count = series.ValueCount({kCycles, kObjects, 0});
     const std::size_t per_cycle =
         series.shape == measure::SeriesShape::kPose ? kObjects * measure::kPoseSize : 1;
     const double fill = series.type == measure::SeriesType::kInt32 ? -1 : kNaN;
@@ -139,8 +139,8 @@ class Fixture {
     number("n_cycles", 0,
            [](const store::RunResult& r) { return static_cast<double>(r.n_cycles); });
     number("load", kNaN, [](const store::RunResult& r) { return r.load; });
-    number("peak_rss", kNaN, [](const store::RunResult& r) { return r.peak_rss_bytes; });
-    number("build_time", kNaN, [](const store::RunResult& r) { return r.build_ns; });
+    number("peak_rss", kNaN, [](const store::RunResult& r) { return r.scalars.peak_rss_bytes; });
+    number("build_time", kNaN, [](const store::RunResult& r) { return r.scalars.build_ns; });
     for (const char* name : {"state_hash", "host", "run_id", "message", "omitted"})
       texts_[name] = {grid_, std::vector<std::string>(cells_)};
     for (const auto& [cell, result] : results_) {

@@ -46,7 +46,7 @@ class Auto final : public Detector {
     }
     skin_.FindPairs(scene, pairs);
     ++trial_;
-    const bool is_hopeless = trial_ >= kShortTrial && (skin_.ContactCluster() > 16 * kCrowded ||
+    const bool is_hopeless = trial_ >= kShortTrial && (skin_.MeanOccupancy() > 16 * kCrowded ||
                                                        skin_.Cost() > 3 * skin_.GridCost());
     if (is_hopeless || trial_ >= kTrial) JudgeSkin();
   }
@@ -54,7 +54,7 @@ class Auto final : public Detector {
  private:
   void JudgeSkin() {
     trial_ = 0;
-    if (skin_.ContactCluster() > kCrowded && to_skip_ == 0) {
+    if (skin_.MeanOccupancy() > kCrowded && to_skip_ == 0) {
       other_ = &sweep_;
       is_sample_ = true;
       left_ = 1;

@@ -7,6 +7,7 @@
 #include "library/detectors/builtin/octree.h"
 #include "library/detectors/builtin/skin.h"
 #include "library/detectors/builtin/sweep.h"
+#include "library/detectors/catalogue_entry.h"
 
 namespace cdb::builtin {
 namespace {
@@ -21,16 +22,17 @@ Detector* Make(const Options& options) {
   return make(options, kernels::BestKernels()).release();
 }
 
+using detectors::CatalogueEntry;
+
 constexpr DetectorEntry kEntries[] = {
-    {"auto", "skin, grid or sweep, as the scene moves", kBroad, 0, Make<MakeAuto>},
-    {"skin", "a list of candidates that lasts for several cycles", kBroad, 0, Make<MakeSkin>},
-    {"grid", "a uniform grid, rows of eight boxes at once", kBroad, 0, Make<MakeGrid>},
-    {"hierarchical_grid", "a uniform grid for each size of box", kBroad, 0,
-     Make<MakeHierarchicalGrid>},
-    {"sweep", "sweep and prune along one axis, eight boxes at once", kBroad, 0, Make<MakeSweep>},
-    {"octree", "a loose octree", kBroad, 0, MakeOctree},
-    {"kd_tree", "a k-d tree", kBroad, 0, MakeKdTree},
-    {"null", "finds nothing", kBroad, 0, [](const Options&) -> Detector* { return new Null; }},
+    CatalogueEntry("auto", Make<MakeAuto>),
+    CatalogueEntry("skin", Make<MakeSkin>),
+    CatalogueEntry("grid", Make<MakeGrid>),
+    CatalogueEntry("hierarchical_grid", Make<MakeHierarchicalGrid>),
+    CatalogueEntry("sweep", Make<MakeSweep>),
+    CatalogueEntry("octree", MakeOctree),
+    CatalogueEntry("kd_tree", MakeKdTree),
+    CatalogueEntry("null", [](const Options&) -> Detector* { return new Null; }),
 };
 
 }  // namespace

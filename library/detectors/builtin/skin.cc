@@ -13,10 +13,10 @@ namespace {
 // In nanoseconds, measured once on one machine; only their ratios matter.
 constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
 constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
-constexpr double kCrowdCost = 0.1;                 ///< of each other body in a cell, or too long
-constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kRunnerCost = 100;
+constexpr double kOccupancyCost = 0.1;             ///< of each other body in a cell, or too long
+constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
 
-/// Strays that get larger boxes more often in one list are runners.
+/// Escaped bodies that get larger boxes more often in one list are untracked.
 constexpr std::uint8_t kMostRegrowths = 2;
 /// Of a fat box's longest side: who is so far out of it was set elsewhere.
 constexpr double kFarAway = 0.5;
@@ -66,9 +66,9 @@ float Above(double x) { return static_cast<float>(x + std::fabs(x) * 0x1p-23); }
 
 Pair Ordered(Id a, Id b) { return {std::min(a, b), std::max(a, b)}; }
 
-double CostOfStrays(std::size_t strays, std::size_t runners) {
-  return kRegrowCost * static_cast<double>(strays - runners) +
-         kRunnerCost * static_cast<double>(runners);
+double CostOfEscaped(std::size_t escaped, std::size_t untracked) {
+  return kRegrowCost * static_cast<double>(escaped - untracked) +
+         kUntrackedCost * static_cast<double>(untracked);
 }
 
 /// A fat box with room for one that left it, and for as much again. Nullopt where it left for good:
@@ -125,17 +125,17 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
   }
   bool is_over = !is_built_ || age_ >= kMaxAge || (goes_on_ && age_ > horizon_);
   if (!is_over) {
-    const std::size_t strays =
-        kernels_.find_strays(scene.boxes.data(), fat_.data(), movers, strays_.data());
+    const std::size_t escaped =
+        kernels_.find_escaped(scene.boxes.data(), fat_.data(), movers, escaped_.data());
     if (goes_on_ && recent_age_ == 0 && age_ >= kRecentShare * horizon_) {
       std::copy_n(scene.boxes.begin(), movers, recent_.begin());
       recent_age_ = age_;
     }
-    const double foreseen = CostOfStrays(strays, std::min(strays, runners_));
+    const double foreseen = CostOfEscaped(escaped, std::min(escaped, untracked_));
     is_over = stray_cost_ + foreseen > kListCost * static_cast<double>(movers);
     if (!is_over) {
-      runners_ = RegrowStrays(scene, strays);
-      const double cost = CostOfStrays(strays, runners_);
+      untracked_ = RegrowEscaped(scene, escaped);
+      const double cost = CostOfEscaped(escaped, untracked_);
       cost_ += cost;
       stray_cost_ += cost + kTestCost * static_cast<double>(candidates_.size() - made_);
     }
@@ -147,7 +147,7 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
     const std::size_t begin = all.size() * part / parts, end = all.size() * (part + 1) / parts;
     kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
   });
-  if (runners_ > 0) AppendRunners(scene, runners_, parts_.last());
+  if (untracked_ > 0) AppendUntracked(scene, untracked_, parts_.last());
   bodies_.MeetWalls(scene, kernels_, parts_.last());
   pairs_are_of_built_ = age_ == 0;
   parts_.AppendTo(pairs);
@@ -194,37 +194,38 @@ bool Skin::Regrow(const Scene& scene, Id id) {
   return true;
 }
 
-/// Gives strays larger fat boxes; how many are runners, which `strays_` then begins with.
-std::size_t Skin::RegrowStrays(const Scene& scene, std::size_t count) {
-  std::size_t runners = 0;
+/// Gives escaped bodies larger fat boxes. Returns the number of untracked ones, with which
+/// `escaped_` then begins.
+std::size_t Skin::RegrowEscaped(const Scene& scene, std::size_t count) {
+  std::size_t untracked = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const Id id = strays_[i];
-    if (!Regrow(scene, id)) strays_[runners++] = id;
+    const Id id = escaped_[i];
+    if (!Regrow(scene, id)) escaped_[untracked++] = id;
   }
-  return runners;
+  return untracked;
 }
 
-// What runners have to add are pairs whose fat boxes do not overlap. Other runners are met apart:
-// they are not where their fat boxes are.
-void Skin::AppendRunners(const Scene& scene, std::size_t count, kernels::PairBuffer& pairs) {
+// What untracked bodies have to add are pairs whose fat boxes do not overlap. Other untracked
+// bodies are met apart: they are not where their fat boxes are.
+void Skin::AppendUntracked(const Scene& scene, std::size_t count, kernels::PairBuffer& pairs) {
   const auto put = [&](Id a, Id b) {
     if (Overlap(scene.boxes[a], scene.boxes[b]) && !Overlap(fat_[a], fat_[b]) &&
         scene.MayCollide(a, b))
       pairs.Add(Ordered(a, b));
   };
-  runner_boxes_.clear();
-  for (std::size_t i = 0; i < count; ++i) is_runner_[strays_[i]] = 1;
+  untracked_boxes_.clear();
+  for (std::size_t i = 0; i < count; ++i) is_untracked_[escaped_[i]] = 1;
   for (std::size_t i = 0; i < count; ++i) {
-    const Box& box = scene.boxes[strays_[i]];
-    runner_boxes_.push_back(box);
-    for (const auto& [self, other] : Near(kernels::Around(box, kernels_), strays_[i]))
-      if (!is_runner_[other]) put(self, other);
+    const Box& box = scene.boxes[escaped_[i]];
+    untracked_boxes_.push_back(box);
+    for (const auto& [self, other] : Near(kernels::Around(box, kernels_), escaped_[i]))
+      if (!is_untracked_[other]) put(self, other);
   }
-  for (std::size_t i = 0; i < count; ++i) is_runner_[strays_[i]] = 0;
+  for (std::size_t i = 0; i < count; ++i) is_untracked_[escaped_[i]] = 0;
   raw_.Clear();
-  runner_grid_.Build(runner_boxes_.data(), count);
+  runner_grid_.Build(untracked_boxes_.data(), count);
   runner_grid_.QueryPart(0, 1, raw_.sink());
-  for (const Pair& pair : raw_.pairs()) put(strays_[pair.a], strays_[pair.b]);
+  for (const Pair& pair : raw_.pairs()) put(escaped_[pair.a], escaped_[pair.b]);
 }
 
 void Skin::MakeList(const Scene& scene) {
@@ -238,11 +239,11 @@ void Skin::MakeList(const Scene& scene) {
   }
   LearnBodies(scene);
   fat_.resize(movers);
-  strays_.resize(movers);
+  escaped_.resize(movers);
   regrown_.Clear(movers);
   regrowths_.assign(movers, 0);
-  runners_ = 0;
-  is_runner_.assign(movers, 0);
+  untracked_ = 0;
+  is_untracked_.assign(movers, 0);
   // Bodies that jump about would get boxes as large as the scene: less, then.
   share_ = std::min(4 * share_, 1.);
   for (Fatten(scene); !FindCandidates(scene, share_ > 0); Fatten(scene)) {
@@ -257,10 +258,10 @@ void Skin::MakeList(const Scene& scene) {
   age_ = 0;
   is_built_ = true;
   stray_cost_ = 0;
-  cost_ = making_cost_ =
-      (kListCost + kCrowdCost * (grid_.ContactCluster() + static_cast<double>(grid_.TooLong()))) *
-          static_cast<double>(movers) +
-      kListedCost * static_cast<double>(candidates_.size());
+  cost_ = making_cost_ = (kListCost + kOccupancyCost * (grid_.MeanOccupancy() +
+                                                        static_cast<double>(grid_.TooLong()))) *
+                             static_cast<double>(movers) +
+                         kListedCost * static_cast<double>(candidates_.size());
 }
 
 /// False if it is limited and there are far too many.
@@ -286,8 +287,8 @@ double Skin::Cost() const {
 }
 
 double Skin::GridCost() const {
-  const double crowd = grid_.ContactCluster() + static_cast<double>(grid_.TooLong());
-  return kGridCost + kCrowdCost * crowd +
+  const double occupancy = grid_.MeanOccupancy() + static_cast<double>(grid_.TooLong());
+  return kGridCost + kOccupancyCost * occupancy +
          kListedCost * static_cast<double>(parts_.size()) / static_cast<double>(bodies_.movers());
 }
 
@@ -296,7 +297,7 @@ void Skin::LearnCost() {
   last_cost_ = cost_ / age_;
   if (!goes_on_) {
     last_tried_ = 0;
-  } else if (age_ < horizon_) {  // strays ended it
+  } else if (age_ < horizon_) {  // escaped bodies ended it
     horizon_ = std::max(age_ / 1.25, 1.);
     step_ = 1.2;
     last_tried_ = 0;

@@ -44,7 +44,7 @@ class Skin final : public Detector {
   double Cost() const;
   double GridCost() const;
   /// See BoxGrid.
-  double ContactCluster() const { return grid_.ContactCluster(); }
+  double MeanOccupancy() const { return grid_.MeanOccupancy(); }
   /// Discards the list, because boxes have moved since the last call.
   void Forget() {
     is_built_ = false;
@@ -59,8 +59,8 @@ class Skin final : public Detector {
   void Fatten(const Scene& scene);
   bool FindCandidates(const Scene& scene, bool is_limited);
   bool Regrow(const Scene& scene, Id id);
-  std::size_t RegrowStrays(const Scene& scene, std::size_t count);
-  void AppendRunners(const Scene& scene, std::size_t count, kernels::PairBuffer& pairs);
+  std::size_t RegrowEscaped(const Scene& scene, std::size_t count);
+  void AppendUntracked(const Scene& scene, std::size_t count, kernels::PairBuffer& pairs);
   std::span<const Pair> Near(const kernels::FatBox& box, Id id);
   bool IsUnchanged(const Scene& scene) const;
 
@@ -88,10 +88,10 @@ class Skin final : public Detector {
 
   kernels::PairBuffer candidates_;
   std::size_t made_ = 0;  ///< candidates when the list was made
-  std::vector<Id> strays_;
-  std::vector<std::uint8_t> regrowths_, is_runner_;  ///< of movers
-  std::vector<Box> runner_boxes_;
-  std::size_t runners_ = 0;  ///< of the last cycle
+  std::vector<Id> escaped_;
+  std::vector<std::uint8_t> regrowths_, is_untracked_;  ///< of movers
+  std::vector<Box> untracked_boxes_;
+  std::size_t untracked_ = 0;  ///< of the last cycle
   kernels::PairBuffer raw_;
 
   double horizon_ = 12, step_ = 1.5;  ///< intended lifetime in cycles; the factor tried next

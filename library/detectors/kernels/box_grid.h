@@ -45,7 +45,7 @@ class BoxGrid {
   void QueryOne(const FatBox& box, Id id, PairSink& sink) const;
 
   /// Mean number of boxes that share the cell of a box; small if the grid suits the boxes.
-  double ContactCluster() const { return crowd_; }
+  double MeanOccupancy() const { return crowd_; }
   /// Number of oversized boxes, which are tested with all others.
   std::size_t TooLong() const { return count_ - gridded_; }
   /// Number of boxes, in cells and oversized.

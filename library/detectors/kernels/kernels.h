@@ -69,8 +69,8 @@ struct Kernels {
   /// Returns the number of tests, of eight boxes each.
   std::size_t (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
                        std::size_t end, PairSink& sink);
-  /// Lists the boxes that have left their fat boxes; `strays` has room for all.
-  std::size_t (*find_strays)(const Box* boxes, const FatBox* fat, std::size_t count, Id* strays);
+  /// Lists the boxes that have left their fat boxes; `escaped` has room for all.
+  std::size_t (*find_escaped)(const Box* boxes, const FatBox* fat, std::size_t count, Id* escaped);
   /// The pairs whose boxes overlap, in double.
   void (*filter)(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink);
   /// Pairs of the boxes 0 to count with `walls` bodies from `first_wall` that share a box, in

@@ -36,7 +36,7 @@ class KeptContacts final : public btCollisionAlgorithm {
 
   void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
                         const btDispatcherInfo&, btManifoldResult*) override {
-    CDB_CHECK(false);  // SeamDispatcher's, for all of them at once
+    CDB_CHECK(false);  // AdapterDispatcher's, for all of them at once
   }
   btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
                                  btManifoldResult*) override {

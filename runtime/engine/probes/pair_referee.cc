@@ -28,11 +28,11 @@ Id IdOf(const btBroadphaseProxy* proxy) {
 
 PairReferee::PairReferee(world::Engine& engine, measure::Recording& recording)
     : engine_(engine),
-      seam_(dynamic_cast<detection::AdapterBroadPhase*>(engine.world().getBroadphase())),
+      adapter_(dynamic_cast<detection::AdapterBroadPhase*>(engine.world().getBroadphase())),
       detects_(!engine.omissions().Omits(schema::Component::kDetection)),
       exact_pairs_(recording.Ints("exact_pairs")),
       missed_pairs_(recording.Ints("missed_pairs")),
-      phantom_pairs_(recording.Ints("phantom_pairs")),
+      false_positives_(recording.Ints("phantom_pairs")),
       duplicate_pairs_(recording.Ints("duplicate_pairs")),
       missed_contacts_(recording.Ints("missed_contacts")),
       depth_error_(recording.Reals("depth_error")),
@@ -40,7 +40,7 @@ PairReferee::PairReferee(world::Engine& engine, measure::Recording& recording)
       boxes_(engine.objects().size() + pruning::kWallCount,
              {{kNone, kNone, kNone}, {kNone, kNone, kNone}}),
       filters_(boxes_.size()) {
-  if (seam_ != nullptr) seam_->KeepList();
+  if (adapter_ != nullptr) adapter_->KeepList();
 }
 
 void PairReferee::BeforeStep() {
@@ -73,11 +73,11 @@ void PairReferee::ReadBoxes() {
 
 std::vector<Pair> PairReferee::ListedPairs() const {
   std::vector<Pair> pairs;
-  if (seam_ != nullptr) {
+  if (adapter_ != nullptr) {
     const auto index = [&](Id id) {
       return static_cast<Id>(engine_.scene_view()->body(id).getUserIndex());
     };
-    for (const Pair& pair : seam_->list()) {
+    for (const Pair& pair : adapter_->list()) {
       const auto [a, b] = std::minmax({index(pair.a), index(pair.b)});
       pairs.push_back({a, b});
     }
@@ -103,7 +103,7 @@ void PairReferee::JudgePairs(std::uint64_t cycle) {
   const detectors::PairFaults faults = detectors::ComparePairs(scene, ListedPairs());
   exact_pairs_[cycle] = static_cast<std::int32_t>(faults.exact);
   missed_pairs_[cycle] = static_cast<std::int32_t>(faults.missed);
-  phantom_pairs_[cycle] = static_cast<std::int32_t>(faults.phantom);
+  false_positives_[cycle] = static_cast<std::int32_t>(faults.false_positives);
   duplicate_pairs_[cycle] = static_cast<std::int32_t>(faults.duplicate);
 }
 

@@ -33,9 +33,9 @@ class PairReferee {
   void JudgeContacts(std::uint64_t cycle);
 
   world::Engine& engine_;
-  detection::AdapterBroadPhase* const seam_;  ///< null if the broad phase is Bullet's own
-  const bool detects_;                        ///< otherwise nothing is compared or stored
-  std::span<std::int32_t> exact_pairs_, missed_pairs_, phantom_pairs_, duplicate_pairs_,
+  detection::AdapterBroadPhase* const adapter_;  ///< null if the broad phase is Bullet's own
+  const bool detects_;                           ///< otherwise nothing is compared or stored
+  std::span<std::int32_t> exact_pairs_, missed_pairs_, false_positives_, duplicate_pairs_,
       missed_contacts_;
   std::span<double> depth_error_, normal_error_;
   std::vector<Box> boxes_;  ///< by user index; NaN for absent walls

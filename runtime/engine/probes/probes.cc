@@ -1,26 +1,20 @@
 #include "runtime/engine/probes/probes.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <limits>
-#include <system_error>
 
+#include "compiler/plan/engine_constants.h"
 #include "compiler/plan/expectation.h"
 #include "runtime/engine/probes/memory.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/measure/file_descriptor_io.h"
 
 namespace cdb::probes {
 namespace {
 
 using Eigen::Vector3d;
-
-bool IsFinite(const btVector3& v) {
-  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
-}
 
 /// Kinetic and potential; energy is the two and the integrator's own term.
 struct Energy {
@@ -55,21 +49,11 @@ double WithInfinity(btScalar side) {
 }
 
 bool IsFinite(const btRigidBody& body) {
+  using world::IsFinite;
   const btMatrix3x3& basis = body.getWorldTransform().getBasis();
   return IsFinite(body.getWorldTransform().getOrigin()) && IsFinite(basis[0]) &&
          IsFinite(basis[1]) && IsFinite(basis[2]) && IsFinite(body.getLinearVelocity()) &&
          IsFinite(body.getAngularVelocity());
-}
-
-void WriteAll(int fd, const char* bytes, std::size_t size) {
-  while (size > 0) {
-    const ssize_t written = write(fd, bytes, size);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0)
-      throw std::system_error(errno, std::generic_category(), "cannot write the contacts");
-    bytes += written;
-    size -= static_cast<std::size_t>(written);
-  }
 }
 
 }  // namespace
@@ -125,20 +109,21 @@ void Probes::Begin() {
 void Probes::SetScales() {
   const Energy energy = EnergyOf(engine_);
   const double pull = engine_.acceleration().norm();
-  header_.initial_energy = energy.kinetic + energy.other +
-                           engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
-  header_.energy_scale = energy.kinetic;
+  header_.scales.initial_energy =
+      energy.kinetic + energy.other +
+      engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
+  header_.scales.energy_scale = energy.kinetic;
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
     const double mass = engine_.initial_state().objects[i].mass;
     smallest = std::min(smallest, least_sides_[i]);
     // What is at rest without gravity has no energy of its own to measure against: a hundredth of
     // its side a second.
-    header_.energy_scale +=
+    header_.scales.energy_scale +=
         mass * (pull * engine_.side() + std::pow(0.01 * least_sides_[i], 2) / 2);
   }
-  header_.least_side = smallest;
-  header_.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
+  header_.scales.least_side = smallest;
+  header_.scales.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
 }
 
 double Probes::SmallerSide(int a, int b) const {
@@ -213,9 +198,8 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
   if (!contacts_.empty()) contacts_[cycle] = contacts;
   if (!max_penetration_.empty()) max_penetration_[cycle] = deepest;
   if (!penetration_ratio_.empty()) penetration_ratio_[cycle] = deepest_ratio;
-  if (!contact_records_.empty())
-    WriteAll(contacts_fd_, reinterpret_cast<const char*>(contact_records_.data()),
-             contact_records_.size() * sizeof(measure::ContactRecord));
+  measure::WriteAll(contacts_fd_, std::as_bytes(std::span(contact_records_)),
+                    "cannot write the contacts");
 }
 
 bool Probes::IsBeyondWall(const btVector3& centre) const {
@@ -228,7 +212,7 @@ bool Probes::IsBeyondWall(const btVector3& centre) const {
 /// Past this, Bullet takes the body out, or where it may not sleep leaves its box where it was
 /// (btCollisionWorld::updateSingleAabb).
 bool Probes::IsTooLarge(const btRigidBody& body) const {
-  constexpr btScalar kMostDiagonal = btScalar(1e6);
+  constexpr btScalar kMostDiagonal = btScalar(plan::kLargestBox);
   const btScalar way = body.getLinearVelocity().length() * engine_.timestep();
   const btScalar disc = body.getCollisionShape()->getAngularMotionDisc();
   if (4 * (disc + way) < kMostDiagonal) return false;

@@ -161,12 +161,12 @@ void Sampler::TakePairs() {
     if (pair.second < shape_.objects) found.push_back(pair);
   }
   std::ranges::sort(found);
-  std::vector<BodyPair> missed, phantom;
+  std::vector<BodyPair> missed, false_positives;
   std::ranges::set_difference(exact_, found, std::back_inserter(missed));
-  std::ranges::set_difference(found, exact_, std::back_inserter(phantom));
+  std::ranges::set_difference(found, exact_, std::back_inserter(false_positives));
   Value(measure::kPairsExact) = static_cast<double>(exact_.size());
   Value(measure::kPairsMissed) = static_cast<double>(missed.size());
-  Value(measure::kPairsPhantom) = static_cast<double>(phantom.size());
+  Value(measure::kPairsPhantom) = static_cast<double>(false_positives.size());
 }
 
 void Sampler::TakeGeometry() {

@@ -105,7 +105,7 @@ class Replay {
     const auto counts = recording_.Ints("pairs");
     const std::int64_t build_begin = world::Now();
     const detection::NamedDetector detector = Prepared();
-    header.build_ns = static_cast<double>(world::Now() - build_begin);
+    header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
     for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
       traced_.MoveTo(i);
       pairs_.clear();
@@ -126,13 +126,12 @@ class Replay {
       if (!counts.empty()) counts[cycle] = Count(pairs_.size());
       header.cycles_done.store(cycle + 1, std::memory_order_release);
     }
-    const std::string hash = HashOf(pairs_);
-    std::memcpy(header.state_hash, hash.c_str(), hash.size() + 1);
-    header.peak_rss_bytes = probes::PeakRssBytes();
-    header.harness_ns = HarnessNs();
+    header.state_hash = HashOf(pairs_);
+    header.scalars.peak_rss_bytes = probes::PeakRssBytes();
+    header.scalars.harness_ns = HarnessNs();
   }
 
-  /// The same cycles once more from the start with a detector made anew, held against brute force.
+  /// The same cycles once more from the start with a detector made anew, compared with brute force.
   void Judge() {
     if (recording_.Ints("missed_pairs").empty()) return;
     const auto series = [&](const char* name, std::uint64_t cycle, std::size_t count) {
@@ -148,7 +147,7 @@ class Replay {
       const detectors::PairFaults faults = detectors::ComparePairs(traced_.scene(), pairs_);
       series("exact_pairs", i - warmup_, faults.exact);
       series("missed_pairs", i - warmup_, faults.missed);
-      series("phantom_pairs", i - warmup_, faults.phantom);
+      series("phantom_pairs", i - warmup_, faults.false_positives);
       series("duplicate_pairs", i - warmup_, faults.duplicate);
     }
   }

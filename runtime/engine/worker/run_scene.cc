@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -25,30 +23,23 @@
 namespace cdb::worker {
 namespace {
 
-template <std::size_t size>
-void CopyText(const std::string& text, char (&to)[size]) {
-  const std::size_t length = std::min(text.size(), size - 1);
-  std::memcpy(to, text.data(), length);
-  to[length] = '\0';
-}
-
 /// One cycle after the other, with what belongs to each.
 class Stepper {
  public:
   Stepper(const plan::Scene& scene, world::Engine& engine)
-      : engine_(engine), schedules_(scene, engine), tripwire_(engine) {}
+      : engine_(engine), schedules_(scene, engine), guard_(engine) {}
 
   void Step() {
     schedules_.BeforeStep(steps_++);
-    tripwire_.BeforeStep();
+    guard_.BeforeStep();
     engine_.Step();
-    tripwire_.AfterStep();
+    guard_.AfterStep();
   }
 
  private:
   world::Engine& engine_;
   world::Schedules schedules_;
-  world::OmissionGuard tripwire_;
+  world::OmissionGuard guard_;
   std::uint64_t steps_ = 0;
 };
 
@@ -100,25 +91,25 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
   }
 }
 
-/// The same run once more without a clock, from the start, for what is held against the truth
+/// The same run once more without a clock, from the start, for what is compared with the truth
 /// alone. It has to go the same way.
 void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Recording& recording) {
   plan::Scene quiet = scene;
   quiet.world.Set("record", schema::WordList{});
   world::Engine engine(quiet, first.initial_state(), first.omissions());
   RunWithoutClock(scene, engine, recording);
-  const std::string hash = probes::StateHash(engine);
-  if (hash != recording.header().state_hash)
+  const std::string hash = probes::StateHash(engine), timed = recording.header().state_hash.str();
+  if (hash != timed)
     throw std::runtime_error(
         fmt::format("the pass that looks for errors ended in the state {} and the timed one in {}: "
                     "this run does not repeat itself, and neither pass can be trusted",
-                    hash, recording.header().state_hash));
+                    hash, timed));
 }
 
 }  // namespace
 
 void ReportFailure(measure::Recording& recording, const std::string& message) {
-  CopyText(message, recording.header().message);
+  recording.header().message = message;
   recording.header().outcome.store(measure::WorkerOutcome::kFailed, std::memory_order_release);
 }
 
@@ -129,28 +120,28 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
   try {
     const std::int64_t place_begin = world::Now();
     layouts::InitialState state = layouts::DrawObjects(run.scene);
-    header.fill_fraction = state.fill_fraction;  // known also where placing fails
-    CopyText(objects::ModelsText(state.forms), header.models);
+    header.scalars.fill_fraction = state.fill_fraction;  // known also where placing fails
+    header.models = objects::ModelsText(state.forms);
     layouts::Place(run.scene, state);
     if (HasPile(run.scene)) SettlePiles(run.scene, state);
     if (run.scene.role == plan::Role::kTwin) layouts::Perturb(run.scene, state);
     const std::int64_t build_begin = world::Now();
-    header.place_ns = static_cast<double>(build_begin - place_begin);
+    header.scalars.place_ns = static_cast<double>(build_begin - place_begin);
     pruning::Omissions omissions = pruning::DecideOmissions(run.scene, state);
     if (!keep_walls.empty()) omissions.Keep(schema::Component::kWalls, keep_walls);
     engine = std::make_unique<world::Engine>(run.scene, std::move(state), std::move(omissions));
-    header.build_ns = static_cast<double>(world::Now() - build_begin);
-    CopyText(plan::OmittedNames(engine->omissions().needs), header.omitted);
-    CopyText(plan::DecisionsText(engine->omissions().needs), header.needs);
+    header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
+    header.omitted = plan::OmittedNames(engine->omissions().decisions);
+    header.decisions = plan::DecisionsText(engine->omissions().decisions);
     if (run.scene.role == plan::Role::kMeasured) {
-      header.harness_ns = HarnessNs(run.scene, *engine);
+      header.scalars.harness_ns = HarnessNs(run.scene, *engine);
       RunCycles(run.scene, *engine, recording, contacts_fd);
     } else {
       RunWithoutClock(run.scene, *engine, recording);
       header.cycles_done.store(run.scene.world.Count("cycles"), std::memory_order_release);
     }
-    CopyText(probes::StateHash(*engine), header.state_hash);
-    header.peak_rss_bytes = probes::PeakRssBytes();
+    header.state_hash = probes::StateHash(*engine);
+    header.scalars.peak_rss_bytes = probes::PeakRssBytes();
     if (run.scene.role == plan::Role::kMeasured && WantsSecondPass(run.scene))
       RunAgain(run.scene, *engine, recording);
     header.outcome.store(measure::WorkerOutcome::kDone, std::memory_order_release);

@@ -15,10 +15,10 @@ namespace cdb::worker {
 /// it is then run a second time from the start, without a clock, to record them. A reference is run
 /// only for its samples. `peak_rss_bytes` is of before that, and of the whole process.
 /// `cycles_done` goes up after each recorded cycle is stored. The outcome is kDone with the state
-/// hash, or kFailed with a message. The only exception that a scene can cause is Tripped: the run
-/// must then be restarted in a new process, with the reason as `keep_walls` and the recording
-/// cleared. Returns the final world, or null if it was never built; destroying it can take longer
-/// than many cycles, so a worker that exits leaves it to the system.
+/// hash, or kFailed with a message. The only exception that a scene can cause is
+/// OmissionGuardTripped: the run must then be restarted in a new process, with the reason as
+/// `keep_walls` and the recording cleared. Returns the final world, or null if it was never built;
+/// destroying it can take longer than many cycles, so a worker that exits leaves it to the system.
 std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording& recording,
                                         int contacts_fd, const std::string& keep_walls = {});
 

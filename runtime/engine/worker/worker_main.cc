@@ -94,8 +94,8 @@ void RunWorker(const char* program, const std::string& keep_walls) {
     }
   }
   // Where the run did not get that far.
-  if (std::isnan(recording.header().peak_rss_bytes))
-    recording.header().peak_rss_bytes = probes::PeakRssBytes();
+  if (std::isnan(recording.header().scalars.peak_rss_bytes))
+    recording.header().scalars.peak_rss_bytes = probes::PeakRssBytes();
 }
 
 }  // namespace

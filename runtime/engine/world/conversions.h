@@ -1,9 +1,10 @@
-// Conversions between Eigen, in double, and Bullet, in the precision of this worker.
+// Vectors of Bullet, in the precision of this worker, and of Eigen, in double.
 #pragma once
 
 #include <LinearMath/btMatrix3x3.h>
 
 #include <Eigen/Core>
+#include <cmath>
 
 namespace cdb::world {
 
@@ -19,6 +20,10 @@ inline btMatrix3x3 BasisOf(const Eigen::Matrix3d& m) {
 
 inline Eigen::Vector3d ToEigen(const btVector3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+inline bool IsFinite(const btVector3& v) {
+  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
 }
 
 /// `v` as Bullet has it. By way of memory: GCC 12 at -O2 takes ToEigen(ToBullet(v)) for v itself,

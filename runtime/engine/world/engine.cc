@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "compiler/plan/engine_constants.h"
 #include "dsl/check.h"
 #include "library/scene_error.h"
 #include "library/walls.h"
@@ -27,10 +28,6 @@ using schema::Component;
 /// without it.
 constexpr int kObjectGroup = btBroadphaseProxy::DefaultFilter;
 constexpr int WallGroup(int wall) { return 64 << wall; }
-
-bool IsFinite(const btVector3& v) {
-  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
-}
 
 /// The timestep in Bullet's precision.
 btScalar TimestepOf(const plan::Scene& scene) {
@@ -91,8 +88,8 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
       scene.world.Real("timestep") *
       static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
   const double flight = fastest * seconds + state.acceleration.norm() * seconds * seconds / 2;
-  // Bullet takes bodies out of the simulation near 1e6.
-  return std::min(half + flight, std::max(half, 1e6));
+  // Bullet switches off bodies that are farther out.
+  return std::min(half + flight, std::max(half, plan::kLargestBox));
 }
 
 btDefaultCollisionConstructionInfo PoolSizes(const pruning::Omissions& omissions) {

@@ -35,8 +35,8 @@ LeanWorld::LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phas
                      btConstraintSolver* solver, btCollisionConfiguration* configuration,
                      const pruning::Omissions& omissions)
     : btDiscreteDynamicsWorld(dispatcher, broad_phase, solver, configuration) {
-  for (const plan::PruningDecision& need : omissions.needs)
-    if (omissions.Omits(need.component)) omitted_ |= 1u << static_cast<int>(need.component);
+  for (const plan::PruningDecision& part : omissions.decisions)
+    if (omissions.Omits(part.component)) omitted_ |= 1u << static_cast<int>(part.component);
 }
 
 void LeanWorld::updateAabbs() {

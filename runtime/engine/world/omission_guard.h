@@ -28,11 +28,12 @@ class OmissionGuard {
  public:
   explicit OmissionGuard(Engine& engine);
 
-  /// Call before each step: the places that the step's detection will see. Throws Tripped.
+  /// Call before each step: the places that the step's detection will see. Throws
+  /// OmissionGuardTripped.
   void BeforeStep() const {
     if (is_set_) CheckWalls();
   }
-  /// Call after each step. Throws Tripped.
+  /// Call after each step. Throws OmissionGuardTripped.
   void AfterStep() {
     if (is_set_) CheckOrder();
   }

@@ -21,9 +21,9 @@ plan::Scene SceneOf(const std::string& statements) {
   return result.plans.empty() ? plan::Scene() : result.plans[0].runs.at(0).scene;
 }
 
-const plan::PruningDecision& NeedOf(const std::vector<plan::PruningDecision>& needs,
-                                    schema::Component component) {
-  return needs.at(static_cast<std::size_t>(component));
+const plan::PruningDecision& DecisionOf(const std::vector<plan::PruningDecision>& decisions,
+                                        schema::Component component) {
+  return decisions.at(static_cast<std::size_t>(component));
 }
 
 TEST(Components, AreOneRowEachInTheOrderOfTheEnum) {
@@ -48,7 +48,7 @@ TEST(Components, AreOneRowEachInTheOrderOfTheEnum) {
 struct Row {
   schema::Component component;
   const char* statements;
-  plan::Decision fate;
+  plan::Decision decision;
   const char* why;  ///< a part of the reason
 };
 
@@ -148,14 +148,14 @@ const Row kRows[] = {
 TEST(AnalysePruning, DecidesByTheNumbers) {
   std::set<std::pair<schema::Component, plan::Decision>> seen;
   for (const Row& row : kRows) {
-    const auto needs = plan::AnalysePruning(SceneOf(row.statements));
-    ASSERT_EQ(needs.size(), schema::Components().size());
-    const plan::PruningDecision& need = NeedOf(needs, row.component);
-    EXPECT_EQ(need.component, row.component);
-    EXPECT_EQ(need.fate, row.fate)
+    const auto decisions = plan::AnalysePruning(SceneOf(row.statements));
+    ASSERT_EQ(decisions.size(), schema::Components().size());
+    const plan::PruningDecision& part = DecisionOf(decisions, row.component);
+    EXPECT_EQ(part.component, row.component);
+    EXPECT_EQ(part.decision, row.decision)
         << schema::InfoOf(row.component).name << " in " << row.statements;
-    EXPECT_NE(need.why.find(row.why), std::string::npos) << need.why << " in " << row.statements;
-    seen.emplace(row.component, need.fate);
+    EXPECT_NE(part.why.find(row.why), std::string::npos) << part.why << " in " << row.statements;
+    seen.emplace(row.component, part.decision);
   }
   for (const schema::ComponentInfo& info : schema::Components())
     EXPECT_TRUE(
@@ -164,23 +164,23 @@ TEST(AnalysePruning, DecidesByTheNumbers) {
 }
 
 TEST(AnalysePruning, NoneKeepsEverything) {
-  for (const plan::PruningDecision& need :
+  for (const plan::PruningDecision& part :
        plan::AnalysePruning(SceneOf("omit none; world.walls none; sleeping off"))) {
-    EXPECT_EQ(need.fate, plan::Decision::kKept);
-    EXPECT_EQ(need.why, "omit none");
+    EXPECT_EQ(part.decision, plan::Decision::kKept);
+    EXPECT_EQ(part.why, "omit none");
   }
 }
 
 TEST(AnalysePruning, AListKeepsWhatItDoesNotName) {
-  const auto needs = plan::AnalysePruning(SceneOf("detector sap; omit raycast_tree, walls"));
-  for (const plan::PruningDecision& need : needs) {
-    if (need.component == schema::Component::kWalls) {
-      EXPECT_EQ(need.fate, plan::Decision::kOpen);
-    } else if (need.component == schema::Component::kRaycastTree) {
-      EXPECT_EQ(need.fate, plan::Decision::kLeftOut);
+  const auto decisions = plan::AnalysePruning(SceneOf("detector sap; omit raycast_tree, walls"));
+  for (const plan::PruningDecision& part : decisions) {
+    if (part.component == schema::Component::kWalls) {
+      EXPECT_EQ(part.decision, plan::Decision::kOpen);
+    } else if (part.component == schema::Component::kRaycastTree) {
+      EXPECT_EQ(part.decision, plan::Decision::kLeftOut);
     } else {
-      EXPECT_EQ(need.fate, plan::Decision::kKept);
-      EXPECT_EQ(need.why, "omit does not list it");
+      EXPECT_EQ(part.decision, plan::Decision::kKept);
+      EXPECT_EQ(part.why, "omit does not list it");
     }
   }
 }
@@ -197,12 +197,12 @@ TEST(RequestFor, IsByAutoByNameOrNotAtAll) {
 
 TEST(DecisionsText, SaysEveryFate) {
   EXPECT_EQ(plan::DecisionsText({}), "");
-  const plan::PruningDecision needs[] = {
+  const plan::PruningDecision decisions[] = {
       {schema::Component::kWalls, plan::Decision::kOpen, "later"},
       {schema::Component::kRaycastTree, plan::Decision::kAbsent, "dbvt has none"},
       {schema::Component::kGravity, plan::Decision::kKept, "the acceleration is 1"},
       {schema::Component::kPools, plan::Decision::kLeftOut, "room for 3: plenty"}};
-  EXPECT_EQ(plan::DecisionsText(needs),
+  EXPECT_EQ(plan::DecisionsText(decisions),
             "walls: open: later\nraycast_tree: none: dbvt has none\n"
             "gravity: kept: the acceleration is 1\npools: left out: room for 3: plenty\n");
 }
@@ -218,10 +218,10 @@ TEST(OmittedNames, AreThoseLeftOut) {
 
 // They go through shared memory of a fixed size (runtime/measure/recording.h).
 TEST(OmittedNames, OfAllComponentsFitTheRecording) {
-  std::vector<plan::PruningDecision> needs;
+  std::vector<plan::PruningDecision> decisions;
   for (const schema::ComponentInfo& info : schema::Components())
-    needs.push_back({info.component, plan::Decision::kLeftOut, ""});
-  EXPECT_LT(plan::OmittedNames(needs).size(), 256u);
+    decisions.push_back({info.component, plan::Decision::kLeftOut, ""});
+  EXPECT_LT(plan::OmittedNames(decisions).size(), 256u);
 }
 
 }  // namespace

@@ -40,11 +40,12 @@ TEST(ComparePairs, CountsEachFaultByItself) {
   const std::size_t exact = found.size();
   Pair stranger = {0, 1};
   while (Overlap(scene.boxes[stranger.a], scene.boxes[stranger.b])) ++stranger.b;
-  found.front() = stranger;       // one missed, one phantom,
+  found.front() = stranger;       // one missed, one false positive,
   found.push_back(found.back());  // and one twice
   found.push_back(stranger);
-  EXPECT_EQ(detectors::ComparePairs(scene, found),
-            (detectors::PairFaults{.exact = exact, .missed = 1, .phantom = 1, .duplicate = 2}));
+  EXPECT_EQ(
+      detectors::ComparePairs(scene, found),
+      (detectors::PairFaults{.exact = exact, .missed = 1, .false_positives = 1, .duplicate = 2}));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace cdb::tests {
 namespace {
 
 /// Balls that meet each other and walls, of both kinds of filter.
-std::string ContactCluster(const std::string& more) {
+std::string CrowdedScenario(const std::string& more) {
   return "benchmark crowd { cycles 40; world.side 30; acceleration 0\n"
          "objects { quantity 60; size 4; linear_velocity uniform(-60, 60) }\n" +
          more + " }\n";
@@ -28,22 +28,22 @@ class Traces : public testing::TestWithParam<const char*> {};
 TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
   const Program program;
   const std::string precision = std::string("precision ") + GetParam();
-  program.Write("crowd.cdb", ContactCluster(precision));
-  const Finished baked = program.Run({"trace", "crowd.cdb"});
-  ASSERT_EQ(baked.status, 0) << baked.err;
-  EXPECT_NE(baked.out.find("crowd.trace.h5: "), std::string::npos) << baked.out;
+  program.Write("crowd.cdb", CrowdedScenario(precision));
+  const Finished recorded = program.Run({"trace", "crowd.cdb"});
+  ASSERT_EQ(recorded.status, 0) << recorded.err;
+  EXPECT_NE(recorded.out.find("crowd.trace.h5: "), std::string::npos) << recorded.out;
   // The same world, with detectors that list exactly what overlaps.
   program.Write("live.cdb",
-                ContactCluster(precision + "; detector sweep(simple); pair_order sorted"));
+                CrowdedScenario(precision + "; detector sweep(simple); pair_order sorted"));
   ASSERT_EQ(program.Run({"run", "-q", "-o", "live.h5", "live.cdb"}).status, 0);
   program.Write(
-      "rivals.cdb",
-      "benchmark rivals { trace \"crowd.trace.h5\"; repeats 2\n"
+      "compare.cdb",
+      "benchmark compare { trace \"crowd.trace.h5\"; repeats 2\n"
       "detector sweep(simple, octree, null, sap32, dbvt); record timing, counts, memory, pairs }");
-  const Finished run = program.Run({"run", "rivals.cdb"});
+  const Finished run = program.Run({"run", "compare.cdb"});
   ASSERT_EQ(run.status, 0) << run.out << run.err;
   const store::ResultFile live(program.folder() / "live.h5"),
-      replayed(program.folder() / "rivals.h5");
+      replayed(program.folder() / "compare.h5");
   const std::vector<double> pairs = PairsOf(live, 0);
   EXPECT_EQ(pairs.size(), 40u);
   EXPECT_GT(pairs.back(), 0);

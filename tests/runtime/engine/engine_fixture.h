@@ -61,8 +61,8 @@ struct Recorded {
   measure::Recording recording;
   std::unique_ptr<world::Engine> engine;
   const measure::RecordingHeader& header() const { return recording.header(); }
-  std::string hash() const { return recording.header().state_hash; }
-  std::string message() const { return recording.header().message; }
+  std::string hash() const { return recording.header().state_hash.str(); }
+  std::string message() const { return recording.header().message.str(); }
   bool done() const { return header().outcome.load() == measure::WorkerOutcome::kDone; }
 };
 

@@ -26,8 +26,8 @@ using schema::WordList;
 using Tally = std::map<Component, std::array<int, 2>>;
 
 void Count(const PairedRun& paired, Tally& tally) {
-  for (const plan::PruningDecision& need : paired.omissions.needs)
-    ++tally[need.component][need.fate == plan::Decision::kLeftOut ? 0 : 1];
+  for (const plan::PruningDecision& part : paired.omissions.decisions)
+    ++tally[part.component][part.decision == plan::Decision::kLeftOut ? 0 : 1];
 }
 
 std::vector<std::string> ShippedScenarios() {

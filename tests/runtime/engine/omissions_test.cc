@@ -184,7 +184,8 @@ TEST(OmitDamping, EitherKindKeepsIt) {
 /// As if the proof had said that no object can reach any wall.
 pruning::Omissions WrongAboutWalls(const plan::Scene& scene) {
   pruning::Omissions omissions = pruning::KeepEverything(scene);
-  omissions.needs[static_cast<std::size_t>(Component::kWalls)].fate = plan::Decision::kLeftOut;
+  omissions.decisions[static_cast<std::size_t>(Component::kWalls)].decision =
+      plan::Decision::kLeftOut;
   omissions.walls.assign(scene.ObjectCount(), 0);
   return omissions;
 }
@@ -236,7 +237,7 @@ TEST(Omit, AListThatAsksTooMuchEndsTheRunWithAMessage) {
   SetWorld(scene, "omit", WordList{"damping", "pools"});
   const Recorded silent = RunHere(scene);
   EXPECT_TRUE(silent.done()) << silent.message();
-  EXPECT_EQ(std::string(silent.header().omitted), "damping pools");
+  EXPECT_EQ(silent.header().omitted.str(), "damping pools");
 }
 
 TEST(Omit, TheRecordSaysWhatBecameOfEachComponent) {
@@ -246,10 +247,10 @@ TEST(Omit, TheRecordSaysWhatBecameOfEachComponent) {
     SetWorld(scene, "omit", WordList{omit});
     const Recorded run = RunHere(scene);
     ASSERT_TRUE(run.done()) << run.message();
-    const std::string needs = run.header().needs;
+    const std::string decisions = run.header().decisions.str();
     for (const schema::ComponentInfo& info : schema::Components())
-      EXPECT_NE(needs.find(std::string(info.name) + ": "), std::string::npos) << needs;
-    EXPECT_EQ(std::string(run.header().omitted).empty(), std::string_view(omit) == "none");
+      EXPECT_NE(decisions.find(std::string(info.name) + ": "), std::string::npos) << decisions;
+    EXPECT_EQ(run.header().omitted.str().empty(), std::string_view(omit) == "none");
   }
 }
 

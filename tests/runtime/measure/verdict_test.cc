@@ -32,10 +32,10 @@ class VerdictTest : public testing::Test {
     return Recording::Create(scene);
   }
   void SetUpQuiet() {
-    recording_.header().initial_energy = 100;
-    recording_.header().energy_scale = 200;
-    recording_.header().speed_scale = 10;
-    recording_.header().least_side = 2;
+    recording_.header().scales.initial_energy = 100;
+    recording_.header().scales.energy_scale = 200;
+    recording_.header().scales.speed_scale = 10;
+    recording_.header().scales.least_side = 2;
     for (const char* name : {"non_finite", "removed", "escaped", "contacts"})
       std::ranges::fill(recording_.Ints(name), 0);
     for (const char* name : {"displacement", "penetration_ratio", "max_speed"})

@@ -62,11 +62,11 @@ TEST(WorkerTest, ARunThatFinishes) {
   EXPECT_EQ(result.n_cycles, 10u);
   EXPECT_EQ(result.state_hash, "0123456789abcdef");
   EXPECT_EQ(result.omitted, "raycast_tree pools");
-  EXPECT_EQ(result.needs, "walls: kept: a test\npools: left out: a test\n");
-  EXPECT_EQ(result.peak_rss_bytes, 4096);
-  EXPECT_EQ(result.place_ns, 1);
-  EXPECT_EQ(result.build_ns, 2);
-  EXPECT_EQ(result.fill_fraction, 0.25);
+  EXPECT_EQ(result.decisions, "walls: kept: a test\npools: left out: a test\n");
+  EXPECT_EQ(result.scalars.peak_rss_bytes, 4096);
+  EXPECT_EQ(result.scalars.place_ns, 1);
+  EXPECT_EQ(result.scalars.build_ns, 2);
+  EXPECT_EQ(result.scalars.fill_fraction, 0.25);
   EXPECT_EQ(result.host, measure::HostName());
   EXPECT_GE(result.load, 0);
   EXPECT_GE(result.started_s, before - 1);
@@ -99,7 +99,7 @@ TEST(WorkerTest, ASignalIsNamed) {
   EXPECT_EQ(ending.result.message,
             "the worker was ended by signal 11 (SIGSEGV, Segmentation fault)");
   EXPECT_EQ(ending.result.omitted, "raycast_tree pools") << "settled before the first cycle";
-  EXPECT_TRUE(std::isnan(ending.result.peak_rss_bytes));
+  EXPECT_TRUE(std::isnan(ending.result.scalars.peak_rss_bytes));
 }
 
 TEST(WorkerTest, ACrashTellsTheLastWords) {
@@ -194,7 +194,7 @@ TEST(WorkerTest, ASpoiledRecordingDoesNoHarm) {
   EXPECT_EQ(ending.result.status, store::Status::kCrashed);
   EXPECT_LE(ending.result.n_cycles, 10u);
   EXPECT_TRUE(Has(ending.result.message, "SIGSEGV"));
-  EXPECT_EQ(ending.result.omitted + ending.result.needs, "");
+  EXPECT_EQ(ending.result.omitted + ending.result.decisions, "");
 }
 
 TEST(WorkerTest, LastWordsAreText) {

@@ -21,11 +21,11 @@ TEST(ContactClusters, WhoIsHitMayHitOthersAndWalls) {
   scene.Add({0, 0, -40});  // too far from all
   scene.state.objects[0].linear_velocity = Vector3d(20, 2, 0);
   pruning::Reachability reachability = scene.Make();
-  EXPECT_EQ(reachability.largest_crowd, 3u);
+  EXPECT_EQ(reachability.largest_cluster, 3u);
   EXPECT_EQ(reachability.walls[3], 0);
   scene.state.objects[2].pose.position.x() = 47;
   reachability = scene.Make();
-  EXPECT_EQ(reachability.largest_crowd, 2u);
+  EXPECT_EQ(reachability.largest_cluster, 2u);
   EXPECT_EQ(reachability.walls[2], 0);
 }
 
@@ -49,7 +49,7 @@ TEST(ContactClusters, LightOnesFlyOffFast) {
     scene.Add({-kPairTouch - 0.1, 0, 0}, {10, 0, 0}, mass);
     scene.Add({0, 0, 0});
     const pruning::Reachability near = scene.Make();
-    EXPECT_EQ(near.largest_crowd, 2u);
+    EXPECT_EQ(near.largest_cluster, 2u);
     EXPECT_EQ(near.walls[1], 0);
     scene.state.objects[0].pose.position.x() += 32;
     scene.state.objects[1].pose.position.x() += 32;
@@ -76,7 +76,7 @@ TEST(ContactClusters, TwoAtOneFixedObjectAreNoCrowd) {
   scene.Add({21.5, 0, 0}, {-1, 0, 0});
   const pruning::Reachability reachability = scene.Make();
   EXPECT_FALSE(reachability.nothing_touches);
-  EXPECT_EQ(reachability.largest_crowd, 1u);
+  EXPECT_EQ(reachability.largest_cluster, 1u);
   EXPECT_EQ(reachability.walls, (std::vector<std::uint8_t>{0, 0, 0}));
 }
 
@@ -85,7 +85,7 @@ TEST(ContactClusters, BounceOffAWallMayHitOthers) {
   scene.Add({45, 0, 0}, {20, 0, 0});
   scene.Add({42, 5, 0}, {0, 0, 0});
   const pruning::Reachability reachability = scene.Make();
-  EXPECT_EQ(reachability.largest_crowd, 2u);
+  EXPECT_EQ(reachability.largest_cluster, 2u);
   EXPECT_EQ(reachability.closest, "object 1 may touch the wall +x at 0.1983 s");
 }
 
@@ -95,9 +95,9 @@ TEST(ContactClusters, ATouchLateInTheRunSpreadsLittle) {
   scene.Add({5, -kHalf + 3, 0});
   const pruning::Reachability late = scene.Make();
   EXPECT_EQ(late.walls, (std::vector<std::uint8_t>{Bit(2), 0}));
-  EXPECT_EQ(late.largest_crowd, 1u);
+  EXPECT_EQ(late.largest_cluster, 1u);
   scene.state.objects[0].pose.position.y() = -kHalf + kWallTouch + 0.5;
-  EXPECT_EQ(scene.Make().largest_crowd, 2u);
+  EXPECT_EQ(scene.Make().largest_cluster, 2u);
 }
 
 TEST(ContactClusters, FallingAddsEnergyWhereWallsHold) {
@@ -110,7 +110,7 @@ TEST(ContactClusters, FallingAddsEnergyWhereWallsHold) {
   EXPECT_EQ(floor.walls[0], Bit(2));
   scene.Add({0, -1900, 0});
   scene.state.objects[1].linear_velocity.y() = 96;  // stays up
-  EXPECT_EQ(scene.Make().largest_crowd, 1u);
+  EXPECT_EQ(scene.Make().largest_cluster, 1u);
 }
 
 TEST(ContactClusters, TheLowerOneStopsTheUpperOne) {
@@ -119,10 +119,10 @@ TEST(ContactClusters, TheLowerOneStopsTheUpperOne) {
   scene.state.acceleration = Vector3d(0, -9.8, 0);
   scene.Add({0, -kHalf + 1.5, 0});
   scene.Add({0, -kHalf + 9.5, 0});
-  EXPECT_EQ(scene.Make().largest_crowd, 2u);
+  EXPECT_EQ(scene.Make().largest_cluster, 2u);
   scene.state.objects[1].pose.position.x() = 20;
   const pruning::Reachability apart = scene.Make();
-  EXPECT_EQ(apart.largest_crowd, 1u);
+  EXPECT_EQ(apart.largest_cluster, 1u);
   EXPECT_EQ(apart.walls, (std::vector<std::uint8_t>{Bit(2), 0}));
 }
 
@@ -132,7 +132,7 @@ TEST(ContactClusters, DampingTakesThemOutOfTheFallingFrame) {
   scene.Set("cycles", std::uint64_t{127});
   scene.state.acceleration = Vector3d(0, -10, 0);
   for (const double x : {0.0, kPairTouch - 0.01}) scene.Add({x, -40, 0}, {0, 10, 0});
-  EXPECT_EQ(scene.Make().largest_crowd, 2u);
+  EXPECT_EQ(scene.Make().largest_cluster, 2u);
   EXPECT_EQ(scene.Make().walls[0], 0);
   scene.state.objects[1].linear_damping = 0.9;
   EXPECT_NE(scene.Make().walls[0] & Bit(2), 0);
@@ -147,9 +147,9 @@ TEST(ContactClusters, WhoIsSlowedByAMeetingMayFallAsleep) {
   scene.Add({-20 + kPairTouch + 0.1, 0, 0}, {0.81, 0, 0});
   scene.Add({-26, 0, 0}, {0.5, 0, 0});
   scene.state.objects[2].angular_velocity = Vector3d(2, 0, 0);
-  EXPECT_EQ(scene.Make().largest_crowd, 2u);
+  EXPECT_EQ(scene.Make().largest_cluster, 2u);
   scene.Set("sleeping", true);
-  EXPECT_EQ(scene.Make().largest_crowd, 3u);
+  EXPECT_EQ(scene.Make().largest_cluster, 3u);
 }
 
 TEST(ContactClusters, WhoIsHitMayBounceOffAFixedObject) {
@@ -159,11 +159,11 @@ TEST(ContactClusters, WhoIsHitMayBounceOffAFixedObject) {
   scene.Add({-45, kPairTouch + 0.2, 0}, {60, -0.5, 0});
   const std::uint8_t back = Bit(0);
   const pruning::Reachability alone = scene.Make();
-  EXPECT_EQ(alone.largest_crowd, 2u);
+  EXPECT_EQ(alone.largest_cluster, 2u);
   EXPECT_EQ(alone.walls[0] & back, 0);
   scene.Add({-10, -kPairTouch - 0.1, 0}, {0, 0, 0}, 0);
   const pruning::Reachability beside = scene.Make();
-  EXPECT_EQ(beside.largest_crowd, 2u);
+  EXPECT_EQ(beside.largest_cluster, 2u);
   EXPECT_EQ(beside.walls[0] & back, back);
   EXPECT_EQ(beside.walls[1] & back, back);
 }
@@ -180,7 +180,7 @@ TEST(ContactClusters, RoundingCountsAfterAMeetingToo) {
   EXPECT_EQ(scene.Make().walls[0] & Bit(1), Bit(1));
   scene.Set("precision", Word("double"));
   EXPECT_EQ(scene.Make().walls[0], 0);
-  EXPECT_EQ(scene.Make().largest_crowd, 2u);
+  EXPECT_EQ(scene.Make().largest_cluster, 2u);
 }
 
 }  // namespace

@@ -267,7 +267,7 @@ void Challenge(const HandMade& scene, const pruning::Reachability& reachability,
     ASSERT_EQ(walls[i] & ~reachability.walls[i], 0)
         << "object " << i + 1 << " of " << walls.size() << "; " << reachability.closest;
   ASSERT_FALSE(reachability.nothing_touches && adversary.HasTouched()) << reachability.closest;
-  ASSERT_LE(adversary.LargestCluster(), reachability.largest_crowd);
+  ASSERT_LE(adversary.LargestCluster(), reachability.largest_cluster);
   tally.touched += adversary.HasTouched();
   tally.clusters += adversary.LargestCluster() > 1;
   if (!adversary.HasTouched()) return;
@@ -296,7 +296,7 @@ TEST(OmissionsProperty, NothingThatCanHappenIsLeftOut) {
       ASSERT_TRUE(!scene.state.objects[i].IsFixed() || reachability.walls[i] == 0);
       kept += static_cast<std::size_t>(std::popcount(reachability.walls[i]));
     }
-    ASSERT_LE(reachability.largest_crowd, std::max<std::size_t>(moving, 1));
+    ASSERT_LE(reachability.largest_cluster, std::max<std::size_t>(moving, 1));
     ASSERT_FALSE(reachability.closest.empty());
     ASSERT_TRUE(!reachability.nothing_touches || kept == 0);
     ++(reachability.nothing_touches ? tally.nothing : tally.something);

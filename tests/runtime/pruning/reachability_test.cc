@@ -45,7 +45,7 @@ TEST(ReachabilityOfWalls, SpeedThatJustReachesTheWall) {
     const pruning::Reachability reachability = scene.Make();
     EXPECT_FALSE(reachability.nothing_touches);
     EXPECT_EQ(reachability.walls[0] & Bit(wall), Bit(wall));
-    EXPECT_EQ(reachability.largest_crowd, 1u);
+    EXPECT_EQ(reachability.largest_cluster, 1u);
     EXPECT_EQ(reachability.closest,
               std::string("object 1 may touch the wall ") + kWallNames[wall] + " at 0.9219 s");
   });
@@ -143,11 +143,11 @@ TEST(ReachabilityOfPairs, HeadOn) {
   scene.Add({kPairTouch + 20 * kLast, 0, 0}, {-10, 0, 0});
   const pruning::Reachability reachability = scene.Make();
   EXPECT_FALSE(reachability.nothing_touches);
-  EXPECT_EQ(reachability.largest_crowd, 2u);
+  EXPECT_EQ(reachability.largest_cluster, 2u);
   EXPECT_EQ(reachability.closest, "objects 1 and 2 may touch at 0.9219 s");
   scene.state.objects[1].pose.position.x() = kPairTouch + 20 * kEnd + kLittle;
   EXPECT_TRUE(scene.Make().nothing_touches);
-  EXPECT_EQ(scene.Make().largest_crowd, 1u);
+  EXPECT_EQ(scene.Make().largest_cluster, 1u);
 }
 
 TEST(ReachabilityOfPairs, Passing) {
@@ -204,7 +204,7 @@ TEST(ReachabilityOfPairs, FixedObjectInTheWay) {
   scene.Add({0, 20 - fall - kPairTouch, 0}, {0, 0, 0}, 0);
   const pruning::Reachability reachability = scene.Make();
   EXPECT_EQ(reachability.closest, "objects 1 and 2 may touch at 0.9219 s");
-  EXPECT_EQ(reachability.largest_crowd, 1u);  // it takes part in nothing
+  EXPECT_EQ(reachability.largest_cluster, 1u);  // it takes part in nothing
   scene.state.objects[1].pose.position.y() =
       20 - 10 * kStep * kStep * 61 * 62 / 2 - kPairTouch - kLittle;
   EXPECT_TRUE(scene.Make().nothing_touches);
@@ -230,7 +230,7 @@ TEST(ReachabilityOfPairs, FixedOnesTouchNothing) {
   EXPECT_TRUE(reachability.nothing_touches);
   EXPECT_EQ(reachability.walls, (std::vector<std::uint8_t>{0, 0}));
   EXPECT_EQ(reachability.closest, "no object moves");
-  EXPECT_EQ(reachability.largest_crowd, 1u);
+  EXPECT_EQ(reachability.largest_cluster, 1u);
   EXPECT_EQ(reachability.longest_rest, 0);
   EXPECT_EQ(reachability.largest_box, 0);
 }
@@ -327,7 +327,7 @@ TEST(ReachabilityGivesUp, SoftContacts) {
   scene.state.objects[2].linear_velocity.x() = 20;
   const pruning::Reachability reachability = scene.Make();
   EXPECT_FALSE(reachability.nothing_touches);
-  EXPECT_EQ(reachability.largest_crowd, 3u);
+  EXPECT_EQ(reachability.largest_cluster, 3u);
   EXPECT_EQ(reachability.walls, (std::vector<std::uint8_t>{0x3f, 0x3f, 0x3f}));
   EXPECT_TRUE(Contains(reachability.closest, "objects 1 and 3 may touch at 0.39"))
       << reachability.closest;
@@ -356,7 +356,7 @@ TEST(ReachabilityGivesUp, DenseGas) {
   const pruning::Reachability reachability =
       pruning::AnalyseReachability(scene, layouts::MakeInitialState(scene));
   EXPECT_FALSE(reachability.nothing_touches);
-  EXPECT_EQ(reachability.largest_crowd, 3000u);
+  EXPECT_EQ(reachability.largest_cluster, 3000u);
   EXPECT_EQ(reachability.walls, std::vector<std::uint8_t>(3000, 0x3f));
   EXPECT_TRUE(Contains(reachability.closest, "too many")) << reachability.closest;
 }
@@ -376,7 +376,7 @@ TEST(ReachabilityScale, ThePapersSceneNeedsFewWalls) {
         kept += static_cast<std::size_t>(std::popcount(walls));
       EXPECT_GT(kept, 5u) << seed;
       EXPECT_LT(kept, 60u) << seed;
-      EXPECT_LE(reachability.largest_crowd, 8u) << seed;
+      EXPECT_LE(reachability.largest_cluster, 8u) << seed;
     }
   }
 }

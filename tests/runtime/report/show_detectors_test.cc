@@ -33,9 +33,9 @@ class Made {
     Ints("exact_pairs", {10, 10, 10});
     Reals("depth_error", {1e-5, NAN, 3e-5});
     Reals("normal_error", {NAN, NAN, NAN});
-    fake_.result.message = fake_.result.omitted = fake_.result.needs = "";
-    fake_.result.peak_rss_bytes = 8e6;
-    fake_.result.harness_ns = NAN;
+    fake_.result.message = fake_.result.omitted = fake_.result.decisions = "";
+    fake_.result.scalars.peak_rss_bytes = 8e6;
+    fake_.result.scalars.harness_ns = NAN;
   }
   void Ints(const char* name, const std::vector<std::int32_t>& values) { Put(name, values); }
   void Reals(const char* name, const std::vector<double>& values) { Put(name, values); }
@@ -242,7 +242,7 @@ TEST(ShowDetectors, NamesThoseThatNobodyLookedAt) {
 
 TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
   const auto set = [](const plan::Run& run, Made& made) {
-    made.result().harness_ns = run.at[1] == 2 ? NAN : 2;
+    made.result().scalars.harness_ns = run.at[1] == 2 ? NAN : 2;
   };
   const std::string text = Shown({"timing"}, {"sap", "dbvt", "null"}, {}, set);
   // Detect is 20 ns of sap in the middle; null would be 1 ns, and is all harness.

@@ -74,7 +74,7 @@ std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunR
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs) {
     FakeResult fake(run);
-    fake.result.omitted = fake.result.needs = "";
+    fake.result.omitted = fake.result.decisions = "";
     settle(run.at[0], run.at[1], fake.result);
     store::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
   }
@@ -101,12 +101,12 @@ TEST(Show, SaysWhatRunsDidWithout) {
       << some;
 }
 
-TEST(Show, SaysWhereRivalsDidNotLeaveOutTheSame) {
+TEST(Show, SaysWhereDetectorsDidNotOmitTheSame) {
   const auto shown = [](const char* of_sap, const char* of_dbvt) {
     return Shown([&](std::size_t detector, std::size_t quantity, store::RunResult& result) {
-      const std::string fate = detector == 0 ? of_sap : quantity == 0 ? of_dbvt : of_sap;
-      if (fate == "left out") result.omitted = "walls";
-      result.needs = "gravity: kept: always\nwalls: " + fate + ": a test\n";
+      const std::string decision = detector == 0 ? of_sap : quantity == 0 ? of_dbvt : of_sap;
+      if (decision == "left out") result.omitted = "walls";
+      result.decisions = "gravity: kept: always\nwalls: " + decision + ": a test\n";
     });
   };
   const std::string line = "\nAt 1 of 2 points some detectors ran without walls and others with: ";

@@ -29,7 +29,7 @@ TEST(OrderTest, EveryRunStandsInItOnce) {
   EXPECT_EQ(std::set<std::string>(ids.begin(), ids.end()).size(), 3u * 3 * 4);
 }
 
-TEST(OrderTest, RepeatsGoRoundTheWholeGridAndRivalsStandSideBySide) {
+TEST(OrderTest, RepeatsGoRoundTheWholeGridAndDetectorsAreNeighbours) {
   const plan::Plan plan = MakePlan({.quantities = {5, 6, 7, 8}, .repeats = 3});
   const auto order = schedule::OrderRuns(plan);
   ASSERT_EQ(order.size(), 4u * 3 * 3);
@@ -38,13 +38,13 @@ TEST(OrderTest, RepeatsGoRoundTheWholeGridAndRivalsStandSideBySide) {
     EXPECT_EQ(order[i]->at[0], i % 12 / 3) << "points in the order of the grid";
   }
   for (std::size_t i = 0; i < order.size(); i += 3) {
-    const std::set<std::size_t> rivals = {order[i]->at[1], order[i + 1]->at[1],
-                                          order[i + 2]->at[1]};
-    EXPECT_EQ(rivals.size(), 3u);
+    const std::set<std::size_t> detectors = {order[i]->at[1], order[i + 1]->at[1],
+                                             order[i + 2]->at[1]};
+    EXPECT_EQ(detectors.size(), 3u);
   }
 }
 
-TEST(OrderTest, NoRivalAlwaysGoesFirst) {
+TEST(OrderTest, NoDetectorAlwaysGoesFirst) {
   const plan::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5, 6, 7, 8}, .repeats = 8});
   const auto order = schedule::OrderRuns(plan);
   std::map<std::size_t, int> first;
@@ -89,7 +89,7 @@ TEST(OrderTest, ShardsAreThePlanInParts) {
     std::vector<std::string> ids;
     for (std::uint64_t index = 1; index <= count; ++index) {
       const auto part = schedule::OrderRuns(plan, {index, count});
-      EXPECT_EQ(part.size() % 3, 0u) << "rivals stay together";
+      EXPECT_EQ(part.size() % 3, 0u) << "the detectors of a point stay together";
       EXPECT_TRUE(count > 15 || !part.empty()) << index << "/" << count;
       for (std::size_t i = 0; i < part.size(); i += 3)
         for (std::size_t k = 1; k < 3; ++k) {

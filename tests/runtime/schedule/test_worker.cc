@@ -46,9 +46,8 @@ class Worker {
         quantity_(run.scene.ObjectCount()),
         with_contacts_(run.scene.world.Lists("record", "contacts")) {
     measure::RecordingHeader& header = recording_.header();
-    std::strncpy(header.omitted, "raycast_tree pools", sizeof header.omitted - 1);
-    std::strncpy(header.needs, "walls: kept: a test\npools: left out: a test\n",
-                 sizeof header.needs - 1);
+    header.omitted = "raycast_tree pools";
+    header.decisions = "walls: kept: a test\npools: left out: a test\n";
   }
 
   /// Figures that a reader can foretell: cycle i has the duration 1000 * phase + i, and so on.
@@ -84,12 +83,12 @@ class Worker {
 
   int Report(measure::WorkerOutcome outcome, const char* message = "") {
     measure::RecordingHeader& header = recording_.header();
-    std::strncpy(header.message, message, sizeof header.message - 1);
-    std::strncpy(header.state_hash, "0123456789abcdef", sizeof header.state_hash - 1);
-    header.peak_rss_bytes = 4096;
-    header.place_ns = 1;
-    header.build_ns = 2;
-    header.fill_fraction = 0.25;
+    header.message = message;
+    header.state_hash = "0123456789abcdef";
+    header.scalars.peak_rss_bytes = 4096;
+    header.scalars.place_ns = 1;
+    header.scalars.build_ns = 2;
+    header.scalars.fill_fraction = 0.25;
     header.outcome.store(outcome, std::memory_order_release);
     return 0;
   }

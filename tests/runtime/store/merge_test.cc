@@ -30,9 +30,9 @@ void ExpectCell(const store::ResultFile& file, const plan::Run& run, store::Stat
   EXPECT_EQ(file.ReadText("message", cell), fake.result.message);
   EXPECT_EQ(file.ReadText("host", cell), fake.result.host);
   EXPECT_EQ(file.ReadText("omitted", cell), fake.result.omitted);
-  EXPECT_EQ(file.ReadText("needs", cell), fake.result.needs);
+  EXPECT_EQ(file.ReadText("needs", cell), fake.result.decisions);
   EXPECT_EQ(file.ReadReal("started", cell), fake.result.started_s);
-  EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.peak_rss_bytes);
+  EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.scalars.peak_rss_bytes);
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   for (const measure::Series& series : measure::AllSeries()) {
     if (!series.IsRecordedBy(run.scene)) continue;

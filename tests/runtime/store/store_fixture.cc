@@ -107,7 +107,7 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
   const std::uint64_t bodies = plan::BodyCount(run.scene);
   for (const measure::Series& series : measure::AllSeries()) {
     if (!series.IsRecordedBy(run.scene)) continue;
-    const std::size_t count = series.ValueCount(cycles, objects, bodies);
+    const std::size_t count = series.ValueCount({cycles, objects, bodies});
     std::vector<std::byte>& bytes = memory_.emplace_back(count * series.ItemBytes());
     const std::size_t per_cycle = series.shape == measure::SeriesShape::kPhase ? 1 : count / cycles;
     for (std::size_t i = 0; i < count; ++i) {
@@ -145,14 +145,14 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
   result.started_s = 1.7e9 + n + 0.5;
   result.host = "nöde-" + std::to_string(NumberOf(run) % 3);
   result.omitted = NumberOf(run) % 2 == 0 ? "walls raycast_tree" : "";
-  result.needs = "walls: left out: run " + std::to_string(NumberOf(run)) +
-                 "\ngravity: kept: the acceleration is (0, -9.8, 0)\n";
+  result.decisions = "walls: left out: run " + std::to_string(NumberOf(run)) +
+                     "\ngravity: kept: the acceleration is (0, -9.8, 0)\n";
   result.load = 0.25 + n;
-  result.peak_rss_bytes = 5e6 + n;
-  result.place_ns = 1000 + n;
-  result.build_ns = 2000 + n;
-  result.fill_fraction = 0.125;
-  result.harness_ns = 40 + n;
+  result.scalars.peak_rss_bytes = 5e6 + n;
+  result.scalars.place_ns = 1000 + n;
+  result.scalars.build_ns = 2000 + n;
+  result.scalars.fill_fraction = 0.125;
+  result.scalars.harness_ns = 40 + n;
   if (status == store::Status::kDone) {
     result.state_hash = run.id;
   } else {

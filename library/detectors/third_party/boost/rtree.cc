@@ -6,6 +6,7 @@
 #include <boost/iterator/function_output_iterator.hpp>
 #include <vector>
 
+#include "library/detectors/catalogue_entry.h"
 #include "library/detectors/kernels/finite_boxes.h"
 
 namespace cdb::third_party {
@@ -38,9 +39,10 @@ class Rtree final : public kernels::FiniteBoxes {
   std::vector<Value> values_;
 };
 
+using detectors::CatalogueEntry;
+
 constexpr DetectorEntry kEntries[] = {
-    {"rtree", "an R-tree, packed anew every cycle (Boost.Geometry rtree)", kBroad, 0,
-     kernels::MakeDetector<Rtree>},
+    CatalogueEntry("rtree", kernels::MakeDetector<Rtree>),
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "library/detectors/catalogue_entry.h"
 #include "library/detectors/third_party/convex.h"
 #include "library/detectors/third_party/piece_pairs.h"
 
@@ -102,11 +103,13 @@ class ConvexPairs final : public PiecePairs {
   ccd_t ccd_;
 };
 
+using detectors::CatalogueEntry;
+
 constexpr DetectorEntry kEntries[] = {
-    {"ccd_gjk", "GJK and an expanding polytope (ccdGJKPenetration)", kNarrow, 0,
-     [](const Options&) -> Detector* { return new ConvexPairs(ccdGJKPenetration); }},
-    {"ccd_mpr", "Minkowski portal refinement (ccdMPRPenetration)", kNarrow, 0,
-     [](const Options&) -> Detector* { return new ConvexPairs(ccdMPRPenetration); }},
+    CatalogueEntry("ccd_gjk",
+                   [](const Options&) -> Detector* { return new ConvexPairs(ccdGJKPenetration); }),
+    CatalogueEntry("ccd_mpr",
+                   [](const Options&) -> Detector* { return new ConvexPairs(ccdMPRPenetration); }),
 };
 
 }  // namespace

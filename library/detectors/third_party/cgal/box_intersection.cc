@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "library/detectors/catalogue_entry.h"
 #include "library/detectors/kernels/finite_boxes.h"
 
 namespace cdb::third_party {
@@ -46,9 +47,10 @@ class BoxIntersection final : public kernels::FiniteBoxes {
   std::vector<Element> elements_;
 };
 
+using detectors::CatalogueEntry;
+
 constexpr DetectorEntry kEntries[] = {
-    {"cgal", "streamed segment trees (CGAL box_self_intersection_d)", kBroad, 0,
-     kernels::MakeDetector<BoxIntersection>},
+    CatalogueEntry("cgal", kernels::MakeDetector<BoxIntersection>),
 };
 
 }  // namespace

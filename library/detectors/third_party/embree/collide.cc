@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "library/detectors/catalogue_entry.h"
 #include "library/detectors/kernels/finite_boxes.h"
 
 namespace cdb::third_party {
@@ -107,9 +108,11 @@ class Collide final : public kernels::FiniteBoxes {
   std::mutex mutex_;
 };
 
+using detectors::CatalogueEntry;
+
 constexpr DetectorEntry kEntries[] = {
-    {"embree", "a tree of boxes, built anew every cycle (rtcCollide)", kBroad, 0,
-     [](const Options& options) -> Detector* { return new Collide(options); }},
+    CatalogueEntry("embree",
+                   [](const Options& options) -> Detector* { return new Collide(options); }),
 };
 
 }  // namespace

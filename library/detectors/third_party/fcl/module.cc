@@ -1,4 +1,5 @@
 // The detectors of the shared library cdb-detectors-fcl.so.
+#include "library/detectors/catalogue_entry.h"
 #include "library/detectors/detector.h"
 #include "library/detectors/third_party/fcl/managers.h"
 #include "library/detectors/third_party/fcl/narrow.h"
@@ -6,17 +7,19 @@
 namespace cdb::third_party {
 namespace {
 
+using detectors::CatalogueEntry;
+
 constexpr DetectorEntry kEntries[] = {
-    {"fcl_dyntree", "a dynamic tree of boxes", kBroad, 0, MakeFclTree},
-    {"fcl_dyntree_array", "a dynamic tree of boxes in an array", kBroad, 0, MakeFclTreeArray},
-    {"fcl_ssap", "sorted anew every cycle along the best axis", kBroad, 0, MakeFclSsap},
-    {"fcl_spatialhash", "a hashed grid", kBroad, 0, MakeFclSpatialHash},
-    {"fcl_intervaltree", "an interval tree for each axis", kBroad, 0, MakeFclIntervalTree},
-    {"fcl_gjk", "closed forms, else GJK and an expanding polytope", kNarrow, 0, MakeFclGjk},
-    {"fcl_aabb", "trees of boxes on triangles", kNarrow, 0, MakeFclAabb},
-    {"fcl_obb", "trees of oriented boxes on triangles", kNarrow, 0, MakeFclObb},
-    {"fcl_rss", "trees of rectangle-swept spheres on triangles", kNarrow, 0, MakeFclRss},
-    {"fcl_kdop", "trees of 18-DOPs on triangles", kNarrow, 0, MakeFclKdop},
+    CatalogueEntry("fcl_dyntree", MakeFclTree),
+    CatalogueEntry("fcl_dyntree_array", MakeFclTreeArray),
+    CatalogueEntry("fcl_ssap", MakeFclSsap),
+    CatalogueEntry("fcl_spatialhash", MakeFclSpatialHash),
+    CatalogueEntry("fcl_intervaltree", MakeFclIntervalTree),
+    CatalogueEntry("fcl_gjk", MakeFclGjk),
+    CatalogueEntry("fcl_aabb", MakeFclAabb),
+    CatalogueEntry("fcl_obb", MakeFclObb),
+    CatalogueEntry("fcl_rss", MakeFclRss),
+    CatalogueEntry("fcl_kdop", MakeFclKdop),
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "library/detectors/catalogue_entry.h"
 #include "library/detectors/kernels/finite_boxes.h"
 
 namespace cdb::third_party {
@@ -160,13 +161,12 @@ class QuadtreeSpace final : public Space {
   }
 };
 
+using detectors::CatalogueEntry;
+
 constexpr DetectorEntry kEntries[] = {
-    {"ode_hash", "hashed cells of several sizes (dHashSpace)", kBroad, 0,
-     kernels::MakeDetector<HashSpace>},
-    {"ode_sap", "sorted along x and pruned along y and z (dSweepAndPruneSpace)", kBroad, 0,
-     kernels::MakeDetector<SapSpace>},
-    {"ode_quadtree", "a quadtree over x and y (dQuadTreeSpace)", kBroad, 0,
-     kernels::MakeDetector<QuadtreeSpace>},
+    CatalogueEntry("ode_hash", kernels::MakeDetector<HashSpace>),
+    CatalogueEntry("ode_sap", kernels::MakeDetector<SapSpace>),
+    CatalogueEntry("ode_quadtree", kernels::MakeDetector<QuadtreeSpace>),
 };
 
 }  // namespace

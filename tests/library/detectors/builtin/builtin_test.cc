@@ -57,7 +57,7 @@ void ExpectExact(std::vector<Named>& all, const Scene& scene, const std::string&
     for (const Pair& pair : pairs) EXPECT_LT(pair.a, pair.b);
     const detectors::PairFaults faults = detectors::ComparePairs(scene, pairs);
     ADD_FAILURE() << named.name << " in " << where << ": of " << faults.exact << " pairs "
-                  << faults.missed << " missed, " << faults.phantom << " phantom, "
+                  << faults.missed << " missed, " << faults.false_positives << " false, "
                   << faults.duplicate << " twice, " << pairs.size() << " listed";
   }
 }

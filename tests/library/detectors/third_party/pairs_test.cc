@@ -20,9 +20,6 @@ class ThirdPartyPairs : public testing::TestWithParam<schema::DetectorInfo> {
     if (!detector_) GTEST_SKIP() << "the part '" << GetParam().part << "' is not built";
   }
 
-  bool MayMiss() const { return GetParam().limits.find("may miss") != std::string_view::npos; }
-  bool ListsPhantoms() const { return GetParam().limits.find("phantom") != std::string_view::npos; }
-
   /// `is_strict`: it may not miss a pair, whatever it says of itself.
   void ExpectGood(const Scene& scene, const std::string& what, bool is_strict = true) {
     std::vector<Pair> pairs;
@@ -32,11 +29,11 @@ class ThirdPartyPairs : public testing::TestWithParam<schema::DetectorInfo> {
       ASSERT_LT(pair.b, scene.size) << what;
     }
     const detectors::PairFaults faults = detectors::ComparePairs(scene, pairs);
-    if (is_strict || !MayMiss()) {
+    if (is_strict || !GetParam().Makes(schema::KnownErrors::kMissesPairs)) {
       EXPECT_EQ(faults.missed, 0u) << what;
     }
-    if (!ListsPhantoms()) {
-      EXPECT_EQ(faults.phantom, 0u) << what;
+    if (!GetParam().Makes(schema::KnownErrors::kFalsePositives)) {
+      EXPECT_EQ(faults.false_positives, 0u) << what;
     }
     EXPECT_EQ(faults.duplicate, 0u) << what;
   }

@@ -25,7 +25,7 @@ std::unique_ptr<Detector> MakeThirdParty(const schema::DetectorInfo& info) {
   const schema::DetectorPart* part = schema::FindDetectorPart(info.part);
   if (part == nullptr) throw std::logic_error(std::string(info.part) + " is no part");
   if (!part->is_built) {
-    if (std::getenv("CDB_REQUIRE_RIVALS") != nullptr)
+    if (std::getenv("CDB_REQUIRE_THIRD_PARTY") != nullptr)
       throw std::runtime_error(std::string(part->package) + " is not installed");
     return nullptr;
   }

@@ -22,7 +22,7 @@ namespace cdb::tests {
 /// Rows of the catalogue with the phase that belong to another library.
 std::vector<schema::DetectorInfo> ThirdPartyDetectors(std::string_view phase);
 
-/// Null if the module is not built; throws instead if CDB_REQUIRE_RIVALS is set.
+/// Null if the module is not built; throws instead if CDB_REQUIRE_THIRD_PARTY is set.
 std::unique_ptr<Detector> MakeThirdParty(const schema::DetectorInfo& info);
 
 /// Names GoogleTest's instances by detector.

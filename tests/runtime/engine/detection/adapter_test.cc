@@ -220,7 +220,7 @@ TEST(Adapter, NullFindsNothingAndMovesOn) {
   Recorded recorded = RunHere(scene);
   ASSERT_TRUE(recorded.done()) << recorded.message();
   for (const std::int32_t pairs : recorded.recording.Ints("pairs")) EXPECT_EQ(pairs, 0);
-  EXPECT_GT(recorded.header().harness_ns, 0);
+  EXPECT_GT(recorded.header().scalars.harness_ns, 0);
 }
 
 /// Lists the exact pairs and then calls a function of the test.

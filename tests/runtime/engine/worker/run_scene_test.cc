@@ -53,9 +53,9 @@ TEST(Run, ReportsHowItEnded) {
   EXPECT_EQ(run.hash().size(), 16u);
   EXPECT_EQ(run.hash().find_first_not_of("0123456789abcdef"), std::string::npos);
   EXPECT_EQ(run.message(), "");
-  EXPECT_GT(run.header().place_ns, 0);
-  EXPECT_GT(run.header().build_ns, 0);
-  EXPECT_GT(run.header().fill_fraction, 0);
+  EXPECT_GT(run.header().scalars.place_ns, 0);
+  EXPECT_GT(run.header().scalars.build_ns, 0);
+  EXPECT_GT(run.header().scalars.fill_fraction, 0);
   EXPECT_GT(probes::PeakRssBytes(), 1e6);
 }
 
@@ -63,7 +63,7 @@ TEST(Run, FailsWithAMessageWhereTheSceneCannotBe) {
   const Recorded run = RunHere(EngineScene(500, 400));
   EXPECT_EQ(run.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(run.message().find("% of the cube"), std::string::npos) << run.message();
-  EXPECT_NEAR(run.header().fill_fraction, 0.511, 0.001);
+  EXPECT_NEAR(run.header().scalars.fill_fraction, 0.511, 0.001);
   EXPECT_EQ(run.hash(), "");
   EXPECT_EQ(run.header().cycles_done.load(), 0u);
   EXPECT_EQ(run.engine, nullptr);
@@ -73,7 +73,8 @@ TEST(Run, LongMessagesAreCutAndEnd) {
   const plan::Scene scene = EngineScene(1, 500);
   measure::Recording recording = measure::Recording::Create(scene);
   worker::ReportFailure(recording, std::string(10000, 'x'));
-  EXPECT_EQ(std::strlen(recording.header().message), sizeof(recording.header().message) - 1);
+  EXPECT_EQ(recording.header().message.str(),
+            std::string(recording.header().message.kMaxLength, 'x'));
 }
 
 TEST(Run, WithoutObjects) {

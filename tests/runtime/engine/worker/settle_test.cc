@@ -117,7 +117,7 @@ TEST_F(Pile, RunsFromTheStart) {
   plan::Scene scene = PileScene(20);
   const Recorded pruned = RunHere(scene);
   ASSERT_TRUE(pruned.done()) << pruned.message();
-  EXPECT_NE(std::string(pruned.header().needs).find("objects settle before the first cycle"),
+  EXPECT_NE(pruned.header().decisions.str().find("objects settle before the first cycle"),
             std::string::npos);
   SetWorld(scene, "omit", schema::WordList{"none"});
   EXPECT_EQ(RunHere(scene).hash(), pruned.hash());

@@ -62,10 +62,10 @@ TEST(Worker, GivesWhatTheSameRunGivesHere) {
     const std::vector<std::string> environment = {"PADDING=" + std::string(i * 1237, 'x')};
     ASSERT_EQ(Start(plan::RunToYaml(run), recording, environment), 0);
     EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
-        << recording.header().message;
-    EXPECT_EQ(recording.header().state_hash, expected);
+        << recording.header().message.str();
+    EXPECT_EQ(recording.header().state_hash.str(), expected);
     EXPECT_EQ(recording.header().cycles_done.load(), 100u);
-    EXPECT_GT(recording.header().peak_rss_bytes, 1e6);
+    EXPECT_GT(recording.header().scalars.peak_rss_bytes, 1e6);
     EXPECT_GT(recording.Reals("duration").back(), 0);
   }
 }
@@ -93,20 +93,20 @@ TEST(Worker, StartsAgainWithAllWallsWhereItTrips) {
   measure::Recording recording = measure::Recording::Create(run.scene);
   ASSERT_EQ(Start(plan::RunToYaml(run), recording), 0);
   ASSERT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
-      << recording.header().message;
+      << recording.header().message.str();
   const Recorded here = RunHere(run.scene);
-  EXPECT_EQ(recording.header().state_hash, here.hash());
-  EXPECT_EQ(std::string(recording.header().needs), std::string(here.header().needs));
-  EXPECT_NE(std::string(recording.header().needs).find("walls: kept: object 1 came to rest"),
+  EXPECT_EQ(recording.header().state_hash.str(), here.hash());
+  EXPECT_EQ(recording.header().decisions.str(), here.header().decisions.str());
+  EXPECT_NE(recording.header().decisions.str().find("walls: kept: object 1 came to rest"),
             std::string::npos)
-      << recording.header().needs;
+      << recording.header().decisions.str();
   EXPECT_EQ(recording.header().cycles_done.load(), 200u);
   // A list is held to its word.
   SetWorld(run.scene, "omit", schema::WordList{"walls"});
   run.id = plan::RunId(run.scene, run.rep);
   ASSERT_EQ(Start(plan::RunToYaml(run), recording), 0);
   EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
-  EXPECT_NE(std::string(recording.header().message).find("omit walls: this scene needs them"),
+  EXPECT_NE(recording.header().message.str().find("omit walls: this scene needs them"),
             std::string::npos);
 }
 
@@ -117,7 +117,7 @@ TEST(Worker, ReportsASceneThatCannotBe) {
   measure::Recording recording = measure::Recording::Create(run.scene);
   EXPECT_EQ(Start(plan::RunToYaml(run), recording), 0);
   EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
-  EXPECT_NE(std::string(recording.header().message).find("does not fit"), std::string::npos);
+  EXPECT_NE(recording.header().message.str().find("does not fit"), std::string::npos);
 }
 
 TEST(Worker, RefusesARunOfTheOtherPrecision) {
@@ -127,7 +127,7 @@ TEST(Worker, RefusesARunOfTheOtherPrecision) {
   measure::Recording recording = measure::Recording::Create(run.scene);
   EXPECT_EQ(Start(plan::RunToYaml(run), recording), 0);
   EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
-  EXPECT_NE(std::string(recording.header().message).find("precision"), std::string::npos);
+  EXPECT_NE(recording.header().message.str().find("precision"), std::string::npos);
 }
 
 TEST(Worker, SaysByItsStatusWhatItCannotReport) {

@@ -2,7 +2,7 @@
 // worlds of one program, cycle by cycle in turn, the order swapped each time. Gas: balls that fly
 // about; pile: balls that have fallen on the floor. Pairs in the order `listed` and `sorted`; with
 // the latter both worlds must be in the same state after every cycle.
-// Usage: bench_seam_f32 [ROUNDS [CYCLES]]
+// Usage: bench_adapter_f32 [ROUNDS [CYCLES]]
 
 #include <fmt/format.h>
 
