@@ -84,15 +84,15 @@ constexpr ClosedFormInfo kClosedForms[] = {
 }  // namespace
 
 std::span<const ObjectType> ObjectTypes() { return kObjectTypes; }
-std::span<const DetectorInfo> Detectors() { return kDetectors; }
+std::span<const DetectorInfo> Detectors() { return kDetectorTable; }
 std::span<const DetectorPart> DetectorParts() { return kParts; }
 std::span<const FamilyInfo> Families() { return kFamilies; }
 std::span<const LayoutInfo> Layouts() { return kLayouts; }
 std::span<const ClosedFormInfo> ClosedForms() { return kClosedForms; }
 
 const DetectorInfo* FindDetector(std::string_view name) {
-  const auto* row = std::ranges::find(kDetectors, name, &DetectorInfo::name);
-  return row == std::end(kDetectors) ? nullptr : row;
+  const auto* row = std::ranges::find(kDetectorTable, name, &DetectorInfo::name);
+  return row == std::end(kDetectorTable) ? nullptr : row;
 }
 
 const DetectorPart* FindDetectorPart(std::string_view name) {

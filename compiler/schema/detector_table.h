@@ -10,7 +10,7 @@ namespace cdb::schema {
 #define FCL_TREES \
   "tests surfaces, with 24 sides for round shapes: no contact if one body is inside the other"
 
-inline constexpr DetectorInfo kDetectors[] = {
+inline constexpr DetectorInfo kDetectorTable[] = {
     {"simple", "tests every pair of boxes (btSimpleBroadphase)", "Bullet", "broad", "all pairs"},
     {"sap", "sweep and prune on boxes rounded to 16 bits (btAxisSweep3)", "Bullet", "broad",
      "sweep and prune", 16384},

@@ -11,7 +11,7 @@ namespace cdb::detectors {
 
 /// A name that is not in the catalogue is a compile error.
 consteval DetectorEntry CatalogueEntry(std::string_view name, Detector* (*make)(const Options&)) {
-  for (const schema::DetectorInfo& row : schema::kDetectors) {
+  for (const schema::DetectorInfo& row : schema::kDetectorTable) {
     if (row.name != name) continue;
     return {.name = row.name.data(),
             .doc = row.doc.data(),

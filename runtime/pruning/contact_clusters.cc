@@ -13,7 +13,6 @@
 namespace cdb::pruning {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNoCluster = std::numeric_limits<std::uint32_t>::max();
 
 /// So near to touching, for its size, counts as touching, and after so many steps towards it too.
@@ -113,7 +112,7 @@ bool ContactClusters::Redirect(ContactCluster& cluster, double time) {
   energy_.Update(cluster);
   for (const std::uint32_t i : cluster.members) {
     const Region region = energy_.RegionOf(cluster, i, motions_.BallAt(i, time), time);
-    if (!(region.Hull(horizon_.end).diagonal().squaredNorm() < kInfinity)) return false;
+    if (!std::isfinite(region.Hull(horizon_.end).diagonal().squaredNorm())) return false;
     motions_.SetRegion(i, region);
   }
   for (const std::uint32_t i : cluster.members) {
