@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kScenarios = 150;
 
-plan::Plan PlanOf(const std::string& text) {
+plan::Plan PlanOfScenario(const std::string& text) {
   compiler::Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}});
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics) << text;
   return result.plans.empty() ? plan::Plan() : std::move(result.plans[0]);
@@ -27,7 +27,7 @@ TEST(Property, AGridIsTheProductOfItsAxes) {
   std::mt19937_64 random(1);
   for (int i = 0; i < kScenarios; ++i) {
     const RandomScenario scenario = MakeRandomScenario(random);
-    const plan::Plan plan = PlanOf(scenario.Text());
+    const plan::Plan plan = PlanOfScenario(scenario.Text());
     EXPECT_EQ(plan.runs.size(), scenario.points * plan.repeats) << scenario.Text();
     std::set<std::pair<std::vector<std::size_t>, std::uint64_t>> places;
     for (const plan::Run& run : plan.runs) {
@@ -40,7 +40,7 @@ TEST(Property, AGridIsTheProductOfItsAxes) {
 TEST(Property, YamlReadsBackAsThePlan) {
   std::mt19937_64 random(2);
   for (int i = 0; i < kScenarios / 3; ++i) {
-    const plan::Plan plan = PlanOf(MakeRandomScenario(random).Text());
+    const plan::Plan plan = PlanOfScenario(MakeRandomScenario(random).Text());
     EXPECT_TRUE(plan::FromYaml(plan::ToYaml(plan), "plan") == plan) << plan.scenario_text;
   }
 }
@@ -54,9 +54,9 @@ TEST(Property, OrderOfStatementsMovesOnlyAxes) {
       for (const plan::Run& run : plan.runs) all.insert(run.id);
       return all;
     };
-    const auto before = ids(PlanOf(scenario.Text()));
+    const auto before = ids(PlanOfScenario(scenario.Text()));
     std::ranges::shuffle(scenario.settings, random);
-    EXPECT_EQ(before, ids(PlanOf(scenario.Text()))) << scenario.Text();
+    EXPECT_EQ(before, ids(PlanOfScenario(scenario.Text()))) << scenario.Text();
   }
 }
 
@@ -65,7 +65,7 @@ TEST(Property, LayoutOfTheTextHasNoMeaning) {
   for (int i = 0; i < kScenarios / 3; ++i) {
     const std::string text = MakeRandomScenario(random).Text();
     const std::string formatted = dsl::Format(dsl::Source("test.cdb", text));
-    EXPECT_EQ(PlanOf(text).Sha256(), PlanOf(formatted).Sha256()) << text;
+    EXPECT_EQ(PlanOfScenario(text).Sha256(), PlanOfScenario(formatted).Sha256()) << text;
   }
 }
 
@@ -86,8 +86,8 @@ TEST(Property, ALetIsTheSameAsItsValue) {
       text += "let v" + std::to_string(s) + " = " + setting.substr(space + 1) + "\n";
       inner += setting.substr(0, space) + " v" + std::to_string(s) + "\n";
     }
-    const plan::Plan direct = PlanOf(scenario.Text());
-    const plan::Plan by_let = PlanOf(text + "benchmark b {\n" + inner + "}\n");
+    const plan::Plan direct = PlanOfScenario(scenario.Text());
+    const plan::Plan by_let = PlanOfScenario(text + "benchmark b {\n" + inner + "}\n");
     ASSERT_EQ(direct.runs.size(), by_let.runs.size()) << text;
     for (std::size_t r = 0; r < direct.runs.size(); ++r)
       EXPECT_EQ(direct.runs[r].id, by_let.runs[r].id);

@@ -8,7 +8,7 @@
 namespace cdb::tests {
 namespace {
 
-plan::Plan PlanOf(const std::string& text) {
+plan::Plan TracedPlan(const std::string& text) {
   compiler::Compilation result = CompileText(text);
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   EXPECT_EQ(result.plans.size(), 1u);
@@ -16,7 +16,7 @@ plan::Plan PlanOf(const std::string& text) {
 }
 
 TEST(TracedScene, IsAsTheTraceSays) {
-  const plan::Plan plan = PlanOf("benchmark b { trace \"crowd.trace.h5\" }");
+  const plan::Plan plan = TracedPlan("benchmark b { trace \"crowd.trace.h5\" }");
   ASSERT_EQ(plan.runs.size(), 1u);
   const plan::Scene& scene = plan.runs[0].scene;
   EXPECT_EQ(plan::TraceOf(scene), (plan::TraceName{"crowd.trace.h5", std::string(64, 'c')}));
@@ -25,18 +25,19 @@ TEST(TracedScene, IsAsTheTraceSays) {
   EXPECT_EQ(scene.world.WordOr("precision"), "single");
   EXPECT_EQ(scene.world.Get("record"), schema::Value(schema::WordList{"counts", "timing"}));
   EXPECT_TRUE(scene.seeds.empty());
-  EXPECT_FALSE(plan::TraceOf(PlanOf("benchmark b { }").runs.at(0).scene));
+  EXPECT_FALSE(plan::TraceOf(TracedPlan("benchmark b { }").runs.at(0).scene));
 }
 
 TEST(TracedScene, WarmupLeavesTheRest) {
-  const plan::Plan plan = PlanOf("benchmark b { trace \"crowd.trace.h5\"; warmup 30 }");
+  const plan::Plan plan = TracedPlan("benchmark b { trace \"crowd.trace.h5\"; warmup 30 }");
   EXPECT_EQ(plan.runs.at(0).scene.world.Count("cycles"), 70u);
-  const plan::Plan few = PlanOf("benchmark b { trace \"crowd.trace.h5\"; warmup 30; cycles 5 }");
+  const plan::Plan few =
+      TracedPlan("benchmark b { trace \"crowd.trace.h5\"; warmup 30; cycles 5 }");
   EXPECT_EQ(few.runs.at(0).scene.world.Count("cycles"), 5u);
 }
 
 TEST(TracedScene, SweepsTracesBesideLiveWorlds) {
-  const plan::Plan plan = PlanOf(
+  const plan::Plan plan = TracedPlan(
       "benchmark b { trace sweep(none, \"crowd.trace.h5\", \"large.trace.h5\")\n"
       "detector sweep(simple, dbvt) }");
   ASSERT_EQ(plan.axes.size(), 2u);
@@ -52,15 +53,15 @@ TEST(TracedScene, SweepsTracesBesideLiveWorlds) {
 }
 
 TEST(TracedScene, IsNamedByItsHash) {
-  const plan::Plan by_name = PlanOf("benchmark b { trace \"crowd.trace.h5\" }");
+  const plan::Plan by_name = TracedPlan("benchmark b { trace \"crowd.trace.h5\" }");
   const std::string hash(64, 'c');
   const plan::Plan by_hash =
-      PlanOf("benchmark b { trace file(\"crowd.trace.h5\", sha256: \"" + hash + "\") }");
+      TracedPlan("benchmark b { trace file(\"crowd.trace.h5\", sha256: \"" + hash + "\") }");
   EXPECT_EQ(by_name.runs.at(0).id, by_hash.runs.at(0).id);
 }
 
 TEST(TracedScene, StandsInCases) {
-  const plan::Plan plan = PlanOf(
+  const plan::Plan plan = TracedPlan(
       "benchmark b { detector sweep(simple, dbvt)\n"
       "cases where { live { objects.quantity 7 } traced { trace \"crowd.trace.h5\" } } }");
   ASSERT_EQ(plan.runs.size(), 4u);

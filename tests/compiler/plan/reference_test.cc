@@ -13,7 +13,7 @@
 namespace cdb::tests {
 namespace {
 
-plan::Plan PlanOf(const std::string& settings) {
+plan::Plan PlanWith(const std::string& settings) {
   const compiler::Compilation result = CompileText("benchmark b { " + settings + " }");
   EXPECT_EQ(dsl::Render(result.diagnostics), "");
   return result.plans.at(0);
@@ -25,7 +25,7 @@ const char kSweep[] =
     "accuracy { metrics position; reference { contact faithful } }";
 
 TEST(Reference, IsSharedByAllThatItStandsFor) {
-  const plan::Plan plan = PlanOf(std::string("repeats 2\n") + kSweep);
+  const plan::Plan plan = PlanWith(std::string("repeats 2\n") + kSweep);
   EXPECT_EQ(plan.runs.size(), 48u);
   ASSERT_EQ(plan.references.size(), 2u);
   EXPECT_EQ(plan.references[0].scene.role, plan::Role::kReference);
@@ -42,11 +42,12 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
   EXPECT_EQ(world.WordOr("contact"), "faithful");
   EXPECT_EQ(world.Count("solver.iterations"), 100u);
   EXPECT_EQ(plan.references[0].scene.groups, plan.runs[0].scene.groups);
-  EXPECT_EQ(PlanOf("narrow_phase sweep(own, bullet); threads sweep(1, 2); accuracy.metrics energy")
-                .references.size(),
-            2u);
+  EXPECT_EQ(
+      PlanWith("narrow_phase sweep(own, bullet); threads sweep(1, 2); accuracy.metrics energy")
+          .references.size(),
+      2u);
   // Its own contact settings where nothing else is said.
-  EXPECT_EQ(PlanOf("contact sweep(bullet, faithful); accuracy.metrics energy").references.size(),
+  EXPECT_EQ(PlanWith("contact sweep(bullet, faithful); accuracy.metrics energy").references.size(),
             4u);
 }
 
@@ -70,45 +71,45 @@ TEST(Reference, HasThePluginsOfItsOwnDetectorAlone) {
 }
 
 TEST(Reference, IsAnotherForAnotherSceneOrTime) {
-  EXPECT_EQ(PlanOf("seed sweep(1, 2); accuracy.metrics position").references.size(), 4u);
-  EXPECT_EQ(PlanOf("cycles sweep(60, 120); accuracy.metrics position").references.size(), 4u);
+  EXPECT_EQ(PlanWith("seed sweep(1, 2); accuracy.metrics position").references.size(), 4u);
+  EXPECT_EQ(PlanWith("cycles sweep(60, 120); accuracy.metrics position").references.size(), 4u);
   // What is recorded and omitted decides nothing, nor where the warm-up ends.
-  EXPECT_EQ(PlanOf("omit sweep(none, auto); accuracy.metrics position").references.size(), 2u);
+  EXPECT_EQ(PlanWith("omit sweep(none, auto); accuracy.metrics position").references.size(), 2u);
   EXPECT_EQ(
-      PlanOf("cases { a { warmup 20; cycles 40 } b { cycles 60 } }\naccuracy.metrics position")
+      PlanWith("cases { a { warmup 20; cycles 40 } b { cycles 60 } }\naccuracy.metrics position")
           .references.size(),
       2u);
 }
 
 TEST(Reference, IsMadeOnlyWhereErrorsNeedTheTruth) {
-  EXPECT_TRUE(PlanOf("cycles 60").references.empty());
-  EXPECT_TRUE(PlanOf("accuracy.metrics pairs, penetration").references.empty());
-  EXPECT_TRUE(PlanOf("accuracy { metrics position; closed_form flight }").references.empty());
-  EXPECT_FALSE(PlanOf("accuracy.metrics pairs, height").references.empty());
+  EXPECT_TRUE(PlanWith("cycles 60").references.empty());
+  EXPECT_TRUE(PlanWith("accuracy.metrics pairs, penetration").references.empty());
+  EXPECT_TRUE(PlanWith("accuracy { metrics position; closed_form flight }").references.empty());
+  EXPECT_FALSE(PlanWith("accuracy.metrics pairs, height").references.empty());
 }
 
 TEST(Reference, GoesIntoYamlAndBack) {
-  const plan::Plan plan = PlanOf(kSweep);
+  const plan::Plan plan = PlanWith(kSweep);
   EXPECT_TRUE(plan::FromYaml(plan::ToYaml(plan), "plan") == plan);
   for (const plan::Run& run : plan.references)
     EXPECT_TRUE(plan::RunFromYaml(plan::RunToYaml(run), "run") == run);
 }
 
 TEST(Reference, StretchesSchedulesThatCountCycles) {
-  const plan::Plan plan =
-      PlanOf("acceleration every(30, uniform((-1, -1, -1), (1, 1, 1))); accuracy.metrics position");
+  const plan::Plan plan = PlanWith(
+      "acceleration every(30, uniform((-1, -1, -1), (1, 1, 1))); accuracy.metrics position");
   const schema::Call* call = schema::AsCall(plan.references.at(0).scene.world.Get("acceleration"));
   ASSERT_NE(call, nullptr);
   EXPECT_EQ(std::get<schema::Number>(schema::ArgumentOf(*call, "cycles")).AsCount(), 30u * 64);
 }
 
 TEST(Sampling, CountsCyclesFromTheStart) {
-  const plan::Plan plan = PlanOf("warmup 6; cycles 60; accuracy.metrics pairs");
+  const plan::Plan plan = PlanWith("warmup 6; cycles 60; accuracy.metrics pairs");
   const auto sampling = plan::SamplingOf(plan.runs[0].scene);
   ASSERT_TRUE(sampling);
   EXPECT_EQ(sampling->cycles, 4u);
   EXPECT_EQ(sampling->count, 17u);  // 66 cycles hold 16 intervals
-  EXPECT_FALSE(plan::SamplingOf(PlanOf("cycles 60").runs[0].scene));
+  EXPECT_FALSE(plan::SamplingOf(PlanWith("cycles 60").runs[0].scene));
 }
 
 TEST(Sampling, TakesWholeSteps) {

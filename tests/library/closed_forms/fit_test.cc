@@ -34,15 +34,15 @@ Change Slope(double angle) {
 }
 
 /// A scene that the form takes, and a change after which it refuses the scene.
-struct Refusal {
+struct RefusedScene {
   const char* form;
   plan::Scene scene;
   Change change;
   const char* message;  ///< a part of it
 };
 
-void ExpectRefusals(const std::vector<Refusal>& refusals) {
-  for (const Refusal& refusal : refusals) {
+void ExpectRefusals(const std::vector<RefusedScene>& refusals) {
+  for (const RefusedScene& refusal : refusals) {
     EXPECT_NO_THROW(FormOf(refusal.form, refusal.scene)) << refusal.form;
     plan::Scene scene = refusal.scene;
     refusal.change(scene);

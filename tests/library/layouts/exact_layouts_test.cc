@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kExact = 1e-12;
+constexpr double kPlacementError = 1e-12;
 
 Vector3d BoxCentre(const layouts::ObjectState& object) {
   const objects::Box box = objects::Bounds(object.solid, object.pose.orientation);
@@ -32,7 +32,7 @@ double Bottom(const layouts::ObjectState& object) {
 }
 
 void ExpectAt(const layouts::ObjectState& object, const Vector3d& centre) {
-  EXPECT_LE((BoxCentre(object) - centre).norm(), kExact * (1 + centre.norm()));
+  EXPECT_LE((BoxCentre(object) - centre).norm(), kPlacementError * (1 + centre.norm()));
 }
 
 TEST(Layout, GridFillsTheCube) {
@@ -55,7 +55,7 @@ TEST(Layout, GridWithASpacing) {
   ExpectAt(state.objects[0], {-0.75, -0.75, -0.75});
   ExpectAt(state.objects[7], {0.75, 0.75, 0.75});
   // The box's centre, not the centre of mass, which is a quarter of the height above the base.
-  EXPECT_NEAR(state.objects[0].pose.position.y(), -0.75 - 0.25, kExact);
+  EXPECT_NEAR(state.objects[0].pose.position.y(), -0.75 - 0.25, kPlacementError);
   ExpectAt(layouts::MakeInitialState(LayoutScene(1, 100, Layout("grid"))).objects[0],
            Vector3d::Zero());
 }
@@ -95,8 +95,9 @@ TEST(Layout, LineAlongAVectorLeavesItsGapBetweenSurfaces) {
     return object.pose.position.dot(direction) + object.solid.Support(local).dot(local);
   };
   for (std::size_t i = 0; i + 1 < 4; ++i)
-    EXPECT_NEAR(-reach(mixed.objects[i + 1], -along) - reach(mixed.objects[i], along), 0.5, kExact);
-  EXPECT_NEAR(reach(mixed.objects[0], -along), reach(mixed.objects[3], along), kExact);
+    EXPECT_NEAR(-reach(mixed.objects[i + 1], -along) - reach(mixed.objects[i], along), 0.5,
+                kPlacementError);
+  EXPECT_NEAR(reach(mixed.objects[0], -along), reach(mixed.objects[3], along), kPlacementError);
 }
 
 TEST(Layout, AHeavyEndIsTheLastObjectsMass) {
@@ -121,18 +122,18 @@ TEST(Layout, StackOfEverythingFits) {
       widest = std::max({widest, Extents(object).x(), Extents(object).z()});
     if (height < 40) {
       EXPECT_NEAR(BoxCentre(state.objects[height]).x() - BoxCentre(state.objects[0]).x(),
-                  1.5 * widest, kExact * 60);
+                  1.5 * widest, kPlacementError * 60);
     }
     for (std::size_t i = 0; i < 40; ++i) {
       const layouts::ObjectState& object = state.objects[i];
       if (i % height == 0) {
-        EXPECT_NEAR(Bottom(object), -30 + 1e-3 * Extents(object).y(), kExact * 30);
+        EXPECT_NEAR(Bottom(object), -30 + 1e-3 * Extents(object).y(), kPlacementError * 30);
         continue;
       }
       const layouts::ObjectState& below = state.objects[i - 1];
-      EXPECT_NEAR(BoxCentre(object).x(), BoxCentre(below).x(), kExact * 30);
+      EXPECT_NEAR(BoxCentre(object).x(), BoxCentre(below).x(), kPlacementError * 30);
       EXPECT_NEAR(Bottom(object) - Bottom(below) - Extents(below).y(),
-                  1e-3 * std::max(Extents(object).y(), Extents(below).y()), kExact * 60);
+                  1e-3 * std::max(Extents(object).y(), Extents(below).y()), kPlacementError * 60);
     }
   }
   // All in one column.
@@ -163,10 +164,10 @@ TEST(Layout, PyramidRestsEachOnFour) {
   // A fifth layer is needed by one more than 4 hold.
   EXPECT_NEAR(
       BoxCentre(layouts::MakeInitialState(LayoutScene(30, 20, Layout("pyramid"))).objects[0]).x(),
-      -1.5 * 1.001, kExact * 10);
+      -1.5 * 1.001, kPlacementError * 10);
   EXPECT_NEAR(
       BoxCentre(layouts::MakeInitialState(LayoutScene(31, 20, Layout("pyramid"))).objects[0]).x(),
-      -2 * 1.001, kExact * 10);
+      -2 * 1.001, kPlacementError * 10);
 }
 
 TEST(Layout, RingIsEven) {
@@ -184,7 +185,7 @@ TEST(Layout, RingFitsClosely) {
   ExpectAt(layouts::MakeInitialState(LayoutScene(2, 20, Layout("ring"))).objects[0], {0.55, 0, 0});
   const double r =
       layouts::MakeInitialState(LayoutScene(4, 20, Layout("ring"))).objects[0].pose.position.x();
-  EXPECT_NEAR(std::hypot(r - 1, r - 1), 0.1, kExact);
+  EXPECT_NEAR(std::hypot(r - 1, r - 1), 0.1, kPlacementError);
   ExpectAt(layouts::MakeInitialState(LayoutScene(1, 20, Layout("ring"))).objects[0],
            Vector3d::Zero());
   for (const std::uint64_t quantity : {3, 7, 50, 200}) {
@@ -231,7 +232,7 @@ TEST(Layout, PairIsJustSoFarApart) {
           layouts::Place(scene, state);
           ASSERT_NEAR(objects::Distance(a, first.pose, b, second.pose), distance,
                       1e-9 * (size + distance));
-          ASSERT_LE((first.pose.position + second.pose.position).norm(), kExact * size);
+          ASSERT_LE((first.pose.position + second.pose.position).norm(), kPlacementError * size);
         }
       }
     }
@@ -279,7 +280,7 @@ TEST(Layout, PileIsDroppedFromALooseLattice) {
       const double first = -cells(edge - 1) / 2;
       const Vector3d expected(first + cells(i % edge), cell / 2 - 15 + cells(i / (edge * edge)),
                               first + cells(i / edge % edge));
-      EXPECT_LE((places[i] - expected).norm(), kExact * 100);
+      EXPECT_LE((places[i] - expected).norm(), kPlacementError * 100);
     }
   }
 }

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 meshes::Mesh Sample() { return BoxMesh({-1, 0.25, -3}, {1.5, 2, 1e-3}); }
 
-std::string Refused(std::string_view bytes, std::string_view name) {
+std::string RefusedFile(std::string_view bytes, std::string_view name) {
   return Refusal([&] { meshes::ParseMesh(bytes, name); });
 }
 bool Has(std::string_view text, std::string_view part) {
@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
                "ply\nformat ascii 1.0\nelement vertex 0\nelement tristrips 1\nend_header\n",
                "a.ply:4: triangle strips are not read"}));
 TEST_P(EveryBrokenText, IsRefusedByLine) {
-  const std::string message = Refused(GetParam().text, GetParam().name);
+  const std::string message = RefusedFile(GetParam().text, GetParam().name);
   EXPECT_TRUE(Has(message, GetParam().says)) << message;
 }
 
@@ -153,21 +153,21 @@ TEST(Mesh, CutOffFilesAreRefused) {
   for (const bool big : {false, true}) {
     const std::string ply = ToBinaryPly(Sample(), big);
     for (std::size_t cut = 1; cut < ply.size(); ++cut)
-      EXPECT_TRUE(Refused(ply.substr(0, ply.size() - cut), "a.ply").starts_with("a.ply:"));
-    EXPECT_TRUE(Has(Refused(ply + "x", "a.ply"), "goes on after all"));
+      EXPECT_TRUE(RefusedFile(ply.substr(0, ply.size() - cut), "a.ply").starts_with("a.ply:"));
+    EXPECT_TRUE(Has(RefusedFile(ply + "x", "a.ply"), "goes on after all"));
   }
   const std::string stl = ToBinaryStl(Sample());
-  EXPECT_TRUE(Has(Refused(stl.substr(5, stl.size() - 6), "a.stl"), "cut off"));
+  EXPECT_TRUE(Has(RefusedFile(stl.substr(5, stl.size() - 6), "a.stl"), "cut off"));
   std::string lies = stl;
   lies[0] = 'S' + 1;
   lies[83] = '\x7f';
-  EXPECT_TRUE(Has(Refused(lies, "a.stl"), "byte 80: says 21307")) << Refused(lies, "a.stl");
+  EXPECT_TRUE(Has(RefusedFile(lies, "a.stl"), "byte 80: says 21307")) << RefusedFile(lies, "a.stl");
 }
 
 TEST(Mesh, BinaryNumbersAreFinite) {
   std::string stl = ToBinaryStl(Sample());
   for (std::size_t i = 84 + 12 + 4; i < 84 + 12 + 8; ++i) stl[i] = '\xff';
-  EXPECT_TRUE(Has(Refused(stl, "a.stl"), "a.stl: byte 96: the coordinate"));
+  EXPECT_TRUE(Has(RefusedFile(stl, "a.stl"), "a.stl: byte 96: the coordinate"));
 }
 
 TEST(Mesh, MergingDropsWhatCollapses) {

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 meshes::Mesh Cube(double half = 1, const Vector3d& at = Vector3d::Zero()) {
   return BoxMesh(at - Vector3d::Constant(half), at + Vector3d::Constant(half));
 }
-std::string Refused(const meshes::Mesh& mesh) {
+std::string RefusedMesh(const meshes::Mesh& mesh) {
   return Refusal([&] { meshes::Watertight(mesh, "m"); });
 }
 
@@ -29,7 +29,7 @@ TEST(Topology, ClosedMeshesStayAsTheyAre) {
 TEST(Topology, OpenEdgesAreCountedAndPlaced) {
   meshes::Mesh open = Cube();
   open.triangles.pop_back();
-  EXPECT_EQ(Refused(open),
+  EXPECT_EQ(RefusedMesh(open),
             "m: is not watertight: 3 edges of one face only, the first from (1, -1, -1) to "
             "(1, -1, 1); close the holes in a modelling program");
 }
@@ -37,13 +37,13 @@ TEST(Topology, OpenEdgesAreCountedAndPlaced) {
 TEST(Topology, FacesMustAgree) {
   meshes::Mesh mesh = Cube();
   std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
-  EXPECT_EQ(Refused(mesh).substr(0, 47), "m: 3 edges where the two faces disagree which s");
+  EXPECT_EQ(RefusedMesh(mesh).substr(0, 47), "m: 3 edges where the two faces disagree which s");
   // Two cubes that share an edge, by the same vertices.
   const meshes::Mesh crowded = meshes::MergeEqualVertices(Joined(Cube(), Cube(1, {2, 2, 0})));
-  EXPECT_EQ(Refused(crowded).substr(0, 36), "m: 1 edge of more than two faces, th");
+  EXPECT_EQ(RefusedMesh(crowded).substr(0, 36), "m: 1 edge of more than two faces, th");
   meshes::Mesh twice = Cube();
   twice.triangles.push_back({0, 1, 1});
-  EXPECT_EQ(Refused(twice).substr(0, 42), "m: 1 of 13 triangles have a vertex twice, ");
+  EXPECT_EQ(RefusedMesh(twice).substr(0, 42), "m: 1 of 13 triangles have a vertex twice, ");
 }
 
 TEST(Topology, InsideOutIsTurnedRound) {
@@ -55,7 +55,7 @@ TEST(Topology, InsideOutIsTurnedRound) {
 TEST(Topology, APartInsideOutIsACavityOrAnError) {
   const meshes::Mesh hollow = Joined(Cube(2), InsideOut(Cube(1)));
   EXPECT_DOUBLE_EQ(meshes::SignedVolume(meshes::Watertight(hollow, "m")), 64 - 8);
-  EXPECT_EQ(Refused(Joined(Cube(2), InsideOut(Cube(1, {5, 0, 0})))),
+  EXPECT_EQ(RefusedMesh(Joined(Cube(2), InsideOut(Cube(1, {5, 0, 0})))),
             "m: the part from (4, -1, -1) to (6, 1, 1) is inside out, and in no other part as a "
             "cavity would be; turn its faces round");
 }
@@ -64,8 +64,8 @@ TEST(Topology, NoVolumeIsRefused) {
   meshes::Mesh flat;
   flat.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   flat.triangles = {{0, 1, 2}, {0, 2, 1}};
-  EXPECT_EQ(Refused(flat), "m: has no volume; a flat or folded surface is no solid");
-  EXPECT_EQ(Refused({}), "m: has no faces; a model needs a closed surface");
+  EXPECT_EQ(RefusedMesh(flat), "m: has no volume; a flat or folded surface is no solid");
+  EXPECT_EQ(RefusedMesh({}), "m: has no faces; a model needs a closed surface");
 }
 
 TEST(Topology, UnusedVerticesAreDropped) {

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kExact = 1e-12;
+constexpr double kDistanceError = 1e-12;
 
 double SizeOf(const objects::Solid& a, const objects::Solid& b) {
   return a.sides.norm() + b.sides.norm();
@@ -36,7 +36,7 @@ Motion RandomMotion(distributions::Stream& stream, double far) {
 
 void ExpectDistance(const objects::Solid& a, const objects::Pose& pose_a, const objects::Solid& b,
                     const objects::Pose& pose_b, double expected) {
-  const double exact = kExact * (SizeOf(a, b) + expected);
+  const double exact = kDistanceError * (SizeOf(a, b) + expected);
   ASSERT_NEAR(objects::Distance(a, pose_a, b, pose_b), expected, exact);
   ASSERT_NEAR(objects::Distance(b, pose_b, a, pose_a), expected, exact);
 }
@@ -151,7 +151,7 @@ TEST(Distance, PropertiesForAllPairs) {
         const double away = stream.LogUniform(0.1, 2);
         const objects::Pose pb{RandomDirection(stream) * size * away, stream.Turn()};
         const double distance = objects::Distance(a, pa, b, pb);
-        const double exact = kExact * (size + distance);
+        const double exact = kDistanceError * (size + distance);
         ASSERT_EQ(distance > 0, !objects::Overlap(a, pa, b, pb));
         (distance > 0 ? apart : overlapping) += 1;
         ASSERT_NEAR(objects::Distance(b, pb, a, pa), distance, exact);
@@ -199,7 +199,7 @@ TEST(Approach, IsAsNearAsAskedAndWasNeverNearer) {
           continue;
         }
         pb.position = *apart * direction;
-        ASSERT_NEAR(objects::Distance(a, pa, b, pb), wanted, kExact * (size + wanted));
+        ASSERT_NEAR(objects::Distance(a, pa, b, pb), wanted, kDistanceError * (size + wanted));
         for (int i = 1; i <= 20; ++i) {
           pb.position = (*apart + i * 0.1 * size) * direction;
           ASSERT_GE(objects::Distance(a, pa, b, pb), wanted);

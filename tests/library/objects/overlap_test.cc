@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "library/distributions/stream.h"
+#include "tests/library/objects/random_solids.h"
 
 namespace cdb::tests {
 namespace {
@@ -21,15 +22,10 @@ Vector3d Direction(distributions::Stream& stream) {
   return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
 }
 
-objects::Solid RandomSolid(distributions::Stream& stream, double most = 10) {
+objects::Solid AnySolid(distributions::Stream& stream, double most = 10) {
   const auto shape = kShapes[static_cast<std::size_t>(stream.Uniform(0, std::size(kShapes)))];
   return {shape,
           {stream.LogUniform(1, most), stream.LogUniform(1, most), stream.LogUniform(1, most)}};
-}
-
-Vector3d WorldSupport(const objects::Solid& solid, const objects::Pose& pose,
-                      const Vector3d& direction) {
-  return pose.position + pose.orientation * solid.Support(pose.orientation.conjugate() * direction);
 }
 
 /// Separating axes of two boxes (S. Gottschalk et al., OBBTree, 1996): exact.
@@ -91,7 +87,7 @@ TEST(Overlap, BallAndBoxAsTheirDistanceSays) {
 TEST(Overlap, SolidsWithACommonPointOverlap) {
   distributions::Stream stream(3);
   for (int i = 0; i < 20000; ++i) {
-    const objects::Solid a = RandomSolid(stream, 50), b = RandomSolid(stream, 50);
+    const objects::Solid a = AnySolid(stream, 50), b = AnySolid(stream, 50);
     const objects::Pose pa{Direction(stream) * 100, stream.Turn()};
     // A point of a's surface is put on a point of b between its centre of mass and its surface.
     const Vector3d common = WorldSupport(a, pa, Direction(stream));
@@ -104,7 +100,7 @@ TEST(Overlap, SolidsWithACommonPointOverlap) {
 TEST(Overlap, SolidsWithAPlaneBetweenThemAreApart) {
   distributions::Stream stream(4);
   for (int i = 0; i < 20000; ++i) {
-    const objects::Solid a = RandomSolid(stream, 50), b = RandomSolid(stream, 50);
+    const objects::Solid a = AnySolid(stream, 50), b = AnySolid(stream, 50);
     const objects::Pose pa{Direction(stream) * 100, stream.Turn()};
     const Vector3d normal = Direction(stream);
     const double gap = stream.LogUniform(1e-9, 10);

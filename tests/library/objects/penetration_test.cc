@@ -16,11 +16,6 @@ using Eigen::Vector3d;
 objects::Solid Ball(double size) { return {objects::Shape::kEllipsoid, Vector3d::Constant(size)}; }
 objects::Pose At(double x, double y, double z) { return {Vector3d(x, y, z)}; }
 
-Vector3d WorldSupport(const objects::Solid& solid, const objects::Pose& pose,
-                      const Vector3d& direction) {
-  return pose.position + pose.orientation * solid.Support(pose.orientation.conjugate() * direction);
-}
-
 /// The move along `normal` that parts a from b, whatever they are.
 double MoveAlong(const Vector3d& normal, const objects::Solid& a, const objects::Pose& pose_a,
                  const objects::Solid& b, const objects::Pose& pose_b) {

@@ -37,4 +37,10 @@ inline objects::Solid RandomSolid(distributions::Stream& stream, objects::Shape 
   return solid;
 }
 
+/// The farthest point in a direction of the world.
+inline Eigen::Vector3d WorldSupport(const objects::Solid& solid, const objects::Pose& pose,
+                                    const Eigen::Vector3d& direction) {
+  return pose.position + pose.orientation * solid.Support(pose.orientation.conjugate() * direction);
+}
+
 }  // namespace cdb::tests

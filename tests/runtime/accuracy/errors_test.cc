@@ -14,8 +14,8 @@ using schema::ErrorInfo;
 using schema::Fold;
 
 /// Two balls of size 2 and 4 and mass 1 and 3, and a fixed one; samples a second apart.
-struct HandMade {
-  explicit HandMade(std::size_t count) : shape{count, 3}, values(shape.Count(), 0) {
+struct HandMadeSamples {
+  explicit HandMadeSamples(std::size_t count) : shape{count, 3}, values(shape.Count(), 0) {
     const double masses[] = {1, 3, 0}, sizes[] = {2, 4, 100};
     for (std::size_t i = 0; i < 3; ++i) {
       values[shape.Body(i)] = masses[i];
@@ -47,7 +47,7 @@ const ErrorInfo& Info(std::string_view name) {
 }
 
 /// The error `name` of `run` at sample `at`.
-double ErrorAt(std::string_view name, const HandMade& run, const HandMade& truth,
+double ErrorAt(std::string_view name, const HandMadeSamples& run, const HandMadeSamples& truth,
                std::size_t at = 1) {
   const ErrorInfo* info = &Info(name);
   const measure::Samples reference = truth.samples();
@@ -56,7 +56,7 @@ double ErrorAt(std::string_view name, const HandMade& run, const HandMade& truth
 }
 
 TEST(Errors, OfPlacesAreInSizesOfEachObject) {
-  HandMade truth(2), run(2);
+  HandMadeSamples truth(2), run(2);
   run.Set(1, 0, 0, {2, 0, 0});   // one size away
   run.Set(1, 1, 0, {0, 0, 12});  // three
   run.Set(1, 2, 0, {9, 9, 9});   // fixed: counts nowhere
@@ -65,7 +65,7 @@ TEST(Errors, OfPlacesAreInSizesOfEachObject) {
 }
 
 TEST(Errors, OfVelocitiesAreInMetresASecond) {
-  HandMade truth(2), run(2);
+  HandMadeSamples truth(2), run(2);
   truth.Set(1, 0, 7, {0, 5, 0});
   run.Set(1, 0, 7, {3, 1, 0});  // 5 apart
   run.Set(1, 1, 7, {0, 0, 1});
@@ -73,7 +73,7 @@ TEST(Errors, OfVelocitiesAreInMetresASecond) {
 }
 
 TEST(Errors, OfEnergyCompareChanges) {
-  HandMade truth(2), run(2);
+  HandMadeSamples truth(2), run(2);
   // Another zero of the potential, as rounding the start makes it, is no error.
   run.Set(0, measure::kPotential, 100);
   run.Set(1, measure::kPotential, 90);
@@ -85,7 +85,7 @@ TEST(Errors, OfEnergyCompareChanges) {
 }
 
 TEST(Errors, OfMomentaAreOverTheLargestSum) {
-  HandMade truth(2), run(2);
+  HandMadeSamples truth(2), run(2);
   truth.Set(0, measure::kMomentumSum, 8);
   truth.Set(1, measure::kMomentumSum, 4);
   run.Set(1, measure::kMomentumX, {0, 3, 4});
@@ -97,7 +97,7 @@ TEST(Errors, OfMomentaAreOverTheLargestSum) {
 }
 
 TEST(Errors, OfHeightsAreAlongTheAcceleration) {
-  HandMade truth(2), run(2);
+  HandMadeSamples truth(2), run(2);
   run.Set(1, 0, 0, {7, 6, 0});
   truth.Set(1, 1, 0, {0, 3, 0});
   // Mean size 3: heights 6 and 0 against 0 and 3.
@@ -106,7 +106,7 @@ TEST(Errors, OfHeightsAreAlongTheAcceleration) {
 }
 
 TEST(Errors, OfContactsAndPairsAreOfTheTrueNumber) {
-  HandMade truth(2), run(2);
+  HandMadeSamples truth(2), run(2);
   truth.Set(1, measure::kContactCount, 8);
   run.Set(1, measure::kContactCount, 6);
   run.Set(1, measure::kPairsExact, 10);
@@ -122,7 +122,7 @@ TEST(Errors, OfContactsAndPairsAreOfTheTrueNumber) {
 }
 
 TEST(Errors, OfGeometryAreOfTheOverlapsThatThereAre) {
-  HandMade truth(2), run(2);
+  HandMadeSamples truth(2), run(2);
   const auto no_value = [&](const char* name) { return std::isnan(ErrorAt(name, run, truth)); };
   for (const char* name : {"depth_error", "normal_error", "contacts_missed"})
     EXPECT_TRUE(no_value(name)) << "no overlap";
@@ -164,7 +164,7 @@ TEST(MeanMove, IsW1) {
 }
 
 TEST(Horizon, IsWhereTheTwinIsATenthOfASizeAway) {
-  HandMade reference(4), twin(4);
+  HandMadeSamples reference(4), twin(4);
   twin.Set(1, 0, 0, {0.1, 0, 0});
   EXPECT_EQ(accuracy::HorizonOf(reference.samples(), twin.samples()), 4u);
   // 0.1 sizes of one object are 0.1 / sqrt(2) of both.
@@ -182,7 +182,7 @@ plan::Scene Asking(schema::WordList metrics) {
 }
 
 TEST(CollectErrors, ReachesToTheHorizonWithAFloor) {
-  HandMade reference(4), twin(4), run(4);
+  HandMadeSamples reference(4), twin(4), run(4);
   for (std::size_t s = 1; s < 4; ++s) run.Set(s, 0, 0, {2.0 * static_cast<double>(s), 0, 0});
   twin.Set(1, 1, 0, {0.4, 0, 0});
   twin.Set(2, 0, 0, {1, 0, 0});
@@ -200,7 +200,7 @@ TEST(CollectErrors, ReachesToTheHorizonWithAFloor) {
 }
 
 TEST(CollectErrors, HasNoValueOfWhatIsNotANumber) {
-  HandMade run(3);
+  HandMadeSamples run(3);
   run.Set(2, 0, 0, {NAN, 0, 0});
   const measure::RunErrors errors =
       accuracy::CollectErrors(Asking({"penetration"}), run.samples(), nullptr, nullptr, nullptr);
@@ -221,7 +221,7 @@ class OnlyEnergy : public closed_forms::ClosedForm {
 };
 
 TEST(CollectErrors, HoldsAgainstAClosedForm) {
-  HandMade run(3);
+  HandMadeSamples run(3);
   run.Set(1, measure::kKinetic, 2);
   run.Set(2, measure::kKinetic, 2);
   const measure::Samples samples = run.samples();

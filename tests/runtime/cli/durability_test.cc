@@ -27,7 +27,7 @@ const char kSweep[] =
     "  detector sweep(sap32, dbvt)\n  precision sweep(single, double)\n}\n";
 
 /// `hash hash …` in the order of the grid; `-` where a run is missing.
-std::string Hashes(const fs::path& path) {
+std::string HashesInOrder(const fs::path& path) {
   const store::ResultFile file(path);
   std::string all;
   for (std::size_t a = 0; a < 3; ++a)
@@ -53,7 +53,7 @@ TEST(Kill, TwentyTimesAtRandomMomentsLosesNothing) {
   const Program program;
   program.Write("sweep.cdb", kSweep);
   ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "alone.h5"}).status, 0);
-  const std::string expected = Hashes(program.folder() / "alone.h5");
+  const std::string expected = HashesInOrder(program.folder() / "alone.h5");
   ASSERT_EQ(expected.find('-'), std::string::npos);
 
   // The moments follow from how long a whole sweep takes here, not from a clock that the test was
@@ -78,7 +78,7 @@ TEST(Kill, TwentyTimesAtRandomMomentsLosesNothing) {
     const std::set<std::string> now = Shards(program.folder() / "killed.runs");
     if (fs::exists(program.folder() / "killed.h5")) {
       // It was done before the kill: begin anew, so that every kill finds work.
-      EXPECT_EQ(Hashes(program.folder() / "killed.h5"), expected);
+      EXPECT_EQ(HashesInOrder(program.folder() / "killed.h5"), expected);
       fs::remove(program.folder() / "killed.h5");
       fs::remove_all(program.folder() / "killed.runs");
       kept.clear();
@@ -89,7 +89,7 @@ TEST(Kill, TwentyTimesAtRandomMomentsLosesNothing) {
     if (WIFSIGNALED(status)) ++kills;
   }
   EXPECT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "killed.h5"}).status, 0);
-  EXPECT_EQ(Hashes(program.folder() / "killed.h5"), expected);
+  EXPECT_EQ(HashesInOrder(program.folder() / "killed.h5"), expected);
   EXPECT_FALSE(program.Exists("killed.runs"));
   for (const auto& entry : fs::directory_iterator(program.folder()))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path() << " is left over";
@@ -213,7 +213,8 @@ TEST(Race, TwoRunnersOfOneResultBothEndWell) {
       ASSERT_EQ(waitpid(runner, &status, 0), runner);
       EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << program.Read("stderr.txt");
     }
-    EXPECT_EQ(Hashes(program.folder() / "alone.h5"), Hashes(program.folder() / "both.h5"));
+    EXPECT_EQ(HashesInOrder(program.folder() / "alone.h5"),
+              HashesInOrder(program.folder() / "both.h5"));
     EXPECT_FALSE(program.Exists("both.runs"));
     fs::remove(program.folder() / "both.h5");
   }

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-plan::Scene In(plan::Scene scene) {
+plan::Scene InThisPrecision(plan::Scene scene) {
   SetWorld(scene, "precision", Word(world::EnginePrecision()));
   return scene;
 }
@@ -22,7 +22,7 @@ TEST(Fact, AMassPastTheSquareRootOfThreeOverEpsilonFallsThroughTheFloor) {
   // double.
   const double limit = std::sqrt(3.0) / kEpsilon;
   const auto height = [](double mass) {
-    plan::Scene scene = In(OneObjectScene());
+    plan::Scene scene = InThisPrecision(OneObjectScene());
     SetGroup(scene, "mass", mass);
     SetGroup(scene, "location", At(0, -4.4, 0));
     world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
@@ -35,7 +35,7 @@ TEST(Fact, AMassPastTheSquareRootOfThreeOverEpsilonFallsThroughTheFloor) {
 
 TEST(Fact, ABoxWithADiagonalOfAMillionIsSwitchedOffInMidAir) {
   const auto engine_of = [](double size, double speed, bool sleeping) {
-    plan::Scene scene = In(FlightScene());
+    plan::Scene scene = InThisPrecision(FlightScene());
     SetWorld(scene, "world.side", 1e9);
     SetWorld(scene, "sleeping", sleeping);
     SetGroup(scene, "size", size);
@@ -66,7 +66,7 @@ TEST(Fact, ABoxWithADiagonalOfAMillionIsSwitchedOffInMidAir) {
 }
 
 TEST(Fact, NaNSpreadsThroughTheIslandInOneCycleAndNoFarther) {
-  plan::Scene scene = In(StackScene(5));
+  plan::Scene scene = InThisPrecision(StackScene(5));
   AddGroup(scene, "apart", 1, At(5, 0, 0));
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   Steps(engine, 30);
@@ -82,7 +82,7 @@ TEST(Fact, ATurnIsClampedPastAnEighthOfACircle) {
   // The sine of half a turn of pi/4 stands for all larger ones: 2 atan(w dt tan(pi/8)/(pi/4)).
   const double slope = std::tan(std::numbers::pi / 8) / (std::numbers::pi / 4);  // 0.527
   for (const double turn : {0.1, 0.78, 0.8, 1.41, 3.0, 100.0}) {
-    plan::Scene scene = In(SpinScene());
+    plan::Scene scene = InThisPrecision(SpinScene());
     SetGroup(scene, "type", Word("sphere"));
     SetGroup(scene, "aspect", schema::Ratio{{1, 1, 1}});
     SetGroup(scene, "angular_velocity", Vector3d(0, 60 * turn, 0));
@@ -105,7 +105,7 @@ struct Column {
 
 /// Five balls on each other after 4 s; `tall` is their y beside 1.
 Column BallColumn(double tall, double warm_start) {
-  plan::Scene scene = In(StackScene(5));
+  plan::Scene scene = InThisPrecision(StackScene(5));
   SetGroup(scene, "type", Word("sphere"));
   SetGroup(scene, "aspect", schema::Ratio{{1, tall, 1}});
   SetWorld(scene, "solver.warm_start", warm_start);

@@ -15,7 +15,7 @@ constexpr bool kSingle = sizeof(btScalar) == 4;
 /// Hz. Finer steps drown in the rounding of single precision.
 const std::vector<double> kRates = {30, 60, 120, 240, 480};
 
-plan::Scene In(plan::Scene scene, std::string_view contact = "bullet") {
+plan::Scene WithContact(plan::Scene scene, std::string_view contact = "bullet") {
   SetWorld(scene, "precision", Word(world::EnginePrecision()));
   SetWorld(scene, "contact", Word(contact));
   return scene;
@@ -50,7 +50,7 @@ TEST(Convergence, OrderOfAPowerIsItsExponent) {
 }
 
 TEST(Convergence, FlightIsOfOrderOne) {
-  const std::vector<FormErrors> errors = Sweep("flight", In(FlightScene()), 1);
+  const std::vector<FormErrors> errors = Sweep("flight", WithContact(FlightScene()), 1);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position), 1, 0.01);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::energy), 1, 0.01);
   for (std::size_t i = 0; i < kRates.size(); ++i) {
@@ -62,7 +62,7 @@ TEST(Convergence, FlightIsOfOrderOne) {
 }
 
 TEST(Convergence, SpinIsOfOrderOneInEnergyAngularMomentumAndTurn) {
-  const std::vector<FormErrors> errors = Sweep("spin", In(SpinScene()), 2);
+  const std::vector<FormErrors> errors = Sweep("spin", WithContact(SpinScene()), 2);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::energy), 1, 0.03);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::angular_momentum), 1, 0.03);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::turn), 1, 0.03);
@@ -71,12 +71,12 @@ TEST(Convergence, SpinIsOfOrderOneInEnergyAngularMomentumAndTurn) {
 }
 
 TEST(Convergence, StickCreepsWithOrderTwo) {
-  const std::vector<FormErrors> errors = Sweep("stick", In(SlopeScene(0.3, 1)), 4);
+  const std::vector<FormErrors> errors = Sweep("stick", WithContact(SlopeScene(0.3, 1)), 4);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position), 2, 0.05);
   EXPECT_NEAR(errors[1].position, 2.4e-3, 1e-4);  // 60 Hz
   // Nearly all of it in the first half second, as it lands and rocks: then the box stays, but for
   // 3e-6 m in 4 s at 60 Hz.
-  plan::Scene scene = In(SlopeScene(0.3, 1));
+  plan::Scene scene = WithContact(SlopeScene(0.3, 1));
   SetTime(scene, 1.0 / 60, 4);
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   Steps(engine, 30);
@@ -91,7 +91,8 @@ TEST(Convergence, StickCreepsWithOrderTwo) {
 TEST(Convergence, SlideComesToItsAcceleration) {
   // Contacts come and go under the sliding box: the error falls unevenly, by about the step.
   const std::vector<double> rates = {30, 60, 120, 240, 480, 960, 1920};
-  const std::vector<FormErrors> errors = Sweep("slide", In(SlopeScene(0.5, 0.4)), 1, rates);
+  const std::vector<FormErrors> errors =
+      Sweep("slide", WithContact(SlopeScene(0.5, 0.4)), 1, rates);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position, rates), 1.1, 0.5);
   EXPECT_LT(errors.back().position, 0.002 * 1.5);  // of 1.5 m
 }
@@ -104,7 +105,7 @@ double LostInBounces(double rate, std::string_view contact) {
   double sum = 0;
   for (int i = 0; i < kHeights; ++i) {
     const double height = 50 * (0.9 + 0.2 * i / kHeights);
-    plan::Scene scene = In(BounceScene(), contact);
+    plan::Scene scene = WithContact(BounceScene(), contact);
     SetWorld(scene, "world.side", 500.0);
     SetGroup(scene, "size", 50.0);
     SetGroup(scene, "location", At(0, -225 + height, 0));
@@ -134,10 +135,11 @@ TEST(Convergence, DefaultBounceGoesTheWrongWayAndTheFaithfulOneComesTrue) {
   EXPECT_NEAR(OrderOf(Timesteps(rates), gained), 1, 0.15);
 
   // Position and energy of a ball of size 1 that falls 4.5 m.
-  const std::vector<FormErrors> faithful = Sweep("bounce", In(BounceScene(), "faithful"), 10);
+  const std::vector<FormErrors> faithful =
+      Sweep("bounce", WithContact(BounceScene(), "faithful"), 10);
   EXPECT_NEAR(OrderOfForm(faithful, &FormErrors::energy), 1, 0.15);
   EXPECT_LT(faithful.back().energy, 0.004);
-  const std::vector<FormErrors> bullet = Sweep("bounce", In(BounceScene()), 10);
+  const std::vector<FormErrors> bullet = Sweep("bounce", WithContact(BounceScene()), 10);
   EXPECT_LT(OrderOfForm(bullet, &FormErrors::energy), -0.5);
   EXPECT_NEAR(bullet.back().energy, 1, 0.001);
 }
@@ -152,7 +154,7 @@ HeadOn OverPhases(double rate, double mass, std::string_view contact) {
   constexpr int kPhases = 32;
   HeadOn sum;
   for (int phase = 0; phase < kPhases; ++phase) {
-    plan::Scene scene = In(HeadOnScene(mass, 1), contact);
+    plan::Scene scene = WithContact(HeadOnScene(mass, 1), contact);
     SetGroup(scene, "location", At(-1.5 - 4 / rate * phase / kPhases, 0, 0));
     SetTime(scene, 1 / rate, 1.2);
     const layouts::InitialState state = layouts::MakeInitialState(scene);
@@ -193,7 +195,7 @@ TEST(Convergence, HeadOnIsOfOrderOneInTheMeanOverPhases) {
 }
 
 TEST(Convergence, RollingAgreesWithItsClosedForm) {
-  plan::Scene scene = In(RollingScene(0.1));
+  plan::Scene scene = WithContact(RollingScene(0.1));
   SetWorld(scene, "solver.iterations", std::uint64_t{100});
   std::vector<double> errors;
   const std::vector<double> rates = {60, 120, 240, 480};
@@ -233,7 +235,7 @@ TEST(Convergence, StackSinksWithOrderTwo) {
   // iterations leave 4e-4 and 3e-4.
   std::vector<double> sunk;
   const auto sinks = [](double rate, std::uint64_t iterations) {
-    plan::Scene scene = In(StackScene(10));
+    plan::Scene scene = WithContact(StackScene(10));
     SetWorld(scene, "solver.iterations", iterations);
     SetTime(scene, 1 / rate, 4);
     const auto form = FormOf("stack", scene);

@@ -99,9 +99,9 @@ TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
   EXPECT_GT(tally[Component::kWalls][1], 0);
 }
 
-class RandomScene {
+class SceneAtRandom {
  public:
-  explicit RandomScene(unsigned seed) : random_(seed) {}
+  explicit SceneAtRandom(unsigned seed) : random_(seed) {}
 
   plan::Scene Make() {
     plan::Scene scene = EngineScene(1 + Below(25), 0);
@@ -181,7 +181,7 @@ TEST(OmitEverywhere, ScenesAtRandomMoveAlike) {
   int tripped = 0, ran = 0;
   for (int seed = 0; seed < scenes; ++seed) {
     SCOPED_TRACE(seed);
-    const plan::Scene scene = RandomScene(static_cast<unsigned>(seed)).Make();
+    const plan::Scene scene = SceneAtRandom(static_cast<unsigned>(seed)).Make();
     layouts::InitialState state;
     try {
       state = layouts::MakeInitialState(scene);

@@ -11,7 +11,6 @@ namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using plan::Scene;
 using schema::Value;
 
 /// What scenes are made of.
@@ -32,8 +31,8 @@ class Maker {
   Vector3d Direction() { return stream_.Turn() * Vector3d::UnitX(); }
 
   /// With what a study chooses freely: time step, iterations, length of the run.
-  Scene Make(std::uint64_t quantity, double side) {
-    Scene scene = EngineScene(quantity, side);
+  plan::Scene Make(std::uint64_t quantity, double side) {
+    plan::Scene scene = EngineScene(quantity, side);
     SetWorld(scene, "record", schema::WordList{"stability"});
     SetWorld(scene, "cycles", Count(60, 300));
     SetWorld(scene, "timestep", 1 / Log(30, 480));
@@ -43,15 +42,15 @@ class Maker {
   }
   double Size() { return Log(0.1, 100); }
   double Gravity() { return Log(1, 50); }
-  void Fall(Scene& scene, double gravity) {
+  void Fall(plan::Scene& scene, double gravity) {
     SetWorld(scene, "acceleration", Vector3d(0, -gravity, 0));
   }
-  void AddGroup(Scene& scene) {
+  void AddGroup(plan::Scene& scene) {
     scene.groups.push_back(scene.groups[0]);
     scene.groups.back().name = "others";
     SeedStreams(scene, Count(1, 1'000'000));
   }
-  static void PutAt(Scene& scene, const Vector3d& place, std::size_t group = 0) {
+  static void PutAt(plan::Scene& scene, const Vector3d& place, std::size_t group = 0) {
     SetGroup(scene, "location",
              Layout("at", {{"x", place.x()}, {"y", place.y()}, {"z", place.z()}}), group);
   }
@@ -60,9 +59,9 @@ class Maker {
   distributions::Stream& stream_;
 };
 
-Scene Trajectory(Maker& make) {
+plan::Scene Trajectory(Maker& make) {
   const double far = make.Log(1, 1e9);
-  Scene scene = make.Make(1, 4 * far + 1000);
+  plan::Scene scene = make.Make(1, 4 * far + 1000);
   const double size = make.Size();
   SetWorld(scene, "world.walls", Word("none"));
   SetGroup(scene, "size", size);
@@ -72,9 +71,9 @@ Scene Trajectory(Maker& make) {
   return scene;
 }
 
-Scene Fast(Maker& make) {
+plan::Scene Fast(Maker& make) {
   const double size = make.Log(1, 1e7);
-  Scene scene = make.Make(1, 10 * size);
+  plan::Scene scene = make.Make(1, 10 * size);
   SetWorld(scene, "world.walls", Word("none"));
   SetGroup(scene, "size", size);
   SetGroup(scene, "linear_velocity", Vector3d(make.Log(1, 1e9) * make.Direction()));
@@ -83,8 +82,8 @@ Scene Fast(Maker& make) {
   return scene;
 }
 
-Scene Spin(Maker& make) {
-  Scene scene = make.Make(1, 1000);
+plan::Scene Spin(Maker& make) {
+  plan::Scene scene = make.Make(1, 1000);
   SetWorld(scene, "world.walls", Word("none"));
   SetGroup(scene, "size", make.Size());
   SetGroup(scene, "type", Word(make.Pick({"sphere", "cuboid", "cylinder", "cone", "capsule"})));
@@ -96,10 +95,10 @@ Scene Spin(Maker& make) {
   return scene;
 }
 
-Scene Stack(Maker& make) {
+plan::Scene Stack(Maker& make) {
   const std::uint64_t n = make.Count(1, 20);
   const double size = make.Size();
-  Scene scene = make.Make(n, 25 * size);
+  plan::Scene scene = make.Make(n, 25 * size);
   SetWorld(scene, "world.walls", Word("floor"));
   SetWorld(scene, "world.wall_shape", Word(make.Pick({"plane", "box"})));
   SetWorld(scene, "timestep", 1 / make.Log(15, 1000));
@@ -111,9 +110,9 @@ Scene Stack(Maker& make) {
   return scene;
 }
 
-Scene Pyramid(Maker& make) {
+plan::Scene Pyramid(Maker& make) {
   const double size = make.Size();
-  Scene scene = make.Make(make.Chance(0.5) ? 5 : 14, 10 * size);
+  plan::Scene scene = make.Make(make.Chance(0.5) ? 5 : 14, 10 * size);
   SetWorld(scene, "timestep", 1 / make.Log(15, 1000));
   SetWorld(scene, "solver.iterations", static_cast<std::uint64_t>(make.Log(1, 100)));
   SetGroup(scene, "type", Word("cuboid"));
@@ -124,9 +123,9 @@ Scene Pyramid(Maker& make) {
 }
 
 /// One cuboid on the other, both at rest.
-Scene Two(Maker& make, double below, double above) {
+plan::Scene Two(Maker& make, double below, double above) {
   const double side = 10 * (below + above), gap = 1e-3 * std::min(below, above);
-  Scene scene = make.Make(1, side);
+  plan::Scene scene = make.Make(1, side);
   SetWorld(scene, "expect", Word("rest"));
   SetGroup(scene, "type", Word("cuboid"));
   make.AddGroup(scene);
@@ -138,32 +137,32 @@ Scene Two(Maker& make, double below, double above) {
   return scene;
 }
 
-Scene MassRatio(Maker& make) {
+plan::Scene MassRatio(Maker& make) {
   const double size = make.Size();
-  Scene scene = Two(make, size, size);
+  plan::Scene scene = Two(make, size, size);
   SetWorld(scene, "solver.iterations", static_cast<std::uint64_t>(make.Log(1, 100)));
   const double ratio = make.Log(1, 1e6);
   SetGroup(scene, "mass", ratio, make.Chance(0.7) ? 1 : 0);
   return scene;
 }
 
-Scene SizeRatio(Maker& make) {
+plan::Scene SizeRatio(Maker& make) {
   const double ratio = make.Log(1, 1e5);
   return Two(make, ratio, 1);
 }
 
-Scene HeavyMass(Maker& make) {
+plan::Scene HeavyMass(Maker& make) {
   const double size = make.Size();
-  Scene scene = Two(make, size, size);
+  plan::Scene scene = Two(make, size, size);
   const double mass = make.Log(1, kEpsilon < 1e-10 ? 1e20 : 1e12);
   SetGroup(scene, "mass", mass, 0);
   SetGroup(scene, "mass", mass, 1);
   return scene;
 }
 
-Scene Drop(Maker& make) {
+plan::Scene Drop(Maker& make) {
   const double size = make.Size();
-  Scene scene = make.Make(make.Count(1, 8), make.Between(6, 15) * size);
+  plan::Scene scene = make.Make(make.Count(1, 8), make.Between(6, 15) * size);
   SetWorld(scene, "world.wall_shape", Word(make.Pick({"plane", "box"})));
   SetGroup(scene, "type", Word(make.Pick({"sphere", "cuboid", "cylinder", "cone", "capsule"})));
   SetGroup(scene, "size", size);
@@ -173,9 +172,9 @@ Scene Drop(Maker& make) {
   return scene;
 }
 
-Scene Shot(Maker& make) {
+plan::Scene Shot(Maker& make) {
   const double size = make.Size();
-  Scene scene = make.Make(1, make.Between(6, 30) * size);
+  plan::Scene scene = make.Make(1, make.Between(6, 30) * size);
   SetWorld(scene, "world.wall_shape", Word(make.Chance(0.8) ? "box" : "plane"));
   SetGroup(scene, "type", Word(make.Pick({"sphere", "cuboid", "cylinder"})));
   SetGroup(scene, "size", size);
@@ -187,9 +186,9 @@ Scene Shot(Maker& make) {
   return scene;
 }
 
-Scene SoftContact(Maker& make) {
+plan::Scene SoftContact(Maker& make) {
   const double size = make.Size();
-  Scene scene = make.Make(make.Count(1, 4), 10 * size);
+  plan::Scene scene = make.Make(make.Count(1, 4), 10 * size);
   const double mass = make.Log(0.1, 100), gravity = make.Gravity();
   SetGroup(scene, "type", Word("cuboid"));
   SetGroup(scene, "size", size);
@@ -201,9 +200,9 @@ Scene SoftContact(Maker& make) {
   return scene;
 }
 
-Scene ThinShape(Maker& make) {
+plan::Scene ThinShape(Maker& make) {
   const double aspect = make.Log(1, 1e4);
-  Scene scene = make.Make(make.Count(2, 6), 4 * aspect);
+  plan::Scene scene = make.Make(make.Count(2, 6), 4 * aspect);
   SetGroup(scene, "type",
            Word(make.Pick({"sphere", "cuboid", "cylinder", "cone", "capsule", "tetrahedron"})));
   SetGroup(scene, "size", 1.0);
@@ -215,9 +214,10 @@ Scene ThinShape(Maker& make) {
   return scene;
 }
 
-Scene FarFloor(Maker& make) {
+plan::Scene FarFloor(Maker& make) {
   const double size = make.Size();
-  Scene scene = make.Make(make.Count(1, 3), size * make.Log(10, kEpsilon < 1e-10 ? 1e18 : 1e9));
+  plan::Scene scene =
+      make.Make(make.Count(1, 3), size * make.Log(10, kEpsilon < 1e-10 ? 1e18 : 1e9));
   SetWorld(scene, "world.walls", Word("floor"));
   SetGroup(scene, "type", Word("cuboid"));
   SetGroup(scene, "size", size);
@@ -226,9 +226,9 @@ Scene FarFloor(Maker& make) {
   return scene;
 }
 
-Scene Gas(Maker& make) {
+plan::Scene Gas(Maker& make) {
   const double size = make.Size();
-  Scene scene = make.Make(make.Count(5, 20), make.Between(6, 12) * size);
+  plan::Scene scene = make.Make(make.Count(5, 20), make.Between(6, 12) * size);
   SetWorld(scene, "world.wall_shape", Word(make.Pick({"plane", "box"})));
   SetGroup(scene, "type", Word(make.Pick({"sphere", "cuboid", "cylinder"})));
   SetGroup(scene, "size", Uniform(0.5 * size, size));
@@ -240,9 +240,9 @@ Scene Gas(Maker& make) {
   return scene;
 }
 
-Scene Heap(Maker& make) {
+plan::Scene Heap(Maker& make) {
   const double size = make.Size();
-  Scene scene = make.Make(make.Count(5, 15), 6 * size);
+  plan::Scene scene = make.Make(make.Count(5, 15), 6 * size);
   const double masses = make.Log(1, 1e4);
   SetGroup(scene, "type", Word(make.Pick({"sphere", "cuboid"})));
   SetGroup(scene, "size", size);
@@ -252,10 +252,10 @@ Scene Heap(Maker& make) {
   return scene;
 }
 
-Scene Spring(Maker& make) {
+plan::Scene Spring(Maker& make) {
   const std::uint64_t n = make.Count(1, 6);
   const double size = make.Size();
-  Scene scene = make.Make(n, 100 * size);
+  plan::Scene scene = make.Make(n, 100 * size);
   const double mass = make.Log(0.1, 100), step = scene.world.Real("timestep");
   SetWorld(scene, "world.walls", Word("none"));
   SetGroup(scene, "size", size);
@@ -269,9 +269,9 @@ Scene Spring(Maker& make) {
   return scene;
 }
 
-Scene Chain(Maker& make) {
+plan::Scene Chain(Maker& make) {
   const double size = make.Size();
-  Scene scene = make.Make(make.Count(2, 8), 100 * size);
+  plan::Scene scene = make.Make(make.Count(2, 8), 100 * size);
   SetWorld(scene, "solver.iterations", static_cast<std::uint64_t>(make.Log(1, 100)));
   SetWorld(scene, "world.walls", Word("none"));
   SetGroup(scene, "type", Word("cuboid"));
@@ -285,7 +285,7 @@ Scene Chain(Maker& make) {
 
 struct Theme {
   std::string_view name;
-  Scene (*make)(Maker&);
+  plan::Scene (*make)(Maker&);
 };
 
 constexpr Theme kThemes[] = {

@@ -12,29 +12,13 @@
 
 #include "runtime/pruning/omissions.h"
 #include "tests/runtime/pruning/hand_made_scene.h"
+#include "tests/runtime/pruning/random.h"
 
 namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
 using layouts::ObjectState;
-
-struct Random {
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(engine);
-  }
-  bool Chance(double p) { return (*this)(0, 1) < p; }
-  Vector3d Vector(double size) {
-    return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)};
-  }
-  Vector3d Direction() {
-    std::normal_distribution<double> normal;
-    const Vector3d v(normal(engine), normal(engine), normal(engine));
-    return v.normalized();
-  }
-  std::mt19937 engine;
-};
 
 struct Touching {
   double radius, threshold;

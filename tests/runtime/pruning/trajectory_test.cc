@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/runtime/pruning/hand_made_scene.h"
+#include "tests/runtime/pruning/random.h"
 
 namespace cdb::tests {
 namespace {
@@ -35,17 +36,6 @@ std::vector<Vector3d> PlacesOf(const ObjectState& object, const Vector3d& accele
   }
   return places;
 }
-
-struct Random {
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(engine);
-  }
-  Vector3d Vector(double size) {
-    return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)};
-  }
-  std::mt19937 engine;
-};
 
 bool IsWithin(const pruning::Box& box, const Vector3d& place, const Vector3d& slack) {
   return (place.array() >= (box.min() - slack).array()).all() &&

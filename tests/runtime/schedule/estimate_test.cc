@@ -9,12 +9,6 @@
 namespace cdb::tests {
 namespace {
 
-std::vector<const plan::Run*> Pointers(const plan::Plan& plan) {
-  std::vector<const plan::Run*> runs;
-  for (const plan::Run& run : plan.runs) runs.push_back(&run);
-  return runs;
-}
-
 TEST(EstimateTest, KnowsNothingBeforeTheFirstRun) {
   const auto plan = MakePlan();
   schedule::TimeEstimate estimate(Pointers(plan));

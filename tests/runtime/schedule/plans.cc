@@ -105,4 +105,10 @@ plan::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const Plan
   return plan;
 }
 
+std::vector<const plan::Run*> Pointers(const plan::Plan& plan) {
+  std::vector<const plan::Run*> runs;
+  for (const plan::Run& run : plan.runs) runs.push_back(&run);
+  return runs;
+}
+
 }  // namespace cdb::tests

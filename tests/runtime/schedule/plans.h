@@ -49,4 +49,6 @@ plan::Plan MakePlan(const PlanShape& shape = {});
 /// One run for each behaviour, on an axis `seed`; no timeout unless given.
 plan::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const PlanShape& shape = {});
 
+std::vector<const plan::Run*> Pointers(const plan::Plan& plan);
+
 }  // namespace cdb::tests

@@ -39,12 +39,6 @@ struct Screen {
   }
 };
 
-std::vector<const plan::Run*> Pointers(const plan::Plan& plan) {
-  std::vector<const plan::Run*> runs;
-  for (const plan::Run& run : plan.runs) runs.push_back(&run);
-  return runs;
-}
-
 store::RunResult Result(store::Status status, std::string message = "") {
   store::RunResult result;
   result.status = status;
