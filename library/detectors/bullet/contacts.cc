@@ -5,15 +5,10 @@
 #include <algorithm>
 #include <memory>
 
+#include "library/detectors/bullet/vectors.h"
+
 namespace cdb::bullet {
 namespace {
-
-btVector3 ToBullet(const Vec3& v) {
-  return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
-}
-Vec3 FromBullet(const btVector3& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
 
 bool IsBall(const Shape& shape) {
   return shape.kind == ShapeKind::kEllipsoid && shape.half.x == shape.half.y &&
@@ -27,8 +22,8 @@ class Listener final : public btManifoldResult {
            std::vector<Contact>& contacts)
       : btManifoldResult(&a, &b), pair_(pair), contacts_(contacts) {}
   void addContactPoint(const btVector3& normal, const btVector3& on_b, btScalar depth) override {
-    contacts_.push_back({pair_.a, pair_.b, FromBullet(on_b + normal * depth), FromBullet(on_b),
-                         FromBullet(normal), static_cast<double>(depth)});
+    contacts_.push_back({pair_.a, pair_.b, ToVec3(on_b + normal * depth), ToVec3(on_b),
+                         ToVec3(normal), static_cast<double>(depth)});
   }
 
  private:

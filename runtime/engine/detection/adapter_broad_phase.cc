@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "dsl/check.h"
-#include "runtime/engine/detection/vectors.h"
+#include "library/detectors/bullet/vectors.h"
 
 namespace cdb::detection {
 namespace {
@@ -121,7 +121,7 @@ void AdapterBroadPhase::rayTest(const btVector3& from, const btVector3& to,
 
 void AdapterBroadPhase::aabbTest(const btVector3& lower, const btVector3& upper,
                                  btBroadphaseAabbCallback& callback) {
-  const Box box = {ToVec3(lower), ToVec3(upper)};
+  const Box box = {bullet::ToVec3(lower), bullet::ToVec3(upper)};
   for (const btBroadphaseProxy& proxy : proxies_)
     if (proxy.m_clientObject != nullptr && Overlap(box, view_.box(IdOf(&proxy))))
       callback.process(&proxy);

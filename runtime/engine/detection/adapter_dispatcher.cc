@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "dsl/check.h"
+#include "library/detectors/bullet/vectors.h"
 
 namespace cdb::detection {
 namespace {
@@ -50,9 +51,6 @@ class KeptContacts final : public btCollisionAlgorithm {
   btPersistentManifold* manifold_;
 };
 
-btVector3 Rounded(const Vec3& v) {
-  return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
-}
 Eigen::Map<const Eigen::Vector3d> AsEigen(const Vec3& v) {
   return Eigen::Map<const Eigen::Vector3d>(&v.x);
 }
@@ -69,7 +67,7 @@ class Into {
     result_.setPersistentManifold(manifold);
   }
   void Add(const Contact& contact) {
-    result_.addContactPoint(Rounded(contact.normal), Rounded(contact.on_b),
+    result_.addContactPoint(bullet::ToBullet(contact.normal), bullet::ToBullet(contact.on_b),
                             static_cast<btScalar>(contact.distance));
   }
   void Refresh() { result_.refreshContactPoints(); }

@@ -18,12 +18,12 @@ Shape WallShape(const btRigidBody& wall) {
     return {.kind = ShapeKind::kPlane,
             .half = {kInfinite, kInfinite, kInfinite},
             .centre = {0, 0, 0},
-            .normal = ToVec3(plane.getPlaneNormal()),
+            .normal = bullet::ToVec3(plane.getPlaneNormal()),
             .hulls = {}};
   }
   const auto& box = static_cast<const btBoxShape&>(*wall.getCollisionShape());
   return {.kind = ShapeKind::kBox,
-          .half = ToVec3(box.getHalfExtentsWithMargin()),
+          .half = bullet::ToVec3(box.getHalfExtentsWithMargin()),
           .centre = {0, 0, 0},
           .normal = {0, 0, 0},
           .hulls = {}};
@@ -60,8 +60,8 @@ void SceneView::TakePoses() {
   for (Id id = 0; id < size(); ++id) {
     const btTransform& pose = body(id).getWorldTransform();
     const btMatrix3x3& basis = pose.getBasis();
-    poses_[id] = {ToVec3(pose.getOrigin()), ToVec3(basis.getColumn(0)), ToVec3(basis.getColumn(1)),
-                  ToVec3(basis.getColumn(2))};
+    poses_[id] = {bullet::ToVec3(pose.getOrigin()), bullet::ToVec3(basis.getColumn(0)),
+                  bullet::ToVec3(basis.getColumn(1)), bullet::ToVec3(basis.getColumn(2))};
     // Bullet marks fixed bodies as asleep.
     is_asleep_[id] = !body(id).isActive() && !filters_[id].is_fixed;
   }

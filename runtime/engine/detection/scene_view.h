@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
+#include "library/detectors/bullet/vectors.h"
 #include "library/detectors/detector.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/detection/detector_shapes.h"
-#include "runtime/engine/detection/vectors.h"
 
 namespace cdb::detection {
 
@@ -29,7 +29,7 @@ class SceneView {
   /// Has no effect on the box of a plane.
   void SetBox(Id id, const btVector3& lower, const btVector3& upper) {
     if (id >= first_plane_) return;
-    boxes_[id] = {ToVec3(lower), ToVec3(upper)};
+    boxes_[id] = {bullet::ToVec3(lower), bullet::ToVec3(upper)};
   }
   const Box& box(Id id) const { return boxes_[id]; }
   void SetFilter(Id id, int group, int mask);
