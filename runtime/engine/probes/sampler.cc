@@ -14,9 +14,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 Eigen::Quaterniond TurnOf(const btRigidBody& body) {
-  const btQuaternion turn = body.getWorldTransform().getRotation();
-  return Eigen::Quaterniond(static_cast<double>(turn.w()), static_cast<double>(turn.x()),
-                            static_cast<double>(turn.y()), static_cast<double>(turn.z()));
+  return world::ToEigen(body.getWorldTransform().getRotation());
 }
 
 }  // namespace

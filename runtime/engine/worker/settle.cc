@@ -184,12 +184,8 @@ InitialState Taken(const Settling& settling, const world::Engine& engine) {
   InitialState state = settling.dropped;
   for (const std::uint32_t i : settling.piled) {
     const btTransform& pose = engine.objects()[i]->getWorldTransform();
-    const btQuaternion turn = pose.getRotation();
     state.objects[i].pose.position = world::ToEigen(pose.getOrigin());
-    state.objects[i].pose.orientation =
-        Eigen::Quaterniond(static_cast<double>(turn.w()), static_cast<double>(turn.x()),
-                           static_cast<double>(turn.y()), static_cast<double>(turn.z()))
-            .normalized();
+    state.objects[i].pose.orientation = world::ToEigen(pose.getRotation()).normalized();
   }
   return state;
 }

@@ -1,9 +1,10 @@
-// Vectors of Bullet, in the precision of this worker, and of Eigen, in double.
+// Vectors and rotations of Bullet, in the precision of this worker, and of Eigen, in double.
 #pragma once
 
 #include <LinearMath/btMatrix3x3.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace cdb::world {
@@ -20,6 +21,11 @@ inline btMatrix3x3 BasisOf(const Eigen::Matrix3d& m) {
 
 inline Eigen::Vector3d ToEigen(const btVector3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+inline Eigen::Quaterniond ToEigen(const btQuaternion& q) {
+  return Eigen::Quaterniond(static_cast<double>(q.w()), static_cast<double>(q.x()),
+                            static_cast<double>(q.y()), static_cast<double>(q.z()));
 }
 
 inline bool IsFinite(const btVector3& v) {
