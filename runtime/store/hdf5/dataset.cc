@@ -39,6 +39,19 @@ Type TypeOf(const Id& type) {
   throw Error("it holds a type of value that results files do not have");
 }
 
+void Select(const Id& space, const Shape& start, const Shape& count) {
+  Check(
+      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, Dims(start), nullptr, Dims(count), nullptr),
+      "find a part of an array");
+}
+
+/// The space of an array with a part of it selected.
+Id Part(const Id& dataset, const Shape& start, const Shape& count) {
+  Id space(H5Dget_space(dataset.get()), H5Sclose, "read an array's shape");
+  Select(space, start, count);
+  return space;
+}
+
 }  // namespace
 
 Dataset::Dataset(Id id) : Object(std::move(id)) {
@@ -102,10 +115,7 @@ std::vector<double> Dataset::Read(const Shape& start, const Shape& count) const 
   if (type_ == Type::kText) throw Error("it holds text where numbers should be");
   std::vector<double> values(Product(count));
   if (values.empty()) return values;
-  const Id file_space(H5Dget_space(id_.get()), H5Sclose, "read an array's shape");
-  Check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, Dims(start), nullptr, Dims(count),
-                            nullptr),
-        "find a part of an array");
+  const Id file_space = Part(id_, start, count);
   const Id memory_space = NewSpace({values.size()});
   Check(H5Dread(id_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
                 Transfer(values.size()).get(), values.data()),
@@ -116,10 +126,7 @@ std::vector<double> Dataset::Read(const Shape& start, const Shape& count) const 
 void Dataset::Write(const Shape& start, const Shape& count, std::span<const double> values) {
   if (values.size() != Product(count)) throw Error("an array of another size");
   if (values.empty()) return;
-  const Id file_space(H5Dget_space(id_.get()), H5Sclose, "read an array's shape");
-  Check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, Dims(start), nullptr, Dims(count),
-                            nullptr),
-        "find a part of an array");
+  const Id file_space = Part(id_, start, count);
   const Id memory_space = NewSpace({values.size()});
   Check(H5Dwrite(id_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
                  Transfer(values.size()).get(), values.data()),
@@ -129,15 +136,9 @@ void Dataset::Write(const Shape& start, const Shape& count, std::span<const doub
 void Dataset::Write(const Shape& start, const Shape& count, const std::byte* data,
                     const Shape& data_shape) {
   if (Product(count) == 0) return;
-  const Id file_space(H5Dget_space(id_.get()), H5Sclose, "read an array's shape");
-  Check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, Dims(start), nullptr, Dims(count),
-                            nullptr),
-        "find a part of an array");
+  const Id file_space = Part(id_, start, count);
   const Id memory_space = NewSpace(data_shape);
-  const Shape origin(data_shape.size(), 0);
-  Check(H5Sselect_hyperslab(memory_space.get(), H5S_SELECT_SET, Dims(origin), nullptr, Dims(count),
-                            nullptr),
-        "find a part of an array");
+  Select(memory_space, Shape(data_shape.size(), 0), count);
   Check(H5Dwrite(id_.get(), FileType(type_).get(), memory_space.get(), file_space.get(),
                  H5P_DEFAULT, data),
         "write an array");
