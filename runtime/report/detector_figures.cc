@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "compiler/schema/catalogue.h"
 #include "runtime/report/cells.h"
@@ -146,9 +145,7 @@ std::optional<DetectorGrowth> GrowthByRow(const store::ResultFile& file,
     auto& of_row = exponents[at.row];
     if (const double p = GrowthExponent(fitted); !std::isnan(p)) of_row.push_back(p);
   }
-  for (const auto& [row, of_row] : exponents)
-    growth.exponents[row] =
-        std::accumulate(of_row.begin(), of_row.end(), 0.0) / static_cast<double>(of_row.size());
+  for (const auto& [row, of_row] : exponents) growth.exponents[row] = Mean(of_row);
   growth.is_mean = times.size() > exponents.size();
   return growth;
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 
 #include "compiler/schema/metrics.h"
@@ -16,10 +15,6 @@ namespace cdb::report {
 namespace {
 
 using Cell = store::ResultFile::Cell;
-
-double Mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 /// The fastest first; of those on the front, each is more accurate than all before it.
 void MarkFront(std::vector<ErrorRow>& rows) {
@@ -110,8 +105,7 @@ class Collector {
         continue;
       }
       const std::vector<double> steps = file_.ReadDuration(measure::Phase::kStep, cell);
-      const double ns =
-          std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
+      const double ns = Mean(steps);
       if (!steps.empty() && std::isfinite(ns))
         ms_per_s.push_back(ns * 1e-6 / file_.ReadReal("accuracy/timestep", cell));
       // Repeats go the same way, so that errors are alike.

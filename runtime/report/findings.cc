@@ -8,6 +8,7 @@
 #include <set>
 
 #include "compiler/schema/catalogue.h"
+#include "runtime/report/numbers.h"
 
 namespace cdb::report {
 namespace {
@@ -25,9 +26,7 @@ struct RunningMean {
     sum += value;
     ++count;
   }
-  double value() const {
-    return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
-  }
+  double value() const { return count > 0 ? sum / count : kNone; }
 };
 
 struct Tally {

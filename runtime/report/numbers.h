@@ -1,13 +1,18 @@
-// What the figures of a report have in common.
+// Helpers for the figures of a report.
 #pragma once
 
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace cdb::report {
 
-/// Stands for a number that there is not.
+/// A missing number.
 inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+inline double Mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
 
 inline void Append(std::vector<double>& to, const std::vector<double>& values) {
   to.insert(to.end(), values.begin(), values.end());
