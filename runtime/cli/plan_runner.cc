@@ -96,6 +96,14 @@ void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
 
 }  // namespace
 
+void MakeResultsFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
+                                   folder.string(), error.message()));
+}
+
 PlanRunner::PlanRunner(PlanRunnerOptions options)
     : options_(std::move(options)), provenance_(CollectProvenance()), signals_(stop_) {
   provenance_["jobs"] = fmt::format("{}", options_.jobs);

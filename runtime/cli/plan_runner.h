@@ -28,6 +28,9 @@ struct ExecutedPlan {
   bool is_merged = false;  ///< `out` is complete; not where only a shard of it was asked for
 };
 
+/// For commands that write several results files. Throws CommandError.
+void MakeResultsFolder(const std::filesystem::path& folder);
+
 /// Executes the plans of one command. While it lives, signals ask it to stop, and a pipe that
 /// nobody reads any more does not end it. Provenance is taken once. Threads: one; one at a time in
 /// a process.

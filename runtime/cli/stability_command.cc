@@ -75,11 +75,7 @@ ExitStatus RunSuite(const StabilityArguments& arguments) {
       plans.push_back(compiler::Cross(compiler::Cross(plan, "detector", arguments.detectors),
                                       "precision", arguments.precisions));
   }
-  std::error_code error;
-  fs::create_directories(arguments.out, error);
-  if (error)
-    throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
-                                   arguments.out, error.message()));
+  MakeResultsFolder(arguments.out);
   const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
   for (const plan::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");

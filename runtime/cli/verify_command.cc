@@ -54,11 +54,7 @@ ExitStatus Verify(const VerifyArguments& arguments) {
   std::vector<VerifyPlan> verified;
   for (const plan::Plan& plan : plans) verified.push_back(MakeVerifyPlan(plan, options));
   const fs::path folder = arguments.out;
-  std::error_code error;
-  if (!folder.empty()) fs::create_directories(folder, error);
-  if (error)
-    throw CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
-                                   folder.string(), error.message()));
+  if (!folder.empty()) MakeResultsFolder(folder);
   const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
   ExitStatus status = ExitStatus::kGood;
   for (VerifyPlan& one : verified) {
