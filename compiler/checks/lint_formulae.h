@@ -8,7 +8,7 @@
 
 namespace cdb::checks {
 
-/// A number that foretells a fault; the members are those of LintNumber.
+/// A number that predicts a fault; the members are those of LintNumber.
 struct Estimate {
   double value = 0;
   double threshold = 1;

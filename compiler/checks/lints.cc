@@ -125,7 +125,7 @@ bool IsLint(const dsl::DiagnosticKind& kind) {
 std::string LintMessage(const LintNumber& number) {
   const LintInfo& info = InfoOf(number.lint);
   return fmt::format("{}: {} is {:.3g}, and the limit is {:.3g}",
-                     fmt::format(fmt::runtime(info.foretells), number.IsBad() ? "will" : "may"),
+                     fmt::format(fmt::runtime(info.predicts), number.IsBad() ? "will" : "may"),
                      info.number, number.value, number.threshold);
 }
 

@@ -1,4 +1,4 @@
-// Numbers of a scene that foretell whether Bullet can simulate it, before anything runs.
+// Numbers of a scene that predict whether Bullet can simulate it, before anything runs.
 // Source: measured on Bullet 3.24. `cdb doc lints` prints the table, and
 // tests/runtime/engine/lints_test.cc compares it with the outcome of runs.
 #pragma once
@@ -43,7 +43,7 @@ struct LintInfo {
   dsl::DiagnosticKind kind;    ///< its id is the lint's name
   std::string_view number;     ///< the formula, in words
   std::string_view threshold;  ///< from where on it goes wrong
-  std::string_view foretells;  ///< a sentence with {} for `will` or `may`
+  std::string_view predicts;   ///< a sentence with {} for `will` or `may`
   std::string_view remedy;     ///< what to write, with {} for a number
   std::string_view about;      ///< the parameters it is made of, the first to blame first
 };

@@ -88,7 +88,7 @@ std::string AllLints() {
   for (const char* head : {"lint", "number", "limit", "beyond it"}) table.AddColumn(head, false);
   for (const checks::LintInfo& info : checks::Lints())
     table.AddRow({std::string(info.kind.id), std::string(info.number), std::string(info.threshold),
-                  fmt::format(fmt::runtime(info.foretells), "will")});
+                  fmt::format(fmt::runtime(info.predicts), "will")});
   return table.Text();
 }
 

@@ -42,11 +42,11 @@ void ContactCluster::Absorb(ContactCluster& other) {
 
 ClusterEnergy::ClusterEnergy(const plan::Scene& scene, const layouts::InitialState& state,
                              const Horizon& horizon, const Room& room,
-                             const std::vector<Trajectory>& flights)
+                             const std::vector<Trajectory>& trajectories)
     : state_(state),
       horizon_(horizon),
       room_(room),
-      flights_(flights),
+      trajectories_(trajectories),
       sleeps_(scene.world.On("sleeping")),
       is_faithful_(scene.world.WordOr("contact") == "faithful"),
       erp_(scene.world.Real("solver.erp")) {}
@@ -55,7 +55,7 @@ ContactCluster ClusterEnergy::Alone(std::size_t object) const {
   const ObjectState& it = state_.objects[object];
   ContactCluster cluster;
   cluster.members = {static_cast<std::uint32_t>(object)};
-  cluster.is_slowed = flights_[object].motion == Motion::kSlowed;
+  cluster.is_slowed = trajectories_[object].motion == Motion::kSlowed;
   cluster.mass = it.mass;
   cluster.momentum = it.mass * it.linear_velocity;
   cluster.energy = KineticEnergy(object, Vector3d::Zero());
@@ -91,7 +91,7 @@ double ClusterEnergy::WeightedDrop(std::size_t object) const {
     const double g = state_.acceleration[axis];
     if (g == 0) continue;
     if (!room_.Holds(2 * axis + (g > 0 ? 1 : 0))) return kInfinity;
-    const double sunk = flights_[object].FastestUntil(horizon_.end) * horizon_.timestep;
+    const double sunk = trajectories_[object].FastestUntil(horizon_.end) * horizon_.timestep;
     // A faster one could pass through a box in one step.
     if (sunk > kWallThickness * room_.half()) return kInfinity;
     const double lowest = room_.half() - it.solid.InnerRadius() + sunk;

@@ -39,7 +39,8 @@ class ClusterEnergy {
  public:
   /// The arguments must outlive the object.
   ClusterEnergy(const plan::Scene& scene, const layouts::InitialState& state,
-                const Horizon& horizon, const Room& room, const std::vector<Trajectory>& flights);
+                const Horizon& horizon, const Room& room,
+                const std::vector<Trajectory>& trajectories);
 
   ContactCluster Alone(std::size_t object) const;
   /// After a change of the members: updates `energy_in_air` and `is_slowed`.
@@ -58,7 +59,7 @@ class ClusterEnergy {
   const layouts::InitialState& state_;
   const Horizon& horizon_;
   const Room& room_;
-  const std::vector<Trajectory>& flights_;
+  const std::vector<Trajectory>& trajectories_;
   const bool sleeps_, is_faithful_;
   const double erp_;
 };

@@ -30,14 +30,14 @@ bool ContactClusters::Event::operator>(const Event& event) const {
 
 ContactClusters::ContactClusters(const plan::Scene& scene, const layouts::InitialState& state,
                                  const Horizon& horizon, const Room& room,
-                                 const std::vector<Trajectory>& flights)
+                                 const std::vector<Trajectory>& trajectories)
     : state_(state),
       horizon_(horizon),
       room_(room),
-      energy_(scene, state, horizon, room, flights),
-      motions_(flights, state.acceleration, horizon),
-      cluster_of_(flights.size(), kNoCluster),
-      walls_(flights.size()) {}
+      energy_(scene, state, horizon, room, trajectories),
+      motions_(trajectories, state.acceleration, horizon),
+      cluster_of_(trajectories.size(), kNoCluster),
+      walls_(trajectories.size()) {}
 
 void ContactClusters::MeetObject(std::size_t object, std::size_t other, double time) {
   events_.push({time, static_cast<std::uint32_t>(object), static_cast<std::uint32_t>(other), -1,
@@ -126,22 +126,24 @@ void ContactClusters::SortPaths() {
   std::vector<SweptBox> boxes;
   boxes.reserve(walls_.size());
   for (std::size_t i = 0; i < walls_.size(); ++i) {
-    const Trajectory& flight = motions_.flight(i);
-    const double grown = flight.radius + flight.threshold / 2 + flight.slack.stableNorm();
-    boxes.push_back({Grown(flight.PathUntil(horizon_.end), grown), static_cast<std::uint32_t>(i)});
+    const Trajectory& trajectory = motions_.trajectory(i);
+    const double grown =
+        trajectory.radius + trajectory.threshold / 2 + trajectory.slack.stableNorm();
+    boxes.push_back(
+        {Grown(trajectory.PathUntil(horizon_.end), grown), static_cast<std::uint32_t>(i)});
   }
   paths_ = SortedBoxes(std::move(boxes));
 }
 
 void ContactClusters::ForeseeWalls(std::size_t object) {
-  const Trajectory& flight = motions_.flight(object);
+  const Trajectory& trajectory = motions_.trajectory(object);
   const Region& region = motions_.region(object);
-  const double reach = flight.radius + flight.threshold + region.error;
+  const double reach = trajectory.radius + trajectory.threshold + region.error;
   for (int wall = 0; wall < kWallCount; ++wall) {
     if (!room_.Stands(wall) || (walls_[object] >> wall & 1) != 0) continue;
     if (room_.Gap(wall, region.Hull(horizon_.end), reach) > 0) continue;
     const auto time = FirstContact(region.since, motions_.FastestInWorld(object),
-                                   kNearly * flight.radius, [&](double t) {
+                                   kNearly * trajectory.radius, [&](double t) {
                                      const Ball ball = motions_.BallAt(object, t);
                                      return room_.Gap(wall, ball.core, ball.radius + reach);
                                    });
@@ -150,9 +152,9 @@ void ContactClusters::ForeseeWalls(std::size_t object) {
 }
 
 void ContactClusters::ForeseeMeetings(std::size_t object) {
-  const Trajectory& flight = motions_.flight(object);
-  const Box hull =
-      Grown(motions_.region(object).Hull(horizon_.end), flight.radius + flight.threshold / 2);
+  const Trajectory& trajectory = motions_.trajectory(object);
+  const Box hull = Grown(motions_.region(object).Hull(horizon_.end),
+                         trajectory.radius + trajectory.threshold / 2);
   for (const SweptBox& path : paths_.Near(hull)) {
     if (!Spend(1)) return;
     if (motions_.IsInFlight(path.object) && path.box.intersects(hull))
@@ -168,8 +170,9 @@ void ContactClusters::ForeseeMeetings(std::size_t object) {
 void ContactClusters::ForeseeMeeting(std::size_t object, std::size_t other) {
   // A cluster that leans has nothing new to learn from another fixed object.
   if (motions_.IsFixed(other) && ClusterOf(object).leans) return;
-  const double touching = TouchingDistance(motions_.flight(object), motions_.flight(other)) +
-                          motions_.ErrorOf(object) + motions_.ErrorOf(other);
+  const double touching =
+      TouchingDistance(motions_.trajectory(object), motions_.trajectory(other)) +
+      motions_.ErrorOf(object) + motions_.ErrorOf(other);
   const double fastest = std::min(motions_.FastestInWorld(object) + motions_.FastestInWorld(other),
                                   motions_.FastestInAir(object) + motions_.FastestInAir(other));
   const auto time =

@@ -28,9 +28,10 @@ namespace cdb::pruning {
 
 class ContactClusters {
  public:
-  /// The arguments must outlive the object. `flights` may not contain NaN or infinity.
+  /// The arguments must outlive the object. `trajectories` may not contain NaN or infinity.
   ContactClusters(const plan::Scene& scene, const layouts::InitialState& state,
-                  const Horizon& horizon, const Room& room, const std::vector<Trajectory>& flights);
+                  const Horizon& horizon, const Room& room,
+                  const std::vector<Trajectory>& trajectories);
 
   /// To be called for every contact in free flight, which happens `time` s after the start or
   /// later.

@@ -26,12 +26,12 @@ Box Region::Hull(double time) const {
   return Grown({core.min() + moved.min(), core.max() + moved.max()}, Radius(time) + error);
 }
 
-ObjectMotions::ObjectMotions(const std::vector<Trajectory>& flights, const Vector3d& acceleration,
-                             const Horizon& horizon)
-    : flights_(flights),
+ObjectMotions::ObjectMotions(const std::vector<Trajectory>& trajectories,
+                             const Vector3d& acceleration, const Horizon& horizon)
+    : trajectories_(trajectories),
       fall_(acceleration.stableNorm() * (horizon.end + horizon.timestep)),
-      versions_(flights.size()),
-      regions_(flights.size()) {}
+      versions_(trajectories.size()),
+      regions_(trajectories.size()) {}
 
 void ObjectMotions::SetRegion(std::size_t object, const Region& region) {
   regions_[object] = region;
@@ -43,25 +43,26 @@ Ball ObjectMotions::BallAt(std::size_t object, double time) const {
     const Region& region = regions_[object];
     return {region.Core(time), region.Radius(time)};
   }
-  const Trajectory& flight = flights_[object];
-  if (flight.motion == Motion::kSlowed) return {flight.PathUntil(time), 0};
-  return {Box(flight.PlaceAt(time)), 0};
+  const Trajectory& trajectory = trajectories_[object];
+  if (trajectory.motion == Motion::kSlowed) return {trajectory.PathUntil(time), 0};
+  return {Box(trajectory.PlaceAt(time)), 0};
 }
 
 double ObjectMotions::ErrorOf(std::size_t object) const {
-  return IsInFlight(object) ? flights_[object].slack.stableNorm() : regions_[object].error;
+  return IsInFlight(object) ? trajectories_[object].slack.stableNorm() : regions_[object].error;
 }
 
 double ObjectMotions::FastestInWorld(std::size_t object) const {
   if (IsFixed(object)) return 0;
-  if (IsInFlight(object)) return flights_[object].velocity.stableNorm() + fall_;
+  if (IsInFlight(object)) return trajectories_[object].velocity.stableNorm() + fall_;
   const Region& region = regions_[object];
   return region.limit + region.drift.stableNorm() + (region.gravity.isZero(0) ? 0 : fall_);
 }
 
 double ObjectMotions::FastestInAir(std::size_t object) const {
   if (IsInFlight(object)) {
-    if (flights_[object].motion == Motion::kFree) return flights_[object].velocity.stableNorm();
+    if (trajectories_[object].motion == Motion::kFree)
+      return trajectories_[object].velocity.stableNorm();
   } else if (!regions_[object].gravity.isZero(0)) {
     return regions_[object].limit + regions_[object].drift.stableNorm();
   }

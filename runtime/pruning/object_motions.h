@@ -42,11 +42,11 @@ struct Region {
 class ObjectMotions {
  public:
   /// The arguments must outlive the object.
-  ObjectMotions(const std::vector<Trajectory>& flights, const Eigen::Vector3d& acceleration,
+  ObjectMotions(const std::vector<Trajectory>& trajectories, const Eigen::Vector3d& acceleration,
                 const Horizon& horizon);
 
-  const Trajectory& flight(std::size_t object) const { return flights_[object]; }
-  bool IsFixed(std::size_t object) const { return flight(object).motion == Motion::kFixed; }
+  const Trajectory& trajectory(std::size_t object) const { return trajectories_[object]; }
+  bool IsFixed(std::size_t object) const { return trajectory(object).motion == Motion::kFixed; }
 
   /// The object had a contact, or another one.
   void SetRegion(std::size_t object, const Region& region);
@@ -65,7 +65,7 @@ class ObjectMotions {
   double FastestInAir(std::size_t object) const;
 
  private:
-  const std::vector<Trajectory>& flights_;
+  const std::vector<Trajectory>& trajectories_;
   const double fall_;                    ///< m/s: what gravity adds until the end
   std::vector<std::uint32_t> versions_;  ///< by object
   std::vector<Region> regions_;          ///< by object

@@ -93,25 +93,25 @@ class Forecaster {
         horizon_(HorizonOf(scene)),
         room_(scene, horizon_),
         tests_left_(kTestsOfOne * state.objects.size() + kMinTests) {
-    flights_.reserve(state.objects.size());
+    trajectories_.reserve(state.objects.size());
     for (const ObjectState& object : state.objects)
-      flights_.push_back(TrajectoryOf(object, state.acceleration, scene, horizon_));
-    clusters_.emplace(scene, state, horizon_, room_, flights_);
+      trajectories_.push_back(TrajectoryOf(object, state.acceleration, scene, horizon_));
+    clusters_.emplace(scene, state, horizon_, room_, trajectories_);
   }
 
   Reachability Make() {
-    forecast_.walls.assign(flights_.size(), 0);
+    forecast_.walls.assign(trajectories_.size(), 0);
     if (std::ranges::all_of(state_.objects, &ObjectState::IsFixed)) {
       forecast_.nothing_touches = true;
       forecast_.closest = "no object moves";
       return std::move(forecast_);
     }
-    for (std::size_t i = 0; i < flights_.size(); ++i) {
-      if (flights_[i].motion == Motion::kFixed) continue;
-      const double diagonal = 2 * std::sqrt(3.0) * flights_[i].radius;
+    for (std::size_t i = 0; i < trajectories_.size(); ++i) {
+      if (trajectories_[i].motion == Motion::kFixed) continue;
+      const double diagonal = 2 * std::sqrt(3.0) * trajectories_[i].radius;
       forecast_.largest_box = std::max(
           forecast_.largest_box,
-          diagonal + flights_[i].FastestUntil(horizon_.end) * horizon_.timestep + kBoxGrowth);
+          diagonal + trajectories_[i].FastestUntil(horizon_.end) * horizon_.timestep + kBoxGrowth);
       forecast_.longest_rest = std::max(
           forecast_.longest_rest, LongestRest(state_.objects[i], state_.acceleration, horizon_));
     }
@@ -123,14 +123,14 @@ class Forecaster {
   /// What keeps the search from an answer, if something does.
   std::optional<std::string> Follow() {
     if (what_changes_) return what_changes_;
-    for (std::size_t i = 0; i < flights_.size(); ++i) {
-      if (flights_[i].motion != Motion::kFixed && state_.objects[i].ccd)
+    for (std::size_t i = 0; i < trajectories_.size(); ++i) {
+      if (trajectories_[i].motion != Motion::kFixed && state_.objects[i].ccd)
         return fmt::format("object {} has ccd, which looks for contacts ahead of it", i + 1);
       if (!IsFinite(i))
         return fmt::format("object {} gets too far for the forecast's numbers", i + 1);
     }
-    for (std::size_t i = 0; i < flights_.size(); ++i)
-      if (flights_[i].motion != Motion::kFixed) MeetWalls(i);
+    for (std::size_t i = 0; i < trajectories_.size(); ++i)
+      if (trajectories_[i].motion != Motion::kFixed) MeetWalls(i);
     if (!MeetObjects(kFalling) || !MeetObjects(kWorld))
       return "too many objects come near one another to follow them all";
     forecast_.nothing_touches = !meeting_.HasHappened();
@@ -146,23 +146,23 @@ class Forecaster {
   }
 
   bool IsFinite(std::size_t object) const {
-    const Trajectory& flight = flights_[object];
-    const Box path = flight.PathUntil(horizon_.end);
-    const Box falling = flight.FallingPathUntil(horizon_.end, state_.acceleration);
+    const Trajectory& trajectory = trajectories_[object];
+    const Box path = trajectory.PathUntil(horizon_.end);
+    const Box falling = trajectory.FallingPathUntil(horizon_.end, state_.acceleration);
     // Squares of distances must be finite too.
     const double squares = path.min().squaredNorm() + path.max().squaredNorm() +
                            falling.min().squaredNorm() + falling.max().squaredNorm() +
-                           flight.slack.squaredNorm() +
-                           std::pow(flight.FastestUntil(horizon_.end), 2) +
-                           std::pow(flight.radius + flight.threshold, 2);
+                           trajectory.slack.squaredNorm() +
+                           std::pow(trajectory.FastestUntil(horizon_.end), 2) +
+                           std::pow(trajectory.radius + trajectory.threshold, 2);
     return std::isfinite(squares) && squares < kLargestSquare;
   }
 
   void GiveUp(const std::string& why) {
     forecast_.nothing_touches = false;
     forecast_.largest_cluster = 0;
-    for (std::size_t i = 0; i < flights_.size(); ++i) {
-      if (flights_[i].motion == Motion::kFixed) continue;
+    for (std::size_t i = 0; i < trajectories_.size(); ++i) {
+      if (trajectories_[i].motion == Motion::kFixed) continue;
       forecast_.walls[i] = room_.standing();
       ++forecast_.largest_cluster;
     }
@@ -171,19 +171,19 @@ class Forecaster {
   }
 
   void MeetWalls(std::size_t object) {
-    const Trajectory& flight = flights_[object];
-    const Box path = flight.PathUntil(horizon_.end);
+    const Trajectory& trajectory = trajectories_[object];
+    const Box path = trajectory.PathUntil(horizon_.end);
     for (int wall = 0; wall < kWallCount; ++wall) {
       if (!room_.Stands(wall)) continue;
       const int axis = wall / 2;
-      const double reach = flight.extent[axis] + flight.threshold + flight.slack[axis];
+      const double reach = trajectory.extent[axis] + trajectory.threshold + trajectory.slack[axis];
       const double gap = room_.Gap(wall, path, reach);
       if (gap > 0) {
-        escape_.TakeIfLess({gap + flight.threshold, object, object, wall});
+        escape_.TakeIfLess({gap + trajectory.threshold, object, object, wall});
         continue;
       }
       const double time = FirstTime(horizon_.end, [&](double t) {
-        return !(room_.Gap(wall, flight.PathUntil(t), reach) > 0);
+        return !(room_.Gap(wall, trajectory.PathUntil(t), reach) > 0);
       });
       meeting_.TakeIfLess({time, object, object, wall});
       clusters_->MeetWall(object, wall, time);
@@ -193,19 +193,19 @@ class Forecaster {
   /// False where there are too many.
   bool MeetObjects(const SweepPartners& partners) {
     std::vector<SweptBox> boxes;
-    boxes.reserve(flights_.size());
-    for (std::size_t i = 0; i < flights_.size(); ++i) {
-      const Trajectory& flight = flights_[i];
-      const Kind kind = flight.motion == Motion::kFixed  ? kStill
-                        : flight.motion == Motion::kFree ? kFree
-                                                         : kSlow;
+    boxes.reserve(trajectories_.size());
+    for (std::size_t i = 0; i < trajectories_.size(); ++i) {
+      const Trajectory& trajectory = trajectories_[i];
+      const Kind kind = trajectory.motion == Motion::kFixed  ? kStill
+                        : trajectory.motion == Motion::kFree ? kFree
+                                                             : kSlow;
       if (partners[kind] == 0) continue;
       const Box path = &partners == &kFalling
-                           ? flight.FallingPathUntil(horizon_.end, state_.acceleration)
-                           : flight.PathUntil(horizon_.end);
+                           ? trajectory.FallingPathUntil(horizon_.end, state_.acceleration)
+                           : trajectory.PathUntil(horizon_.end);
       // Half of each threshold is more than the smaller one.
       const Vector3d grown =
-          flight.extent + flight.slack + Vector3d::Constant(flight.threshold / 2);
+          trajectory.extent + trajectory.slack + Vector3d::Constant(trajectory.threshold / 2);
       boxes.push_back(
           {{path.min() - grown, path.max() + grown}, static_cast<std::uint32_t>(i), kind});
     }
@@ -214,14 +214,15 @@ class Forecaster {
   }
 
   void MeetPair(std::size_t a, std::size_t b) {
-    if (flights_[a].motion == Motion::kFixed) std::swap(a, b);
+    if (trajectories_[a].motion == Motion::kFixed) std::swap(a, b);
     const bool is_slowed =
-        flights_[a].motion == Motion::kSlowed || flights_[b].motion == Motion::kSlowed;
-    const Approach approach = is_slowed ? BoxApproachOf(flights_[a], flights_[b], horizon_.end)
-                                        : ApproachOf(flights_[a], flights_[b], horizon_.end);
+        trajectories_[a].motion == Motion::kSlowed || trajectories_[b].motion == Motion::kSlowed;
+    const Approach approach = is_slowed
+                                  ? BoxApproachOf(trajectories_[a], trajectories_[b], horizon_.end)
+                                  : ApproachOf(trajectories_[a], trajectories_[b], horizon_.end);
     if (!approach.meets) {
       escape_.TakeIfLess(
-          {approach.gap + std::min(flights_[a].threshold, flights_[b].threshold), a, b});
+          {approach.gap + std::min(trajectories_[a].threshold, trajectories_[b].threshold), a, b});
       return;
     }
     meeting_.TakeIfLess({approach.time, a, b});
@@ -235,7 +236,7 @@ class Forecaster {
   const layouts::InitialState& state_;
   const Horizon horizon_;
   const Room room_;
-  std::vector<Trajectory> flights_;
+  std::vector<Trajectory> trajectories_;
   std::optional<ContactClusters> clusters_;
   std::uint64_t tests_left_;
   Encounter meeting_, escape_;

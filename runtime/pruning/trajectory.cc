@@ -207,35 +207,36 @@ double LongestRest(const ObjectState& object, const Vector3d& acceleration,
 
 Trajectory TrajectoryOf(const ObjectState& object, const Vector3d& acceleration,
                         const plan::Scene& scene, const Horizon& horizon) {
-  Trajectory flight;
+  Trajectory trajectory;
   const double margin = MarginOf(object);
-  flight.timestep = horizon.timestep;
-  flight.start = object.pose.position;
-  flight.radius = object.solid.OuterRadius() + margin;
-  flight.threshold = kThreshold * AngularMotionDisc(object.solid);
-  flight.velocity = flight.acceleration = Vector3d::Zero();
+  trajectory.timestep = horizon.timestep;
+  trajectory.start = object.pose.position;
+  trajectory.radius = object.solid.OuterRadius() + margin;
+  trajectory.threshold = kThreshold * AngularMotionDisc(object.solid);
+  trajectory.velocity = trajectory.acceleration = Vector3d::Zero();
   if (!object.IsFixed()) {
-    flight.velocity = object.linear_velocity;
-    flight.acceleration = acceleration;
+    trajectory.velocity = object.linear_velocity;
+    trajectory.acceleration = acceleration;
     // Bullet adds up the time asleep in its own precision: 1 % for that.
     const bool may_sleep = scene.world.On("sleeping") &&
                            LongestRest(object, acceleration, horizon) >= 0.99 * kSleepAfter;
-    flight.motion = object.linear_damping > 0 || may_sleep ? Motion::kSlowed : Motion::kFree;
+    trajectory.motion = object.linear_damping > 0 || may_sleep ? Motion::kSlowed : Motion::kFree;
   }
   const Vector3d fastest =
-      flight.velocity.cwiseAbs() + flight.acceleration.cwiseAbs() * horizon.end;
+      trajectory.velocity.cwiseAbs() + trajectory.acceleration.cwiseAbs() * horizon.end;
   for (int axis = 0; axis < 3; ++axis)
-    flight.slack[axis] = horizon.PlaceError(
-        std::abs(flight.start[axis]) + flight.radius + horizon.end * fastest[axis], fastest[axis]);
-  flight.extent = Vector3d::Constant(flight.radius);
+    trajectory.slack[axis] = horizon.PlaceError(
+        std::abs(trajectory.start[axis]) + trajectory.radius + horizon.end * fastest[axis],
+        fastest[axis]);
+  trajectory.extent = Vector3d::Constant(trajectory.radius);
   if (object.IsFixed() || object.angular_velocity.isZero(0)) {
     // Without spin it stays as it is turned but for rounding, which may turn it a little each step.
     const objects::Box bounds = objects::Bounds(object.solid, object.pose.orientation);
-    const double turned = 4 * horizon.SpeedError(flight.radius);
+    const double turned = 4 * horizon.SpeedError(trajectory.radius);
     const Vector3d half = bounds.upper.cwiseMax(-bounds.lower).array() + (margin + turned);
-    flight.extent = flight.extent.cwiseMin(half);
+    trajectory.extent = trajectory.extent.cwiseMin(half);
   }
-  return flight;
+  return trajectory;
 }
 
 double TouchingDistance(const Trajectory& a, const Trajectory& b) {

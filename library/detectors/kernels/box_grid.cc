@@ -279,7 +279,7 @@ void BoxGrid::Arrange(std::size_t count) {
     squares += std::size_t{start} * start;
     sum += std::exchange(start, sum);
   }
-  crowd_ = count > 0 ? static_cast<double>(squares) / static_cast<double>(count) : 0;
+  mean_occupancy_ = count > 0 ? static_cast<double>(squares) / static_cast<double>(count) : 0;
   const Columns &from = loose_.get(), &to = sorted_.get();
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t at = starts_[cells_[i] + 1]++;

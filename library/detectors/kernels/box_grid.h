@@ -45,7 +45,7 @@ class BoxGrid {
   void QueryOne(const FatBox& box, Id id, PairSink& sink) const;
 
   /// Mean number of boxes that share the cell of a box; small if the grid suits the boxes.
-  double MeanOccupancy() const { return crowd_; }
+  double MeanOccupancy() const { return mean_occupancy_; }
   /// Number of oversized boxes, which are tested with all others.
   std::size_t TooLong() const { return count_ - gridded_; }
   /// Number of boxes, in cells and oversized.
@@ -60,7 +60,7 @@ class BoxGrid {
   SoaBoxes loose_, sorted_;  ///< by id, by cell
   std::vector<std::uint32_t> cells_, starts_;
   std::vector<Id> ids_;
-  double crowd_ = 0;
+  double mean_occupancy_ = 0;
   std::size_t gridded_ = 0, count_ = 0;  ///< of the sorted boxes
   std::size_t foreseen_ = 0;             ///< oversized boxes when the cells were chosen
   std::size_t shaped_for_ = 0;           ///< number of boxes at that time

@@ -263,13 +263,13 @@ std::size_t Sweep(const Columns& columns, const Id* ids, std::size_t count, std:
   return tests;
 }
 
-std::size_t FindEscaped(const Box* boxes, const FatBox* fat, std::size_t count, Id* strays) {
+std::size_t FindEscaped(const Box* boxes, const FatBox* fat, std::size_t count, Id* escaped) {
   std::size_t found = 0, i = 0;
   for (; i + 4 <= count; i += 4)
     for (unsigned mask = Escapes(boxes + i, fat + i); mask != 0; mask &= mask - 1)
-      strays[found++] = static_cast<Id>(i) + static_cast<Id>(__builtin_ctz(mask));
+      escaped[found++] = static_cast<Id>(i) + static_cast<Id>(__builtin_ctz(mask));
   for (; i < count; ++i)
-    if (!LiesIn(boxes[i], fat[i])) strays[found++] = static_cast<Id>(i);
+    if (!LiesIn(boxes[i], fat[i])) escaped[found++] = static_cast<Id>(i);
   return found;
 }
 

@@ -39,7 +39,7 @@ TEST(Lints, AreOneRowEachAboutParametersOfTheSchema) {
     EXPECT_TRUE(checks::IsLint(info.kind));
     EXPECT_EQ(info.kind.severity, dsl::Severity::kWarning);
     EXPECT_TRUE(names.insert(info.kind.id).second) << info.kind.id;
-    EXPECT_NE(info.foretells.find("{}"), std::string_view::npos) << info.foretells;
+    EXPECT_NE(info.predicts.find("{}"), std::string_view::npos) << info.predicts;
     std::string_view about = info.about;
     while (!about.empty()) {
       const std::string_view name = about.substr(0, about.find(' '));

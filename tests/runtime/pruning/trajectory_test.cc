@@ -55,18 +55,18 @@ TEST(Trajectory, RoundingStaysWithinTheSlack) {
       const Vector3d g = round % 3 == 0 ? Vector3d(Vector3d::Zero()) : random.Vector(10);
       const ObjectState& object = scene.state.objects[0];
       const pruning::Horizon horizon = pruning::HorizonOf(scene.scene);
-      const pruning::Trajectory flight = pruning::TrajectoryOf(object, g, scene.scene, horizon);
-      ASSERT_EQ(flight.motion, pruning::Motion::kFree);
+      const pruning::Trajectory trajectory = pruning::TrajectoryOf(object, g, scene.scene, horizon);
+      ASSERT_EQ(trajectory.motion, pruning::Motion::kFree);
       const auto places = *precision == 's' ? PlacesOf<float>(object, g, horizon)
                                             : PlacesOf<double>(object, g, horizon);
-      const pruning::Box path = flight.PathUntil(horizon.end);
+      const pruning::Box path = trajectory.PathUntil(horizon.end);
       for (std::size_t step = 0; step < places.size(); ++step) {
         const double time = static_cast<double>(step) * horizon.timestep;
-        const Vector3d error = (places[step] - flight.PlaceAt(time)).cwiseAbs();
-        ASSERT_TRUE((error.array() <= flight.slack.array()).all())
-            << error.transpose() << " against " << flight.slack.transpose();
-        ASSERT_TRUE(IsWithin(path, places[step], flight.slack));
-        largest = std::max(largest, error.cwiseQuotient(flight.slack).maxCoeff());
+        const Vector3d error = (places[step] - trajectory.PlaceAt(time)).cwiseAbs();
+        ASSERT_TRUE((error.array() <= trajectory.slack.array()).all())
+            << error.transpose() << " against " << trajectory.slack.transpose();
+        ASSERT_TRUE(IsWithin(path, places[step], trajectory.slack));
+        largest = std::max(largest, error.cwiseQuotient(trajectory.slack).maxCoeff());
       }
     }
   }
@@ -84,15 +84,15 @@ TEST(Trajectory, SlowedObjectsStayInTheirBox) {
     object.linear_damping = round % 5 == 0 ? 1 : random(0.01, 1);
     const Vector3d g = random.Vector(10);
     const pruning::Horizon horizon = pruning::HorizonOf(scene.scene);
-    const pruning::Trajectory flight = pruning::TrajectoryOf(object, g, scene.scene, horizon);
-    ASSERT_EQ(flight.motion, pruning::Motion::kSlowed);
+    const pruning::Trajectory trajectory = pruning::TrajectoryOf(object, g, scene.scene, horizon);
+    ASSERT_EQ(trajectory.motion, pruning::Motion::kSlowed);
     const auto places = PlacesOf<double>(object, g, horizon);
     for (std::size_t step = 0; step < places.size(); ++step) {
       const double time = static_cast<double>(step) * horizon.timestep;
-      ASSERT_TRUE(IsWithin(flight.PathUntil(time), places[step], flight.slack)) << step;
-      ASSERT_TRUE(IsWithin(flight.FallingPathUntil(time, g),
+      ASSERT_TRUE(IsWithin(trajectory.PathUntil(time), places[step], trajectory.slack)) << step;
+      ASSERT_TRUE(IsWithin(trajectory.FallingPathUntil(time, g),
                            places[step] - pruning::FallUntil(g, horizon.timestep, time),
-                           flight.slack));
+                           trajectory.slack));
     }
   }
 }
@@ -133,10 +133,10 @@ TEST(Trajectory, BallsHaveNoMargin) {
   HandMade scene;
   scene.Add(Vector3d::Zero());
   scene.state.objects[0].margin = 0.04;
-  const pruning::Trajectory flight = pruning::TrajectoryOf(
+  const pruning::Trajectory trajectory = pruning::TrajectoryOf(
       scene.state.objects[0], Vector3d::Zero(), scene.scene, pruning::HorizonOf(scene.scene));
-  EXPECT_EQ(flight.radius, 1);
-  EXPECT_DOUBLE_EQ(flight.threshold, kThreshold);
+  EXPECT_EQ(trajectory.radius, 1);
+  EXPECT_DOUBLE_EQ(trajectory.threshold, kThreshold);
 }
 
 /// The first time within touching distance and the least gap, by looking at 20000 times.
@@ -150,7 +150,7 @@ TEST(Trajectory, ClosestApproachIsThatOfTheWay) {
                                       : Vector3d(random.Vector(std::pow(10, random(-9, 2))));
     const pruning::Horizon horizon = pruning::HorizonOf(scene.scene);
     scene.Add(random.Vector(10), random.Vector(10));
-    const auto flight = [&](std::size_t i) {
+    const auto trajectory = [&](std::size_t i) {
       return pruning::TrajectoryOf(scene.state.objects[i], g, scene.scene, horizon);
     };
     // So that they come near one another at some time.
@@ -158,9 +158,9 @@ TEST(Trajectory, ClosestApproachIsThatOfTheWay) {
     const Vector3d velocity = is_fixed ? Vector3d(Vector3d::Zero()) : random.Vector(10);
     const double when = random(0, 1.2) * horizon.end;
     const Vector3d fall = pruning::FallUntil(g, horizon.timestep, is_fixed ? 0 : when);
-    scene.Add(flight(0).PlaceAt(when) - velocity * when - fall + random.Vector(2.5), velocity,
+    scene.Add(trajectory(0).PlaceAt(when) - velocity * when - fall + random.Vector(2.5), velocity,
               is_fixed ? 0 : 1);
-    const pruning::Trajectory a = flight(0), b = flight(1);
+    const pruning::Trajectory a = trajectory(0), b = trajectory(1);
     const pruning::Approach approach = pruning::ApproachOf(a, b, horizon.end);
     constexpr int kLooks = 20000;
     double least = 1e300, first = 1e300;
