@@ -1,4 +1,5 @@
-// The options of one subcommand. CLI11 is read here only: its headers take long to compile.
+// The options of one subcommand. Commands do not include CLI11, as its headers take long to
+// compile.
 #pragma once
 
 #include <cstdint>

@@ -45,7 +45,7 @@ class Stepper {
 
 bool RecordsPairs(const plan::Scene& scene) { return scene.world.Lists("record", "pairs"); }
 
-/// Times and memory are of a run that nobody referees.
+/// Times and memory are measured without the referee.
 bool WantsSecondPass(const plan::Scene& scene) {
   return plan::SamplingOf(scene) ||
          (RecordsPairs(scene) &&
@@ -71,7 +71,7 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, measure::Recordi
   }
 }
 
-/// All of it once, in a world that nobody has stepped yet, for samples and for the referee.
+/// Runs all cycles once more in a new world, for samples and for the referee.
 void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
                      measure::Recording& recording) {
   std::optional<probes::Sampler> sampler;

@@ -24,7 +24,7 @@ struct PairedRun {
   }
 };
 
-/// Of all bodies, to the bit: what `probes::StateHash` adds up, without the hash.
+/// Compares the states of all bodies bit by bit: those that `probes::StateHash` covers.
 inline bool HaveSameState(const world::Engine& a, const world::Engine& b) {
   const auto same = [](const btVector3& v, const btVector3& w) {
     return std::memcmp(v.m_floats, w.m_floats, 3 * sizeof(btScalar)) == 0;

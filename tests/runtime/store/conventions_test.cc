@@ -130,7 +130,8 @@ struct Kind {
   bool merged, accuracy;
 };
 
-/// The shards and the merged file of a plan: with the largest chunks, so they take a second.
+/// The shards and the merged file of a plan. They have the largest chunks, and so take a second to
+/// write.
 class WrittenPlan {
  public:
   explicit WrittenPlan(bool accuracy)
