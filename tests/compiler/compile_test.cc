@@ -19,13 +19,14 @@
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(CDB_SOURCE_DIR) / "tests" / "golden" / "compiler";
+const fs::path kFolder = SourceFolder() / "tests" / "golden" / "compiler";
 
 std::vector<fs::path> Inputs(const char* folder) {
   std::vector<fs::path> inputs;

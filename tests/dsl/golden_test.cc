@@ -15,6 +15,7 @@
 #include "dsl/parser.h"
 #include "dsl/render.h"
 #include "tests/support/files.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 using namespace dsl;
@@ -23,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(CDB_SOURCE_DIR) / "tests" / "golden" / "dsl";
+const fs::path kFolder = SourceFolder() / "tests" / "golden" / "dsl";
 
 std::vector<fs::path> Inputs() {
   std::vector<fs::path> inputs;

@@ -9,6 +9,7 @@
 
 #include "runtime/process/probe_plugin.h"
 #include "runtime/store/store.h"
+#include "tests/support/folders.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -16,7 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string PluginFile(const char* name) { return fmt::format("{}/{}.so", CDB_PLUGIN_DIR, name); }
+std::string PluginFile(const char* name) {
+  return BuildFolder() / "tests/plugins" / (std::string(name) + ".so");
+}
 
 /// A crowd of balls that touch, with a statement about detectors.
 std::string ContactCluster(const std::string& use, const std::string& statement) {
@@ -214,16 +217,16 @@ TEST(Plugins, ThatWereChangedSinceThePlanAreRefused) {
 
 TEST(ProbePlugin, GivesUpOnALibraryThatHangs) {
   std::string why;
-  const auto found = process::ProbePlugin(std::string(CDB_BINARY_DIR) + "/cdb-worker-f32",
-                                          PluginFile("hangs"), why, 0.5);
+  const auto found =
+      process::ProbePlugin(BuildFolder() / "cdb-worker-f32", PluginFile("hangs"), why, 0.5);
   EXPECT_FALSE(found);
   EXPECT_TRUE(Has(why, "is not loaded after 0.5 s")) << why;
 }
 
 TEST(ProbePlugin, FindsNamesPhasesAndLimits) {
   std::string why;
-  const auto found = process::ProbePlugin(std::string(CDB_BINARY_DIR) + "/cdb-worker-f32",
-                                          PluginFile("faulty"), why);
+  const auto found =
+      process::ProbePlugin(BuildFolder() / "cdb-worker-f32", PluginFile("faulty"), why);
   ASSERT_TRUE(found) << why;
   EXPECT_EQ(found->at(0), (schema::PluginDetector{"sound", "broad", 0, "", ""}));
   EXPECT_EQ(found->at(1), (schema::PluginDetector{"few", "broad", 10, "", ""}));

@@ -5,10 +5,11 @@
 #include <unistd.h>
 
 #include "dsl/check.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 
-std::string CdbPath() { return std::string(CDB_BINARY_DIR) + "/cdb"; }
+std::string CdbPath() { return BuildFolder() / "cdb"; }
 
 void Program::Write(const std::string& name, const std::string& text) const {
   WriteFile(folder_ / name, text);

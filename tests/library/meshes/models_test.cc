@@ -10,6 +10,7 @@
 #include "library/meshes/overlap_volume.h"
 #include "tests/library/meshes/test_meshes.h"
 #include "tests/support/files.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
@@ -65,7 +66,7 @@ TEST_F(ModelFolder, OnlyTheTeapotsHolesAreClosed) {
 }
 
 TEST_F(ModelFolder, FetchingIsRefusedWhereItIsWrong) {
-  const std::string script = CDB_SOURCE_DIR "/library/meshes/fetch-models";
+  const std::string script = SourceFolder() / "library/meshes/fetch-models";
   const auto run = [&](const std::string& arguments) {
     const int status = std::system((script + " " + arguments + " >/dev/null 2>&1").c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;

@@ -18,6 +18,7 @@
 #include "dsl/render.h"
 #include "library/closed_forms/closed_form.h"
 #include "library/layouts/initial_state.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
@@ -25,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::StartsWith;
 
-const fs::path kLibrary = CDB_SOURCE_DIR "/library/scenarios";
+const fs::path kLibrary = SourceFolder() / "library/scenarios";
 
 std::vector<fs::path> Files() {
   std::vector<fs::path> files;

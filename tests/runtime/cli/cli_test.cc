@@ -10,6 +10,7 @@
 #include "compiler/schema/schema.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/store/store.h"
+#include "tests/support/folders.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -368,7 +369,7 @@ TEST(Examples, AreWellWrittenAndSayWhatTheyAre) {
   const Program program;
   int count = 0;
   std::string all;
-  for (const auto& entry : std::filesystem::directory_iterator(CDB_SOURCE_DIR "/examples")) {
+  for (const auto& entry : std::filesystem::directory_iterator(SourceFolder() / "examples")) {
     if (entry.path().extension() != ".cdb") continue;
     ++count;
     const std::string file = entry.path().string();

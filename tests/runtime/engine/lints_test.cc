@@ -15,6 +15,7 @@
 #include "runtime/measure/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/random_scenes.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
@@ -91,7 +92,7 @@ class Trial {
 };
 
 TEST(Lints, PredictTheVerdictsOfTheStabilitySuite) {
-  const std::string library = CDB_SOURCE_DIR "/library/scenarios";
+  const std::string library = SourceFolder() / "library/scenarios";
   Trial trial;
   for (const auto& entry : std::filesystem::directory_iterator(library + "/stability")) {
     const auto compiled = compiler::Compile(entry.path(), compiler::ReadFromDisk, {library, {}});

@@ -12,6 +12,7 @@
 #include "dsl/render.h"
 #include "runtime/measure/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
@@ -42,13 +43,13 @@ TEST(StabilitySuite, HasSoundBeginningsAndNoSoundHopelessEnds) {
   std::size_t ends = 0;
   std::vector<std::string> files;
   for (const auto& entry :
-       std::filesystem::directory_iterator(CDB_SOURCE_DIR "/library/scenarios/stability"))
+       std::filesystem::directory_iterator(SourceFolder() / "library/scenarios/stability"))
     files.push_back(entry.path());
   std::ranges::sort(files);
   ASSERT_GE(files.size(), 15u);
   for (const std::string& file : files) {
     const auto result = compiler::Compile(file, compiler::ReadFromDisk,
-                                          {CDB_SOURCE_DIR "/library/scenarios", std::nullopt});
+                                          {SourceFolder() / "library/scenarios", std::nullopt});
     ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
     for (const plan::Plan& plan : result.plans) {
       std::size_t own = plan.axes.size();

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "tests/runtime/schedule/plans.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
@@ -22,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 process::WorkerPrograms TestWorker() {
-  const fs::path program = fs::path(CDB_BINARY_DIR) / "schedule_test_worker";
+  const fs::path program = BuildFolder() / "schedule_test_worker";
   return {program, program};
 }
 

@@ -18,6 +18,7 @@
 #include "compiler/plan/plan_yaml.h"
 #include "runtime/schedule/schedule.h"
 #include "tests/runtime/schedule/plans.h"
+#include "tests/support/folders.h"
 
 extern char** environ;
 
@@ -31,7 +32,7 @@ class DriverTest : public testing::Test {
   /// Starts a driver; its output goes to `log`.
   pid_t Start(const plan::Plan& plan, int jobs = 1, const std::string& file_limit = "") {
     WriteFile(root.path() / "plan.yaml", plan::ToYaml(plan));
-    const std::string binaries = CDB_BINARY_DIR;
+    const std::string binaries = BuildFolder();
     std::vector<std::string> words = {binaries + "/schedule_test_driver",
                                       (root.path() / "plan.yaml").string(), folder.string(),
                                       std::to_string(jobs), binaries + "/schedule_test_worker"};

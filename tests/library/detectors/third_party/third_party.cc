@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "library/detectors/plugin.h"
+#include "tests/support/folders.h"
 
 // Read by the sanitizers. FCL frees with delete[] what it took by malloc when it copies a tree of
 // boxes, and loses the nodes of its trees in arrays.
@@ -29,8 +30,8 @@ std::unique_ptr<Detector> MakeThirdParty(const schema::DetectorInfo& info) {
       throw std::runtime_error(std::string(part->package) + " is not installed");
     return nullptr;
   }
-  const Plugin& plugin = detectors::LoadPlugin(std::string(CDB_BINARY_DIR "/detectors/") +
-                                               "cdb-detectors-" + std::string(info.part) + ".so");
+  const std::string module = "cdb-detectors-" + std::string(info.part) + ".so";
+  const Plugin& plugin = detectors::LoadPlugin(BuildFolder() / "detectors" / module);
   const DetectorEntry* entry = detectors::FindEntry(plugin, info.name);
   if (entry == nullptr) throw std::runtime_error(std::string(info.name) + " is not in its part");
   EXPECT_EQ(HasAny(entry->phases, kBroad), info.HasPhase("broad"));
