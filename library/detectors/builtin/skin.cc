@@ -60,9 +60,11 @@ bool Overlap(const kernels::FatBox& a, const kernels::FatBox& b) {
   return true;
 }
 
-/// A float is off by less than the last term.
-float Below(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-23); }
-float Above(double x) { return static_cast<float>(x + std::fabs(x) * 0x1p-23); }
+/// A float is off by less than the last term. Infinity stays what it is.
+float Below(double x) { return static_cast<float>(x < kInfinity ? x - std::fabs(x) * 0x1p-23 : x); }
+float Above(double x) {
+  return static_cast<float>(x > -kInfinity ? x + std::fabs(x) * 0x1p-23 : x);
+}
 
 Pair Ordered(Id a, Id b) { return {std::min(a, b), std::max(a, b)}; }
 

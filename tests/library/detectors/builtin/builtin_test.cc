@@ -123,6 +123,12 @@ TEST(BuiltinDetectors, AreExactBeyondFloats) {
   boxes.Add({{std::nextafter(1e39, kInfinite), 0, 0}, {1e39 * 2, 1, 1}});
   boxes.Add({{-kInfinite, 0.5, 0}, {kInfinite, 0.5, kInfinite}});
   boxes.Add({{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
+  for (int i = 0; i < 2; ++i) {
+    boxes.Add({{kInfinite, 0, 0}, {kInfinite, 1, 1}});
+    boxes.Add({{0, -kInfinite, 0}, {1, -kInfinite, 1}});
+    boxes.Add({{kInfinite, kInfinite, kInfinite}, {kInfinite, kInfinite, kInfinite}});
+    boxes.Add({{-kInfinite, -kInfinite, -kInfinite}, {-kInfinite, -kInfinite, -kInfinite}});
+  }
   for (int i = 0; i < 40; ++i) boxes.Add(Cube(i * (1 + 1e-16), 0.1, 1. / 3, 0.5 - 1e-17 * i));
   std::vector<Named> all = All();
   for (int cycle = 0; cycle < 3; ++cycle) ExpectExact(all, boxes.View(), "beyond");
