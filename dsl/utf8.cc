@@ -24,6 +24,25 @@ CodePoint DecodeUtf8(std::string_view text, std::size_t at) {
   return {value, bytes};
 }
 
+std::string Printable(std::string_view text) {
+  const auto is_printable = [](char32_t c) {
+    return !(c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x200E || c == 0x200F ||
+             (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069));
+  };
+  std::string printable;
+  for (std::size_t at = 0; at < text.size();) {
+    const CodePoint point = DecodeUtf8(text, at);
+    const auto bytes = static_cast<std::size_t>(point.bytes > 0 ? point.bytes : 1);
+    if (text[at] == '\n' || (point.bytes > 0 && is_printable(point.value))) {
+      printable += text.substr(at, bytes);
+    } else {
+      printable.append(bytes, text[at] == '\t' ? ' ' : '?');
+    }
+    at += bytes;
+  }
+  return printable;
+}
+
 int ColumnsOf(char32_t value) {
   struct Range {
     char32_t first, last;

@@ -6,9 +6,10 @@
 //
 // Units: metres. Numbers are double whatever the precision of the run; a float is held exactly.
 // Errors: if a detector throws or returns an invalid result (an unknown body, a normal that is not
-// a unit vector, NaN), its run fails with a message; other runs are not affected. Threads: called
-// by one thread. A detector may start as many threads as Options permits. Source: Woulfe & Manzke
-// 2009, section 3.2 (several algorithms behind one interface).
+// a unit vector, NaN) or leaves another floating-point environment, its run fails with a message;
+// other runs are not affected. Threads: called by one thread. A detector may start as many threads
+// as Options permits. Source: Woulfe & Manzke 2009, section 3.2 (several algorithms behind one
+// interface).
 #pragma once
 
 #include <cstddef>

@@ -7,6 +7,8 @@
 #include <span>
 #include <string_view>
 
+#include "library/detectors/floating_point.h"
+
 namespace cdb::detectors {
 
 namespace {
@@ -21,6 +23,8 @@ bool IsName(std::string_view text) {
 }  // namespace
 
 const Plugin& LoadPlugin(const std::string& path) {
+  // The initializers of libraries linked with -ffast-math flush denormals to zero.
+  const KeepsFloatingPoint keeps;
   // A name without a slash would be looked for in the system's folders.
   const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

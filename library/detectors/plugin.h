@@ -18,7 +18,8 @@ class PluginError : public std::runtime_error {
 /// Loads `path` and checks its ABI. The library stays loaded until the process ends. Throws
 /// PluginError if there is no such file, no cdb_plugin in it, another ABI or standard library, or
 /// an entry without name, function or phase or with an invalid or duplicate name. Runs the
-/// library's initializers, which may do anything. Threads: any.
+/// library's initializers, which may do anything; the floating-point environment of the caller is
+/// restored after them. Threads: any.
 const Plugin& LoadPlugin(const std::string& path);
 
 /// Null if there is none of that name.

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "compiler/schema/value.h"
+#include "dsl/utf8.h"
 #include "runtime/measure/plugin_call.h"
 #include "runtime/process/process.h"
 
@@ -111,7 +112,8 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
     result.state_hash = header.state_hash.str();
   } else if (has_exited && outcome == measure::WorkerOutcome::kFailed) {
     result.status = store::Status::kFailed;
-    result.message = header.message.str();
+    result.message = dsl::Printable(header.message.str());
+    std::ranges::replace(result.message, '\n', ' ');
     if (result.message.empty()) result.message = "the worker failed without a reason";
   } else if (end.is_timed_out && !has_exited) {
     result.status = store::Status::kTimedOut;

@@ -1,8 +1,12 @@
 // Detectors that each fail in one way after their library is loaded.
 #include <signal.h>
 #include <unistd.h>
+#ifdef __x86_64__
+#include <xmmintrin.h>
+#endif
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -13,6 +17,10 @@
 namespace {
 
 using namespace cdb;
+
+/// As the initializers of a library linked with -ffast-math do, and worse: all later arithmetic
+/// rounds up.
+const int kRoundsUpFromTheStart = std::fesetround(FE_UPWARD);
 
 [[noreturn]] void Throw() { throw std::runtime_error("out of luck"); }
 
@@ -46,6 +54,26 @@ struct ThrowsInFindPairs : Sound {
 struct ThrowsANumber : Sound {
   void FindPairs(const Scene&, std::vector<Pair>&) override { throw 42; }
 };
+struct ThrowsEscapes : Sound {
+  void FindPairs(const Scene&, std::vector<Pair>&) override {
+    throw std::runtime_error("all \x1b[32mwell\n\xff\u202e of it");
+  }
+};
+struct RoundsUp : Sound {
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    Sound::FindPairs(scene, pairs);
+    std::fesetround(FE_UPWARD);
+  }
+};
+#ifdef __x86_64__
+struct FlushesDenormals : Sound {
+  void FindContacts(const Scene& scene, std::span<const Pair> pairs,
+                    std::vector<Contact>& contacts) override {
+    Sound::FindContacts(scene, pairs, contacts);
+    _mm_setcsr(_mm_getcsr() | 0x8040);
+  }
+};
+#endif
 struct ThrowsInFindContacts : Sound {
   void FindContacts(const Scene&, std::span<const Pair>, std::vector<Contact>&) override {
     Throw();
@@ -60,6 +88,12 @@ struct Segfaults : Sound {
 struct Hangs : Sound {
   void FindPairs(const Scene&, std::vector<Pair>&) override {
     for (;;) pause();
+  }
+};
+struct Naps : Sound {
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    Sound::FindPairs(scene, pairs);
+    usleep(2000);
   }
 };
 struct UnknownBody : Sound {
@@ -107,9 +141,15 @@ constexpr DetectorEntry kEntries[] = {
     {"throws_in_prepare", "", kBroad, 0, Make<ThrowsInPrepare>},
     {"throws_in_find_pairs", "", kBroad, 0, Make<ThrowsInFindPairs>},
     {"throws_a_number", "", kBroad, 0, Make<ThrowsANumber>},
+    {"throws_escapes", "", kBroad, 0, Make<ThrowsEscapes>},
+    {"rounds_up", "", kBroad, 0, Make<RoundsUp>},
+#ifdef __x86_64__
+    {"flushes_denormals", "", kNarrow, 0, Make<FlushesDenormals>},
+#endif
     {"aborts", "", kBroad, 0, Make<Aborts>},
     {"segfaults", "", kBroad, 0, Make<Segfaults>},
     {"hangs", "", kBroad, 0, Make<Hangs>},
+    {"naps", "", kBroad, 0, Make<Naps>},
     {"unknown_body", "", kBroad, 0, Make<UnknownBody>},
     {"same_body", "", kBroad, 0, Make<SameBody>},
     {"throws_in_find_contacts", "", kNarrow, 0, Make<ThrowsInFindContacts>},

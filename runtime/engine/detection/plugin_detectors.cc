@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "compiler/plan/sha256.h"
+#include "library/detectors/floating_point.h"
 #include "library/detectors/plugin.h"
 #include "library/scene_error.h"
 #include "runtime/measure/file_descriptor_io.h"
@@ -23,14 +25,27 @@ using schema::PluginDetector;
 /// Of the one run that this process carries out; null where nobody listens.
 std::atomic<std::uint32_t>* noted_in = nullptr;
 
-class Note {
+/// Notes the call, and restores the floating-point environment at its end.
+class WatchedCall {
  public:
-  Note(measure::PluginCall call, std::size_t index) { Set(measure::PluginCallCode(call, index)); }
-  ~Note() { Set(0); }
-  Note(const Note&) = delete;
-  Note& operator=(const Note&) = delete;
+  WatchedCall(measure::PluginCall call, std::size_t index) {
+    Set(measure::PluginCallCode(call, index));
+  }
+  ~WatchedCall() { Set(0); }
+  WatchedCall(const WatchedCall&) = delete;
+  WatchedCall& operator=(const WatchedCall&) = delete;
+
+  /// Throws std::runtime_error where the call changed what all later arithmetic depends on.
+  void Check() const {
+    if (floating_point_.IsChanged())
+      throw std::runtime_error(
+          "it changes the floating-point environment (rounding or denormals), and with it the "
+          "physics; restore it before returning");
+  }
 
  private:
+  const detectors::KeepsFloatingPoint floating_point_;
+
   static void Set(std::uint32_t code) {
     if (noted_in != nullptr) noted_in->store(code, std::memory_order_relaxed);
   }
@@ -58,21 +73,26 @@ class WatchedDetector final : public Detector {
       : index_(index), detector_(std::move(detector)) {}
 
   void Prepare(const Scene& scene) override {
-    const Note note(measure::PluginCall::kPrepare, index_);
+    const WatchedCall call(measure::PluginCall::kPrepare, index_);
     detector_->Prepare(scene);
+    call.Check();
   }
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
-    const Note note(measure::PluginCall::kFindPairs, index_);
+    const WatchedCall call(measure::PluginCall::kFindPairs, index_);
     detector_->FindPairs(scene, pairs);
+    call.Check();
   }
   bool Handles(const Scene& scene, Id a, Id b) const override {
-    const Note note(measure::PluginCall::kHandles, index_);
-    return detector_->Handles(scene, a, b);
+    const WatchedCall call(measure::PluginCall::kHandles, index_);
+    const bool handles = detector_->Handles(scene, a, b);
+    call.Check();
+    return handles;
   }
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
                     std::vector<Contact>& contacts) override {
-    const Note note(measure::PluginCall::kFindContacts, index_);
+    const WatchedCall call(measure::PluginCall::kFindContacts, index_);
     detector_->FindContacts(scene, pairs, contacts);
+    call.Check();
   }
 
  private:
@@ -92,7 +112,7 @@ const DetectorEntry& LoadPluginDetector(const plan::Scene& scene, std::size_t in
         fmt::format("detector `{}`: '{}' is another file than the one that was planned with; plan "
                     "again, or put the old one back",
                     plugin.name, plugin.path));
-  const Note note(measure::PluginCall::kLoad, index);
+  const WatchedCall call(measure::PluginCall::kLoad, index);
   try {
     const DetectorEntry* entry =
         detectors::FindEntry(detectors::LoadPlugin(plugin.path), plugin.name);
@@ -107,8 +127,9 @@ std::unique_ptr<Detector> MakePluginDetector(std::size_t index, const DetectorEn
                                              const Options& options) {
   std::unique_ptr<Detector> detector;
   {
-    const Note note(measure::PluginCall::kMake, index);
+    const WatchedCall call(measure::PluginCall::kMake, index);
     detector.reset(entry.make(options));
+    call.Check();
   }
   if (detector == nullptr) return nullptr;
   return std::make_unique<WatchedDetector>(index, std::move(detector));
