@@ -196,6 +196,14 @@ std::string DecisionsText(std::span<const PruningDecision> decisions) {
   return text;
 }
 
+bool SaysKept(std::string_view decisions_text, schema::Component component) {
+  const std::string line = fmt::format("{}: kept: ", InfoOf(component).name);
+  for (std::size_t at = decisions_text.find(line); at != decisions_text.npos;
+       at = decisions_text.find(line, at + 1))
+    if (at == 0 || decisions_text[at - 1] == '\n') return true;
+  return false;
+}
+
 std::string OmittedNames(std::span<const PruningDecision> decisions) {
   std::string names;
   for (const PruningDecision& part : decisions)

@@ -39,5 +39,8 @@ PruningRequest RequestFor(const Scene& scene, schema::Component component);
 std::string DecisionsText(std::span<const PruningDecision> decisions);
 /// The names of those left out, separated by spaces: what results carry as `omitted`.
 std::string OmittedNames(std::span<const PruningDecision> decisions);
+/// DecisionsText says that the component was there: not left out, and not absent from the scene
+/// anyway.
+bool SaysKept(std::string_view decisions_text, schema::Component component);
 
 }  // namespace cdb::plan

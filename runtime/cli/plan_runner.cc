@@ -9,12 +9,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <system_error>
 #include <utility>
 
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
+#include "runtime/measure/host.h"
 #include "runtime/report/console.h"
 #include "runtime/schedule/progress.h"
 
@@ -104,6 +106,18 @@ void MakeResultsFolder(const fs::path& folder) {
                                    folder.string(), error.message()));
 }
 
+/// On a terminal: somebody may wait until the machine is quiet. The results say it in any case.
+void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
+  const double load = measure::LoadAverage(), processors = measure::ProcessorCount();
+  if (options_.is_quiet || isatty(STDERR_FILENO) == 0 || !plan.Records("timing") ||
+      !(load > processors))
+    return;
+  fmt::print(stderr,
+             "cdb: warning: load {:.1f} on {:.0f} processor{}: other programs disturb the "
+             "times that are measured now\n",
+             load, processors, processors == 1 ? "" : "s");
+}
+
 PlanRunner::PlanRunner(PlanRunnerOptions options)
     : options_(std::move(options)), provenance_(CollectProvenance()), signals_(stop_) {
   provenance_["jobs"] = fmt::format("{}", options_.jobs);
@@ -132,6 +146,7 @@ ExecutedPlan PlanRunner::Execute(const plan::Plan& plan, const fs::path& out) co
   execute.fresh = options_.fresh;
   execute.provenance = provenance_;
   execute.stop = &stop_;
+  WarnOfLoad(plan);
   schedule::ProgressListener silent;
   schedule::Progress progress(schedule::StandardError());
   schedule::ProgressListener& listener =

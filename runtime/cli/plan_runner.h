@@ -47,6 +47,8 @@ class PlanRunner {
   ExitStatus StoppedStatus() const { return StoppedBy(stop_.signal()); }
 
  private:
+  void WarnOfLoad(const plan::Plan& plan) const;
+
   PlanRunnerOptions options_;
   store::Provenance provenance_;
   process::StopFlag stop_;

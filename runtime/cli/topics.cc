@@ -152,6 +152,8 @@ constexpr Topic kTopics[] = {
     {"traces", "recorded boxes, and detectors that are run on them",
      [] { return std::string(report::kTracesReference); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},
+    {"noise", "whether a run had the machine to itself",
+     [] { return std::string(report::kNoiseReference); }},
     {"objects", "what can be placed", report::ObjectReference},
     {"detectors", "what can be timed, and how", report::DetectorReference},
     {"layouts", "how objects can be placed", report::LayoutReference},

@@ -51,7 +51,7 @@ class Tracer {
       return ExitStatus::kGood;
     }
     CheckIsOurs(file);
-    launcher_.Start(0, run);
+    launcher_.Start(0, run, "");
     std::optional<process::Ending> ending;
     while (!ending && !stop_.requested()) ending = launcher_.Wait(1);
     if (!ending) return ExitStatus::kGood;  // whoever asked to stop sees to the status

@@ -8,4 +8,10 @@ namespace cdb::measure {
 /// Its name; `localhost` where it has none.
 std::string HostName();
 
+/// The load average of the last minute; NaN if the system does not say.
+double LoadAverage();
+
+/// The number of processors that this process may run on; NaN if the system does not say.
+double ProcessorCount();
+
 }  // namespace cdb::measure

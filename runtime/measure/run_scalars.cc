@@ -11,6 +11,17 @@ std::span<const RunScalarInfo> AllRunScalars() {
        &RunScalars::harness_ns},
       {"fill_fraction", "", "volume of the objects over that of the world",
        &RunScalars::fill_fraction},
+      {"cycles_time", "ns",
+       "wall-clock time of the recorded cycles, with what is measured between them",
+       &RunScalars::cycles_wall_ns},
+      {"cpu_time", "ns", "time of that which the thread spent on a processor",
+       &RunScalars::cycles_cpu_ns},
+      {"preemptions", "", "how often the thread was taken off its processor meanwhile",
+       &RunScalars::preemptions},
+      {"page_faults", "", "page faults of the thread meanwhile", &RunScalars::page_faults},
+      {"steal", "ns", "processor time taken by other virtual machines meanwhile, of all processors",
+       &RunScalars::stolen_ns},
+      {"processors", "", "processors that the run was allowed to use", &RunScalars::processors},
   };
   return kScalars;
 }

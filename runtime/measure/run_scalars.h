@@ -17,6 +17,12 @@ struct RunScalars {
   /// Of a cycle: its clock stamps and a call of a detector that does nothing.
   double harness_ns = kNone;
   double fill_fraction = kNone;  ///< objects' volume over the cube's
+  // Of the recorded cycles, with the measurements between them.
+  double cycles_wall_ns = kNone, cycles_cpu_ns = kNone;
+  double preemptions = kNone;  ///< of the thread: involuntary context switches
+  double page_faults = kNone;  ///< of the thread
+  double stolen_ns = kNone;    ///< by other virtual machines, of all processors
+  double processors = kNone;   ///< that the process may run on
 };
 
 struct RunScalarInfo {

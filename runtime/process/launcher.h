@@ -42,8 +42,9 @@ class Launcher {
   /// Ends what is still running.
   virtual ~Launcher() = default;
 
-  /// Starts `run` in a slot that is free; `run` outlives it. Throws ScheduleError.
-  virtual void Start(std::size_t slot, const plan::Run& run) = 0;
+  /// Starts `run` in a slot that is free; `run` outlives it. `kept`: names of components, separated
+  /// by spaces, that it must not leave out. Throws ScheduleError.
+  virtual void Start(std::size_t slot, const plan::Run& run, const std::string& kept) = 0;
 
   /// The next run that ended. None where `seconds` passed first or the user asked to stop; a run
   /// that has ended by then is handed out before a stop is heeded.

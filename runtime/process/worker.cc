@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -19,6 +18,7 @@
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/trace.h"
 #include "dsl/check.h"
+#include "dsl/utf8.h"
 #include "runtime/measure/host.h"
 #include "runtime/measure/plugin_call.h"
 #include "runtime/process/collect.h"
@@ -97,11 +97,6 @@ double SecondsSinceEpoch() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-double LoadAverage() {
-  double load = 0;
-  return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
-}
-
 std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_point start) {
   if (!scene.world.WordOr("timeout").empty()) return std::nullopt;
   const double seconds = scene.world.Real("timeout");
@@ -110,27 +105,15 @@ std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_
                      std::chrono::duration<double>(std::min(seconds, kLongest)));
 }
 
-/// The length of the printable UTF-8 character at the start of `text`; 0 where there is none.
-std::size_t PrintableLength(std::string_view text) {
-  const auto byte = [text](std::size_t i) {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
-  const std::size_t length = first >= 0xc2 && first < 0xe0   ? 2
-                             : first >= 0xe0 && first < 0xf0 ? 3
-                             : first >= 0xf0 && first < 0xf5 ? 4
-                                                             : 0;
-  if (length == 0) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  // Overlong forms, surrogates and what lies past the last code point are told by the second byte;
-  // 0xc2 0x80–0x9f are control characters.
-  const unsigned second = byte(1);
-  const bool is_bad = (first == 0xc2 && second < 0xa0) || (first == 0xe0 && second < 0xa0) ||
-                      (first == 0xed && second > 0x9f) || (first == 0xf0 && second < 0x90) ||
-                      (first == 0xf4 && second > 0x8f);
-  return is_bad ? 0 : length;
+measure::NoiseJudgement NoiseOf(const plan::Run& run, const store::RunResult& result,
+                                const measure::Recording& recording) {
+  if (result.status != store::Status::kDone) return {};
+  const auto duration = recording.Reals("duration");
+  const std::size_t cycles = result.n_cycles;
+  const auto steps =
+      duration.empty() ? duration
+                       : duration.subspan(measure::IndexOf(measure::Phase::kStep) * cycles, cycles);
+  return measure::JudgeNoise(result.scalars, result.load, run.scene.world.Count("threads"), steps);
 }
 
 }  // namespace
@@ -179,16 +162,7 @@ std::string TextTail::LastLines() const {
   // The first bytes may be the end of a character that was cut in two.
   while (is_cut && !rest.empty() && (static_cast<unsigned char>(rest[0]) & 0xc0) == 0x80)
     rest.remove_prefix(1);
-  while (!rest.empty()) {
-    const std::size_t length = PrintableLength(rest);
-    if (length > 0) {
-      text += rest.substr(0, length);
-    } else {
-      text += rest[0] == '\n' ? '\n' : rest[0] == '\t' ? ' ' : '?';
-    }
-    rest.remove_prefix(std::max<std::size_t>(length, 1));
-  }
-  return text;
+  return text + dsl::Printable(rest);
 }
 
 // ---- processes ----------------------------------------------------------------------------------
@@ -241,7 +215,7 @@ void ProcessLauncher::StopAll() {
   for (auto& worker : workers_) worker.reset();
 }
 
-void ProcessLauncher::Start(std::size_t slot, const plan::Run& run) {
+void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::string& kept) {
   CDB_CHECK(slot < workers_.size() && !workers_[slot]);
   auto worker = std::make_unique<Worker>();
   worker->run = &run;
@@ -274,7 +248,7 @@ void ProcessLauncher::Start(std::size_t slot, const plan::Run& run) {
     }
   }
 
-  worker->load = LoadAverage();
+  worker->load = measure::LoadAverage();
   worker->started_s = SecondsSinceEpoch();
   worker->start = Clock::now();
   worker->deadline = Deadline(run.scene, worker->start);
@@ -282,7 +256,10 @@ void ProcessLauncher::Start(std::size_t slot, const plan::Run& run) {
   {
     std::optional<OnCpu> pinned;
     if (!cpus_.empty()) pinned.emplace(cpus_[slot]);
-    worker->pid = spawn.Start(is_single ? programs_.single : programs_.double_);
+    std::vector<std::string> arguments;
+    if (!kept.empty())
+      arguments = {measure::kKeepOption, kept, "a run that it is compared with keeps it"};
+    worker->pid = spawn.Start(is_single ? programs_.single : programs_.double_, arguments);
   }
   worker->pidfd = WatchProcess(worker->pid);
   workers_[slot] = std::move(worker);
@@ -366,6 +343,7 @@ Ending ProcessLauncher::Reap(Worker& worker) {
   }
   ending.result.started_s = worker.started_s;
   ending.result.load = worker.load;
+  ending.result.noise = NoiseOf(*worker.run, ending.result, *worker.recording);
   ending.result.host = measure::HostName();
   ending.recording = std::move(worker.recording);
   workers_[worker.slot].reset();

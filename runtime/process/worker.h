@@ -39,7 +39,7 @@ class TextTail {
  public:
   static constexpr std::size_t kMaxBytes = 8192;
   void Append(std::string_view text);
-  /// The last lines, at most five, printable: what is neither UTF-8 nor printable becomes `?`.
+  /// The last lines, at most five, printable: other bytes become `?` (dsl::Printable).
   std::string LastLines() const;
 
  private:
@@ -56,7 +56,7 @@ class ProcessLauncher : public Launcher {
   ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop);
   ~ProcessLauncher() override;
 
-  void Start(std::size_t slot, const plan::Run& run) override;
+  void Start(std::size_t slot, const plan::Run& run, const std::string& kept) override;
   std::optional<Ending> Wait(double seconds) override;
   Pulse PulseOf(std::size_t slot) const override;
   void StopAll() override;

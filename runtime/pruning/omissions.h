@@ -28,7 +28,7 @@ struct Omissions {
   int pool_size = 0;
 
   bool Omits(schema::Component component) const;
-  /// Why the component is kept after all, as found during the run (`tripped`).
+  /// Keeps the component after all: the run showed that it is needed, or must be like another.
   void Keep(schema::Component component, std::string why);
 };
 

@@ -27,16 +27,6 @@ void Sort(Pool& pool) {
   std::ranges::sort(pool.contacts);
 }
 
-/// `decisions` says that the component was there: not left out, and not absent from the scene
-/// anyway.
-bool SaysKept(std::string_view decisions, std::string_view component) {
-  const std::string line = fmt::format("{}: kept: ", component);
-  for (std::size_t at = decisions.find(line); at != decisions.npos;
-       at = decisions.find(line, at + 1))
-    if (at == 0 || decisions[at - 1] == '\n') return true;
-  return false;
-}
-
 /// Some of `cells` left the component out, and others kept it.
 bool AreUnlike(const store::ResultFile& file, const std::vector<const Cell*>& cells,
                const schema::ComponentInfo& info) {
@@ -44,7 +34,7 @@ bool AreUnlike(const store::ResultFile& file, const std::vector<const Cell*>& ce
     return schema::ListsWord(file.ReadText("omitted", *cell), info.name);
   };
   const auto kept = [&](const Cell* cell) {
-    return SaysKept(file.ReadText("needs", *cell), info.name);
+    return plan::SaysKept(file.ReadText("needs", *cell), info.component);
   };
   return info.IsVisible() && std::ranges::any_of(cells, left_out) &&
          std::ranges::any_of(cells, kept);

@@ -150,11 +150,28 @@ that names detection omits it nevertheless: it states that nothing is to be dete
   Contacts are hard to predict, so the run is monitored. If an object approaches a wall that it was
 proven not to reach, or touches two things at once, so that the order of contacts might matter, the
 run is restarted with all walls under `auto`, and fails under a list; `needs` in the results says so.
+  Runs that differ only in detector, narrow phase, pair order, threads, seed or repeat are compared,
+so they have the same parts wherever that affects a measurement: if one of them needs a part, those
+that were measured without it are measured once more. (With `--shard`, only runs of the same shard.)
   `cdb show` names every omission that affects a measurement. The results state for each run what
 became of each part, and why (`omitted`, `needs`). `cdb plan FILE` shows what follows from the
 settings, before any run; `cdb plan --why FILE` places the objects and explains every decision.
   After `omit`, `sleeping` is the part of that name; elsewhere it is the switch.
 
+)reference";
+
+const std::string_view kNoiseReference = R"reference(WHETHER A RUN HAD THE MACHINE TO ITSELF
+
+Every run measures what the machine did to it while its recorded cycles ran; in the results:
+`cycles_time`, `cpu_time`, `preemptions`, `page_faults`, `steal`, `processors`, and `load` of when it
+began. From them it is judged `quiet` or `noisy` (`noise`, and `noise_cause` in words). It is noisy if
+  - more than 2 % of the time was not spent on a processor (runs with one thread),
+  - other virtual machines stole more than 1 % of the time,
+  - the load average of the minute before was above the number of processors, or
+  - a few long pauses make the mean step more than twice the median, while nine in ten steps are
+    within 1.5 medians.
+`cdb show` says first how many runs were noisy, and why. Their times stay in the figures: repeats make
+up for pauses, as each cycle counts with its median over the repeats.
 )reference";
 
 const std::string_view kVerdictsReference = R"reference(HOW A RUN CAN END

@@ -13,5 +13,6 @@ extern const std::string_view kOmitReference;
 extern const std::string_view kLintsReference;
 extern const std::string_view kDetectorsReference;
 extern const std::string_view kVerdictsReference;
+extern const std::string_view kNoiseReference;
 
 }  // namespace cdb::report

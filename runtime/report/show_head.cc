@@ -13,6 +13,7 @@
 #include "compiler/schema/schema.h"
 #include "runtime/report/cells.h"
 #include "runtime/report/show_detectors.h"
+#include "runtime/report/show_noise.h"
 
 namespace cdb::report {
 namespace {
@@ -28,7 +29,8 @@ class Head {
       : file_(file), groups_(groups), findings_(findings), references_(references) {}
 
   std::string Text() const {
-    std::string text = Grid() + WrongDetectors(file_, findings_) + Timing();
+    std::string text =
+        Grid() + NoiseText(file_, groups_.good) + WrongDetectors(file_, findings_) + Timing();
     for (const std::string& trouble : references_)
       text += fmt::format("  A reference is missing: {}\n", trouble);
     text += HarnessText(file_, groups_.good) + LeftOut() + Models() + Verdicts() + Errors();

@@ -97,8 +97,8 @@ void ShardFolder::WritePlan(const plan::Plan& plan) const {
   store::WriteWhole(text, file);
 }
 
-std::optional<store::Outcome> ShardFolder::Find(const plan::Run& run,
-                                                std::vector<std::string>& warnings) const {
+std::optional<store::ShardInfo> ShardFolder::Find(const plan::Run& run,
+                                                  std::vector<std::string>& warnings) const {
   const fs::path shard = folder_ / (run.id + std::string(kShardEnding));
   // What the system refuses to open is not broken: setting it aside would hide a good shard.
   const int fd = open(shard.c_str(), O_RDONLY | O_CLOEXEC);
@@ -112,7 +112,7 @@ std::optional<store::Outcome> ShardFolder::Find(const plan::Run& run,
     if (info.plan_sha256 != plan_sha256_) RefuseMixture(shard);
     if (info.run_id == run.id && info.outcome.status != store::Status::kMissing &&
         info.outcome.status != store::Status::kSkipped)
-      return info.outcome;
+      return info;
     fault = shard.string() + ": is the shard of another run";
   } catch (const store::StoreError& error) {
     // Without what it tells a person to do: it is done here.

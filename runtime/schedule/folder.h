@@ -20,11 +20,11 @@ class ShardFolder {
   /// that is not in the plan, and then nothing was changed.
   ShardFolder(const plan::Plan& plan, std::filesystem::path folder, bool fresh);
 
-  /// The status of a run that has a whole shard. A broken one is set aside as `<name>.broken` and
-  /// reported in `warnings`. Throws ScheduleError for a shard of another plan, StoreError for one
-  /// that cannot be read.
-  std::optional<store::Outcome> Find(const plan::Run& run,
-                                     std::vector<std::string>& warnings) const;
+  /// What the shard of a run says, if it has a whole one. A broken one is set aside as
+  /// `<name>.broken` and reported in `warnings`. Throws ScheduleError for a shard of another plan,
+  /// StoreError for one that cannot be read.
+  std::optional<store::ShardInfo> Find(const plan::Run& run,
+                                       std::vector<std::string>& warnings) const;
 
   /// Makes `plan.yaml` say this plan, in one step. To be called once no shard was refused. Throws
   /// StoreError.

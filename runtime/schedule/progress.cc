@@ -170,6 +170,14 @@ void Progress::RunEnded(const plan::Run& run, const store::RunResult& result, do
   Line(text);
 }
 
+void Progress::Repeat(const plan::Plan&, const std::vector<const plan::Run*>& runs,
+                      const std::string& components) {
+  Line(fmt::format("{} run{} once more, now with {}: runs that they are compared with keep it",
+                   runs.size(), runs.size() == 1 ? "" : "s", components));
+  estimate_.emplace(runs);
+  total_ += runs.size();
+}
+
 void Progress::RunFound(const plan::Run& run, const store::Outcome& outcome) {
   estimate_->Ended(run, std::nullopt);
   Advance(outcome);

@@ -39,6 +39,8 @@ class Progress : public ProgressListener {
              const Summary& resumed, std::size_t jobs) override;
   void RunStarted(const plan::Run& run) override;
   void RunEnded(const plan::Run& run, const store::RunResult& result, double wall_s) override;
+  void Repeat(const plan::Plan& plan, const std::vector<const plan::Run*>& runs,
+              const std::string& components) override;
   void RunFound(const plan::Run& run, const store::Outcome& outcome) override;
   void Warn(const std::string& text) override;
   void Tick() override;

@@ -10,11 +10,14 @@
 
 #include "compiler/plan/capacity.h"
 #include "compiler/plan/reference.h"
+#include "compiler/schema/components.h"
+#include "compiler/schema/schema.h"
 #include "dsl/check.h"
 #include "runtime/measure/series.h"
 #include "runtime/process/worker.h"
 #include "runtime/schedule/error_evaluator.h"
 #include "runtime/schedule/folder.h"
+#include "runtime/schedule/shared_omissions.h"
 
 namespace cdb::schedule {
 namespace {
@@ -42,9 +45,8 @@ class Execution {
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
     for (const plan::Run* run : all) {
-      if (const auto outcome = folder_->Find(*run, warnings)) {
-        summary_.Count(*outcome);
-        ++summary_.resumed;
+      if (const auto shard = folder_->Find(*run, warnings)) {
+        CountFound(*run, *shard);
       } else {
         queue_.push_back(run);
       }
@@ -54,6 +56,7 @@ class Execution {
     const EndGuard guard{*this};
     listener_.Begin(plan_, queue_, summary_, slots_.size());
     Work();
+    while (!IsStopped() && QueueOutdated(measured)) Work();
     return summary_;
   }
 
@@ -113,7 +116,7 @@ class Execution {
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
       if (slots_[slot] == nullptr && !IsStopped() && !MustWait()) {
         if (const plan::Run* run = NextRun()) {
-          launcher_.Start(slot, *run);
+          launcher_.Start(slot, *run, omissions_.KeptFor(*run));
           slots_[slot] = run;
           stalls_[slot] = {};
           listener_.RunStarted(*run);
@@ -134,16 +137,46 @@ class Execution {
            std::ranges::any_of(slots_, is_reference);
   }
 
+  /// A run that ended before this call, or that another runner carried out.
+  void CountFound(const plan::Run& run, const store::ShardInfo& shard) {
+    summary_.Count(shard.outcome);
+    ++summary_.resumed;
+    if (shard.outcome.status == store::Status::kDone)
+      omissions_.Note(run, shard.omitted, shard.decisions);
+  }
+
+  /// Runs that left out what a run that they are compared with keeps are to be measured once more,
+  /// with it. Their shards stay until the new ones are written. False where there are none.
+  bool QueueOutdated(const std::vector<const plan::Run*>& measured) {
+    is_repeating_ = true;
+    queue_.clear();
+    next_ = 0;
+    std::string missing;
+    for (const plan::Run* run : measured) {
+      const std::string names = omissions_.MissingIn(*run);
+      if (names.empty()) continue;
+      queue_.push_back(run);
+      missing += names + ' ';
+    }
+    if (queue_.empty()) return false;
+    std::string components;
+    for (const schema::ComponentInfo& info : schema::Components())
+      if (schema::ListsWord(missing, info.name))
+        components.append(components.empty() ? "" : ", ").append(info.name);
+    listener_.Repeat(plan_, queue_, components);
+    return true;
+  }
+
   const plan::Run* NextRun() {
+    if (is_repeating_) return next_ < queue_.size() ? queue_[next_++] : nullptr;
     while (next_ < queue_.size()) {
       const plan::Run* run = queue_[next_++];
       std::vector<std::string> warnings;
-      const auto outcome = folder_->Find(*run, warnings);
+      const auto shard = folder_->Find(*run, warnings);
       for (const std::string& warning : warnings) listener_.Warn(warning);
-      if (!outcome) return run;
-      summary_.Count(*outcome);
-      ++summary_.resumed;
-      listener_.RunFound(*run, *outcome);
+      if (!shard) return run;
+      CountFound(*run, *shard);
+      listener_.RunFound(*run, shard->outcome);
     }
     return nullptr;
   }
@@ -151,6 +184,9 @@ class Execution {
   void Keep(process::Ending ending) {
     CDB_CHECK(ending.slot < slots_.size() && slots_[ending.slot] != nullptr);
     const plan::Run& run = *slots_[ending.slot];
+    if (ending.result.status == store::Status::kDone)
+      omissions_.Note(run, ending.result.omitted, ending.result.decisions);
+    if (is_repeating_ && ending.result.status != store::Status::kDone) return GiveUp(ending);
     try {
       Write(run, ending);
     } catch (const store::StoreError& error) {
@@ -160,8 +196,20 @@ class Execution {
                       summary_.ended() + queue_.size() - next_ + Busy(), folder_->path().string()));
     }
     slots_[ending.slot] = nullptr;
-    summary_.Count(ending.result.outcome());
+    if (!is_repeating_) summary_.Count(ending.result.outcome());
     listener_.RunEnded(run, ending.result, ending.wall_s);
+  }
+
+  /// A run that ended well before is kept as it was.
+  void GiveUp(const process::Ending& ending) {
+    const plan::Run& run = *slots_[ending.slot];
+    slots_[ending.slot] = nullptr;
+    omissions_.Forget(run);
+    listener_.RunEnded(run, ending.result, ending.wall_s);
+    listener_.Warn(fmt::format(
+        "{}: could not be measured once more with what the runs that it is compared with keep; its "
+        "first times stand, and are of less work",
+        Describe(plan_, run)));
   }
 
   void Write(const plan::Run& run, process::Ending& ending) {
@@ -192,6 +240,8 @@ class Execution {
   const store::ShardWriter writer_{plan_, options_.provenance};
   const std::string plan_sha256_ = plan_.Sha256();
   ErrorEvaluator error_evaluator_{plan_, options_.folder};
+  SharedOmissions omissions_;
+  bool is_repeating_ = false;  // runs that ended well already
   std::optional<ShardFolder> folder_;
   std::vector<const plan::Run*> queue_;
   std::size_t next_ = 0;                 // of queue_

@@ -51,6 +51,10 @@ class ProgressListener {
   virtual void RunStarted(const plan::Run&) {}
   /// Its shard is written.
   virtual void RunEnded(const plan::Run&, const store::RunResult&, double /*wall_s*/) {}
+  /// All ended, and `runs` are measured once more with components (`walls, solver`) that runs which
+  /// they are compared with had to keep. RunStarted and RunEnded follow for each.
+  virtual void Repeat(const plan::Plan&, const std::vector<const plan::Run*>& /*runs*/,
+                      const std::string& /*components*/) {}
   /// Somebody else has carried it out meanwhile.
   virtual void RunFound(const plan::Run&, const store::Outcome&) {}
   virtual void Warn(const std::string&) {}
@@ -61,12 +65,13 @@ class ProgressListener {
 };
 
 /// Carries out the plan. What has a whole shard in the folder is not run again, whatever its
-/// status; a broken shard is set aside as `<name>.broken`, with a warning, and its run is run
-/// again. Every shard is on the disk before the next run starts in its slot. A stop ends the
-/// workers and keeps what is finished. With several jobs each slot has a processor of its own where
-/// there are enough. Throws ScheduleError (no worker program, cannot start a process, a shard of
-/// another plan) and StoreError (disk full, no such folder); finished runs are kept. To be called
-/// from a thread that outlives the call: workers die with the thread that started them.
+/// status, unless it left out what a run that it is compared with keeps (shared_omissions.h): its
+/// times would be of other work. A broken shard is set aside as `<name>.broken`, with a warning,
+/// and its run is run again. Every shard is on the disk before the next run starts in its slot. A
+/// stop ends the workers and keeps what is finished. With several jobs each slot has a processor of
+/// its own where there are enough. Throws ScheduleError (no worker program, cannot start a process,
+/// a shard of another plan) and StoreError (disk full, no such folder); finished runs are kept. To
+/// be called from a thread that outlives the call: workers die with the thread that started them.
 Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, ProgressListener& listener);
 
 /// The same with another way to carry out a run, for tests.

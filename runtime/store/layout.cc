@@ -343,6 +343,9 @@ const std::vector<RunNumber>& RunNumbers() {
        [](R r) { return r.started_s; }},
       {"load", Type::kFloat64, "", "the machine's one-minute load average when the run began", kNaN,
        [](R r) { return r.load; }},
+      {"noise", Type::kInt8, "", "whether the run had the machine to itself: cdb doc noise", 0,
+       [](R r) { return static_cast<double>(r.noise.noise); },
+       [] { return fmt::format("{}", fmt::join(measure::NoiseNames(), " ")); }},
   });
   return kNumbers;
 }
@@ -357,6 +360,7 @@ const std::vector<RunText>& RunTexts() {
        [](const Run& run, R) { return run.id; }},
       {"host", "the machine that the run ran on", [](const Run&, R r) { return r.host; }},
       {"message", "why the run did not end well", [](const Run&, R r) { return r.message; }},
+      {"noise_cause", "what disturbed a noisy run", [](const Run&, R r) { return r.noise.why; }},
       {"omitted", "parts of the engine that were left out, separated by spaces",
        [](const Run&, R r) { return r.omitted; }},
       {"needs", "what became of each part of the engine and why, one line each",

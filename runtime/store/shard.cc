@@ -165,9 +165,14 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
     if (status.size() != 1 || id.empty()) throw hdf5::Error("it does not hold one run");
     // A reference run has no timings that a verdict could void.
     const double verdict = file.Has("verdict") ? file.OpenDataset("verdict").Read().at(0) : 0;
+    const auto text = [&file](const char* dataset) {
+      return file.Has(dataset) ? file.OpenDataset(dataset).ReadText().at(0) : std::string();
+    };
     return {id,
             file.Text("plan_sha256"),
-            {static_cast<Status>(status[0]), static_cast<measure::Verdict>(verdict)}};
+            {static_cast<Status>(status[0]), static_cast<measure::Verdict>(verdict)},
+            text("omitted"),
+            text("needs")};
   } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "

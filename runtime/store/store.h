@@ -16,6 +16,7 @@
 
 #include "compiler/plan/plan.h"
 #include "dsl/check.h"
+#include "runtime/measure/noise.h"
 #include "runtime/measure/run_scalars.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
@@ -63,6 +64,7 @@ struct RunResult {
   std::string models;     ///< the hulls of the compounds in the scene: a line each; may be empty
   double load = 0;        ///< the machine's one-minute load average when the run began
   measure::RunScalars scalars;
+  measure::NoiseJudgement noise;
   std::vector<std::pair<const measure::Series*, std::span<const std::byte>>> series;
   measure::RunErrors errors;  ///< empty where the scene asks for none
   std::vector<measure::ContactRecord>
@@ -106,6 +108,7 @@ struct ShardInfo {
   std::string run_id;
   std::string plan_sha256;
   Outcome outcome;
+  std::string omitted, decisions;  ///< as in RunResult
 };
 /// Throws StoreError for what is not a whole shard (truncated, not HDF5, another schema version).
 ShardInfo ReadShardInfo(const std::filesystem::path& file);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <new>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -17,6 +18,7 @@
 #include "library/scene_error.h"
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/probes/memory.h"
+#include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/timed_world.h"
 #include "runtime/measure/trace_memory.h"
@@ -106,7 +108,9 @@ class Replay {
     const std::int64_t build_begin = world::Now();
     const detection::NamedDetector detector = Prepared();
     header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
+    std::optional<probes::ProcessorTime> processor_time;
     for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
+      if (i == warmup_) processor_time.emplace();
       traced_.MoveTo(i);
       pairs_.clear();
       const std::int64_t begin = world::Now();
@@ -126,6 +130,7 @@ class Replay {
       if (!counts.empty()) counts[cycle] = Count(pairs_.size());
       header.cycles_done.store(cycle + 1, std::memory_order_release);
     }
+    if (processor_time) processor_time->Store(header.scalars);
     header.state_hash = HashOf(pairs_);
     header.scalars.peak_rss_bytes = probes::PeakRssBytes();
     header.scalars.harness_ns = HarnessNs();

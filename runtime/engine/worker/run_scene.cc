@@ -14,6 +14,7 @@
 #include "runtime/engine/probes/memory.h"
 #include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/probes.h"
+#include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/probes/sampler.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/worker/harness.h"
@@ -62,6 +63,7 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, measure::Recordi
   Stepper stepper(scene, engine);
   for (std::uint64_t i = 0; i < warmup; ++i) stepper.Step();
   probes.Begin();
+  const probes::ProcessorTime processor_time;
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
     if (referee) referee->BeforeStep();
     stepper.Step();
@@ -69,6 +71,7 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, measure::Recordi
     if (referee) referee->AfterStep(cycle);
     recording.header().cycles_done.store(cycle + 1, std::memory_order_release);
   }
+  processor_time.Store(recording.header().scalars);
 }
 
 /// Runs all cycles once more in a new world, for samples and for the referee.
@@ -114,7 +117,7 @@ void ReportFailure(measure::Recording& recording, const std::string& message) {
 }
 
 std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording& recording,
-                                        int contacts_fd, const std::string& keep_walls) {
+                                        int contacts_fd, const Kept& kept) {
   measure::RecordingHeader& header = recording.header();
   std::unique_ptr<world::Engine> engine;
   try {
@@ -128,7 +131,9 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     const std::int64_t build_begin = world::Now();
     header.scalars.place_ns = static_cast<double>(build_begin - place_begin);
     pruning::Omissions omissions = pruning::DecideOmissions(run.scene, state);
-    if (!keep_walls.empty()) omissions.Keep(schema::Component::kWalls, keep_walls);
+    for (const schema::ComponentInfo& info : schema::Components())
+      if (omissions.Omits(info.component) && schema::ListsWord(kept.names, info.name))
+        omissions.Keep(info.component, kept.why);
     engine = std::make_unique<world::Engine>(run.scene, std::move(state), std::move(omissions));
     header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
     header.omitted = plan::OmittedNames(engine->omissions().decisions);

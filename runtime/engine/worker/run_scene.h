@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "compiler/plan/plan.h"
 #include "runtime/engine/world/engine.h"
@@ -10,17 +11,23 @@
 
 namespace cdb::worker {
 
+/// Components that a run keeps although it could leave them out.
+struct Kept {
+  std::string names;  ///< separated by spaces
+  std::string why;
+};
+
 /// Draws and places the objects, decides the omissions, builds the world, runs the warm-up and
 /// every cycle, and fills `recording`. If the scene asks for errors, or for both timing and pairs,
 /// it is then run a second time from the start, without a clock, to record them. A reference is run
 /// only for its samples. `peak_rss_bytes` is of before that, and of the whole process.
 /// `cycles_done` goes up after each recorded cycle is stored. The outcome is kDone with the state
 /// hash, or kFailed with a message. The only exception that a scene can cause is
-/// OmissionGuardTripped: the run must then be restarted in a new process, with the reason as
-/// `keep_walls` and the recording cleared. Returns the final world, or null if it was never built;
-/// destroying it can take longer than many cycles, so a worker that exits leaves it to the system.
+/// OmissionGuardTripped: the run must then be restarted in a new process that keeps the walls, with
+/// the recording cleared. Returns the final world, or null if it was never built; destroying it can
+/// take longer than many cycles, so a worker that exits leaves it to the system.
 std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording& recording,
-                                        int contacts_fd, const std::string& keep_walls = {});
+                                        int contacts_fd, const Kept& kept = {});
 
 /// Sets kFailed and the message, truncated to the size of the field.
 void ReportFailure(measure::Recording& recording, const std::string& message);

@@ -34,8 +34,6 @@ namespace cdb::worker {
 namespace {
 
 constexpr int kCannotReport = 2;
-/// Followed by the reason; a worker gives it to itself.
-constexpr const char* kKeepWalls = "--keep-walls";
 
 bool HasDescriptors() {
   for (const int fd : {measure::kRunFd, measure::kRecordingFd, measure::kContactsFd})
@@ -45,12 +43,13 @@ bool HasDescriptors() {
 
 /// The same run from the start in a process that has done nothing yet, with all walls.
 [[noreturn]] void StartAgain(const char* program, measure::Recording& recording,
-                             const world::OmissionGuardTripped& tripped) {
+                             const world::OmissionGuardTripped& tripped, const Kept& kept) {
   recording.Clear();
   if (lseek(measure::kRunFd, 0, SEEK_SET) != 0 || ftruncate(measure::kContactsFd, 0) != 0 ||
       lseek(measure::kContactsFd, 0, SEEK_SET) != 0)
     throw std::system_error(errno, std::generic_category(), "cannot start again");
-  execl("/proc/self/exe", program, kKeepWalls, tripped.what(), nullptr);
+  const std::string names = "walls " + kept.names;
+  execl("/proc/self/exe", program, measure::kKeepOption, names.c_str(), tripped.what(), nullptr);
   throw std::system_error(errno, std::generic_category(), "cannot start again");
 }
 
@@ -70,7 +69,7 @@ int DescribeLibrary(const std::string& path) {
   }
 }
 
-void RunWorker(const char* program, const std::string& keep_walls) {
+void RunWorker(const char* program, const Kept& kept) {
   const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
   measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
   const detection::NotesPluginCalls notes(recording.header().plugin_call);
@@ -86,11 +85,10 @@ void RunWorker(const char* program, const std::string& keep_walls) {
       if (plan::TraceOf(run.scene)) {
         ReplayTrace(run, recording, measure::kTraceFd);
       } else {
-        RunScene(run, recording, measure::kContactsFd, keep_walls)
-            .release();  // the system takes it down
+        RunScene(run, recording, measure::kContactsFd, kept).release();  // the system takes it down
       }
     } catch (const world::OmissionGuardTripped& tripped) {
-      StartAgain(program, recording, tripped);
+      StartAgain(program, recording, tripped, kept);
     }
   }
   // Where the run did not get that far.
@@ -111,8 +109,8 @@ int main(int argc, char** argv) {
   }
   const bool describes = argc == 3 && std::string_view(argv[1]) == detectors::kDescribeOption;
   const bool settles = argc == 2 && std::string_view(argv[1]) == kSettleOption;
-  const bool keeps_walls = argc == 3 && std::string_view(argv[1]) == kKeepWalls;
-  if (!describes && !settles && ((argc != 1 && !keeps_walls) || !HasDescriptors())) {
+  const bool keeps = argc == 4 && std::string_view(argv[1]) == measure::kKeepOption;
+  if (!describes && !settles && ((argc != 1 && !keeps) || !HasDescriptors())) {
     fmt::print(stderr,
                "{}: this program runs one run of a plan for `cdb run` and is not started by hand; "
                "use `cdb run FILE.cdb`\n",
@@ -127,7 +125,7 @@ int main(int argc, char** argv) {
     } else if (settles) {
       SettleForAnother(plan::RunFromYaml(measure::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
     } else {
-      RunWorker(argv[0], keeps_walls ? argv[2] : "");
+      RunWorker(argv[0], keeps ? Kept{argv[2], argv[3]} : Kept{});
     }
     std::fflush(nullptr);
     _exit(0);  // nothing left to take down that the system does not

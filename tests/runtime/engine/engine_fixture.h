@@ -74,7 +74,8 @@ inline Recorded RunHere(const plan::Scene& scene, int contacts_fd = -1) {
     recorded.engine = worker::RunScene(run, recorded.recording, contacts_fd);
   } catch (const world::OmissionGuardTripped& tripped) {
     recorded.recording.Clear();
-    recorded.engine = worker::RunScene(run, recorded.recording, contacts_fd, tripped.what());
+    recorded.engine =
+        worker::RunScene(run, recorded.recording, contacts_fd, {"walls", tripped.what()});
   }
   return recorded;
 }

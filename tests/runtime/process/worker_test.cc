@@ -32,7 +32,7 @@ constexpr double kForever = 300;
 
 process::Ending RunOne(const plan::Plan& plan, const process::StopFlag* stop = nullptr) {
   process::ProcessLauncher launcher(TestWorker(), 1, stop);
-  launcher.Start(0, plan.runs.at(0));
+  launcher.Start(0, plan.runs.at(0), "");
   std::optional<process::Ending> ending = launcher.Wait(kForever);
   if (!ending) throw std::runtime_error("no end");
   return std::move(*ending);
@@ -258,8 +258,8 @@ TEST(WorkerTest, SlotsHaveProcessorsOfTheirOwn) {
   const auto plan = MakeBehaviourPlan({kTellsPlace, kTellsPlace});
   for (const std::size_t slots : {std::size_t{2}, static_cast<std::size_t>(CPU_SETSIZE) + 1}) {
     process::ProcessLauncher launcher(TestWorker(), slots, nullptr);
-    launcher.Start(0, plan.runs[0]);
-    launcher.Start(1, plan.runs[1]);
+    launcher.Start(0, plan.runs[0], "");
+    launcher.Start(1, plan.runs[1], "");
     const process::Ending first = launcher.Wait(kForever).value();
     const process::Ending second = launcher.Wait(kForever).value();
     EXPECT_NE(first.slot, second.slot);
@@ -277,7 +277,7 @@ TEST(WorkerTest, SlotsHaveProcessorsOfTheirOwn) {
 TEST(WorkerTest, WaitsNoLongerThanAsked) {
   const auto plan = MakeBehaviourPlan({kHangs});
   process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
-  launcher.Start(0, plan.runs[0]);
+  launcher.Start(0, plan.runs[0], "");
   EXPECT_FALSE(launcher.Wait(0).has_value());
   EXPECT_FALSE(launcher.Wait(0.02).has_value());
   launcher.StopAll();
@@ -285,7 +285,7 @@ TEST(WorkerTest, WaitsNoLongerThanAsked) {
   EXPECT_EQ(errno, ECHILD);
   // The slot is free again.
   const auto more = MakeBehaviourPlan({kFinishes});
-  launcher.Start(0, more.runs[0]);
+  launcher.Start(0, more.runs[0], "");
   EXPECT_EQ(launcher.Wait(kForever).value().result.status, store::Status::kDone);
 }
 
@@ -293,7 +293,7 @@ TEST(WorkerTest, AStopEndsTheWaiting) {
   process::StopFlag stop;
   const auto plan = MakeBehaviourPlan({kHangs});
   process::ProcessLauncher launcher(TestWorker(), 1, &stop);
-  launcher.Start(0, plan.runs[0]);
+  launcher.Start(0, plan.runs[0], "");
   stop.Request(SIGINT);
   EXPECT_FALSE(launcher.Wait(kForever).has_value());
 }
@@ -302,7 +302,7 @@ TEST(WorkerTest, WhatHasEndedIsHandedOutBeforeAStop) {
   process::StopFlag stop;
   const auto plan = MakeBehaviourPlan({kEndsWithoutReport});
   process::ProcessLauncher launcher(TestWorker(), 1, &stop);
-  launcher.Start(0, plan.runs[0]);
+  launcher.Start(0, plan.runs[0], "");
   // Ended, but not yet waited for.
   siginfo_t info = {};
   ASSERT_EQ(waitid(P_ALL, 0, &info, WEXITED | WNOWAIT), 0);
@@ -331,7 +331,7 @@ TEST(WorkerTest, WhatCannotBeStartedIsNamed) {
   for (const fs::path& program : {text, folder.path() / "gone"}) {
     process::ProcessLauncher launcher({program, program}, 1, nullptr);
     try {
-      launcher.Start(0, plan.runs[0]);
+      launcher.Start(0, plan.runs[0], "");
       ADD_FAILURE() << "started " << program;
     } catch (const process::ScheduleError& error) {
       EXPECT_TRUE(Has(error.what(), program.string())) << error.what();
@@ -351,7 +351,7 @@ TEST(WorkerTest, NoDescriptorLeftIsAnError) {
     rlimit few = before;
     few.rlim_cur = most;
     setrlimit(RLIMIT_NOFILE, &few);
-    EXPECT_THROW(launcher.Start(0, plan.runs[0]), process::ScheduleError) << most;
+    EXPECT_THROW(launcher.Start(0, plan.runs[0], ""), process::ScheduleError) << most;
     setrlimit(RLIMIT_NOFILE, &before);
   }
   EXPECT_EQ(RunOne(plan).result.status, store::Status::kDone);
@@ -364,7 +364,7 @@ TEST(WorkerTest, NoMemoryForTheRecordingIsAnError) {
   auto plan = MakeBehaviourPlan({kFinishes}, shape);
   plan.runs[0].scene.groups[0].settings.Set("quantity", std::uint64_t{2147483647});
   process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
-  EXPECT_THROW(launcher.Start(0, plan.runs[0]), process::ScheduleError);
+  EXPECT_THROW(launcher.Start(0, plan.runs[0], ""), process::ScheduleError);
 }
 
 TEST(FindWorkersTest, LooksBesideAndInLibexec) {

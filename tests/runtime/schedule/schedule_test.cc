@@ -22,28 +22,38 @@ class FakeLauncher : public process::Launcher {
   };
   std::function<void()> before_wait = [] {};
   std::function<process::Pulse(std::size_t)> pulse;
+  /// The run must keep the walls for its own sake; the others leave out what they may.
+  std::function<bool(const plan::Run&)> needs_walls = [](const auto&) { return true; };
   std::vector<std::string> started;  // run ids, in order
   std::size_t most_at_once = 0;
   int stops = 0;
 
-  std::vector<std::pair<std::size_t, const plan::Run*>> running;
+  struct Started {
+    std::size_t slot;
+    const plan::Run* run;
+    std::string kept;
+  };
+  std::vector<Started> running;
 
-  void Start(std::size_t slot, const plan::Run& run) override {
-    for (const auto& [taken, other] : running) EXPECT_NE(taken, slot);
+  void Start(std::size_t slot, const plan::Run& run, const std::string& kept) override {
+    for (const Started& other : running) EXPECT_NE(other.slot, slot);
     started.push_back(run.id);
-    running.emplace_back(slot, &run);
+    running.push_back({slot, &run, kept});
     most_at_once = std::max(most_at_once, running.size());
   }
   std::optional<process::Ending> Wait(double) override {
     before_wait();
     if (running.empty()) return std::nullopt;
-    const auto [slot, run] = running.back();
+    const auto [slot, run, kept] = running.back();
     process::Ending ending;
     ending.slot = slot;
     ending.result.status = behave(*run);
     if (ending.result.status == store::Status::kMissing) return std::nullopt;
     running.pop_back();
     ending.result.host = "here";
+    const bool keeps = kept == "walls" || needs_walls(*run);
+    ending.result.omitted = keeps ? "" : "walls";
+    ending.result.decisions = keeps ? "walls: kept: reached" : "walls: left out: far away";
     return ending;
   }
   process::Pulse PulseOf(std::size_t slot) const override {
@@ -56,11 +66,17 @@ class FakeLauncher : public process::Launcher {
 };
 
 struct Ears : schedule::ProgressListener {
+  std::vector<std::string> repeated;  // run ids
   std::vector<std::string> warnings;
   std::size_t to_do = 0, began = 0, ended = 0, found = 0, ticks = 0, ends = 0;
   void Begin(const plan::Plan&, const std::vector<const plan::Run*>& runs, const schedule::Summary&,
              std::size_t) override {
     to_do = runs.size();
+  }
+  void Repeat(const plan::Plan&, const std::vector<const plan::Run*>& runs,
+              const std::string& components) override {
+    EXPECT_EQ(components, "walls");
+    for (const plan::Run* run : runs) repeated.push_back(run->id);
   }
   void RunStarted(const plan::Run&) override { ++began; }
   void RunEnded(const plan::Run&, const store::RunResult&, double) override { ++ended; }
@@ -115,6 +131,49 @@ TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
   EXPECT_EQ(ears.began, 9u);
   EXPECT_EQ(ears.ended, 9u);
   EXPECT_EQ(ears.ends, 1u);
+}
+
+std::string OmittedIn(const fs::path& folder, const plan::Run& run) {
+  return store::ReadShardInfo(folder / (run.id + ".h5")).omitted;
+}
+
+TEST_F(ScheduleTest, ComparedRunsLeaveOutTheSameParts) {
+  // The last run of two objects needs its walls; those of one and of three objects need none.
+  const auto is_compared = [](const plan::Run& run) { return run.scene.ObjectCount() == 2; };
+  const plan::Run* needy = nullptr;
+  for (const plan::Run* run : schedule::OrderRuns(plan))
+    if (is_compared(*run)) needy = run;
+  launcher.needs_walls = [&](const plan::Run& run) { return run.id == needy->id; };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
+  EXPECT_EQ(ears.repeated.size(), 2u);
+  EXPECT_EQ(launcher.started.size(), 11u);
+  for (const plan::Run& run : plan.runs)
+    EXPECT_EQ(OmittedIn(options.folder, run), is_compared(run) ? "" : "walls");
+  // All is there: nothing is left to do.
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 9}));
+  EXPECT_EQ(launcher.started.size(), 11u);
+}
+
+TEST_F(ScheduleTest, RunsAfterOneThatNeedsAPartKeepItAtOnce) {
+  const std::string first = schedule::OrderRuns(plan)[0]->id;
+  launcher.needs_walls = [&](const plan::Run& run) { return run.id == first; };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
+  EXPECT_TRUE(ears.repeated.empty());
+  EXPECT_EQ(launcher.started.size(), 9u);
+}
+
+TEST_F(ScheduleTest, ARepeatThatEndsBadlyLosesNothing) {
+  const auto order = schedule::OrderRuns(plan);
+  launcher.needs_walls = [&](const plan::Run& run) { return run.id == order.back()->id; };
+  launcher.behave = [&](const plan::Run&) {
+    return launcher.started.size() > 9 ? store::Status::kCrashed : store::Status::kDone;
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
+  EXPECT_EQ(ears.repeated.size(), 2u);
+  EXPECT_EQ(ears.warnings.size(), 2u);
+  for (const std::string& id : ears.repeated)
+    EXPECT_EQ(store::ReadShardInfo(options.folder / (id + ".h5")).outcome.status,
+              store::Status::kDone);
 }
 
 TEST_F(ScheduleTest, HasAsManyAtOnceAsJobs) {
@@ -314,7 +373,7 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
   launcher.before_wait = [&] {
     if (ears.ended != 4) return;
     // A folder where the file should be: no file can be renamed onto it.
-    fs::create_directories(options.folder / (launcher.running.back().second->id + ".h5") / "x");
+    fs::create_directories(options.folder / (launcher.running.back().run->id + ".h5") / "x");
   };
   try {
     Run(plan);
@@ -333,10 +392,10 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
 
 TEST_F(ScheduleTest, ALauncherThatRefusesEndsTheWork) {
   struct Refuser : FakeLauncher {
-    void Start(std::size_t slot, const plan::Run& run) override {
+    void Start(std::size_t slot, const plan::Run& run, const std::string& kept) override {
       if (started.size() == 3)
         throw process::ScheduleError("cannot start a run: no more processes");
-      FakeLauncher::Start(slot, run);
+      FakeLauncher::Start(slot, run, kept);
     }
   } refuser;
   EXPECT_THROW(schedule::Execute(plan, options, refuser, ears), process::ScheduleError);

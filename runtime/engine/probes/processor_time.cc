@@ -1,0 +1,55 @@
+#include "runtime/engine/probes/processor_time.h"
+
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include "runtime/measure/host.h"
+
+namespace cdb::probes {
+namespace {
+
+double ClockNs(clockid_t clock) {
+  timespec time = {};
+  clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) * 1e9 + static_cast<double>(time.tv_nsec);
+}
+
+double StolenNs() {
+  std::ifstream stat("/proc/stat");
+  std::string cpu;
+  double user = 0, nice = 0, system = 0, idle = 0, iowait = 0, irq = 0, softirq = 0, steal = 0;
+  if (!(stat >> cpu >> user >> nice >> system >> idle >> iowait >> irq >> softirq >> steal))
+    return std::numeric_limits<double>::quiet_NaN();
+  return steal * 1e9 / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+}  // namespace
+
+ProcessorTime::Reading ProcessorTime::Read() {
+  Reading now;
+  now.stolen_ns = StolenNs();
+  rusage usage = {};
+  getrusage(RUSAGE_THREAD, &usage);
+  now.preemptions = static_cast<double>(usage.ru_nivcsw);
+  now.faults = static_cast<double>(usage.ru_minflt + usage.ru_majflt);
+  now.cpu_ns = ClockNs(CLOCK_THREAD_CPUTIME_ID);
+  now.wall_ns = ClockNs(CLOCK_MONOTONIC);
+  return now;
+}
+
+void ProcessorTime::Store(measure::RunScalars& scalars) const {
+  const Reading end = Read();
+  scalars.cycles_wall_ns = end.wall_ns - begin_.wall_ns;
+  scalars.cycles_cpu_ns = end.cpu_ns - begin_.cpu_ns;
+  scalars.preemptions = end.preemptions - begin_.preemptions;
+  scalars.page_faults = end.faults - begin_.faults;
+  scalars.stolen_ns = end.stolen_ns - begin_.stolen_ns;
+  scalars.processors = measure::ProcessorCount();
+}
+
+}  // namespace cdb::probes
