@@ -12,6 +12,7 @@
 #include "runtime/store/layout.h"
 #include "runtime/store/layout_file.h"
 #include "runtime/store/safe_file.h"
+#include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
@@ -90,7 +91,7 @@ std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
   const std::uint64_t rows = ContactRows(run, result);
   const Layout layout = MakeLayout(plan, facts, &run, rows);
   hdf5::File file = hdf5::File::CreateInMemory();
-  WriteHead(file, plan, facts, layout, fmt::format("run {}", run.id));
+  WriteHead(file, plan, facts, fmt::format("run {}", run.id));
   file.SetText("run_id", run.id);
   CreateArrays(file, layout);
   WriteSeries(file, layout, run, result);
@@ -107,8 +108,9 @@ std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
   hdf5::Group group = file.CreateGroup("provenance");
   for (const auto& [name, text] : provenance) group.SetText(name.c_str(), text);
   if (!result.models.empty()) group.SetText("models", result.models);
-  group.CreateDataset({"run_text", hdf5::Type::kText, {}, {}, 0})
-      .WriteText({{plan::RunToYaml(run)}});
+  hdf5::Dataset text = group.CreateDataset({"run_text", hdf5::Type::kText, {}, {}, 0});
+  text.WriteText({{plan::RunToYaml(run)}});
+  text.SetText("long_name", "all that decides the run, as YAML");
   return file.Image();
 }
 
@@ -147,7 +149,7 @@ hdf5::File OpenShard(const std::filesystem::path& path) {
   const std::vector<std::byte> image = ReadSealed(path);
   try {
     hdf5::File file = hdf5::File::OpenImage(image);
-    CheckHead(file, path.string());
+    ReadVersion(file, path.string());
     return file;
   } catch (const hdf5::Error& error) {
     throw StoreError(
