@@ -13,8 +13,10 @@
 #include "compiler/evaluate/dependencies.h"
 #include "compiler/evaluate/ranges.h"
 #include "compiler/plan/reference.h"
+#include "compiler/plan/requested_errors.h"
 #include "compiler/plan/trace.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/result_names.h"
 
 namespace cdb::compiler {
 namespace {
@@ -48,6 +50,7 @@ class Expander {
   std::optional<plan::Plan> Run() {
     if (!layered_.has_base() || !Configure()) return std::nullopt;
     MakeAxes();
+    CheckAxisNames({});
     const bool countable = !Failed();
     if (!countable || !CountRuns()) {
       // No grid, but each setting can still be looked at.
@@ -56,6 +59,8 @@ class Expander {
     }
     MakeRuns();
     if (Failed() || broken_) return std::nullopt;
+    CheckAxisNames(plan::ErrorsOf(plan_));
+    if (Failed()) return std::nullopt;
     plan::AddReferences(plan_);
     if (plan_.runs.empty()) {
       diagnostics_.Report(scenario::kNoRuns, benchmark_.benchmark->name.span,
@@ -131,6 +136,22 @@ class Expander {
     axis.order = sweep.order;
     axis.sweep = &sweep;
     grid_.push_back(std::move(axis));
+  }
+
+  /// An axis is a variable of the results, so it cannot have the name of another.
+  void CheckAxisNames(const std::vector<const schema::ErrorInfo*>& errors) {
+    for (const GridAxis& axis : grid_) {
+      const std::string& name = axis.axis.name;
+      const auto clash = schema::FindNameClash(name, errors);
+      if (!clash) continue;
+      const bool is_cases = axis.sweep == nullptr;
+      diagnostics_.Report(
+          scenario::kReservedName,
+          is_cases ? layered_.case_axes()[axis.case_axis].span : axis.sweep->span,
+          fmt::format("an axis cannot be called '{}', which is {}", name, *clash),
+          is_cases ? fmt::format("give the cases another name: cases {}_case {{ … }}", name)
+                   : fmt::format("give the axis another name: sweep(…) as {}_value", name));
+    }
   }
 
   /// The axis holds every value that it has in some case; where it is not swept, the one that

@@ -4,6 +4,7 @@ file <- nc_open(commandArgs(trailingOnly = TRUE)[1])
 axes <- strsplit(ncatt_get(file, 0, "axes")$value, " ")[[1]]
 step <- match("step", ncvar_get(file, "phase"))
 
+# Facts of the runs are called "run/host", errors "accuracy/energy", their axes "accuracy/hz".
 # R sees the dimensions reversed: cycle, phase, rep, and the axes, the last one first.
 duration <- ncvar_get(file, "duration", collapse_degen = FALSE)
 extent <- dim(duration)

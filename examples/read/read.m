@@ -12,6 +12,7 @@ end
 values = cellfun(@(axis) coordinate(file, axis), axes, "UniformOutput", false);
 step = find(strcmp(coordinate(file, "phase"), "step"));
 
+% Numbers in groups are called "/run/peak_rss", "/accuracy/energy", their axes "/accuracy/hz".
 % Octave sees the dimensions reversed: cycle, phase, rep, and the axes, the last one first.
 duration = ncread(file, "duration");
 cells = reshape(duration(:, step, :), size(duration, 1) * size(duration, 3), []);

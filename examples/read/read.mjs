@@ -6,6 +6,7 @@ const file = new h5wasm.File(process.argv[2], "r");
 const axes = (file.attrs.axes?.value ?? "").split(" ").filter(Boolean);
 const values = axes.map((axis) => Array.from(file.get(axis).value));
 const step = file.get("phase").value.indexOf("step");
+// Facts of the runs are called "run/host", errors "accuracy/energy", their axes "accuracy/hz".
 const { shape, value } = file.get("duration"); // axes…, rep, phase, cycle; one flat array
 const [reps, phases, cycles] = shape.slice(-3);
 for (let cell = 0; cell * reps * phases * cycles < value.length; ++cell) {

@@ -16,7 +16,7 @@ def with_h5py(path):
 
 def with_xarray(path):
     import xarray
-    data = xarray.open_dataset(path)
+    data = xarray.open_dataset(path)  # group="run": host, peak_rss, …; group="accuracy": errors
     median = data.duration.sel(phase="step").median(["rep", "cycle"])
     print(median.drop_vars("phase").to_series().dropna().to_csv(sep="\t", header=False), end="")
 

@@ -4,10 +4,12 @@ namespace cdb::measure {
 
 std::span<const RunScalarInfo> AllRunScalars() {
   static constexpr RunScalarInfo kScalars[] = {
-      {"peak_rss", "bytes", "most memory that the run's process held", &RunScalars::peak_rss_bytes},
-      {"place_time", "ns", "time of finding a place for every object", &RunScalars::place_ns},
-      {"build_time", "ns", "time of making the world", &RunScalars::build_ns},
-      {"harness", "ns", "what a cycle's calling of a detector costs beside the detector's own work",
+      {"peak_rss", "bytes", "peak memory of the run's process", &RunScalars::peak_rss_bytes},
+      {"place_time", "ns", "time to place the objects", &RunScalars::place_ns},
+      {"build_time", "ns", "time to decide the omissions and build the world",
+       &RunScalars::build_ns},
+      {"harness", "ns",
+       "measurement overhead of a cycle: time stamps, and calling a detector that does nothing",
        &RunScalars::harness_ns},
       {"fill_fraction", "", "volume of the objects over that of the world",
        &RunScalars::fill_fraction},
@@ -17,11 +19,12 @@ std::span<const RunScalarInfo> AllRunScalars() {
       {"cpu_time", "ns", "time of that which the thread spent on a processor",
        &RunScalars::cycles_cpu_ns},
       {"preemptions", "", "how often the thread was taken off its processor meanwhile",
-       &RunScalars::preemptions},
-      {"page_faults", "", "page faults of the thread meanwhile", &RunScalars::page_faults},
+       &RunScalars::preemptions, true},
+      {"page_faults", "", "page faults of the thread meanwhile", &RunScalars::page_faults, true},
       {"steal", "ns", "processor time taken by other virtual machines meanwhile, of all processors",
        &RunScalars::stolen_ns},
-      {"processors", "", "processors that the run was allowed to use", &RunScalars::processors},
+      {"processors", "", "processors that the run was allowed to use", &RunScalars::processors,
+       true},
   };
   return kScalars;
 }

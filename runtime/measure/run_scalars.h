@@ -30,6 +30,7 @@ struct RunScalarInfo {
   std::string_view unit;
   std::string_view doc;  ///< the array's long_name
   double RunScalars::*value;
+  bool is_count = false;  ///< an int32 in the results
 };
 std::span<const RunScalarInfo> AllRunScalars();
 

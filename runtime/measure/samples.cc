@@ -23,6 +23,13 @@ std::span<const std::string_view> StateNames() {
   return kNames;
 }
 
+std::string_view ObservableUnits() {
+  return "J J m/s^2 m/s^2 m/s^2 kg.m/s kg.m/s kg.m/s kg.m^2/s kg.m^2/s kg.m^2/s kg.m/s kg.m^2/s "
+         "1 1 1 1 1 1 1 1 1 rad 1";
+}
+
+std::string_view StateUnits() { return "m m m 1 1 1 1 m/s m/s m/s rad/s rad/s rad/s"; }
+
 std::optional<SampleShape> SampleShapeOf(const plan::Scene& scene) {
   const auto sampling = plan::SamplingOf(scene);
   if (!sampling) return std::nullopt;

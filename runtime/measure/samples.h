@@ -50,6 +50,9 @@ enum Observable {
 };
 std::span<const std::string_view> ObservableNames();
 std::span<const std::string_view> StateNames();
+/// The unit of each, separated by spaces; 1 where it has none.
+std::string_view ObservableUnits();
+std::string_view StateUnits();
 
 /// Places in a block of doubles that holds all of a run's samples: bodies, then states, then
 /// observables.

@@ -18,7 +18,8 @@ constexpr Series kSeries[] = {
      "potentially colliding pairs of the broad phase", true},
     {"manifolds", "counts stability", kInt32, kScalar, "", "contact manifolds that hold a point"},
     {"contacts", "counts contacts stability", kInt32, kScalar, "", "contact points"},
-    {"kinetic_energy", "energy stability", kFloat64, kScalar, "J", "translation and rotation"},
+    {"kinetic_energy", "energy stability", kFloat64, kScalar, "J",
+     "kinetic energy of translation and rotation"},
     {"energy", "energy stability", kFloat64, kScalar, "J",
      "kinetic and potential energy, that of springs too, with the integrator's own term, dt F.v / "
      "2"},
@@ -26,14 +27,15 @@ constexpr Series kSeries[] = {
      "deepest contact; 0 where none overlaps"},
     {"penetration_ratio", "stability", kFloat64, kScalar, "",
      "deepest contact over the least side of the smaller object"},
-    {"max_speed", "stability", kFloat64, kScalar, "m/s", "of any object's centre of mass"},
+    {"max_speed", "stability", kFloat64, kScalar, "m/s",
+     "highest speed of any object's centre of mass"},
     {"escaped", "stability", kInt32, kScalar, "", "objects with their centre beyond a wall"},
     {"asleep", "stability", kInt32, kScalar, "", "objects that Bullet has put to sleep"},
     {"removed", "stability", kInt32, kScalar, "",
      "objects that Bullet has switched off, or whose box it cannot hold"},
     {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not a number"},
     {"displacement", "stability", kFloat64, kScalar, "",
-     "farthest way of an object from its place before the first cycle, over its least side"},
+     "largest displacement of an object since the first cycle, over its least side"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
      "way gone over way to go, |v| dt, since it was last pushed, of the object where it is "
      "farthest "
@@ -48,14 +50,14 @@ constexpr Series kSeries[] = {
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
     {"boxes", "boxes", kFloat64, kBox, "m",
-     "as the broad phase was given them in the cycle; a plane's is infinite, a wall that is left "
-     "out has none"},
+     "boxes as the broad phase was given them in the cycle; a plane's is infinite, a wall that is "
+     "left out has none"},
     {"box_filters", "boxes", kFloat64, kFilter, "",
-     "whom a body may meet: two may where each one's group is in the other's mask and not both "
-     "are fixed"},
+     "bits of the body's group and of the groups it may meet, and 1 if it is fixed; float64, as "
+     "masks have 32 bits"},
     {"exact_pairs", "pairs", kInt32, kScalar, "",
      "pairs that may collide and whose boxes overlap, by brute force in double", true},
-    {"missed_pairs", "pairs", kInt32, kScalar, "", "of those, pairs that the detector did not list",
+    {"missed_pairs", "pairs", kInt32, kScalar, "", "exact pairs that the detector did not list",
      true},
     {"phantom_pairs", "pairs", kInt32, kScalar, "",
      "pairs that the detector listed and whose boxes do not overlap", true},
@@ -63,8 +65,9 @@ constexpr Series kSeries[] = {
     {"missed_contacts", "pairs", kInt32, kScalar, "",
      "overlaps known in closed form that have no contact"},
     {"depth_error", "pairs", kFloat64, kScalar, "",
-     "mean error of the depth of the others, in sizes of the smaller object"},
-    {"normal_error", "pairs", kFloat64, kScalar, "rad", "mean error of their normals"},
+     "mean error of the depth of overlaps known in closed form, in sizes of the smaller object"},
+    {"normal_error", "pairs", kFloat64, kScalar, "rad",
+     "mean error of the normals of overlaps known in closed form"},
 };
 
 constexpr std::string_view kPhases[kPhaseCount] = {"broad", "narrow",    "detect",
@@ -79,7 +82,7 @@ constexpr DimensionInfo kDimensions[] = {
     {"phase", "part of a cycle that is timed", kPhases},
     {"cycle", "recorded cycle"},
     {"body", "object, in the order of its group and within it"},
-    {"pose", "centre of mass, m, and quaternion", kPoseComponents},
+    {"pose", "centre of mass and orientation quaternion", kPoseComponents, "m m m 1 1 1 1"},
     {"box_body", "object as of `body`, then the walls -x +x -y +y -z +z"},
     {"bound", "side of a box", kBounds},
     {"filter", "what decides whom a body may meet", kFilterComponents},

@@ -22,6 +22,8 @@ struct DimensionInfo {
   std::string_view name;
   std::string_view doc;                           ///< the coordinate's long_name
   std::span<const std::string_view> labels = {};  ///< empty if the extent depends on the run
+  /// The unit of each label, separated by spaces; empty if the series has one for all.
+  std::string_view units = {};
 };
 const DimensionInfo& InfoOf(Dimension dimension);
 

@@ -47,7 +47,8 @@ STATEMENTS
   cases load { calm { ... } storm { ... } }    an axis of named sets of settings, which override the
                               other settings. Without a name, the axis is called `case`. If a case
                               contains a sweep, the axis holds the values of every case, and cells
-                              that belong to no case are skipped.
+                              that belong to no case are skipped. An axis cannot have the name of
+                              a variable of the results: see `cdb doc results`.
   skip when quantity > 3000 and detector == simple     skips points, which remain as cells of the
                               results. Names are axes, lets and parameters; operators are
                               and, or, not, ( ), == != < <= > >=
@@ -149,12 +150,13 @@ and placed, from where each object can be during the run, and which objects it m
 that names detection omits it nevertheless: it states that nothing is to be detected.
   Contacts are hard to predict, so the run is monitored. If an object approaches a wall that it was
 proven not to reach, or touches two things at once, so that the order of contacts might matter, the
-run is restarted with all walls under `auto`, and fails under a list; `needs` in the results says so.
+run is restarted with all walls under `auto`, and fails under a list; /run/needs in the results
+says so.
   Runs that differ only in detector, narrow phase, pair order, threads, seed or repeat are compared,
 so they have the same parts wherever that affects a measurement: if one of them needs a part, those
 that were measured without it are measured once more. (With `--shard`, only runs of the same shard.)
   `cdb show` names every omission that affects a measurement. The results state for each run what
-became of each part, and why (`omitted`, `needs`). `cdb plan FILE` shows what follows from the
+became of each part, and why (/run/omitted, /run/needs). `cdb plan FILE` shows what follows from the
 settings, before any run; `cdb plan --why FILE` places the objects and explains every decision.
   After `omit`, `sleeping` is the part of that name; elsewhere it is the switch.
 
@@ -162,9 +164,10 @@ settings, before any run; `cdb plan --why FILE` places the objects and explains 
 
 const std::string_view kNoiseReference = R"reference(WHETHER A RUN HAD THE MACHINE TO ITSELF
 
-Every run measures what the machine did to it while its recorded cycles ran; in the results:
-`cycles_time`, `cpu_time`, `preemptions`, `page_faults`, `steal`, `processors`, and `load` of when it
-began. From them it is judged `quiet` or `noisy` (`noise`, and `noise_cause` in words). It is noisy if
+Every run measures what the machine did to it while its recorded cycles ran; in the group /run of the
+results: `cycles_time`, `cpu_time`, `preemptions`, `page_faults`, `steal`, `processors`, and
+`load_average` of when it began. From them it is judged quiet or noisy (`noise`, and `noise_cause` in
+words). It is noisy if
   - more than 2 % of the time was not spent on a processor (runs with one thread),
   - other virtual machines stole more than 1 % of the time,
   - the load average of the minute before was above the number of processors, or
@@ -290,9 +293,10 @@ and a plane wall, if it is deeper than a ten thousandth of the size of the small
 is the least translation that separates the two. If the depth along another normal is within 1 %,
 the normal is not compared. A run without any exact overlap has no errors of `geometry`.
 
-  /accuracy/NAME (..., rep)             and NAME_floor, horizon, timestep, truth, message
-  /accuracy/NAME_series (..., rep, sample)
+  /accuracy/NAME (..., rep)             and NAME_floor, horizon, step_size, truth, message
+  /accuracy/NAME_series (..., rep, sample)    sample: time in s
   /accuracy/reference/...               states and observables of each reference and perturbed run
+                                        (reference, sample, ...)
 
   cdb show FILE --error NAME            for each configuration its speed, its error, and whether it
                                         is on the Pareto front. --by AXIS,... selects the axes of the
@@ -303,8 +307,8 @@ the normal is not compared. A run without any exact overlap has no errors of `ge
 
 const std::string_view kResultsReference = R"reference(THE RESULTS FILE
 
-A benchmark yields one HDF5 file, which is also valid netCDF-4. It holds the whole sweep as a tensor
-with named axes. For the axes quantity and detector:
+A benchmark yields one HDF5 file, which is also valid netCDF-4 and follows CF-1.8 where it applies.
+It holds the whole sweep as a tensor with named axes. For the axes quantity and detector:
 
   quantity(quantity)                      coordinate, one for each axis
   detector(detector)                      text; the attribute `labels` holds the words as well
@@ -314,28 +318,48 @@ with named axes. For the axes quantity and detector:
   status(quantity, detector, rep)         how the run ended; the values are listed below
   verdict                                 whether the simulation was sound: `cdb doc verdicts`
   first_bad_cycle                         the first cycle at which the verdict applies; -1 if none
-  n_cycles                                number of cycles that ran
-  state_hash                              hash of the position, orientation and velocities of every
+  n_cycles                                number of cycles that ran; -1 if there is no run
+  /run                                    the other facts of each run (quantity, detector, rep):
+    state_hash                            hash of the position, orientation and velocities of every
                                           body after the last cycle; always the same for the same
                                           plan
-  omitted                                 parts of the engine that the run omitted: `cdb doc omit`
-  needs                                   the decision about each part and its reason, one per line
-  run_id, message, host, started, load, peak_rss, place_time, build_time, fill_fraction
-  harness                                 measurement overhead in ns per cycle: time stamps, and
+    omitted                               parts of the engine that the run omitted: `cdb doc omit`
+    needs                                 the decision about each part and its reason, one per line
+    run_id, message, host, started, load_average, peak_rss, place_time, build_time, fill_fraction
+    harness                               measurement overhead in ns per cycle: time stamps, and
                                           calling a detector that does nothing; included in the
                                           durations, not subtracted
   /accuracy                               errors, if the scenario asks for them: `cdb doc accuracy`
   /provenance                             build, machine, plan_text and scenario_text; plugins of
                                           the command line; models: how well the convex hulls
-                                          approximate the meshes of the scene
+                                          approximate the meshes of the scene. A fact that differs
+                                          between runs is an array over `run`, their run_id.
 
-If an axis has the name of a dataset above, it is stored as NAME_axis: `cases load { }` as load_axis.
+Each group with axes has their coordinates, so that a value is found by its labels: in xarray,
+  open_dataset("out.h5").duration.sel(detector="dbvt", phase="step")
+  open_dataset("out.h5", group="run").peak_rss.sel(detector="dbvt")
+  open_dataset("out.h5", group="accuracy").energy.sel(detector="dbvt")
+
+Every variable has a long_name, and every number units ("1" if it has none; poses and states of
+references list theirs in component_units). Counts are int32, and statuses are int8 with
+flag_meanings. Durations are float64 and hold whole nanoseconds exactly, up to 104 days; bytes, rows
+of contacts and masks of 32 bits are float64 too. The _FillValue, -1 in counts and NaN in float64,
+marks cycles that did not run and runs that do not exist. The arrays are as long as the longest run;
+the rest of a shorter one is padding with fill values. It is compressed, and `cdb show` states its
+share.
+
+An axis keeps the name that the scenario gives it. `cdb check` refuses a name that is taken: those of
+the variables and groups in the root, of the facts in /run, and, if the scenario asks for errors, of
+the arrays in /accuracy.
+
+Results of schema version 1 are read too: `cdb show` prints them, and their shards can be merged and
+resumed. They hold the facts of a run in the root.
 
 `record boxes` adds the input of the broad phase: boxes over box_body (objects, then the walls that
 are present), and box_filters, which bodies each may collide with. `cdb trace` makes a file of them.
 `record contacts` adds a ragged array: contact_body, contact_point, contact_normal and
-contact_distance over `contact`, cell after cell. `contacts` is the number of rows of each cycle, and
-contact_first the first row of each run.
+contact_distance over `contact_row`, cell after cell. `contacts` is the number of rows of each
+cycle, and contact_first the first row of each run.
 `record pairs` compares the detector with brute force, in double precision, on the boxes of each
 cycle: exact_pairs is the number of pairs, missed_pairs of which the detector did not list;
 phantom_pairs are false positives, and duplicate_pairs were listed more than once. Contacts are

@@ -21,6 +21,8 @@ namespace {
 using Cell = store::ResultFile::Cell;
 
 constexpr std::size_t kMaxBadListed = 8;
+/// A smaller share of the tensor without values is not worth a line.
+constexpr double kNoticeablePadding = 0.05;
 
 class Head {
  public:
@@ -51,7 +53,24 @@ class Head {
         fmt::format("{}\n  {} {}{}, {} cycles", file_.title(), cells, cells == 1 ? "run" : "runs",
                     grid.empty() ? "" : " (" + grid + ")", file_.cycles());
     if (groups_.skipped > 0) text += fmt::format(", {} left out by skip", groups_.skipped);
-    return text + '\n';
+    return text + '\n' + Padding();
+  }
+
+  /// The tensor is as long as the longest run; the cycles that shorter ones lack have no values.
+  std::string Padding() const {
+    std::uint64_t least = file_.cycles(), all = 0;
+    for (const Cell& cell : groups_.good) {
+      const std::uint64_t cycles = file_.ReadCycleCount(cell);
+      least = std::min(least, cycles);
+      all += cycles;
+    }
+    const double room = static_cast<double>(groups_.good.size() * file_.cycles());
+    const double share = room > 0 ? 1 - static_cast<double>(all) / room : 0;
+    if (share < kNoticeablePadding) return {};
+    return fmt::format(
+        "  The runs have {} to {} cycles: {:.0f} % of the arrays over cycle is padding without "
+        "values.\n",
+        least, file_.cycles(), 100 * share);
   }
 
   /// Why the timings are not to be quoted.

@@ -33,11 +33,17 @@ std::vector<double> Indices(std::uint64_t n) {
 }
 
 Dimension Counted(std::string name, std::uint64_t size, std::string doc) {
-  return {std::move(name), size, Type::kInt32, Indices(size), {}, {{"long_name", std::move(doc)}}};
+  return {std::move(name),
+          size,
+          Type::kInt32,
+          Indices(size),
+          {},
+          {{"units", kNoUnit}, {"long_name", std::move(doc)}},
+          {}};
 }
 
 Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc) {
-  Dimension dimension{std::move(name), texts.size(), Type::kText, {}, {}, {}};
+  Dimension dimension{std::move(name), texts.size(), Type::kText, {}, {}, {}, {}};
   for (const char separator : kSeparators) {
     const bool is_free = std::ranges::all_of(texts, [&](const std::string& text) {
       return !text.empty() && text.find(separator) == std::string::npos;
@@ -64,13 +70,13 @@ Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_
     dimension = Labelled(axis.name, std::move(texts), "");
   } else {
     // By the whole axis, so that a shard's coordinate has the type of the merged one.
-    dimension = {axis.name, values.size(), axis.IsInteger() ? Type::kInt32 : Type::kFloat64, {}, {},
-                 {}};
+    dimension.name = axis.name;
+    dimension.size = values.size();
+    dimension.type = axis.IsInteger() ? Type::kInt32 : Type::kFloat64;
     for (const auto& value : values) dimension.numbers.push_back(std::get<double>(value));
   }
-  dimension.attributes.emplace("axis_name", axis.name);
   dimension.attributes.emplace("parameter", axis.parameter);
-  dimension.attributes.emplace("units", axis.unit);
+  dimension.attributes.emplace("units", axis.unit.empty() && !axis.IsText() ? kNoUnit : axis.unit);
   dimension.attributes.emplace("long_name", LongName(axis));
   return dimension;
 }

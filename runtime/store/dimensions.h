@@ -14,12 +14,13 @@ namespace cdb::store {
 
 /// A dimension with its coordinate, a dataset of the same name.
 struct Dimension {
-  std::string name;
+  std::string name;  ///< with its group: `run/quantity`
   std::uint64_t size = 0;
   hdf5::Type type = hdf5::Type::kInt32;
   std::vector<double> numbers;     ///< the coordinate; `size` of them,
   std::vector<std::string> texts;  ///< or of these; neither: a dimension without a coordinate
   std::map<std::string, std::string> attributes;
+  std::string units_by_label;  ///< separated by spaces, if the labels differ in unit
 };
 
 /// The numbers from 0 to `n` - 1.
@@ -29,6 +30,8 @@ Dimension Counted(std::string name, std::uint64_t size, std::string doc);
 /// A dimension of words. Readers that cannot read text datasets (Octave) find them in the attribute
 /// `labels`, which is missing where one of them contains every separator.
 Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc);
+/// What files say of a number without a unit, by the netCDF Climate and Forecast conventions.
+inline constexpr const char* kNoUnit = "1";
 /// The values of an axis, the one numbered `index`; only that of `run` where that is not null.
 Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_t index);
 

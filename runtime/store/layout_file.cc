@@ -7,6 +7,8 @@
 #include <ctime>
 #include <vector>
 
+#include "runtime/store/versions.h"
+
 namespace cdb::store {
 namespace {
 
@@ -15,16 +17,25 @@ using hdf5::Type;
 /// netCDF's mark, by its file format specification, of a dimension without a coordinate.
 constexpr std::string_view kNoCoordinate = "This is a netCDF dimension but not a netCDF variable.";
 
+constexpr std::string_view kComment =
+    "Durations are whole nanoseconds as float64, which holds them exactly up to 104 days, has a "
+    "value for none, and is a number in every language. Counts are int32. The fill value (NaN, or "
+    "-1 for counts) marks cycles that did not run and runs that do not exist. Coordinates of text "
+    "are labels, and axes are in the order of the scenario, so that neither need be monotonic.";
+
 std::string Now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+/// The groups on the way to `path`, as far as they are missing.
+void CreateGroups(hdf5::File& file, const std::string& path) {
+  for (std::size_t slash = path.find('/'); slash != std::string::npos;
+       slash = path.find('/', slash + 1))
+    if (const std::string group = path.substr(0, slash); !file.Has(group)) file.CreateGroup(group);
+}
 
 }  // namespace
 
 void CreateArrays(hdf5::File& file, const Layout& layout) {
-  for (const Array& array : layout.arrays)
-    for (std::size_t slash = array.name.find('/'); slash != std::string::npos;
-         slash = array.name.find('/', slash + 1))
-      if (const std::string group = array.name.substr(0, slash); !file.Has(group))
-        file.CreateGroup(group);
+  for (const Dimension& dimension : layout.dimensions) CreateGroups(file, dimension.name);
   for (const Dimension& dimension : layout.dimensions) {
     hdf5::Dataset dataset =
         file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});
@@ -35,7 +46,7 @@ void CreateArrays(hdf5::File& file, const Layout& layout) {
       dataset.Write(dimension.numbers);
     }
     const bool has_coordinate = is_text || !dimension.numbers.empty();
-    dataset.MakeScale(has_coordinate ? dimension.name
+    dataset.MakeScale(has_coordinate ? dimension.name.substr(dimension.name.rfind('/') + 1)
                                      : fmt::format("{}{:10}", kNoCoordinate, dimension.size));
     for (const auto& [name, text] : dimension.attributes) dataset.SetText(name.c_str(), text);
   }
@@ -56,10 +67,12 @@ void CreateArrays(hdf5::File& file, const Layout& layout) {
 }
 
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
-               const Layout& layout, std::string_view what) {
+               std::string_view what) {
   const std::string now = Now();
+  file.SetText("Conventions", kConventions);
   file.SetText("title", plan.title.empty() ? plan.benchmark : plan.title);
   file.SetText("source", plan.source);
+  file.SetText("comment", kComment);
   file.SetText("schema", kSchema);
   file.SetNumber("schema_version", Type::kInt32, kSchemaVersion);
   file.SetText("history", fmt::format("{} cdb: {}", now, what));
@@ -68,22 +81,8 @@ void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
   file.SetText("benchmark", plan.benchmark);
   std::string axes;
   for (std::size_t i = 0; i < plan.axes.size(); ++i)
-    axes.append(i == 0 ? "" : " ").append(layout.dimensions[i].name);
+    axes.append(i == 0 ? "" : " ").append(plan.axes[i].name);
   file.SetText("axes", axes);
-}
-
-void CheckHead(const hdf5::File& file, const std::string& name) {
-  if (file.Text("schema") != kSchema)
-    throw StoreError(
-        fmt::format("{}: is HDF5, but not a result of cdb; it was left as it is: "
-                    "choose another file",
-                    name));
-  const double version = file.Number("schema_version");
-  if (version != kSchemaVersion)
-    throw StoreError(
-        fmt::format("{}: is a result of schema version {}, and this cdb reads version "
-                    "{}; it was left as it is: use the cdb that wrote it",
-                    name, version, kSchemaVersion));
 }
 
 }  // namespace cdb::store

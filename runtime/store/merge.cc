@@ -5,8 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
-#include <map>
-#include <set>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -17,10 +16,12 @@
 #include "compiler/plan/plan_yaml.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/layout_file.h"
+#include "runtime/store/merged_provenance.h"
 #include "runtime/store/reference_shard.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/store.h"
+#include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
@@ -46,6 +47,20 @@ struct CopiedRows {
 struct Cells {
   const plan::Run* run;
   std::vector<std::size_t> cells;
+};
+
+/// A shard that is being merged.
+struct Source {
+  const hdf5::File& file;
+  int version;
+
+  /// Nullopt if the version of the shard did not have the array; the merged file keeps fill values
+  /// then.
+  std::optional<hdf5::Dataset> Open(const std::string& path) const {
+    const std::string there = PathIn(version, path);
+    if (version < kSchemaVersion && !file.Has(there)) return std::nullopt;
+    return file.OpenDataset(there);
+  }
 };
 
 std::size_t FlatIndex(const hdf5::Shape& grid, const std::vector<std::size_t>& at,
@@ -78,7 +93,7 @@ class Merger {
       numbers_.emplace_back(hdf5::Product(grid), number.missing);
     for (const RunText& text : facts_.texts) {
       texts_.emplace_back(hdf5::Product(grid));
-      if (text.name != "run_id") continue;
+      if (text.name != "run/run_id") continue;
       for (const Cells& cells : runs_)
         for (const std::size_t cell : cells.cells) texts_.back()[cell] = cells.run->id;
     }
@@ -91,8 +106,7 @@ class Merger {
     hdf5::File file = hdf5::File::Create(path);
     CreateArrays(file, layout_);
     const std::size_t merged = CopyShards(file);
-    WriteHead(file, plan_, facts_, layout_,
-              fmt::format("merged {} of {} runs", merged, runs_.size()));
+    WriteHead(file, plan_, facts_, fmt::format("merged {} of {} runs", merged, runs_.size()));
     for (std::size_t i = 0; i < numbers_.size(); ++i)
       file.OpenDataset(facts_.numbers[i].name).Write(numbers_[i]);
     for (std::size_t i = 0; i < texts_.size(); ++i)
@@ -227,9 +241,10 @@ class Merger {
     for (const Cells& run : runs_) {
       if (!IsThere(*run.run)) continue;
       const hdf5::File shard = OpenOf(*run.run);
+      const Source source = {shard, ReadVersion(shard, PathOf(*run.run).string())};
       try {
-        for (std::size_t i = 0; i < series.size(); ++i) CopySeries(shard, run.cells, i, series[i]);
-        ReadRunArrays(shard, run.cells);
+        for (std::size_t i = 0; i < series.size(); ++i) CopySeries(source, run.cells, i, series[i]);
+        ReadRunArrays(source, run);
         for (std::size_t i = 0; i < contacts.size(); ++i)
           CopyContacts(kContactArrays[i], shard.OpenDataset(kContactArrays[i]), run.cells,
                        contacts[i]);
@@ -245,10 +260,12 @@ class Merger {
     return merged;
   }
 
-  void CopySeries(const hdf5::File& shard, const std::vector<std::size_t>& cells, std::size_t index,
+  void CopySeries(const Source& shard, const std::vector<std::size_t>& cells, std::size_t index,
                   hdf5::Dataset& target) {
     const Array& array = *series_[index];
-    const hdf5::Dataset source = shard.OpenDataset(array.name);
+    const auto found = shard.Open(array.name);
+    if (!found) return;
+    const hdf5::Dataset& source = *found;
     hdf5::Shape shape = array.shape;
     std::fill_n(shape.begin(), layout_.grid.size(), 1);
     // How an array is cut into chunks follows from plan and schema version; asking is slow.
@@ -269,20 +286,20 @@ class Merger {
     }
   }
 
-  void ReadRunArrays(const hdf5::File& shard, const std::vector<std::size_t>& cells) {
+  void ReadRunArrays(const Source& shard, const Cells& run) {
     for (std::size_t i = 0; i < numbers_.size(); ++i) {
-      const double value = shard.OpenDataset(facts_.numbers[i].name).Read().at(0);
-      for (const std::size_t cell : cells) numbers_[i][cell] = value;
+      const auto dataset = shard.Open(facts_.numbers[i].name);
+      if (!dataset) continue;
+      const double value = dataset->Read().at(0);
+      for (const std::size_t cell : run.cells) numbers_[i][cell] = value;
     }
     for (std::size_t i = 0; i < texts_.size(); ++i) {
-      const std::string text = shard.OpenDataset(facts_.texts[i].name).ReadText().at(0);
-      for (const std::size_t cell : cells) texts_[i][cell] = text;
+      const auto dataset = shard.Open(facts_.texts[i].name);
+      if (!dataset) continue;
+      const std::string text = dataset->ReadText().at(0);
+      for (const std::size_t cell : run.cells) texts_[i][cell] = text;
     }
-    for (auto& [name, text] : shard.OpenGroup("provenance").Texts()) {
-      std::vector<std::string>& all = run_facts_[name];
-      all.resize(numbers_[0].size());
-      for (const std::size_t cell : cells) all[cell] = text;
-    }
+    run_provenance_.Add(run.run->id, shard.file.OpenGroup("provenance").Texts());
   }
 
   void CopyContacts(const char* name, const hdf5::Dataset& source,
@@ -298,37 +315,15 @@ class Merger {
     }
   }
 
-  /// Facts of the runs; what differs between them is an array. Where no run has a fact, it is one
-  /// of this process.
-  void WriteProvenance(hdf5::File& file) {
-    hdf5::Group group = file.CreateGroup("provenance");
-    const std::vector<std::string>& ids = Texts("run_id");
-    const std::vector<double>& status = numbers_[0];
-    for (const auto& [name, text] : provenance_)
-      if (!run_facts_.contains(name)) group.SetText(name.c_str(), text);
-    for (const auto& [name, all] : run_facts_) {
-      std::set<std::string_view> different;
-      for (std::size_t cell = 0; cell < all.size(); ++cell)
-        if (!ids[cell].empty() && status[cell] != static_cast<double>(Status::kMissing))
-          different.insert(all[cell]);
-      if (different.size() == 1) {
-        group.SetText(name.c_str(), *different.begin());
-        continue;
-      }
-      group.CreateDataset({name, hdf5::Type::kText, layout_.grid, {}, 0}).WriteText(all);
-      file.AttachScalesLate({"provenance/" + name, layout_.Get("status").dimensions});
-    }
-    const auto write = [&](const char* name, const std::string& text) {
-      group.CreateDataset({name, hdf5::Type::kText, {}, {}, 0}).WriteText({{text}});
+  void WriteProvenance(hdf5::File& file) const {
+    hdf5::Group group = run_provenance_.Write(file, provenance_);
+    const auto write = [&](const char* name, const std::string& text, const char* doc) {
+      hdf5::Dataset dataset = group.CreateDataset({name, hdf5::Type::kText, {}, {}, 0});
+      dataset.WriteText({{text}});
+      dataset.SetText("long_name", doc);
     };
-    write("plan_text", plan::ToYaml(plan_));
-    write("scenario_text", plan_.scenario_text);
-  }
-
-  const std::vector<std::string>& Texts(std::string_view name) const {
-    std::size_t i = 0;
-    while (facts_.texts[i].name != name) ++i;
-    return texts_[i];
+    write("plan_text", plan::ToYaml(plan_), "the plan, as YAML");
+    write("scenario_text", plan_.scenario_text, "the scenario and the files that it uses");
   }
 
   const plan::Plan& plan_;
@@ -345,7 +340,7 @@ class Merger {
   std::vector<std::vector<std::string>> texts_;  ///< as facts_.texts
   std::vector<double> contact_first_;
   std::uint64_t contact_rows_ = 0;
-  std::map<std::string, std::vector<std::string>> run_facts_;
+  MergedProvenance run_provenance_;
 };
 
 }  // namespace

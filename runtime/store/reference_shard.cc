@@ -7,9 +7,10 @@
 
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
-#include "runtime/store/layout_file.h"
+#include "runtime/store/layout.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
+#include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
@@ -22,26 +23,32 @@ std::vector<std::byte> MakeImage(const std::string& plan_sha256, const plan::Run
                                  const RunResult& result, std::span<const double> samples,
                                  const Provenance& provenance) {
   hdf5::File file = hdf5::File::CreateInMemory();
+  file.SetText("Conventions", kConventions);
   file.SetText("schema", kSchema);
   file.SetNumber("schema_version", hdf5::Type::kInt32, kSchemaVersion);
   file.SetText("plan_sha256", plan_sha256);
   file.SetText("run_id", run.id);
   const auto shape = measure::SampleShapeOf(run.scene);
   CDB_CHECK(shape && samples.size() == shape->Count());
-  file.CreateDataset({"status", hdf5::Type::kInt8, {1}, {}, 0})
-      .Write({{static_cast<double>(result.status)}});
-  const auto text = [&file](const char* name, const std::string& value) {
-    file.CreateDataset({name, hdf5::Type::kText, {}, {}, 0}).WriteText({{value}});
+  hdf5::Dataset status = file.CreateDataset({"status", hdf5::Type::kInt8, {1}, {}, 0});
+  status.Write({{static_cast<double>(result.status)}});
+  status.SetText("long_name", "how the run ended, as that of the measured runs");
+  const auto text = [&file](const char* name, const std::string& value, const char* doc) {
+    hdf5::Dataset dataset = file.CreateDataset({name, hdf5::Type::kText, {}, {}, 0});
+    dataset.WriteText({{value}});
+    dataset.SetText("long_name", doc);
   };
-  text("message", result.message);
-  text("state_hash", result.state_hash);
-  text("host", result.host);
-  file.CreateDataset({"samples",
-                      hdf5::Type::kFloat64,
-                      {samples.size()},
-                      {std::min<std::uint64_t>(samples.size(), kSamplesInAChunk)},
-                      0})
-      .Write(samples);
+  text("message", result.message, "why it did not end well");
+  text("state_hash", result.state_hash, "as that of the measured runs");
+  text("host", result.host, "the machine that it ran on");
+  hdf5::Dataset values =
+      file.CreateDataset({"samples",
+                          hdf5::Type::kFloat64,
+                          {samples.size()},
+                          {std::min<std::uint64_t>(samples.size(), kSamplesInAChunk)},
+                          0});
+  values.Write(samples);
+  values.SetText("long_name", "masses and sizes, then states, then observables, in SI units");
   hdf5::Group group = file.CreateGroup("provenance");
   for (const auto& [name, value] : provenance) group.SetText(name.c_str(), value);
   return file.Image();

@@ -7,20 +7,19 @@
 #include <utility>
 
 #include "dsl/check.h"
+#include "runtime/store/dimensions.h"
 #include "runtime/store/hdf5/file.h"
-#include "runtime/store/layout_file.h"
+#include "runtime/store/run_facts.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/store.h"
+#include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
 
 hdf5::File OpenAny(const std::filesystem::path& path) {
-  if (IsSealed(path)) return OpenShard(path);
-  hdf5::File file = hdf5::File::Open(path);
-  CheckHead(file, path.string());
-  return file;
+  return IsSealed(path) ? OpenShard(path) : hdf5::File::Open(path);
 }
 
 std::vector<std::string> Words(const std::string& text) {
@@ -34,15 +33,17 @@ std::vector<std::string> Words(const std::string& text) {
 
 struct ResultFile::Impl {
   Impl(const std::filesystem::path& path, hdf5::File opened)
-      : name(path.string()), file(std::move(opened)) {
+      : name(path.string()), file(std::move(opened)), version(ReadVersion(file, name)) {
     sha256 = file.Text("plan_sha256");
     title = file.Text("title");
     benchmark = file.Text("benchmark");
     source = file.Text("source");
     for (const std::string& axis_name : Words(file.Text("axes"))) {
       const hdf5::Dataset dataset = file.OpenDataset(axis_name);
-      plan::Axis axis{
-          dataset.Text("axis_name"), dataset.Text("parameter"), dataset.Text("units"), {}};
+      plan::Axis axis{axis_name, dataset.Text("parameter"), dataset.Text("units"), {}};
+      if (axis.unit == kNoUnit) axis.unit.clear();
+      // Version 1 stored axes whose name was taken under another.
+      if (const std::string own = dataset.Text("axis_name"); !own.empty()) axis.name = own;
       if (dataset.type() == hdf5::Type::kText) {
         for (std::string& text : dataset.ReadText()) axis.values.emplace_back(std::move(text));
       } else {
@@ -55,6 +56,14 @@ struct ResultFile::Impl {
     cycles = Extent("cycle");
     if (file.OpenDataset("status").shape() != grid)
       throw hdf5::Error("its axes do not fit its arrays");
+  }
+
+  /// Where the file holds what callers name `dataset`: facts of a run go without their group, and
+  /// the time step of a run is not called like a possible axis.
+  std::string PathOf(std::string_view dataset) const {
+    if (dataset == "accuracy/timestep") dataset = "accuracy/step_size";
+    return PathIn(version, IsRunFact(dataset) ? std::string(kRunGroup) + std::string(dataset)
+                                              : std::string(dataset));
   }
 
   std::uint64_t Extent(const char* dimension) const {
@@ -77,7 +86,7 @@ struct ResultFile::Impl {
                       std::string_view dataset, const Cell& cell, Read read) {
     auto found = arrays.find(dataset);
     if (found == arrays.end()) {
-      const hdf5::Dataset array = file.OpenDataset(std::string(dataset));
+      const hdf5::Dataset array = file.OpenDataset(PathOf(dataset));
       if (array.shape() != grid)
         throw hdf5::Error(fmt::format("{} is not an array over the grid", dataset));
       found = arrays.emplace(dataset, read(array)).first;
@@ -139,6 +148,7 @@ struct ResultFile::Impl {
 
   std::string name;
   hdf5::File file;
+  int version;
   std::string sha256, title, benchmark, source;
   std::vector<plan::Axis> axes;
   hdf5::Shape grid;
@@ -177,7 +187,7 @@ const std::vector<plan::Axis>& ResultFile::axes() const { return impl_->axes; }
 std::uint64_t ResultFile::repeats() const { return impl_->grid.back(); }
 std::uint64_t ResultFile::cycles() const { return impl_->cycles; }
 bool ResultFile::Has(std::string_view dataset) const {
-  return impl_->file.Has(std::string(dataset));
+  return impl_->file.Has(impl_->PathOf(dataset));
 }
 
 Status ResultFile::ReadStatus(const Cell& cell) const {
@@ -239,11 +249,12 @@ std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
   return impl_->Reading([&] {
     std::vector<std::string> troubles;
     const hdf5::File& file = impl_->file;
-    if (!file.Has("reference") || !file.Has("accuracy")) return troubles;
+    const std::string reference = impl_->PathOf(kReferenceGroup + "reference");
+    if (!file.Has("accuracy/reference")) return troubles;
     const auto text = [&file](const std::string& name) {
       return file.OpenDataset(name).ReadText();
     };
-    const std::vector<std::string> ids = text("reference"), roles = text(kReferenceGroup + "role"),
+    const std::vector<std::string> ids = text(reference), roles = text(kReferenceGroup + "role"),
                                    messages = text(kReferenceGroup + "message");
     const std::vector<double> statuses = file.OpenDataset(kReferenceGroup + "status").Read();
     for (std::size_t i = 0; i < ids.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "runtime/store/layout.h"
 #include "runtime/store/layout_file.h"
 #include "runtime/store/safe_file.h"
+#include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
@@ -90,7 +91,7 @@ std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
   const std::uint64_t rows = ContactRows(run, result);
   const Layout layout = MakeLayout(plan, facts, &run, rows);
   hdf5::File file = hdf5::File::CreateInMemory();
-  WriteHead(file, plan, facts, layout, fmt::format("run {}", run.id));
+  WriteHead(file, plan, facts, fmt::format("run {}", run.id));
   file.SetText("run_id", run.id);
   CreateArrays(file, layout);
   WriteSeries(file, layout, run, result);
@@ -107,8 +108,9 @@ std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
   hdf5::Group group = file.CreateGroup("provenance");
   for (const auto& [name, text] : provenance) group.SetText(name.c_str(), text);
   if (!result.models.empty()) group.SetText("models", result.models);
-  group.CreateDataset({"run_text", hdf5::Type::kText, {}, {}, 0})
-      .WriteText({{plan::RunToYaml(run)}});
+  hdf5::Dataset text = group.CreateDataset({"run_text", hdf5::Type::kText, {}, {}, 0});
+  text.WriteText({{plan::RunToYaml(run)}});
+  text.SetText("long_name", "all that decides the run, as YAML");
   return file.Image();
 }
 
@@ -147,7 +149,7 @@ hdf5::File OpenShard(const std::filesystem::path& path) {
   const std::vector<std::byte> image = ReadSealed(path);
   try {
     hdf5::File file = hdf5::File::OpenImage(image);
-    CheckHead(file, path.string());
+    ReadVersion(file, path.string());
     return file;
   } catch (const hdf5::Error& error) {
     throw StoreError(
@@ -165,14 +167,16 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
     if (status.size() != 1 || id.empty()) throw hdf5::Error("it does not hold one run");
     // A reference run has no timings that a verdict could void.
     const double verdict = file.Has("verdict") ? file.OpenDataset("verdict").Read().at(0) : 0;
-    const auto text = [&file](const char* dataset) {
+    const int version = ReadVersion(file, path.string());
+    const auto text = [&](const char* fact) {
+      const std::string dataset = PathIn(version, fact);
       return file.Has(dataset) ? file.OpenDataset(dataset).ReadText().at(0) : std::string();
     };
     return {id,
             file.Text("plan_sha256"),
             {static_cast<Status>(status[0]), static_cast<measure::Verdict>(verdict)},
-            text("omitted"),
-            text("needs")};
+            text("run/omitted"),
+            text("run/needs")};
   } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "

@@ -138,6 +138,8 @@ class ResultFile {
   const std::vector<plan::Axis>& axes() const;
   std::uint64_t repeats() const;
   std::uint64_t cycles() const;
+  /// `dataset`, here and below: a variable of the root, `accuracy/NAME`, or a fact of a run by its
+  /// name in /run. The names are the same for files of every schema version.
   bool Has(std::string_view dataset) const;
 
   /// A cell: the index on each axis, and the repeat.

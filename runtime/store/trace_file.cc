@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "runtime/measure/series.h"
+#include "runtime/store/dimensions.h"
 #include "runtime/store/hdf5/chunks.h"
 #include "runtime/store/hdf5/file.h"
 #include "runtime/store/safe_file.h"
+#include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
@@ -26,22 +28,28 @@ hdf5::Shape ChunkOf(const hdf5::Shape& shape, std::size_t item_bytes) {
   return chunk;
 }
 
-void AddScale(hdf5::File& file, const std::string& name, std::uint64_t size) {
-  std::vector<double> numbers(size);
-  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<double>(i);
-  hdf5::Dataset scale = file.CreateDataset({name, Type::kInt32, {size}, {}, 0});
-  scale.Write(numbers);
-  scale.MakeScale(name);
+void AddScale(hdf5::File& file, const Dimension& dimension) {
+  hdf5::Dataset scale =
+      file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});
+  if (dimension.type == Type::kText) {
+    scale.WriteText(dimension.texts);
+  } else {
+    scale.Write(dimension.numbers);
+  }
+  scale.MakeScale(dimension.name);
+  for (const auto& [name, text] : dimension.attributes) scale.SetText(name.c_str(), text);
 }
 
 void AddScale(hdf5::File& file, measure::Dimension dimension) {
   const measure::DimensionInfo& info = measure::InfoOf(dimension);
-  const std::string name(info.name);
-  const std::vector<std::string> labels(info.labels.begin(), info.labels.end());
-  hdf5::Dataset scale = file.CreateDataset({name, Type::kText, {labels.size()}, {}, 0});
-  scale.WriteText(labels);
-  scale.MakeScale(name);
-  scale.SetText("labels", fmt::format("{}", fmt::join(labels, " ")));
+  AddScale(file, Labelled(std::string(info.name), {info.labels.begin(), info.labels.end()},
+                          std::string(info.doc)));
+}
+
+void AddText(hdf5::File& file, const char* name, const std::string& text, const char* doc) {
+  hdf5::Dataset dataset = file.CreateDataset({name, Type::kText, {}, {}, 0});
+  dataset.WriteText({{text}});
+  dataset.SetText("long_name", doc);
 }
 
 void WriteHead(hdf5::File& file, const measure::TraceMemory& trace, const TraceOrigin& origin,
@@ -50,6 +58,7 @@ void WriteHead(hdf5::File& file, const measure::TraceMemory& trace, const TraceO
   const auto number = [&](const char* name, std::uint64_t value) {
     file.SetNumber(name, Type::kInt32, static_cast<double>(value));
   };
+  file.SetText("Conventions", kConventions);
   file.SetText("title", origin.point.empty()
                             ? origin.benchmark
                             : fmt::format("{}: {}", origin.benchmark, origin.point));
@@ -73,9 +82,9 @@ void WriteArrays(hdf5::File& file, const measure::TraceMemory& trace, std::uint6
                  std::span<const double> poses) {
   const measure::TraceShape& shape = trace.shape();
   const Type real = shape.is_double ? Type::kFloat64 : Type::kFloat32;
-  AddScale(file, "cycle", shape.cycles);
-  AddScale(file, "body", shape.bodies);
-  AddScale(file, "object", objects);
+  AddScale(file, Counted("cycle", shape.cycles, "cycle of the run"));
+  AddScale(file, Counted("body", shape.bodies, "objects, then walls"));
+  AddScale(file, Counted("object", objects, "object, in the order of its group and within it"));
   for (const measure::Dimension dimension :
        {measure::Dimension::kBound, measure::Dimension::kFilter, measure::Dimension::kPose})
     AddScale(file, dimension);
@@ -84,13 +93,14 @@ void WriteArrays(hdf5::File& file, const measure::TraceMemory& trace, std::uint6
   hdf5::Dataset boxes =
       file.CreateDataset({"boxes", real, all, ChunkOf(all, shape.ItemBytes()), NAN});
   boxes.SetText("units", "m");
-  boxes.SetText("long_name", "as the broad phase was given them; objects, then walls");
+  boxes.SetText("long_name", "boxes as the broad phase was given them; objects, then walls");
   for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle)
     boxes.Write({cycle, 0, 0}, {1, shape.bodies, measure::kBoxSize}, trace.BoxBytes(cycle).data(),
                 {1, shape.bodies, measure::kBoxSize});
 
   hdf5::Dataset filters = file.CreateDataset(
       {"filters", Type::kFloat64, {shape.bodies, measure::kFilterSize}, {}, NAN});
+  filters.SetText("units", kNoUnit);
   filters.SetText("long_name", "two may meet where each one's group is in the other's mask");
   std::vector<double> numbers;
   for (const measure::TraceFilter& filter : trace.filters())
@@ -105,8 +115,9 @@ void WriteArrays(hdf5::File& file, const measure::TraceMemory& trace, std::uint6
     const hdf5::Shape placed = {shape.cycles, objects, measure::kPoseSize};
     hdf5::Dataset dataset =
         file.CreateDataset({"poses", real, placed, ChunkOf(placed, shape.ItemBytes()), NAN});
+    dataset.SetText("component_units", measure::InfoOf(measure::Dimension::kPose).units);
     dataset.SetText("long_name",
-                    "centre of mass, m, and orientation quaternion after the cycle; objects");
+                    "centre of mass and orientation quaternion after the cycle; objects");
     const std::size_t per_cycle = objects * measure::kPoseSize;
     for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle)
       dataset.Write({cycle, 0, 0}, {1, objects, measure::kPoseSize},
@@ -201,9 +212,8 @@ void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, st
     hdf5::File file = hdf5::File::Create(temporary);
     WriteHead(file, trace, origin, objects);
     WriteArrays(file, trace, objects, poses);
-    file.CreateDataset({"scenario_text", Type::kText, {}, {}, 0})
-        .WriteText({{origin.scenario_text}});
-    file.CreateDataset({"run_text", Type::kText, {}, {}, 0}).WriteText({{origin.run_text}});
+    AddText(file, "scenario_text", origin.scenario_text, "the scenario that was recorded");
+    AddText(file, "run_text", origin.run_text, "all that decides the run, as YAML");
     file.Close();
   } catch (const hdf5::Error& error) {
     fs::remove(temporary, ignored);

@@ -35,5 +35,5 @@ for (kind in c("numbers", "texts")) {
     arrays <- arrays + 1
   }
 }
-stopifnot(arrays >= 35)
+stopifnot(arrays >= 54)
 cat(reader, "read", arrays, "arrays\n")

@@ -4,10 +4,11 @@ set -eu
 reader=$1 folder=$2
 file=$folder/out.h5
 values() {
+  own=${1##*/}
   case $reader in
-    ncdump) ncdump -p 9,17 -v "$1" "$file" | sed "1,/^data:/d; s/^ $1 =//" ;;
+    ncdump) ncdump -p 9,17 -v "$1" "$file" | sed -n "/^ *$own =/,\$p" | sed "1s/^ *$own =//; /;/q" ;;
     h5dump) h5dump -d "/$1" -y -w 0 -m '%.17g' "$file" | sed '1,/DATA {/d' ;;
-  esac | sed '/^ *ATTRIBUTE /,$d; /^group:/,$d' | tr -d ' };' | tr , '\n' | grep -v '^$'
+  esac | sed '/^ *ATTRIBUTE /,$d' | tr -d ' };' | tr , '\n' | grep -v '^$'
 }
 $reader "$file" > "$folder/$reader.txt" # all of it, texts too
 grep -q 3.24 "$folder/$reader.txt"

@@ -2,7 +2,8 @@
 //   readers_fixture FOLDER
 // makes out.h5; numbers.tsv and texts.tsv with a line `name, shape, values` for each array (values
 // in the order of the file, last dimension fastest, NaN or the fill value -1 where there is none);
-// and medians.tsv with a line `coordinates, median step time` for each cell that ran.
+// labels.tsv with a line `name, axis=label…, value`, of arrays in every group that has axes; and
+// medians.tsv with a line `coordinates, median step time` for each cell that ran.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "runtime/store/reference_shard.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -44,15 +46,20 @@ class Fixture {
       store::WriteShard(plan_, run, fake.result, TestProvenance(), shards_.path());
       results_.emplace(CellOf(run.at, run.rep), std::pair(&run, fake.result));
     }
+    WriteReferences();
     store::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "out.h5");
-    Coordinates();
+    Coordinates("");
+    Coordinates("run/");
+    Coordinates("accuracy/");
     for (const measure::Series& series : measure::AllSeries())
       if (series.IsRecordedBy(plan_)) ExpectSeries(series);
     ExpectContacts();
     ExpectRuns();
+    ExpectErrors();
     Print("numbers.tsv", numbers_, [](double value) { return fmt::format("{}", value); });
     Print("texts.tsv", texts_, [](const std::string& text) { return text; });
     PrintMedians();
+    PrintLabels();
   }
 
  private:
@@ -62,23 +69,43 @@ class Fixture {
     return cell * kRepeats + rep;
   }
 
-  void Coordinates() {
+  /// Every value another one.
+  static double SampleOf(std::size_t reference, std::size_t index) {
+    return static_cast<double>(1000 * reference + index) + 0.5;
+  }
+
+  void WriteReferences() const {
+    for (std::size_t r = 0; r < plan_.references.size(); ++r) {
+      const plan::Run& run = plan_.references[r];
+      std::vector<double> samples(measure::SampleShapeOf(run.scene)->Count());
+      for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = SampleOf(r, i);
+      store::RunResult result;
+      result.status = store::Status::kDone;
+      store::WriteReference(plan_.Sha256(), run, result, samples, TestProvenance(), shards_.path());
+    }
+  }
+
+  /// Of the root, or of a group of arrays over the grid.
+  void Coordinates(const std::string& group) {
+    grid_.clear();
     for (const plan::Axis& axis : plan_.axes) {
       grid_.push_back(axis.values.size());
       for (const plan::Coordinate& value : axis.values) {
         if (axis.IsText()) {
-          texts_[axis.name].shape = {grid_.back()};
-          texts_[axis.name].values.push_back(std::get<std::string>(value));
+          texts_[group + axis.name].shape = {grid_.back()};
+          texts_[group + axis.name].values.push_back(std::get<std::string>(value));
         } else {
-          numbers_[axis.name].shape = {grid_.back()};
-          numbers_[axis.name].values.push_back(std::get<double>(value));
+          numbers_[group + axis.name].shape = {grid_.back()};
+          numbers_[group + axis.name].values.push_back(std::get<double>(value));
         }
       }
     }
     grid_.push_back(kRepeats);
     cells_ = 1;
     for (const std::uint64_t n : grid_) cells_ *= n;
-    numbers_["rep"] = {{kRepeats}, {0, 1}};
+    numbers_[group + "rep"] = {{kRepeats}, {0, 1}};
+    if (group == "accuracy/") numbers_["accuracy/sample"] = {{3}, {0, 2, 4}};
+    if (!group.empty()) return;
     numbers_["cycle"] = {{kCycles}, {0, 1, 2, 3, 4}};
     texts_["phase"] = {{measure::kPhaseCount},
                        {measure::PhaseNames().begin(), measure::PhaseNames().end()}};
@@ -136,21 +163,35 @@ class Fixture {
       for (std::uint64_t rep = 0; rep < kRepeats; ++rep)
         numbers_["status"].values[CellOf(point, rep)] =
             static_cast<double>(store::Status::kSkipped);
-    number("n_cycles", 0,
+    number("n_cycles", -1,
            [](const store::RunResult& r) { return static_cast<double>(r.n_cycles); });
-    number("load", kNaN, [](const store::RunResult& r) { return r.load; });
-    number("peak_rss", kNaN, [](const store::RunResult& r) { return r.scalars.peak_rss_bytes; });
-    number("build_time", kNaN, [](const store::RunResult& r) { return r.scalars.build_ns; });
-    for (const char* name : {"state_hash", "host", "run_id", "message", "omitted"})
+    number("run/load_average", kNaN, [](const store::RunResult& r) { return r.load; });
+    number("run/peak_rss", kNaN,
+           [](const store::RunResult& r) { return r.scalars.peak_rss_bytes; });
+    number("run/build_time", kNaN, [](const store::RunResult& r) { return r.scalars.build_ns; });
+    for (const char* name :
+         {"run/state_hash", "run/host", "run/run_id", "run/message", "run/omitted"})
       texts_[name] = {grid_, std::vector<std::string>(cells_)};
     for (const auto& [cell, result] : results_) {
-      texts_["state_hash"].values[cell] = result.second.state_hash;
-      texts_["host"].values[cell] = result.second.host;
-      texts_["message"].values[cell] = result.second.message;
-      texts_["omitted"].values[cell] = result.second.omitted;
+      texts_["run/state_hash"].values[cell] = result.second.state_hash;
+      texts_["run/host"].values[cell] = result.second.host;
+      texts_["run/message"].values[cell] = result.second.message;
+      texts_["run/omitted"].values[cell] = result.second.omitted;
     }
     for (const plan::Run& run : plan_.runs)
-      texts_["run_id"].values[CellOf(run.at, run.rep)] = run.id;
+      texts_["run/run_id"].values[CellOf(run.at, run.rep)] = run.id;
+  }
+
+  void ExpectErrors() {
+    for (const char* name : {"position", "position_floor", "penetration", "position_series"}) {
+      const std::size_t samples = std::string_view(name).ends_with("_series") ? 3 : 1;
+      Expected<double> array = {grid_, std::vector<double>(cells_ * samples, kNaN)};
+      if (samples > 1) array.shape.push_back(samples);
+      for (const auto& [cell, result] : results_)
+        std::ranges::copy(result.second.errors.values.at(name),
+                          array.values.begin() + static_cast<std::ptrdiff_t>(cell * samples));
+      numbers_[std::string("accuracy/") + name] = std::move(array);
+    }
   }
 
   template <typename Value, typename Format>
@@ -193,6 +234,35 @@ class Fixture {
     }
   }
 
+  /// Values that a reader finds by the labels of the coordinates in the array's own group.
+  void PrintLabels() const {
+    std::ofstream out(folder_ / "labels.tsv");
+    for (const auto& [cell, result] : results_) {
+      const plan::Run& run = *result.first;
+      std::string at;
+      for (std::size_t i = 0; i < plan_.axes.size(); ++i) {
+        const plan::Coordinate& value = plan_.axes[i].values[run.at[i]];
+        const auto* real = std::get_if<double>(&value);
+        at +=
+            fmt::format("\t{}={}", plan_.axes[i].name,
+                        real != nullptr ? fmt::format("{}", *real) : std::get<std::string>(value));
+      }
+      at += fmt::format("\trep={}", run.rep);
+      out << fmt::format("run/host{}\t{}\n", at, result.second.host)
+          << fmt::format("run/peak_rss{}\t{}\n", at, result.second.scalars.peak_rss_bytes)
+          << fmt::format("accuracy/position{}\t{}\n", at,
+                         result.second.errors.values.at("position")[0])
+          << fmt::format("accuracy/position_series{}\tsample=4\t{}\n", at,
+                         result.second.errors.values.at("position_series")[2])
+          << fmt::format("duration{}\tphase=solve\tcycle=0\t{}\n", at,
+                         ValueAt(run, *measure::FindSeries("duration"),
+                                 measure::IndexOf(measure::Phase::kSolve) * kCycles));
+    }
+    const measure::SampleShape shape = *measure::SampleShapeOf(plan_.references[1].scene);
+    out << fmt::format("accuracy/reference/states\treference={}\tsample=2\tbody=1\tstate=vx\t{}\n",
+                       plan_.references[1].id, SampleOf(1, shape.State(1, 1) + 7));
+  }
+
   const std::filesystem::path folder_;
   const TemporaryFolder shards_;
   const plan::Plan plan_ =
@@ -201,7 +271,8 @@ class Fixture {
                kRepeats,
                {.cycles = kCycles,
                 .objects = kObjects,
-                .record = {"timing", "counts", "stability", "contacts", "poses"}},
+                .record = {"timing", "counts", "stability", "contacts", "poses"},
+                .metrics = {"position", "penetration"}},
                {{1, 0, 1}});
   std::vector<std::uint64_t> grid_;
   std::size_t cells_ = 0;

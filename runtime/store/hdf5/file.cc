@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <hdf5.h>
-#include <hdf5_hl.h>
 
 #include <atomic>
 #include <map>
@@ -121,17 +120,6 @@ void Group::AttachScales(const std::vector<Attachment>& attachments) {
         "describe references");
   for (const auto& [scale, references] : back)
     attach(scale, "REFERENCE_LIST", back_type, references.size(), references.data());
-}
-
-void Group::AttachScalesLate(const Attachment& attachment) {
-  const auto open = [this](const std::string& name) {
-    return Id(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Dclose, "open an array");
-  };
-  const Id dataset = open(attachment.dataset);
-  for (std::size_t i = 0; i < attachment.scales.size(); ++i)
-    Check(
-        H5DSattach_scale(dataset.get(), open(attachment.scales[i]).get(), static_cast<unsigned>(i)),
-        "attach a dimension scale");
 }
 
 File::File(Id file, std::shared_ptr<Sink> sink)

@@ -34,8 +34,6 @@ class Group : public Object {
     std::vector<std::string> scales;
   };
   void AttachScales(const std::vector<Attachment>& attachments);
-  /// One more array after that, of a group in this one: `group/name`.
-  void AttachScalesLate(const Attachment& attachment);
 };
 
 /// An open file; also its root group.

@@ -8,6 +8,7 @@
 #include "runtime/report/figures.h"
 #include "runtime/report/table.h"
 #include "tests/runtime/store/store_fixture.h"
+#include "tests/support/folders.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -80,6 +81,40 @@ std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunR
   }
   store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
   return report::Show(store::ResultFile(folder / "out.h5")).text;
+}
+
+TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
+  const auto shown = [](std::uint64_t cycles) {
+    plan::Plan plan = MakePlan({NumberAxis("hz", {15, 30})}, 1, {.cycles = 100});
+    Resize(plan.runs[0], {.cycles = cycles});
+    const TemporaryFolder folder;
+    for (const plan::Run& run : plan.runs)
+      store::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+    store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+    return report::Show(store::ResultFile(folder / "out.h5")).text;
+  };
+  const std::string half = shown(16);
+  EXPECT_NE(
+      half.find("\n  The runs have 16 to 100 cycles: 42 % of the arrays over cycle is padding "
+                "without values.\n"),
+      std::string::npos)
+      << half;
+  EXPECT_EQ(shown(98).find("padding"), std::string::npos);
+  EXPECT_EQ(shown(100).find("padding"), std::string::npos);
+}
+
+TEST(Show, ReadsResultsOfVersion1) {
+  const Program program;
+  const std::string file =
+      (SourceFolder() / "tests" / "golden" / "results" / "version1.h5").string();
+  const Finished shown = program.Run({"show", file});
+  EXPECT_EQ(shown.status, 0) << shown.err;
+  for (const char* part :
+       {"4 runs (2 load x 2 hz)", "Left out in all 4 runs: solver", "calm", "storm"})
+    EXPECT_NE(shown.out.find(part), std::string::npos) << part << " in:\n" << shown.out;
+  const Finished errors = program.Run({"show", file, "--error", "position"});
+  EXPECT_EQ(errors.status, 0) << errors.err;
+  EXPECT_NE(errors.out.find("storm"), std::string::npos) << errors.out;
 }
 
 TEST(Show, SaysWhatRunsDidWithout) {

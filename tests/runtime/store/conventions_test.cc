@@ -87,8 +87,9 @@ void ExpectAttributes(hid_t object) {
       EXPECT_EQ(H5Sget_simple_extent_type(space), H5S_SCALAR);
       EXPECT_EQ(std::string(TextOf(object, name.c_str())).find('\0'), std::string::npos);
       if (name == "units") {
-        EXPECT_THAT(TextOf(object, "units"), testing::AnyOf("ns", "s", "m", "m/s", "J", "bytes",
-                                                            "seconds since 1970-01-01 00:00:00"));
+        EXPECT_THAT(TextOf(object, "units"),
+                    testing::AnyOf("1", "ns", "s", "m", "m/s", "rad", "J", "bytes",
+                                   "seconds since 1970-01-01 00:00:00"));
       }
     } else {
       EXPECT_THAT(H5Tget_class(type), testing::AnyOf(H5T_INTEGER, H5T_FLOAT));
@@ -165,6 +166,11 @@ class WrittenPlan {
   const plan::Plan plan_;
 };
 
+/// One of a few named values, in a byte.
+bool IsFlag(const std::string& name) {
+  return name.ends_with("status") || name == "verdict" || name == "run/noise";
+}
+
 class Conventions : public testing::TestWithParam<Kind> {
  protected:
   static void SetUpTestSuite() {
@@ -207,7 +213,7 @@ class Conventions : public testing::TestWithParam<Kind> {
 
   static inline std::array<std::unique_ptr<WrittenPlan>, 2> written_;
   hid_t file_ = -1;
-  std::vector<std::string> groups_ = {"/", "/provenance"};
+  std::vector<std::string> groups_ = {"/", "/run", "/provenance"};
   std::vector<std::string> datasets_;
 };
 
@@ -232,12 +238,9 @@ TEST_P(Conventions, CreationOrderIsTrackedAndIndexedEverywhere) {
 }
 
 TEST_P(Conventions, AxesComeFirstAndInOrder) {
-  std::vector<std::string> expected = {"quantity", "size",    "type",         "rep",      "phase",
-                                       "cycle",    "body",    "pose",         "box_body", "bound",
-                                       "filter",   "contact", "contact_side", "xyz"};
-  if (GetParam().accuracy) expected.emplace_back("sample");
-  if (GetParam().accuracy && GetParam().merged)
-    expected.insert(expected.end(), {"reference", "state", "observable"});
+  std::vector<std::string> expected = {
+      "quantity", "size",     "type",  "rep",    "phase",       "cycle",        "body",
+      "pose",     "box_body", "bound", "filter", "contact_row", "contact_side", "xyz"};
   expected.emplace_back("duration");
   const std::vector<std::string> first(
       datasets_.begin(), datasets_.begin() + static_cast<std::ptrdiff_t>(expected.size()));
@@ -246,12 +249,13 @@ TEST_P(Conventions, AxesComeFirstAndInOrder) {
 
 TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
   std::size_t arrays = 0;
-  ForEachDataset([&](const std::string& name, hid_t dataset) {
+  ForEachDataset([&](const std::string& path, hid_t dataset) {
+    const std::string group = path.substr(0, path.rfind('/') + 1), name = path.substr(group.size());
     const std::vector<hsize_t> shape = ShapeOf(dataset);
     if (H5DSis_scale(dataset) > 0) {
       char scale[256] = {};
       H5DSget_scale_name(dataset, scale, sizeof(scale));
-      if (name == "contact") {
+      if (name == "contact_row") {
         EXPECT_THAT(scale, testing::StartsWith("This is a netCDF dimension but not a netCDF var"));
       } else {
         EXPECT_EQ(name, scale);
@@ -263,18 +267,17 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
     std::vector<std::string> scales;
     for (unsigned d = 0; d < shape.size(); ++d) scales.push_back(ScaleOf(dataset, d));
     std::vector<std::string> expected = {"quantity", "size", "type", "rep"};
+    if (group == "provenance/") expected = {"run"};
     if (name.ends_with("_text")) expected = {};
     if (name.ends_with("_series")) expected.emplace_back("sample");
-    if (name.starts_with("accuracy/reference/")) expected = {"reference"};
-    if (name == "accuracy/reference/states")
-      expected.insert(expected.end(), {"sample", "body", "state"});
-    if (name == "accuracy/reference/observables")
-      expected.insert(expected.end(), {"sample", "observable"});
-    if (name == "contact_body") expected = {"contact", "contact_side"};
-    if (name == "contact_point" || name == "contact_normal") expected = {"contact", "xyz"};
-    if (name == "contact_distance") expected = {"contact"};
+    if (group == "accuracy/reference/") expected = {"reference"};
+    if (name == "states") expected.insert(expected.end(), {"sample", "body", "state"});
+    if (name == "observables") expected.insert(expected.end(), {"sample", "observable"});
+    if (name == "contact_body") expected = {"contact_row", "contact_side"};
+    if (name == "contact_point" || name == "contact_normal") expected = {"contact_row", "xyz"};
+    if (name == "contact_distance") expected = {"contact_row"};
     if (name == "duration") expected.push_back("phase");
-    if (const measure::Series* series = measure::FindSeries(name)) {
+    if (const measure::Series* series = measure::FindSeries(path)) {
       if (series->HasCycles()) expected.emplace_back("cycle");
       if (series->shape == measure::SeriesShape::kBox)
         expected.insert(expected.end(), {"box_body", "bound"});
@@ -283,6 +286,8 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
       if (series->shape == measure::SeriesShape::kPose)
         expected.insert(expected.end(), {"body", "pose"});
     }
+    // A reader of one group finds the coordinates in it.
+    for (std::string& scale : expected) scale.insert(0, group);
     EXPECT_EQ(scales, expected);
   });
   EXPECT_GE(arrays, 30u);
@@ -298,8 +303,9 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
         EXPECT_EQ(H5Tget_cset(type), H5T_CSET_UTF8);
         break;
       case H5T_INTEGER:
-        EXPECT_EQ(bytes,
-                  name.ends_with("status") || name == "verdict" || name == "noise" ? 1u : 4u);
+        EXPECT_EQ(bytes, name.ends_with("status") || name == "verdict" || name.ends_with("noise")
+                             ? 1u
+                             : 4u);
         EXPECT_EQ(H5Tget_sign(type), H5T_SGN_2);
         break;
       case H5T_FLOAT:
@@ -314,19 +320,40 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
   const hid_t root = H5Gopen2(file_, "/", H5P_DEFAULT);
   ExpectAttributes(root);
   EXPECT_THAT(Attributes(root),
-              testing::IsSupersetOf({"title", "source", "schema", "schema_version", "history",
-                                     "date_created", "plan_sha256"}));
+              testing::IsSupersetOf({"Conventions", "title", "source", "comment", "schema",
+                                     "schema_version", "history", "date_created", "plan_sha256"}));
+  EXPECT_EQ(TextOf(root, "Conventions"), "CF-1.8");
+  EXPECT_THAT(TextOf(root, "comment"), testing::HasSubstr("whole nanoseconds as float64"));
   H5Gclose(root);
+}
+
+TEST_P(Conventions, EveryVariableHasALongNameAndEveryNumberAUnit) {
+  ForEachDataset([&](const std::string& name, hid_t dataset) {
+    if (name == "contact_row") return;  // a dimension, which is not a variable
+    EXPECT_NE(TextOf(dataset, "long_name"), "(none)");
+    const hid_t type = H5Dget_type(dataset);
+    const bool is_text = H5Tget_class(type) == H5T_STRING;
+    H5Tclose(type);
+    if (is_text || H5Aexists(dataset, "flag_meanings") > 0) return;
+    const bool is_mixed = H5Aexists(dataset, "component_units") > 0;
+    EXPECT_EQ(TextOf(dataset, "units") == "(none)", is_mixed);
+    EXPECT_EQ(is_mixed,
+              name == "poses" || name.ends_with("/states") || name.ends_with("/observables"));
+  });
 }
 
 TEST_P(Conventions, FillValuesAreTold) {
   ForEachDataset([&](const std::string& name, hid_t dataset) {
     const bool has = H5Aexists(dataset, "_FillValue") > 0;
-    if (name == "status" || name == "verdict" || name == "n_cycles" || H5DSis_scale(dataset) > 0) {
+    const hid_t type = H5Dget_type(dataset);
+    const H5T_class_t kind = H5Tget_class(type);
+    H5Tclose(type);
+    const bool is_flag = IsFlag(name);
+    EXPECT_EQ(is_flag, H5Aexists(dataset, "flag_meanings") > 0);
+    if (is_flag || kind == H5T_STRING || H5DSis_scale(dataset) > 0) {
       EXPECT_FALSE(has);
+      return;
     }
-    const measure::Series* series = measure::FindSeries(name);
-    if (series == nullptr) return;
     ASSERT_TRUE(has);
     double told = 0, used = 0;
     const hid_t attribute = H5Aopen(dataset, "_FillValue", H5P_DEFAULT);
@@ -335,7 +362,7 @@ TEST_P(Conventions, FillValuesAreTold) {
     const hid_t creation = H5Dget_create_plist(dataset);
     H5Pget_fill_value(creation, H5T_NATIVE_DOUBLE, &used);
     H5Pclose(creation);
-    if (series->type == measure::SeriesType::kInt32) {
+    if (kind == H5T_INTEGER) {
       EXPECT_EQ(told, -1);
       EXPECT_EQ(used, -1);
     } else {
@@ -380,7 +407,15 @@ TEST_P(Conventions, CoordinatesSayWhatTheyAre) {
   };
   EXPECT_EQ(text("size", "units"), "m");
   EXPECT_EQ(text("size", "parameter"), "objects.size");
-  EXPECT_EQ(text("quantity", "units"), "(none)");
+  EXPECT_EQ(text("quantity", "units"), "1");
+  EXPECT_EQ(text("run/size", "units"), "m");
+  EXPECT_EQ(text("run/size", "parameter"), "objects.size");
+  EXPECT_EQ(text("run/host", "long_name"), "the machine that the run ran on");
+  EXPECT_EQ(text("poses", "component_units"), "m m m 1 1 1 1");
+  if (GetParam().accuracy) {
+    EXPECT_EQ(text("accuracy/sample", "units"), "s");
+    EXPECT_EQ(text("accuracy/size", "units"), "m");
+  }
   EXPECT_EQ(text("phase", "labels"), "broad narrow detect solve integrate step");
   EXPECT_EQ(text("phase", "labels_separator"), " ");
   if (GetParam().merged) {
@@ -393,13 +428,13 @@ TEST_P(Conventions, CoordinatesSayWhatTheyAre) {
       "unknown stable drifting penetrating collapsed clamped tunnelled exploded frozen removed "
       "non_finite timed_out crashed");
   EXPECT_EQ(text("duration", "units"), "ns");
-  EXPECT_EQ(text("contacts", "sample_dimension"), "contact");
+  EXPECT_EQ(text("contacts", "sample_dimension"), "contact_row");
 }
 
 TEST_P(Conventions, ShardsNameTheirRunAndMergedFilesTheirPlan) {
   const hid_t group = H5Gopen2(file_, "/provenance", H5P_DEFAULT);
   if (GetParam().merged) {
-    EXPECT_THAT(LinksInOrder(group), ElementsAre("cpu", "plan_text", "scenario_text"));
+    EXPECT_THAT(LinksInOrder(group), ElementsAre("run", "cpu", "plan_text", "scenario_text"));
     EXPECT_EQ(TextOf(group, "compiler"), "gcc");
   } else {
     EXPECT_THAT(LinksInOrder(group), ElementsAre("run_text"));

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "compiler/plan/plan_yaml.h"
+#include "runtime/store/hdf5/file.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -205,10 +206,11 @@ TEST(Merge, FactsThatDifferBetweenRunsAreAllKept) {
   EXPECT_EQ(file.ReadProvenance("compiler"), "gcc");
 }
 
-TEST(Merge, AxesThatAreCalledLikeArraysAreToldApart) {
+TEST(Merge, AxesKeepTheirNames) {
+  // Names that are in /accuracy, in /accuracy/reference or in no group of this file.
   const Plan plan = MakePlan(
-      {TextAxis("load", {"calm", "a storm"}), TextAxis("load_axis", {"x"}),
-       NumberAxis("status", {1, 2}), NumberAxis("phase", {1, 2, 3}), NumberAxis("cycle", {7, 8})},
+      {TextAxis("load", {"calm", "a storm"}), NumberAxis("timestep", {1, 2}, "s"),
+       NumberAxis("sample", {1, 2, 3}), NumberAxis("state", {7}), TextAxis("contact", {"bullet"})},
       1, {});
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs)
@@ -216,9 +218,63 @@ TEST(Merge, AxesThatAreCalledLikeArraysAreToldApart) {
   store::Merge(plan, {}, folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.axes(), plan.axes);
-  EXPECT_TRUE(file.Has("status_axis"));
-  EXPECT_TRUE(file.Has("phase_axis"));
+  for (const plan::Axis& axis : plan.axes) {
+    EXPECT_TRUE(file.Has(axis.name)) << axis.name;
+    EXPECT_TRUE(file.Has("run/" + axis.name)) << axis.name;
+  }
   for (const plan::Run& run : plan.runs) ExpectCell(file, run, store::Status::kDone, 5);
+}
+
+TEST(Merge, TheAxisTimestepAndTheTimeStepOfARunAreInOneGroup) {
+  const Plan plan = MakePlan({NumberAxis("timestep", {1, 2}, "s")}, 1, {.metrics = {"position"}});
+  const TemporaryFolder folder;
+  for (const plan::Run& run : plan.runs) {
+    FakeResult fake(run);
+    fake.result.errors.values["timestep"] = {static_cast<double>(1 + run.at[0])};
+    store::WriteShard(plan, run, fake.result, {}, folder.path());
+  }
+  store::Merge(plan, {}, folder.path(), folder / "out.h5");
+  const hdf5::File file = hdf5::File::Open(folder / "out.h5");
+  EXPECT_EQ(file.OpenDataset("accuracy/timestep").shape(), hdf5::Shape{2});
+  EXPECT_EQ(file.OpenDataset("accuracy/step_size").shape(), (hdf5::Shape{2, 1}));
+  const store::ResultFile result(folder / "out.h5");
+  for (const plan::Run& run : plan.runs)
+    EXPECT_EQ(result.ReadReal("accuracy/timestep", CellOf(run)), 1 + run.at[0]);
+}
+
+TEST(Merge, RefusesAnAxisWithTheNameOfSomethingElse) {
+  for (const char* name : {"status", "phase", "cycle", "energy", "run", "host", "contact_first"}) {
+    const Plan plan = MakePlan({NumberAxis(name, {1, 2})}, 1, {});
+    const TemporaryFolder folder;
+    try {
+      store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+      ADD_FAILURE() << name << " was written";
+    } catch (const store::StoreError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("the axis '" + std::string(name) + "'"));
+      EXPECT_THAT(error.what(), HasSubstr("another name in 'fixture.cdb'"));
+    }
+    EXPECT_TRUE(FilesIn(folder.path()).empty());
+  }
+  // An error is in the file only if the benchmark asks for it.
+  const Plan without = MakePlan({NumberAxis("height", {1, 2})}, 1, {});
+  const Plan with = MakePlan({NumberAxis("height", {1, 2})}, 1, {.metrics = {"height"}});
+  const TemporaryFolder folder;
+  store::Merge(without, {}, folder.path(), folder / "out.h5");
+  EXPECT_THROW(store::Merge(with, {}, folder.path(), folder / "out.h5"), store::StoreError);
+}
+
+TEST(Merge, FactsThatDifferAreArraysOverTheRuns) {
+  const Plan plan = MakePlan({NumberAxis("cpu", {10, 20, 30})}, 1, {});
+  const TemporaryFolder folder;
+  for (std::size_t i = 0; i < 2; ++i)
+    store::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result,
+                      {{"cpu", i == 0 ? "fast" : "slow"}}, folder.path());
+  store::Merge(plan, {}, folder.path(), folder / "out.h5");
+  const hdf5::File file = hdf5::File::Open(folder / "out.h5");
+  EXPECT_THAT(file.OpenDataset("provenance/run").ReadText(),
+              ElementsAre(plan.runs[0].id, plan.runs[1].id));
+  EXPECT_THAT(file.OpenDataset("provenance/cpu").ReadText(), ElementsAre("fast", "slow"));
+  EXPECT_THAT(file.OpenDataset("cpu").Read(), ElementsAre(10, 20, 30));
 }
 
 TEST(Merge, RefusesMoreAxesThanHdf5HasDimensions) {

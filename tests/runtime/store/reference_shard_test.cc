@@ -79,6 +79,7 @@ TEST_F(References, StandInTheMergedFileBesideTheErrors) {
     EXPECT_EQ(file.ReadReal("accuracy/position", cell), n + 0.25);
     EXPECT_EQ(file.ReadReal("accuracy/height_w1_floor", cell), n + 0.125);
     EXPECT_TRUE(std::isnan(file.ReadReal("accuracy/horizon", cell)));
+    EXPECT_TRUE(std::isnan(file.ReadReal("accuracy/timestep", cell)));
     EXPECT_EQ(file.ReadText("accuracy/truth", cell), plan_.runs[i].reference);
   }
   EXPECT_TRUE(file.Has("accuracy/reference/states"));
@@ -91,7 +92,7 @@ TEST_F(References, AreNotThereWithoutErrors) {
                     folder_.path());
   store::Merge(plan, TestProvenance(), folder_.path(), folder_ / "out.h5");
   const store::ResultFile file(folder_ / "out.h5");
-  for (const char* name : {"accuracy", "sample", "reference", "state"})
+  for (const char* name : {"accuracy", "accuracy/sample", "accuracy/reference"})
     EXPECT_FALSE(file.Has(name)) << name;
 }
 

@@ -86,7 +86,7 @@ TEST(Shard, HoldsEverySeriesOfItsRun) {
   EXPECT_EQ(file.ReadText("needs", cell), fake.result.decisions);
   EXPECT_NE(fake.result.decisions, "");
   EXPECT_EQ(file.ReadReal("started", cell), fake.result.started_s);
-  EXPECT_EQ(file.ReadReal("load", cell), fake.result.load);
+  EXPECT_EQ(file.ReadReal("load_average", cell), fake.result.load);
   EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.scalars.peak_rss_bytes);
   EXPECT_EQ(file.ReadReal("place_time", cell), fake.result.scalars.place_ns);
   EXPECT_EQ(file.ReadReal("build_time", cell), fake.result.scalars.build_ns);
@@ -104,7 +104,7 @@ TEST(Shard, HasNoDatasetThatNobodyAskedFor) {
   const store::ResultFile file(folder / (plan.runs[0].id + ".h5"));
   for (const measure::Series& series : measure::AllSeries())
     EXPECT_EQ(file.Has(series.name), series.name == "duration") << series.name;
-  for (const char* name : {"body", "pose", "contact", "contact_body", "contact_first"})
+  for (const char* name : {"body", "pose", "contact_row", "contact_body", "contact_first"})
     EXPECT_FALSE(file.Has(name)) << name;
   EXPECT_THROW(file.ReadSeries("pairs", {{0, 0, 0}, 0}), store::StoreError);
 }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "runtime/measure/series.h"
+#include "runtime/store/hdf5/file.h"
 #include "tests/runtime/store/store_fixture.h"
 
 // HDF5 loses the object headers that it refuses; what we forget to close, it closes itself.
@@ -67,6 +68,18 @@ TEST_P(TraceFile, ReadsBackToTheBit) {
     for (std::size_t i = 0; i < sides.size(); ++i) ASSERT_EQ(sides[i], Side(cycle, i, GetParam()));
     EXPECT_EQ(loaded.Boxes(cycle), std::vector<double>(sides.begin(), sides.end()));
   }
+}
+
+TEST_P(TraceFile, DescribesItsVariables) {
+  const TemporaryFolder folder;
+  Write(MakeTrace(GetParam()), folder / "t.h5");
+  const hdf5::File file = hdf5::File::Open(folder / "t.h5");
+  EXPECT_EQ(file.Text("Conventions"), "CF-1.8");
+  for (const char* name : {"cycle", "body", "object", "bound", "filter", "pose", "boxes", "filters",
+                           "poses", "scenario_text", "run_text"})
+    EXPECT_NE(file.OpenDataset(name).Text("long_name"), "") << name;
+  for (const char* name : {"cycle", "body", "object", "filters"})
+    EXPECT_EQ(file.OpenDataset(name).Text("units"), "1") << name;
 }
 
 INSTANTIATE_TEST_SUITE_P(Precisions, TraceFile, testing::Bool());

@@ -1,0 +1,28 @@
+// THE table of the names in a results file that an axis may not have: an axis is a variable of the
+// same file, and is never renamed. The checker and the store read it; a test holds it against the
+// layout of the file.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "compiler/schema/metrics.h"
+
+namespace cdb::schema {
+
+/// Names of the same kind.
+struct ResultNames {
+  std::string_view kind;          ///< one of them: `a series of the results`
+  std::string_view names;         ///< separated by spaces
+  bool only_with_errors = false;  ///< in the file only if the benchmark asks for errors
+};
+std::span<const ResultNames> ReservedNames();
+
+/// What has the name of `axis` already in the results of a benchmark that asks for `errors`: `a
+/// series of the results`. Nullopt if the name is free.
+std::optional<std::string> FindNameClash(std::string_view axis,
+                                         std::span<const ErrorInfo* const> errors);
+
+}  // namespace cdb::schema

@@ -1,0 +1,26 @@
+// The versions of the schema of results files, and where an older one holds what this one does.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "runtime/store/hdf5/file.h"
+
+namespace cdb::store {
+
+inline constexpr std::string_view kSchema = "cdb-results";
+/// Raised if a reader of the version before would misunderstand a file.
+inline constexpr int kSchemaVersion = 2;
+inline constexpr int kOldestSchemaVersion = 1;
+
+/// `Conventions`: what the attributes of a file mean, as netCDF readers look for it. CF has groups
+/// and texts from 1.8 on.
+inline constexpr std::string_view kConventions = "CF-1.8";
+
+/// The version of a results file or shard. Throws StoreError if this cdb cannot read it.
+int ReadVersion(const hdf5::File& file, const std::string& name);
+
+/// The path, in a file of `version`, of the array that this version keeps at `path`.
+std::string PathIn(int version, std::string_view path);
+
+}  // namespace cdb::store

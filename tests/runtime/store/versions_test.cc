@@ -1,0 +1,131 @@
+// Files of the schema version before are read, and their shards merged.
+#include "runtime/store/versions.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <span>
+
+#include "runtime/store/reference_shard.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
+#include "tests/support/folders.h"
+
+namespace cdb::tests {
+namespace {
+
+using testing::ElementsAre;
+
+TEST(Versions, PathsOfOldFiles) {
+  EXPECT_EQ(store::PathIn(2, "run/host"), "run/host");
+  EXPECT_EQ(store::PathIn(1, "run/host"), "host");
+  EXPECT_EQ(store::PathIn(1, "run/load_average"), "load");
+  EXPECT_EQ(store::PathIn(1, "accuracy/step_size"), "accuracy/timestep");
+  EXPECT_EQ(store::PathIn(1, "accuracy/energy"), "accuracy/energy");
+  EXPECT_EQ(store::PathIn(1, "status"), "status");
+}
+
+/// Two cases by two time steps, made by cdb with schema version 1, which stored the axis `load` as
+/// `load_axis`.
+TEST(Versions, AResultOfVersion1IsRead) {
+  const store::ResultFile file(SourceFolder() / "tests" / "golden" / "results" / "version1.h5");
+  ASSERT_EQ(file.axes().size(), 2u);
+  EXPECT_EQ(file.axes()[0].name, "load");
+  EXPECT_THAT(file.axes()[0].values,
+              ElementsAre(plan::Coordinate("calm"), plan::Coordinate("storm")));
+  EXPECT_EQ(file.axes()[1].name, "hz");
+  EXPECT_EQ(file.axes()[1].unit, "");
+  for (std::size_t load = 0; load < 2; ++load)
+    for (std::size_t hz = 0; hz < 2; ++hz) {
+      const store::ResultFile::Cell cell = {{load, hz}, 0};
+      EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
+      EXPECT_EQ(file.ReadJudgement(cell).verdict, measure::Verdict::kUnknown);
+      EXPECT_EQ(file.ReadJudgement(cell).first_bad_cycle, -1);
+      const std::uint64_t cycles = hz == 0 ? 4 : 8;
+      EXPECT_EQ(file.ReadCycleCount(cell), cycles);
+      EXPECT_EQ(file.ReadDuration(measure::Phase::kStep, cell).size(), cycles);
+      EXPECT_EQ(file.ReadText("state_hash", cell).size(), 16u);
+      EXPECT_EQ(file.ReadText("message", cell), "");
+      EXPECT_EQ(file.ReadText("host", cell), "example");
+      EXPECT_GT(file.ReadReal("started", cell), 1.7e9);
+      EXPECT_GE(file.ReadReal("load_average", cell), 0);
+      EXPECT_GT(file.ReadReal("peak_rss", cell), 1e6);
+      EXPECT_EQ(file.ReadReal("accuracy/timestep", cell), hz == 0 ? 0.1 : 0.05);
+      EXPECT_GT(file.ReadReal("accuracy/position", cell), 0);
+    }
+  EXPECT_TRUE(file.Has("omitted"));
+  EXPECT_TRUE(file.ReadReferenceTroubles().empty());
+  EXPECT_NE(file.ReadProvenance("plan_text"), "");
+}
+
+/// Makes a shard one of version 1, as far as reading goes.
+void MakeVersion1(const std::filesystem::path& shard) {
+  const std::vector<std::byte> image = store::ReadSealed(shard);
+  WriteFile(shard, std::string(reinterpret_cast<const char*>(image.data()), image.size()));
+  const hid_t file = H5Fopen(shard.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const auto move = [file](const std::string& from, const std::string& to) {
+    if (H5Lexists(file, from.c_str(), H5P_DEFAULT) <= 0) return;
+    EXPECT_GE(H5Lmove(file, from.c_str(), file, to.c_str(), H5P_DEFAULT, H5P_DEFAULT), 0) << from;
+  };
+  for (const char* name :
+       {"started", "peak_rss", "place_time", "build_time", "harness", "fill_fraction", "state_hash",
+        "run_id", "host", "message", "omitted", "needs"})
+    move(std::string("run/") + name, name);
+  move("run/load_average", "load");
+  if (H5Lexists(file, "accuracy", H5P_DEFAULT) > 0) move("accuracy/step_size", "accuracy/timestep");
+  if (H5Lexists(file, "run", H5P_DEFAULT) > 0) H5Ldelete(file, "run", H5P_DEFAULT);
+  const int version = 1;
+  const hid_t attribute = H5Aopen(file, "schema_version", H5P_DEFAULT);
+  EXPECT_GE(H5Awrite(attribute, H5T_NATIVE_INT, &version), 0);
+  H5Aclose(attribute);
+  H5Fclose(file);
+  const std::string bytes = ReadFile(shard);
+  store::WriteSealed(std::as_bytes(std::span(bytes)), shard);
+}
+
+TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
+  const plan::Plan plan =
+      MakePlan({NumberAxis("quantity", {10, 20, 30})}, 1,
+               {.record = {"timing", "stability", "contacts"}, .metrics = {"position"}});
+  const TemporaryFolder folder;
+  for (std::size_t i = 0; i < 2; ++i)
+    store::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, TestProvenance(),
+                      folder.path());
+  const plan::Run& reference = plan.references[0];
+  store::RunResult result;
+  result.status = store::Status::kDone;
+  store::WriteReference(plan.Sha256(), reference, result,
+                        std::vector<double>(measure::SampleShapeOf(reference.scene)->Count(), 0.5),
+                        {}, folder.path());
+  MakeVersion1(folder / (plan.runs[0].id + ".h5"));
+  MakeVersion1(folder / (reference.id + ".h5"));
+  // A resumed run asks it of the shards that it finds.
+  const store::ShardInfo info = store::ReadShardInfo(folder / (plan.runs[0].id + ".h5"));
+  EXPECT_EQ(info.run_id, plan.runs[0].id);
+  EXPECT_EQ(info.outcome.status, store::Status::kDone);
+
+  store::Merge(plan, {}, folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const FakeResult fake(plan.runs[i]);
+    const store::ResultFile::Cell cell = {plan.runs[i].at, 0};
+    EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
+    EXPECT_EQ(file.ReadText("host", cell), fake.result.host);
+    EXPECT_EQ(file.ReadText("needs", cell), fake.result.decisions);
+    EXPECT_EQ(file.ReadReal("load_average", cell), fake.result.load);
+    EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.scalars.peak_rss_bytes);
+    EXPECT_EQ(file.ReadReal("accuracy/position", cell),
+              fake.result.errors.values.at("position")[0]);
+    EXPECT_EQ(file.ReadSeries("contacts", cell).size(), 5u);
+    const auto steps = file.ReadDuration(measure::Phase::kStep, cell);
+    ASSERT_EQ(steps.size(), 5u);
+    EXPECT_EQ(steps[4], ValueAt(plan.runs[i], *measure::FindSeries("duration"), 5 * 5 + 4));
+  }
+  EXPECT_EQ(file.ReadStatus({{2}, 0}), store::Status::kMissing);
+  EXPECT_EQ(file.ReadCycleCount({{2}, 0}), 0u);
+}
+
+}  // namespace
+}  // namespace cdb::tests
