@@ -189,17 +189,18 @@ std::string Shown(const schema::WordList& record, const std::vector<std::string>
       [&](const store::ResultFile& file) { return report::Show(file, {by}).text; });
 }
 
-TEST(ShowDetectors, SetsTheWorstCycleBesideTheMedianAndFitsGrowth) {
+TEST(ShowDetectors, SetsTheWorstCycleBesideTheMeanAndFitsGrowth) {
   const std::string text = Shown({"timing", "pairs"}, {"sap", "dbvt", "simple"}, {"detector"},
                                  [](const plan::Run& run, Made& made) {
                                    if (run.at[1] == 1) made.Ints("phantom_pairs", {0, 1, 2});
                                  });
   EXPECT_NE(text.find("\nDetectors: a cycle's detect, ns\n"
-                      "  detector  median   worst  missed  phantom  peak rss, MB\n"
-                      "  -------------------------------------------------------\n"
-                      "  sap         40.0    4000       0        0          8.00\n"
-                      "  dbvt        1600  160000       0        9          8.00\n"
-                      "  simple      1.00     100       0        0          8.00\n"),
+                      "  detector  cells   mean   worst  missed  phantom  peak rss, MB\n"
+                      "  -------------------------------------------------------------\n"
+                      "  sap           3    793    4000       0        0          8.00\n"
+                      "  dbvt          3  23800  160000       0        9          8.00\n"
+                      "  simple        3   34.0     100       0        0          8.00\n"
+                      "  Mean over cycles and cells; no interval: one repeat.\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\nGrowth over quantity: p of detect ~ objects^p\n"
@@ -242,11 +243,11 @@ TEST(ShowDetectors, NamesThoseThatNobodyLookedAt) {
 
 TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
   const auto set = [](const plan::Run& run, Made& made) {
-    made.result().scalars.harness_ns = run.at[1] == 2 ? NAN : 2;
+    made.result().scalars.harness_ns = run.at[1] == 2 ? NAN : 68;
   };
   const std::string text = Shown({"timing"}, {"sap", "dbvt", "null"}, {}, set);
-  // Detect is 20 ns of sap in the middle; null would be 1 ns, and is all harness.
-  EXPECT_NE(text.find("\n  Harness: 2.00 ns a cycle, 10.0 % of the detect of sap, the fastest; "
+  // Detect is 680 ns of sap at the middle point; null would be 34 ns, and is all harness.
+  EXPECT_NE(text.find("\n  Harness: 68.0 ns a cycle, 10.0 % of the detect of sap, the fastest; "
                       "nothing is subtracted.\n"),
             std::string::npos)
       << text;
