@@ -14,7 +14,7 @@ namespace cdb::report {
 namespace {
 
 /// From the median absolute deviation to the standard deviation of a normal distribution; how many
-/// of these a stall is away; and the part of all times that stalls may be.
+/// of these a stall is away at least; and the part of all times that stalls may be.
 constexpr double kDeviation = 1.4826, kFarOff = 5, kMostStalls = 0.05;
 
 /// A cycle in the repeats that reached it, the fastest first, with the repeat.
@@ -45,7 +45,7 @@ std::vector<SortedCycle> SortCycles(const std::vector<std::vector<double>>& repe
   return cycles;
 }
 
-/// Limits times far from `medians`, the time of each cycle, unless there are many (cycle_times.h).
+/// Limits times far from `medians`, the time of each cycle (cycle_times.h).
 void Winsorise(std::vector<SortedCycle>& cycles, const std::vector<double>& medians) {
   std::vector<double> distances;
   for (std::size_t c = 0; c < cycles.size(); ++c)
@@ -53,8 +53,8 @@ void Winsorise(std::vector<SortedCycle>& cycles, const std::vector<double>& medi
       if (medians[c] > 0) distances.push_back(std::fabs(time - medians[c]) / medians[c]);
   if (distances.empty()) return;
   std::ranges::sort(distances);
-  const double limit = kFarOff * kDeviation * Percentile(distances, 0.5);
-  if (Percentile(distances, 1 - kMostStalls) > limit) return;
+  const double limit = std::max(kFarOff * kDeviation * Percentile(distances, 0.5),
+                                Percentile(distances, 1 - kMostStalls));
   for (std::size_t c = 0; c < cycles.size(); ++c)
     for (auto& [time, repeat] : cycles[c])
       time = std::clamp(time, medians[c] * (1 - limit), medians[c] * (1 + limit));

@@ -28,7 +28,7 @@ bool Dominates(const ErrorRow& one, const ErrorRow& other) {
 
 bool IsWithinNoise(const ErrorRow& one, const ErrorRow& other) {
   return one.time_interval.Overlaps(other.time_interval) &&
-         one.KnownInterval().Overlaps(other.KnownInterval());
+         one.PossibleErrors().Overlaps(other.PossibleErrors());
 }
 
 class Collector {
@@ -163,9 +163,10 @@ class Collector {
 
 double ErrorRow::Known() const { return std::fmax(error, floor); }
 
-Interval ErrorRow::KnownInterval() const {
-  if (std::isnan(error_interval.low)) return {Known(), Known()};
-  return {std::fmax(error_interval.low, floor), std::fmax(error_interval.high, floor)};
+Interval ErrorRow::PossibleErrors() const {
+  const double beside = std::isnan(floor) ? 0 : floor;
+  return {std::fmin(error, error_interval.low) - beside,
+          std::fmax(error, error_interval.high) + beside};
 }
 
 void MarkFront(std::vector<ErrorRow>& rows) {

@@ -22,13 +22,13 @@ struct ErrorRow {
   Interval time_interval, error_interval;                     ///< NaN where there is none
   double horizon = std::numeric_limits<double>::quiet_NaN();  ///< the shortest
   bool on_front = false;
-  /// Off the front, and each on it that is as fast and as accurate is so within the intervals.
+  /// Off the front, and each row that is as fast and as accurate is so within the intervals.
   bool is_tie = false;
 
   /// What is known of the error: a smaller one than its floor is not better.
   double Known() const;
-  /// Of `Known`; both ends the same where the error has no interval.
-  Interval KnownInterval() const;
+  /// Where the error may lie: its interval, if it has one, and its floor to both sides.
+  Interval PossibleErrors() const;
   /// Simulated seconds in a second.
   double RealTimeFactor() const { return 1000 / ms_per_s.value; }
   bool IsBelowFloor() const { return error < floor; }

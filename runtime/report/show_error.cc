@@ -129,8 +129,9 @@ class ErrorSummary {
                               ? "range the least and the greatest from any draw of the seeds"
                               : "interval by bootstrap over the seeds");
     if (std::ranges::any_of(rows.rows, &ErrorRow::is_tie))
-      text += fmt::format("  tie: what is faster and more accurate is so only within the {}.\n",
-                          times_.IntervalName());
+      text += fmt::format(
+          "  tie: what is as fast and as accurate is so only within the {} and the floor.\n",
+          times_.IntervalName());
     return text + rows.matched.MatchLines();
   }
 

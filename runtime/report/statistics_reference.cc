@@ -15,12 +15,12 @@ not an interval.
 Intervals. With 5 repeats or more, an interval of 95 %: the repeats are drawn with replacement, as
 many as there are, and the statistic is computed from each draw. Whole runs are drawn, so that the
 correlation between the cycles of a run is kept. The percentiles are widened for few repeats
-(Hesterberg 2015, the expanded percentile interval). A draw may have one repeat several times, so that
-a stall in it would outvote the others: times far from the median of their cycle are limited first
-(Singh 1998, the winsorised bootstrap), unless there are many. The repeats of a sweep are interleaved, and
-ratios are paired: both detectors have the same repeats in each draw. With 2 to 4 repeats, the table
-has the range of all draws instead, which is narrower than an interval of 95 %; with one repeat,
-there is none. Draws do not depend on chance: the same file has the same intervals.
+(Hesterberg 2015, the expanded percentile interval). A draw may have a repeat several times, so that a
+stall in it would outvote the others: times far from the median of their cycle are limited first
+(Singh 1998, the winsorised bootstrap), up to 5 % of them. If more are disturbed, the interval is
+wide; repeat the run on an idle machine. The repeats of a sweep are interleaved, and ratios paired:
+both detectors have the same repeats in each draw. With 2 to 4 repeats, the table has the range of all draws instead, which is narrower than
+an interval of 95 %; with one repeat, there is none. The same file always has the same intervals.
   An interval is of this machine in the state that it was in. It does not say how another machine, or
 another seed, would differ.
 
@@ -39,8 +39,8 @@ Ratios of other cells are in parentheses. If all runs are void, the mean is of v
 parentheses.
 
 The front of `show --error`: no other configuration is both as fast and as accurate. A configuration
-off the front is a tie if each that is as fast and as accurate lies within the intervals, in time
-and in error. Void runs are not on the front.
+off the front is a tie if each that is as fast and as accurate lies within the intervals, in time and
+in error; an error without an interval is known within its floor. Void runs are not on the front.
 
 )reference";
 

@@ -186,15 +186,16 @@ TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
     hz 60, precision double: crashed: of old age
 
    hz  precision  x real time  ms per s           range  position     floor  horizon, s
-  --------------------------------------------------------------------------------------------------
+  -------------------------------------------------------------------------------------------------------
    60  single           13330    0.0750  0.0600..0.0900  2.50e-02  1.00e-03        1.50  front
   120  single            6667     0.150    0.120..0.180  1.25e-02  1.00e-03        1.50  front
   120  double            3333     0.300    0.240..0.360  8.33e-03  1.00e-03        1.50  front
-  240  single            3333     0.300    0.240..0.360  6.25e-03  1.00e-02        1.50  below floor
+  240  single            3333     0.300    0.240..0.360  6.25e-03  1.00e-02        1.50  tie, below floor
    60  double            6667     0.150    0.120..0.180  1.67e-02  1.00e-03        1.50  crashed
   Median over 2 repeats per cycle, then mean over cycles; range over all draws of repeats.
+  tie: what is as fast and as accurate is so only within the range and the floor.
 
-position, * front, x void
+position, * front, = tie, x void
  2.50e-02 |                                                           *
           |
           |
@@ -208,7 +209,7 @@ position, * front, x void
           |*
           |
           |
- 6.25e-03 |o
+ 6.25e-03 |=
           +------------------------------------------------------------
            3333                    x real time                    13330
 

@@ -39,6 +39,10 @@ TEST(MarkFront, TiesWithinNoise) {
   EXPECT_EQ(MarksOf({RowAt(10, 1, 0.1), RowAt(11, 1, 0.11)}), "*o");
   EXPECT_EQ(MarksOf({RowAt(10, 1, 0.1, 0.02), RowAt(11, 1, 0.11, 0.02)}), "*=");
   EXPECT_EQ(MarksOf({RowAt(10, 1, 0.1), RowAt(20, 1, 0.05)}), "**");
+  // An error is known within its floor.
+  std::vector<ErrorRow> rows = {RowAt(10, 1, 0.1), RowAt(11, 1, 0.11)};
+  rows[0].floor = rows[1].floor = 0.006;
+  EXPECT_EQ(MarksOf(rows), "*=");
 }
 
 TEST(MarkFront, HasNoTiesWithoutIntervals) {
