@@ -126,7 +126,8 @@ Interval Bootstrap::IntervalOf(const Estimate& estimate) const {
     while (from + 1 != end && (sum += from->second) <= tail) ++from;
     return from->first;
   };
-  return {reach(weighted.begin(), weighted.end()), reach(weighted.rbegin(), weighted.rend())};
+  return {std::min(estimate.value, reach(weighted.begin(), weighted.end())),
+          std::max(estimate.value, reach(weighted.rbegin(), weighted.rend()))};
 }
 
 std::string IntervalText(const Interval& interval) {

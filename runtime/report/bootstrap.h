@@ -6,8 +6,9 @@
 // the mean of five they cover about 85 %. So the percentiles are widened to
 //   Phi(-+ sqrt(n / (n - 1)) t(0.975, n - 1))
 // (the expanded percentile interval of Hesterberg 2015, What Teachers Should Know About the
-// Bootstrap, The American Statistician 69). For 2 to 4 things that is beyond all draws: there is a
-// range of the draws, which is not an interval of 95 %.
+// Bootstrap, The American Statistician 69), and the interval reaches to the figure itself, from
+// which all draws may lie on one side, as they are of fewer unlike things. For 2 to 4 things that
+// is beyond all draws: there is a range of the draws, which is not an interval of 95 %.
 //
 // All draws are the same in each execution. Figures that share their things have the same draws,
 // so that ratios and means of figures are paired.

@@ -59,6 +59,13 @@ TEST(Bootstrap, HasNoIntervalWhereThingsAreMissing) {
   EXPECT_TRUE(std::isnan(bootstrap.IntervalOf(estimate).low));
 }
 
+TEST(Bootstrap, HasTheFigureInItsInterval) {
+  const Bootstrap bootstrap(5);
+  Estimate estimate = bootstrap.MeanEstimate({1, 2, 3, 4, 5});
+  estimate.value = 0.5;
+  EXPECT_EQ(bootstrap.IntervalOf(estimate).low, 0.5);
+}
+
 TEST(Bootstrap, CoversTheTruthAboutAsOftenAsItSays) {
   distributions::Stream stream(1);
   for (const std::size_t n : {5, 8, 20}) {
