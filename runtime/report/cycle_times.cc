@@ -22,17 +22,20 @@ using SortedCycle = std::vector<std::pair<double, std::size_t>>;
 
 /// Of the values, each as often as `counts` says of its repeat; NaN where that is never.
 double MedianOf(const SortedCycle& cycle, const std::vector<std::uint32_t>& counts) {
-  std::size_t total = 0;
-  for (const auto& [time, repeat] : cycle) total += counts[repeat];
-  if (total == 0) return kNone;
-  const auto at = [&](std::size_t place) {
-    for (const auto& [time, repeat] : cycle) {
-      if (place < counts[repeat]) return time;
-      place -= counts[repeat];
-    }
-    return kNone;
-  };
-  return total % 2 == 1 ? at(total / 2) : (at(total / 2 - 1) + at(total / 2)) / 2;
+  std::size_t total = counts.size();  // what the counts of all repeats add up to
+  if (cycle.size() < counts.size()) {
+    total = 0;
+    for (const auto& [time, repeat] : cycle) total += counts[repeat];
+    if (total == 0) return kNone;
+  }
+  auto middle = cycle.begin();
+  std::size_t seen = counts[middle->second];
+  while (seen <= (total - 1) / 2) seen += counts[(++middle)->second];
+  const double low = middle->first;
+  if (seen > total / 2) return low;
+  do ++middle;
+  while (counts[middle->second] == 0);
+  return (low + middle->first) / 2;
 }
 
 std::vector<SortedCycle> SortCycles(const std::vector<std::vector<double>>& repeats) {
