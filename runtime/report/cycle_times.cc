@@ -121,18 +121,20 @@ std::string CycleTimes::StatisticAndIntervalLine(bool pools) const {
   return Statistic(pools) + interval;
 }
 
-std::string CycleTimes::IntervalLine() const {
+std::string CycleTimes::IntervalLine(bool lacks_repeats) const {
+  const char* lack = lacks_repeats ? " -: a repeat is missing or void." : "";
   switch (bootstrap_.kind()) {
     case IntervalKind::kNone:
       return "  No interval: one repeat.\n";
     case IntervalKind::kRange:
-      return fmt::format("  Over all draws of {} repeats; an interval of 95 % takes {} repeats.\n",
-                         bootstrap_.size(), Bootstrap::kLeastForInterval);
+      return fmt::format(
+          "  Over all draws of {} repeats; an interval of 95 % takes {} repeats.{}\n",
+          bootstrap_.size(), Bootstrap::kLeastForInterval, lack);
     case IntervalKind::kInterval:
       break;
   }
-  return fmt::format("  By bootstrap over the {} repeats, whole runs at a time.\n",
-                     bootstrap_.size());
+  return fmt::format("  By bootstrap over the {} repeats, whole runs at a time.{}\n",
+                     bootstrap_.size(), lack);
 }
 
 }  // namespace cdb::report

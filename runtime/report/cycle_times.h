@@ -60,7 +60,8 @@ class CycleTimes {
   // One line each for below a table; `pools`: a row has several cells.
   std::string StatisticLine(bool pools) const;             ///< which statistic over what
   std::string StatisticAndIntervalLine(bool pools) const;  ///< both, in one line
-  std::string IntervalLine() const;  ///< how the interval was made, or why there is none
+  /// How the interval was made, or why there is none. `lacks_repeats`: some row has fewer repeats.
+  std::string IntervalLine(bool lacks_repeats = false) const;
 
  private:
   std::string Statistic(bool pools) const;

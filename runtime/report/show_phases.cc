@@ -37,12 +37,18 @@ class PhaseTables {
     text += fmt::format("\n5th .. 95th percentile over the cycles{}\n{}", Unit(), Spreads());
     if (has_intervals_)
       text += fmt::format("\nMean of a cycle, its {}{}\n{}{}", times_.IntervalName(), Unit(),
-                          Intervals(), times_.IntervalLine());
+                          Intervals(), times_.IntervalLine(LacksRepeats()));
     return text;
   }
 
  private:
   std::string Unit() const { return has_times_ ? fmt::format(", {}", unit_.name) : ""; }
+
+  bool LacksRepeats() {
+    return std::ranges::any_of(rows_.rows, [this](const Row& row) {
+      return MeanOfRow(row, measure::Phase::kStep).things < times_.bootstrap().size();
+    });
+  }
 
   /// That of the median step.
   TimeUnit UnitOf() {

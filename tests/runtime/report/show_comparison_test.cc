@@ -209,6 +209,21 @@ TEST(ShowComparison, SaysHowItsIntervalsWereMade) {
   ExpectHas(five, "1.20 .. 1.20");
 }
 
+TEST(ShowComparison, LeavesARepeatThatDidNotEndWellOutOfItsPoint) {
+  const std::string text = Shown(Grid(5), [](const plan::Run& run) {
+    MadeUp made = OfQuantity(run);
+    if (run.at[0] == 1 && run.at[1] == 1 && run.rep == 4)
+      made = {.ns = 1e9, .verdict = measure::Verdict::kTimedOut};
+    return made;
+  });
+  ExpectHas(text, "1 did not end well (1 timed_out)");
+  ExpectHas(text, "\n  dbvt            20   2.40    2.40    2.40   2.40       2.40  2.40\n");
+  ExpectHas(text, "\n  dbvt            20      -    -    -   -       -  -\n");
+  ExpectHas(text,
+            "\n  By bootstrap over the 5 repeats, whole runs at a time. -: a repeat is missing or "
+            "void.\n");
+}
+
 /// Both commands, of runs one of which stalled.
 TEST(ShowComparison, HasOneStatisticInBothCommands) {
   const plan::Plan plan =
