@@ -79,14 +79,18 @@ std::string CostsText(const store::ResultFile& file, const std::vector<MeasuredP
                      times.StatisticAndIntervalLine(rows.pools), rows.MatchLines());
 }
 
+/// The numbers of objects that an exponent is fitted over: `10 .. 40`.
+std::string ObjectsText(const DetectorGrowth::Exponent& exponent) {
+  return CountText(exponent.least) + " .. " + CountText(exponent.most);
+}
+
 /// What to know before the exponents of two rows are compared.
 std::string GrowthNotes(const DetectorGrowth& growth) {
   std::string text;
   if (!growth.is_matched) text += "  Rows are of unlike numbers of objects: do not compare them.\n";
   if (growth.dropped > 0)
     text += fmt::format("  Over the numbers of objects that all rows have, {}.\n",
-                        IntervalText({growth.exponents.begin()->second.least,
-                                      growth.exponents.begin()->second.most}));
+                        ObjectsText(growth.exponents.begin()->second));
   if (!growth.unlike.empty())
     text += fmt::format(
         "  Some points ran without {} and others with: growth is not of the objects alone.\n",
@@ -106,7 +110,7 @@ std::string GrowthText(const store::ResultFile& file, const std::vector<Measured
   for (const auto& [point, exponent] : growth->exponents) {
     std::vector<std::string> texts = Coordinates(file, growth->rows, point);
     texts.push_back(ExponentText(exponent.p));
-    if (!growth->is_matched) texts.push_back(IntervalText({exponent.least, exponent.most}));
+    if (!growth->is_matched) texts.push_back(ObjectsText(exponent));
     table.AddRow(std::move(texts));
   }
   return fmt::format(

@@ -28,11 +28,8 @@ class PhaseTables {
 
   std::string Text() {
     if (!has_times_ && !file_.Has("pairs")) return {};
-    std::string text =
-        fmt::format("\nMean of a cycle{}\n{}{}", Unit(), Means(),
-                    has_times_ && !has_intervals_ ? times_.StatisticAndIntervalLine(rows_.pools)
-                                                  : times_.StatisticLine(rows_.pools));
-    text += rows_.MatchLines();
+    std::string text = fmt::format("\nMean of a cycle{}\n{}{}{}", Unit(), Means(), StatisticLine(),
+                                   rows_.MatchLines());
     if (!has_times_) return text;
     text += fmt::format("\n5th .. 95th percentile over the cycles{}\n{}", Unit(), Spreads());
     if (has_intervals_)
@@ -42,6 +39,14 @@ class PhaseTables {
   }
 
  private:
+  /// Counts are the same in all repeats.
+  std::string StatisticLine() const {
+    if (!has_times_)
+      return rows_.pools ? "  Mean over cycles and cells.\n" : "  Mean over cycles.\n";
+    return has_intervals_ ? times_.StatisticLine(rows_.pools)
+                          : times_.StatisticAndIntervalLine(rows_.pools);
+  }
+
   std::string Unit() const { return has_times_ ? fmt::format(", {}", unit_.name) : ""; }
 
   bool LacksRepeats() {

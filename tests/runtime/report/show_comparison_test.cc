@@ -33,8 +33,8 @@ auto WithFile(const plan::Plan& plan, const MakeUp& make_up, Use use) {
     for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
       durations[phase * kCycles] += made.stall;
     fake.result.series = {{measure::FindSeries("duration"), std::as_bytes(std::span(durations))}};
-    fake.result.judgement = {made.verdict,
-                             made.verdict == measure::Verdict::kStable ? -1 : std::int64_t{3}};
+    fake.result.judgement.verdict = made.verdict;
+    fake.result.judgement.first_bad_cycle = made.verdict == measure::Verdict::kStable ? -1 : 3;
     fake.result.message = "";
     fake.result.omitted = made.omitted;
     fake.result.decisions = made.decisions;

@@ -271,5 +271,40 @@ TEST(ShowDetectors, FitsGrowthOverWhateverChangesTheNumberOfObjects) {
   EXPECT_EQ(level.out.find("Growth"), std::string::npos) << level.out;
 }
 
+TEST(ShowDetectors, FitsGrowthOverTheNumbersOfObjectsThatAllHave) {
+  const Program program;
+  const std::string scene =
+      "cycles 3; detector sweep(simple, dbvt); world.side 2000; omit none\n"
+      "objects.quantity sweep(10, 20, 40, 80)\n";
+  program.Write("s.cdb", "benchmark s { " + scene +
+                             "skip when detector == simple and quantity > 40 }\n"
+                             "benchmark t { " +
+                             scene + "skip when detector == simple and quantity > 20 }\n");
+  const Finished matched = program.Run({"run", "s.cdb", "-b", "s"});
+  EXPECT_NE(matched.out.find("\n  Over the numbers of objects that all rows have, 10 .. 40.\n"),
+            std::string::npos)
+      << matched.out << matched.err;
+  // Two are too few to fit.
+  const Finished unlike = program.Run({"run", "s.cdb", "-b", "t"});
+  EXPECT_NE(unlike.out.find("\n  Rows are of unlike numbers of objects: do not compare them.\n"),
+            std::string::npos)
+      << unlike.out << unlike.err;
+}
+
+TEST(ShowDetectors, SaysWhereGrowthMixesOmissions) {
+  const auto shown = [](bool of_all) {
+    return Shown({"timing"}, {"sap", "dbvt"}, {}, [of_all](const plan::Run& run, Made& made) {
+      const bool left_out = of_all || run.at[0] == 0;
+      made.result().omitted = left_out ? "solver" : "";
+      made.result().decisions =
+          std::string("solver: ") + (left_out ? "left out" : "kept") + ": a test\n";
+    });
+  };
+  const std::string note =
+      "\n  Some points ran without solver and others with: growth is not of the objects alone.\n";
+  EXPECT_NE(shown(false).find(note), std::string::npos) << shown(false);
+  EXPECT_EQ(shown(true).find(note), std::string::npos) << shown(true);
+}
+
 }  // namespace
 }  // namespace cdb::tests
