@@ -74,11 +74,13 @@ class RatioTable {
       const std::string text = ratio ? ShortNumber(ratio->value) : "-";
       const bool counts = point.is_matched && !comparison_.is_void;
       row.push_back(counts || !ratio ? text : "(" + text + ")");
+      has_parentheses_ = has_parentheses_ || (ratio && !counts);
       below.push_back(ratio && i != comparison_.baseline ? IntervalText(times_.IntervalOf(*ratio))
                                                          : "");
     }
     table.AddRow(std::move(row));
-    if (HasIntervals()) table.AddRow(std::move(below));
+    const bool is_empty = std::ranges::all_of(below, &std::string::empty);
+    if (HasIntervals() && !is_empty) table.AddRow(std::move(below));
   }
 
   void AddMeans(Table& table, measure::Phase phase) {
@@ -118,7 +120,7 @@ class RatioTable {
       text += fmt::format("  Mean and range over {} of {} cells{}.\n", matched, all,
                           matched < all ? ": those that all detectors have" : "");
     if (comparison_.is_void) return text + "  In parentheses: every run is void.\n";
-    if (matched < all)
+    if (has_parentheses_)
       text += "  In parentheses: a detector is void, missing, or has other omissions.\n";
     return text;
   }
@@ -128,6 +130,7 @@ class RatioTable {
   const Comparison& comparison_;
   CycleTimes& times_;
   std::vector<std::size_t> others_;  ///< axes
+  bool has_parentheses_ = false;     ///< some ratio is not in the means
 };
 
 }  // namespace

@@ -55,6 +55,14 @@ TEST(Verdicts, UnsoundRunsAreNamedAndStay) {
   EXPECT_NE(run.out.find("1 drifting: linear_damping 0.9, rep 0 from cycle "), std::string::npos);
 }
 
+TEST(Stability, ARatioHasNoUnit) {
+  const Program program;
+  const Finished map =
+      program.Run({"stability", "mass_ratio", "--precision", "single", "--detector", "dbvt", "-q"});
+  EXPECT_NE(map.out.find("\n  precision  detector  ratio\n"), std::string::npos)
+      << map.out << map.err;
+}
+
 TEST(Stability, MapsWhereASceneStopsBeingSound) {
   const Program program;
   const Finished map = program.Run(
