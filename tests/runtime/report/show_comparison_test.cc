@@ -1,7 +1,9 @@
 // Summaries of results whose times, holes, verdicts and omissions are made up.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
