@@ -16,18 +16,23 @@ namespace {
 struct ShowArguments {
   std::string file;
   std::vector<std::string> by;  ///< axes that make the rows
-  std::string error;            ///< an array of /accuracy to set against run time; empty: a summary
+  std::string baseline;     ///< the detector that ratios are to; empty: the first with all cells
+  bool only_sound = false;  ///< without runs whose timings a verdict voids
+  std::string error;        ///< an array of /accuracy to set against run time; empty: a summary
   std::vector<std::string> each;  ///< with `error`: axes with a table for each value
 };
 
 ExitStatus Show(const ShowArguments& arguments) {
-  if (arguments.error.empty() && !arguments.each.empty())
+  const bool is_summary = arguments.error.empty();
+  if (is_summary && !arguments.each.empty())
     throw CommandError("--each goes with --error NAME; a summary takes --by");
+  if (!is_summary && !arguments.baseline.empty())
+    throw CommandError("--baseline is for the ratios of a summary; --error has none");
   const store::ResultFile file(arguments.file);
   const report::ShowText shown =
-      arguments.error.empty()
-          ? report::Show(file, {arguments.by})
-          : report::ShowError(file, {arguments.error, arguments.by, arguments.each});
+      is_summary ? report::Show(file, {arguments.by, arguments.baseline, arguments.only_sound})
+                 : report::ShowError(
+                       file, {arguments.error, arguments.by, arguments.each, arguments.only_sound});
   report::Print(shown.text);
   return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
 }
@@ -39,6 +44,10 @@ void AddShowCommand(CLI::App& app, ExitStatus& status) {
   Subcommand command(app, "show", "a summary of a results file on the terminal");
   command.Required("FILE", arguments->file, "results file");
   command.List("--by", arguments->by, "axes that make the rows (quantity,detector)");
+  command.Optional(
+      "--baseline", arguments->baseline,
+      "the detector that the others are divided by; default: the first with all cells");
+  command.Flag("--sound", arguments->only_sound, "without runs whose timings a verdict voids");
   command.Optional("--error", arguments->error,
                    "an error against run time (position, energy: cdb doc accuracy)");
   command.List("--each", arguments->each,

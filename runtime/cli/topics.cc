@@ -19,6 +19,7 @@
 #include "runtime/measure/verdict.h"
 #include "runtime/report/detector_reference.h"
 #include "runtime/report/language_reference.h"
+#include "runtime/report/statistics_reference.h"
 #include "runtime/report/table.h"
 #include "runtime/report/word_reference.h"
 #include "runtime/store/store.h"
@@ -149,6 +150,8 @@ constexpr Topic kTopics[] = {
      [] { return std::string(report::kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",
      [] { return std::string(report::kResultsReference) + AllStatuses() + AllSeriesText(); }},
+    {"statistics", "how cdb show makes its figures and intervals",
+     [] { return std::string(report::kStatisticsReference); }},
     {"traces", "recorded boxes, and detectors that are run on them",
      [] { return std::string(report::kTracesReference); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},

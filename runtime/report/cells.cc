@@ -91,4 +91,11 @@ std::optional<std::string> Trouble(const store::ResultFile& file,
                      judgement.first_bad_cycle);
 }
 
+std::string FaultOf(const store::ResultFile& file, const Cell& cell) {
+  const store::Status status = file.ReadStatus(cell);
+  return std::string(status == store::Status::kDone
+                         ? measure::VerdictName(file.ReadJudgement(cell).verdict)
+                         : store::StatusName(status));
+}
+
 }  // namespace cdb::report

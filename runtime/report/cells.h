@@ -32,6 +32,10 @@ std::size_t FindAxis(const store::ResultFile& file, const std::string& name);
 std::optional<std::string> Trouble(const store::ResultFile& file,
                                    const store::ResultFile::Cell& cell);
 
+/// Of a cell with a trouble, one word: the verdict that voids it (`frozen`), or its status
+/// (`crashed`).
+std::string FaultOf(const store::ResultFile& file, const store::ResultFile::Cell& cell);
+
 /// The plan that the results are of; nullopt where it is of another version of cdb, which is shown
 /// as far as it goes. Throws StoreError.
 std::optional<plan::Plan> ReadPlan(const store::ResultFile& file);

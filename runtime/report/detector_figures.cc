@@ -6,6 +6,7 @@
 
 #include "compiler/schema/catalogue.h"
 #include "runtime/report/cells.h"
+#include "runtime/report/figures.h"
 #include "runtime/report/numbers.h"
 
 namespace cdb::report {
@@ -25,12 +26,6 @@ double AddCounts(double sum, const std::vector<double>& counts) {
   for (const double count : counts)
     if (count >= 0) sum = (std::isnan(sum) ? 0 : sum) + count;
   return sum;
-}
-
-Point Project(const Cell& cell, const std::vector<std::size_t>& axes) {
-  Point point;
-  for (const std::size_t axis : axes) point.push_back(cell.at[axis]);
-  return point;
 }
 
 bool CanFit(const plan::Axis& axis) { return !axis.IsText() && axis.values.size() >= kLeastPoints; }
@@ -66,87 +61,93 @@ std::optional<std::size_t> CountAxis(const store::ResultFile& file,
   return found;
 }
 
-/// Detect of the cells that share a point on all axes beside that of the number of objects.
+/// Times of detect at the points that differ in the number of objects alone.
 struct TimesAtPoint {
   Point row;
   std::map<double, std::vector<double>> by_count;
 };
 
-std::map<Point, TimesAtPoint> TimesByCount(const store::ResultFile& file,
-                                           const std::vector<Cell>& cells,
+std::map<Point, TimesAtPoint> TimesByCount(const std::vector<MeasuredPoint>& points,
                                            const std::map<Point, double>& objects,
-                                           const DetectorGrowth& growth) {
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < file.axes().size(); ++i)
-    if (i != growth.axis) others.push_back(i);
-  std::map<Point, TimesAtPoint> times;
-  for (const Cell& cell : cells) {
-    const auto count = objects.find(cell.at);
-    if (count == objects.end()) continue;
-    TimesAtPoint& at = times[Project(cell, others)];
-    at.row = Project(cell, growth.rows);
-    Append(at.by_count[count->second], file.ReadDuration(measure::Phase::kDetect, cell));
+                                           const DetectorGrowth& growth, CycleTimes& times) {
+  std::map<Point, TimesAtPoint> found;
+  for (const MeasuredPoint& point : points) {
+    const auto count = objects.find(point.at);
+    if (count == objects.end() || !point.IsSound()) continue;
+    TimesAtPoint& at = found[Without(point.at, growth.axis)];
+    at.row = Project(point.at, growth.rows);
+    at.by_count[count->second].push_back(times.Of(point, measure::Phase::kDetect).mean.value);
   }
-  return times;
+  return found;
+}
+
+/// Drops the numbers of objects that some point has not got, if enough are left to fit over.
+void MatchCounts(std::map<Point, TimesAtPoint>& found, DetectorGrowth& growth) {
+  std::map<double, std::size_t> having;
+  for (const auto& [point, at] : found)
+    for (const auto& [count, times] : at.by_count) ++having[count];
+  const std::size_t all = having.size();
+  std::erase_if(having, [&](const auto& count) { return count.second < found.size(); });
+  growth.is_matched = having.size() == all || having.size() >= kLeastPoints;
+  if (!growth.is_matched) return;
+  growth.dropped = all - having.size();
+  for (auto& [point, at] : found)
+    std::erase_if(at.by_count, [&](const auto& count) { return !having.contains(count.first); });
 }
 
 }  // namespace
 
-std::map<Point, DetectorCosts> DetectorCostsByRow(const store::ResultFile& file,
-                                                  const std::vector<Cell>& cells,
-                                                  const std::vector<std::size_t>& rows) {
-  struct Row {
-    std::vector<double> detect, pairs;
-    double missed = kNone, phantom = kNone, peak_rss = 0, heap = 0;
-  };
-  std::map<Point, Row> pooled;
-  const bool has_pairs = file.Has("pairs"), has_faults = file.Has("exact_pairs"),
-             has_heap = file.Has("heap");
-  for (const Cell& cell : cells) {
-    Row& row = pooled[Project(cell, rows)];
-    Append(row.detect, file.ReadDuration(measure::Phase::kDetect, cell));
-    if (has_pairs) Append(row.pairs, file.ReadSeries("pairs", cell));
-    if (has_faults) {
-      row.missed = AddCounts(row.missed, file.ReadSeries("missed_pairs", cell));
-      row.phantom = AddCounts(row.phantom, file.ReadSeries("phantom_pairs", cell));
+DetectorCosts CostsOf(const store::ResultFile& file, const Row& row, CycleTimes& times) {
+  DetectorCosts costs = {{}, kNone, 0, kNone, kNone, kNone, kNone};
+  std::vector<Estimate> means;
+  std::vector<double> pairs;
+  for (const MeasuredPoint* point : row.points) {
+    const PhaseTimes& detect = times.Of(*point, measure::Phase::kDetect);
+    means.push_back(detect.mean);
+    for (const double ns : detect.cycles) costs.worst = std::fmax(costs.worst, ns);
+    if (file.Has("pairs")) pairs.push_back(Mean(file.ReadSeries("pairs", point->cells[0])));
+    for (const Cell& cell : point->cells) {
+      if (file.Has("exact_pairs")) {
+        costs.missed = AddCounts(costs.missed, file.ReadSeries("missed_pairs", cell));
+        costs.phantom = AddCounts(costs.phantom, file.ReadSeries("phantom_pairs", cell));
+      }
+      costs.peak_rss = std::fmax(costs.peak_rss, file.ReadReal("peak_rss", cell));
+      if (file.Has("heap"))
+        for (const double bytes : file.ReadSeries("heap", cell))
+          costs.heap = std::fmax(costs.heap, bytes);
     }
-    row.peak_rss = std::fmax(row.peak_rss, file.ReadReal("peak_rss", cell));
-    if (has_heap)
-      for (const double bytes : file.ReadSeries("heap", cell))
-        row.heap = std::fmax(row.heap, bytes);
   }
-  std::map<Point, DetectorCosts> costs;
-  for (const auto& [point, row] : pooled) {
-    const auto worst = std::ranges::max_element(row.detect);
-    costs[point] = {Median(row.detect),
-                    worst == row.detect.end() ? kNone : *worst,
-                    Median(row.pairs),
-                    row.missed,
-                    row.phantom,
-                    row.peak_rss,
-                    row.heap};
-  }
+  costs.mean = MeanOf(means);
+  costs.pairs = Mean(pairs);
   return costs;
 }
 
 std::optional<DetectorGrowth> GrowthByRow(const store::ResultFile& file,
-                                          const std::vector<Cell>& cells,
-                                          const std::vector<std::size_t>& rows) {
+                                          const std::vector<MeasuredPoint>& points,
+                                          const std::vector<std::size_t>& rows, CycleTimes& times) {
   const std::map<Point, double> objects = ObjectCounts(file);
   const auto axis = CountAxis(file, objects);
   if (!axis) return std::nullopt;
-  DetectorGrowth growth = {*axis, rows, {}, false};
+  DetectorGrowth growth = {*axis, rows, {}};
   std::erase(growth.rows, *axis);
-  const auto times = TimesByCount(file, cells, objects, growth);
+  auto found = TimesByCount(points, objects, growth, times);
+  MatchCounts(found, growth);
   std::map<Point, std::vector<double>> exponents;
-  for (const auto& [point, at] : times) {
+  for (const auto& [point, at] : found) {
     std::vector<std::pair<double, double>> fitted;
     for (const auto& [count, values] : at.by_count) fitted.emplace_back(count, Median(values));
     auto& of_row = exponents[at.row];
     if (const double p = GrowthExponent(fitted); !std::isnan(p)) of_row.push_back(p);
+    auto& row = growth.exponents.try_emplace(at.row, kNone, kNone, kNone).first->second;
+    row.least = std::fmin(row.least, fitted.front().first);
+    row.most = std::fmax(row.most, fitted.back().first);
   }
-  for (const auto& [row, of_row] : exponents) growth.exponents[row] = Mean(of_row);
-  growth.is_mean = times.size() > exponents.size();
+  for (const auto& [row, of_row] : exponents) growth.exponents[row].p = Mean(of_row);
+  growth.is_mean = found.size() > exponents.size();
+  for (const MeasuredPoint& point : points)
+    for (const std::string& name : point.unlike)
+      if (point.IsSound() && std::ranges::find(growth.unlike, name) == growth.unlike.end())
+        growth.unlike.push_back(name);
   return growth;
 }
 
@@ -167,29 +168,32 @@ double GrowthExponent(const std::vector<std::pair<double, double>>& points) {
 }
 
 std::optional<HarnessCost> HarnessCostOf(const store::ResultFile& file,
-                                         const std::vector<Cell>& cells) {
+                                         const std::vector<MeasuredPoint>& points,
+                                         CycleTimes& times) {
   if (!file.Has("duration") || !file.Has("harness")) return std::nullopt;
   std::vector<double> harness;
   std::map<std::string, std::vector<double>> detect;
   const CellDetectors detectors(file);
-  for (const Cell& cell : cells) {
-    const double ns = file.ReadReal("harness", cell);
-    if (std::isfinite(ns)) harness.push_back(ns);
-    const std::string detector = detectors.Of(cell);
+  for (const MeasuredPoint& point : points) {
+    if (!point.IsSound()) continue;
+    for (const Cell& cell : point.cells)
+      if (const double ns = file.ReadReal("harness", cell); std::isfinite(ns))
+        harness.push_back(ns);
+    const std::string detector = detectors.Of(point.cells[0]);
     const schema::DetectorInfo* info = schema::FindDetector(detector);
     // What finds nothing is all harness.
     if (info == nullptr || info->family != "none")
-      detect[detector].push_back(Median(file.ReadDuration(measure::Phase::kDetect, cell)));
+      detect[detector].push_back(times.Of(point, measure::Phase::kDetect).mean.value);
   }
   if (harness.empty()) return std::nullopt;
   HarnessCost cost = {Median(harness), std::nullopt};
   std::vector<std::pair<double, std::string>> timed;
-  for (auto& [detector, medians] : detect)
-    if (const double median = Median(medians); std::isfinite(median))
-      timed.emplace_back(median, detector);
+  for (auto& [detector, of_points] : detect)
+    if (const double time = Median(of_points); std::isfinite(time))
+      timed.emplace_back(time, detector);
   if (!timed.empty()) {
-    const auto& [median, detector] = *std::ranges::min_element(timed);
-    cost.fastest = {median, detector, timed.size() == 1};
+    const auto& [time, detector] = *std::ranges::min_element(timed);
+    cost.fastest = {time, detector, timed.size() == 1};
   }
   return cost;
 }

@@ -11,35 +11,42 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/report/figures.h"
+#include "runtime/report/cycle_times.h"
+#include "runtime/report/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
 
-/// Of all cycles that share a row.
+/// Of all points of a row.
 struct DetectorCosts {
-  double median = 0, worst = 0;    ///< of detect
-  double pairs = 0;                ///< median
+  Estimate mean;                   ///< of detect
+  double worst = 0;                ///< cycle of detect
+  double pairs = 0;                ///< mean
   double missed = 0, phantom = 0;  ///< sums; NaN where no cycle was refereed
   double peak_rss = 0, heap = 0;   ///< the most
 };
-/// By the point on the axes `rows`.
-std::map<Point, DetectorCosts> DetectorCostsByRow(const store::ResultFile& file,
-                                                  const std::vector<store::ResultFile::Cell>& cells,
-                                                  const std::vector<std::size_t>& rows);
+DetectorCosts CostsOf(const store::ResultFile& file, const Row& row, CycleTimes& times);
 
-/// p of detect ~ objects^p, by least squares over the logarithms of medians.
+/// p of detect ~ objects^p, by least squares over the logarithms of means.
 struct DetectorGrowth {
-  std::size_t axis;                   ///< that changes the number of objects
-  std::vector<std::size_t> rows;      ///< the axes of the rows, without it
-  std::map<Point, double> exponents;  ///< by row: the mean of what is pooled there
-  bool is_mean;                       ///< a row pools several
+  std::size_t axis;               ///< that changes the number of objects
+  std::vector<std::size_t> rows;  ///< the axes of the rows, without it
+  struct Exponent {
+    double p;            ///< the mean of what is pooled in the row
+    double least, most;  ///< objects that it was fitted over
+  };
+  std::map<Point, Exponent> exponents;   ///< by row
+  bool is_mean = false;                  ///< a row pools several
+  bool is_matched = true;                ///< all rows are of the same numbers of objects
+  std::size_t dropped = 0;               ///< numbers of objects that some row has not got
+  std::vector<std::string> unlike = {};  ///< components that some points ran without, others with
 };
-/// Fitted at each point of the axes beside the one that changes the number of objects. Nullopt
+/// Fitted over the sound points at each value of the axes beside the one that changes the number of
+/// objects; over the numbers of objects that all rows have, if they are three or more. Nullopt
 /// where no axis of three numbers or more does, or several do.
 std::optional<DetectorGrowth> GrowthByRow(const store::ResultFile& file,
-                                          const std::vector<store::ResultFile::Cell>& cells,
-                                          const std::vector<std::size_t>& rows);
+                                          const std::vector<MeasuredPoint>& points,
+                                          const std::vector<std::size_t>& rows, CycleTimes& times);
 
 /// The slope of log y over log x by least squares; NaN for fewer than three different x, or where
 /// one is not positive.
@@ -48,7 +55,7 @@ double GrowthExponent(const std::vector<std::pair<double, double>>& points);
 /// What calling a detector costs in a cycle, beside the fastest detector.
 struct HarnessCost {
   struct Fastest {
-    double median;         ///< of the medians of its runs
+    double time;           ///< the median of its points
     std::string detector;  ///< empty where the plan cannot be read
     bool is_only;
   };
@@ -57,6 +64,7 @@ struct HarnessCost {
 };
 /// Nullopt where no run states it.
 std::optional<HarnessCost> HarnessCostOf(const store::ResultFile& file,
-                                         const std::vector<store::ResultFile::Cell>& cells);
+                                         const std::vector<MeasuredPoint>& points,
+                                         CycleTimes& times);
 
 }  // namespace cdb::report

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <tuple>
 #include <utility>
 
 #include "compiler/schema/metrics.h"
@@ -16,46 +16,40 @@ namespace {
 
 using Cell = store::ResultFile::Cell;
 
-/// The fastest first; of those on the front, each is more accurate than all before it.
-void MarkFront(std::vector<ErrorRow>& rows) {
-  std::ranges::stable_sort(rows, {},
-                           [](const ErrorRow& row) { return std::pair(row.Time(), row.Known()); });
-  double least = std::numeric_limits<double>::infinity();
-  for (ErrorRow& row : rows) {
-    row.on_front = row.Known() < least;
-    least = std::min(least, row.Known());
-  }
+bool Lists(const std::vector<std::size_t>& axes, std::size_t axis) {
+  return std::ranges::find(axes, axis) != axes.end();
 }
 
-Point Project(const Point& at, const std::vector<std::size_t>& axes) {
-  Point part;
-  for (const std::size_t axis : axes) part.push_back(at[axis]);
-  return part;
+/// `one` is as fast and as accurate.
+bool Dominates(const ErrorRow& one, const ErrorRow& other) {
+  return !one.row.is_void && one.ms_per_s.value <= other.ms_per_s.value &&
+         one.Known() <= other.Known();
+}
+
+bool IsWithinNoise(const ErrorRow& one, const ErrorRow& other) {
+  return one.time_interval.Overlaps(other.time_interval) &&
+         one.PossibleErrors().Overlaps(other.PossibleErrors());
 }
 
 class Collector {
  public:
-  Collector(const store::ResultFile& file, const ShowErrorOptions& options)
-      : file_(file), name_(options.error), dataset_("accuracy/" + options.error) {
+  Collector(const store::ResultFile& file, const ShowErrorOptions& options, CycleTimes& times)
+      : file_(file), name_(options.error), dataset_("accuracy/" + options.error), times_(times) {
     CheckName();
-    std::vector<std::size_t>&rows = figures_.rows, &each = figures_.each;
-    for (const std::string& axis : options.each) each.push_back(FindAxis(file, axis));
-    for (const std::string& axis : options.by) rows.push_back(FindAxis(file, axis));
-    if (rows.empty())
-      for (std::size_t i = 0; i < file.axes().size(); ++i) rows.push_back(i);
-    std::erase_if(rows,
-                  [&](std::size_t axis) { return std::ranges::find(each, axis) != each.end(); });
+    ChooseAxes(options);
+    figures_.points = MeasuredPoints(file, options.only_sound);
   }
 
   ErrorFigures Figures() {
-    Collect();
-    for (auto& [key, rows_of_key] : points_) {
-      std::vector<ErrorRow>& rows = figures_.tables[key];
-      for (auto& [at, row] : rows_of_key) {
-        std::ranges::sort(row.ms_per_s);
-        rows.push_back(std::move(row));
-      }
-      MarkFront(rows);
+    for (const auto& [key, points] : PlacedPoints()) {
+      ErrorRows& table = figures_.tables[key];
+      table.matched = MatchRows(points, figures_.rows);
+      for (Row& row : table.matched.rows) table.rows.push_back(RowOf(std::move(row)));
+      table.matched.rows.clear();
+      std::ranges::stable_sort(table.rows, {}, [](const ErrorRow& row) {
+        return std::tuple(row.row.is_void, row.ms_per_s.value, row.Known());
+      });
+      MarkFront(table.rows);
     }
     return std::move(figures_);
   }
@@ -81,65 +75,116 @@ class Collector {
           "records");
   }
 
-  void Collect() {
-    Point at(file_.axes().size(), 0);
-    for (;;) {
-      CollectPoint(at);
-      std::size_t i = at.size();
-      while (i > 0 && ++at[i - 1] == file_.axes()[i - 1].values.size()) at[--i] = 0;
-      if (i == 0) return;
+  /// All axes make rows, unless some are asked for; seeds only where they are.
+  void ChooseAxes(const ShowErrorOptions& options) {
+    std::vector<std::size_t>&rows = figures_.rows, &each = figures_.each, &seeds = figures_.seeds;
+    for (const std::string& axis : options.each) each.push_back(FindAxis(file_, axis));
+    for (const std::string& axis : options.by) rows.push_back(FindAxis(file_, axis));
+    for (std::size_t i = 0; i < file_.axes().size(); ++i) {
+      if (Lists(each, i) || Lists(rows, i)) continue;
+      const plan::Axis& axis = file_.axes()[i];
+      if (axis.parameter == "seed" || axis.name == "seed") {
+        seeds.push_back(i);
+      } else if (options.by.empty()) {
+        rows.push_back(i);
+      }
     }
+    std::erase_if(rows, [&](std::size_t axis) { return Lists(each, axis); });
   }
 
-  void CollectPoint(const Point& at) {
-    std::vector<double> ms_per_s;
-    double error = kNone, floor = kNone, horizon = kNone;
-    std::string why;
-    for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep) {
-      const Cell cell{at, rep};
-      const store::Status status = file_.ReadStatus(cell);
-      if (status == store::Status::kSkipped) return;
-      if (const auto trouble = Trouble(file_, cell)) {
-        why = *trouble;
-        figures_.bad_cells += status == store::Status::kMissing ? 0 : 1;
-        continue;
+  /// Points with an error and a time, by the point on the axes `each`; the others are left out.
+  std::map<Point, std::vector<const MeasuredPoint*>> PlacedPoints() {
+    std::map<Point, const MeasuredPoint*> measured;
+    for (const MeasuredPoint& point : figures_.points) measured[point.at] = &point;
+    std::map<Point, std::vector<const MeasuredPoint*>> placed;
+    for (const Cell& cell : AllCells(file_)) {
+      if (file_.ReadStatus(cell) == store::Status::kSkipped) continue;
+      const auto trouble = Trouble(file_, cell);
+      if (trouble && file_.ReadStatus(cell) != store::Status::kMissing) ++figures_.bad_cells;
+      if (cell.rep != 0) continue;
+      const auto found = measured.find(cell.at);
+      if (found == measured.end()) {
+        figures_.left_out.push_back({cell.at, trouble.value_or("no value")});
+      } else if (std::isnan(ErrorOf(*found->second)) || std::isnan(TimeOf(*found->second).value)) {
+        const std::string why = file_.ReadText("accuracy/message", found->second->cells[0]);
+        figures_.left_out.push_back({cell.at, !why.empty() ? why : trouble.value_or("no value")});
+      } else {
+        placed[Project(cell.at, figures_.each)].push_back(found->second);
+        if (!found->second->IsSound())
+          figures_.marked.push_back({cell.at, trouble.value_or(found->second->fault)});
       }
-      const std::vector<double> steps = file_.ReadDuration(measure::Phase::kStep, cell);
-      const double ns = Mean(steps);
-      if (!steps.empty() && std::isfinite(ns))
-        ms_per_s.push_back(ns * 1e-6 / file_.ReadReal("accuracy/timestep", cell));
-      // Repeats go the same way, so that errors are alike.
-      error = file_.ReadReal(dataset_, cell);
-      if (file_.Has(dataset_ + "_floor")) floor = file_.ReadReal(dataset_ + "_floor", cell);
-      if (file_.Has("accuracy/horizon")) horizon = file_.ReadReal("accuracy/horizon", cell);
-      if (std::isnan(error)) why = file_.ReadText("accuracy/message", cell);
     }
-    if (ms_per_s.empty() || std::isnan(error)) {
-      figures_.left_out.push_back({at, why.empty() ? "no value" : why});
-      return;
+    return placed;
+  }
+
+  /// Repeats go the same way, so that errors are alike.
+  double ErrorOf(const MeasuredPoint& point) const {
+    return file_.ReadReal(dataset_, point.cells[0]);
+  }
+  double ReadIfAny(const std::string& dataset, const MeasuredPoint& point) const {
+    return file_.Has(dataset) ? file_.ReadReal(dataset, point.cells[0]) : kNone;
+  }
+  Estimate TimeOf(const MeasuredPoint& point) {
+    const double timestep = file_.ReadReal("accuracy/timestep", point.cells[0]);
+    return Scaled(times_.Of(point, measure::Phase::kStep).mean, 1e-6 / timestep);
+  }
+
+  ErrorRow RowOf(Row row) {
+    std::vector<Estimate> times;
+    std::map<Point, std::vector<double>> by_seed;
+    std::vector<double> floors, of_seeds;
+    ErrorRow made;
+    for (const MeasuredPoint* point : row.points) {
+      times.push_back(TimeOf(*point));
+      by_seed[Project(point->at, figures_.seeds)].push_back(ErrorOf(*point));
+      floors.push_back(ReadIfAny(dataset_ + "_floor", *point));
+      made.horizon = std::fmin(made.horizon, ReadIfAny("accuracy/horizon", *point));
     }
-    ErrorRow& row = points_[Project(at, figures_.each)][Project(at, figures_.rows)];
-    row.at = Project(at, figures_.rows);
-    row.ms_per_s.insert(row.ms_per_s.end(), ms_per_s.begin(), ms_per_s.end());
-    row.errors.push_back(error);
-    row.floors.push_back(floor);
-    row.horizon = std::fmin(row.horizon, horizon);
+    for (const auto& [seed, errors] : by_seed) of_seeds.push_back(Mean(errors));
+    const Bootstrap over_seeds(of_seeds.size());
+    const Estimate error = over_seeds.MeanEstimate(of_seeds);
+    figures_.seed_count = std::max(figures_.seed_count, of_seeds.size());
+    made.row = std::move(row);
+    made.ms_per_s = MeanOf(times);
+    made.time_interval = times_.IntervalOf(made.ms_per_s);
+    made.error = error.value;
+    made.error_interval = over_seeds.IntervalOf(error);
+    made.floor = Mean(floors);
+    return made;
   }
 
   const store::ResultFile& file_;
   const std::string name_, dataset_;
+  CycleTimes& times_;
   ErrorFigures figures_;
-  std::map<Point, std::map<Point, ErrorRow>> points_;
 };
 
 }  // namespace
 
-double ErrorRow::Error() const { return Mean(errors); }
-double ErrorRow::Floor() const { return Mean(floors); }
-double ErrorRow::Known() const { return std::fmax(Error(), Floor()); }
+double ErrorRow::Known() const { return std::fmax(error, floor); }
 
-ErrorFigures CollectErrors(const store::ResultFile& file, const ShowErrorOptions& options) {
-  return Collector(file, options).Figures();
+Interval ErrorRow::PossibleErrors() const {
+  const double beside = std::isnan(floor) ? 0 : floor;
+  return {std::fmin(error, error_interval.low) - beside,
+          std::fmax(error, error_interval.high) + beside};
+}
+
+void MarkFront(std::vector<ErrorRow>& rows) {
+  double least = std::numeric_limits<double>::infinity();
+  for (ErrorRow& row : rows) {
+    row.on_front = !row.row.is_void && row.Known() < least;
+    if (row.on_front) least = row.Known();
+  }
+  for (ErrorRow& row : rows)
+    row.is_tie = !row.row.is_void && !row.on_front &&
+                 std::ranges::none_of(rows, [&row](const ErrorRow& other) {
+                   return &other != &row && Dominates(other, row) && !IsWithinNoise(other, row);
+                 });
+}
+
+ErrorFigures CollectErrors(const store::ResultFile& file, const ShowErrorOptions& options,
+                           CycleTimes& times) {
+  return Collector(file, options, times).Figures();
 }
 
 }  // namespace cdb::report

@@ -1,15 +1,12 @@
-// The numbers of a summary (`cdb show`), before they are formatted.
+// The cells of a results file by how their runs ended, and percentiles (`cdb show`).
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
 #include "runtime/store/store.h"
 
@@ -37,40 +34,5 @@ struct CellGroups {
   std::size_t NotSkipped() const { return good.size() + bad.size() + missing; }
 };
 CellGroups GroupCells(const store::ResultFile& file);
-
-/// Values on some of the axes of a file.
-using Point = std::vector<std::size_t>;
-
-/// The values of all cycles of several cells, sorted; empty where the file has none.
-struct Pool {
-  std::array<std::vector<double>, measure::kPhaseCount> phases;
-  std::vector<double> pairs, contacts;
-};
-/// The cells that share a point on the axes `by`, together.
-std::map<Point, Pool> PoolCells(const store::ResultFile& file,
-                                const std::vector<store::ResultFile::Cell>& cells,
-                                const std::vector<std::size_t>& by);
-
-/// A point of the other axes, and the repeat: what detectors are compared at.
-using ComparedPoint = std::pair<Point, std::uint64_t>;
-
-/// Medians of one phase by detector, in the order of their axis; NaN for cells that do not count.
-using DetectorMedians = std::map<ComparedPoint, std::vector<double>>;
-DetectorMedians MediansByDetector(const store::ResultFile& file,
-                                  const std::vector<store::ResultFile::Cell>& cells,
-                                  std::size_t detector_axis, measure::Phase phase);
-
-/// Points at which some detectors ran without a component and others with it.
-struct UnlikeOmissions {
-  std::size_t unlike_points = 0, points = 0;
-  std::vector<std::string> components;
-};
-/// None for a file that does not hold what runs left out.
-UnlikeOmissions FindUnlikeOmissions(const store::ResultFile& file,
-                                    const std::vector<store::ResultFile::Cell>& cells,
-                                    std::size_t detector_axis);
-
-/// e to the mean of the logarithms; NaN for none.
-double GeometricMean(const std::vector<double>& values);
 
 }  // namespace cdb::report

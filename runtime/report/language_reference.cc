@@ -187,8 +187,8 @@ kinetic and potential energy with the integrator's own term, which free flight c
 scale is the initial kinetic energy plus what all objects can gain by falling through the cube.
 `Late` refers to the median over the last quarter of the run.
   From `frozen` upwards, bodies did not move as the engine was told. The timings of such runs are
-stored and marked, but are not part of any summary, and the exit status is 3. Runs with milder
-verdicts are part of the summaries, and are named there.
+stored; `cdb show` prints them marked, in rows of their own, and never ranks them with sound ones,
+and the exit status is 3. Runs with milder verdicts are named, and part of the summaries.
   `expect` states what a scene ought to do. By default (auto), a scene of stacks, pyramids or piles
 must rest if nothing moves initially and gravity points down; a scene of elastic, rigid objects
 without friction and damping must conserve its energy; and so must any other scene until the first

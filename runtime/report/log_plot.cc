@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string_view>
 #include <utility>
 
 #include "runtime/report/table.h"
@@ -13,6 +14,16 @@ namespace cdb::report {
 namespace {
 
 constexpr std::size_t kPlotWidth = 60, kPlotHeight = 14;
+
+struct MarkInfo {
+  PlotMark mark;
+  char character;
+  std::string_view name;  ///< in the legend; empty for the rest
+};
+constexpr MarkInfo kMarks[] = {{PlotMark::kVoid, 'x', "void"},
+                               {PlotMark::kOff, 'o', ""},
+                               {PlotMark::kTie, '=', "tie"},
+                               {PlotMark::kFront, '*', "front"}};
 
 }  // namespace
 
@@ -34,12 +45,18 @@ std::string LogPlot(const std::vector<PlotPoint>& points, const std::string& x_n
     return static_cast<std::size_t>(std::lround(share * static_cast<double>(extent - 1)));
   };
   std::vector<std::string> lines(kPlotHeight, std::string(kPlotWidth, ' '));
-  for (const bool front : {false, true})
-    for (const PlotPoint& point : points)
-      if (point.on_front == front)
-        lines[kPlotHeight - 1 - place(point.y, bottom, top, kPlotHeight)]
-             [place(point.x, left, right, kPlotWidth)] = front ? '*' : 'o';
-  std::string text = fmt::format("{}, * front\n", y_name);
+  std::string used;
+  for (const auto& [mark, character, name] : kMarks) {
+    bool is_used = false;
+    for (const PlotPoint& point : points) {
+      if (point.mark != mark) continue;
+      is_used = true;
+      lines[kPlotHeight - 1 - place(point.y, bottom, top, kPlotHeight)]
+           [place(point.x, left, right, kPlotWidth)] = character;
+    }
+    if (is_used && !name.empty()) used = fmt::format(", {} {}", character, name) + used;
+  }
+  std::string text = y_name + used + '\n';
   for (std::size_t i = 0; i < lines.size(); ++i) {
     std::string label;
     if (i == 0) label = ScientificNumber(top);

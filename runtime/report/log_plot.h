@@ -6,13 +6,16 @@
 
 namespace cdb::report {
 
+/// How a point is drawn; of points at one place the last in this order.
+enum class PlotMark { kVoid, kOff, kTie, kFront };
+
 /// A point of the plot: both more than 0.
 struct PlotPoint {
   double x, y;
-  bool on_front;
+  PlotMark mark;
 };
-/// The points in a frame of characters, both axes logarithmic; `*` on the front, `o` off it. Empty
-/// for fewer than two points.
+/// The points in a frame of characters, both axes logarithmic; `*` on the front, `=` for a tie with
+/// it, `o` off it, `x` for a void one. Empty for fewer than two points.
 std::string LogPlot(const std::vector<PlotPoint>& points, const std::string& x_name,
                     const std::string& y_name);
 

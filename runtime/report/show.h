@@ -12,7 +12,11 @@ namespace cdb::report {
 struct ShowOptions {
   /// Axes that make the rows; everything else is pooled. Empty: all axes together where that is at
   /// most kMaxRows rows, else each axis by itself.
-  std::vector<std::string> by;
+  std::vector<std::string> by = {};
+  /// The detector that the others are divided by. Empty: the first that has all cells.
+  std::string baseline = {};
+  /// Without runs whose timings a verdict voids.
+  bool only_sound = false;
 };
 
 inline constexpr std::size_t kMaxRows = 60;
@@ -23,9 +27,9 @@ struct ShowText {
 };
 
 /// Detectors that missed pairs, first; what runs did without, as far as it changes the figures;
-/// median, 5th and 95th percentile of
-/// every phase, pairs and contacts; what detectors cost, the ratio between them. Cells that did not
-/// end well are in none of it, and said so. Throws StoreError, also for an axis that the file has
+/// the mean of every phase, pairs and contacts, with spread and interval (cycle_times.h); what
+/// detectors cost, the ratio between them. Void runs are in rows of their own, marked, and in no
+/// mean or ratio with others. Throws StoreError, also for an axis or a detector that the file has
 /// not got.
 ShowText Show(const store::ResultFile& file, const ShowOptions& options = {});
 

@@ -4,48 +4,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "runtime/report/cells.h"
 #include "runtime/report/detector_figures.h"
+#include "runtime/report/figures.h"
+#include "runtime/report/row_table.h"
 #include "runtime/report/show.h"
 #include "runtime/report/table.h"
 
 namespace cdb::report {
 namespace {
 
-using Cell = store::ResultFile::Cell;
-
 /// The axes that make rows, detectors last so that they stand side by side.
-std::vector<std::size_t> RowsOf(const store::ResultFile& file, std::size_t detector_axis,
-                                std::vector<std::size_t> by) {
-  std::size_t rows = 1;
-  if (by.empty()) {
-    for (std::size_t i = 0; i < file.axes().size(); ++i) {
-      by.push_back(i);
-      rows *= file.axes()[i].values.size();
-    }
+std::vector<std::size_t> RowsOf(const store::ResultFile& file, std::size_t point_count,
+                                std::size_t detector_axis, std::vector<std::size_t> by) {
+  if (by.empty() && point_count <= kMaxRows) {
+    by.resize(file.axes().size());
+    std::iota(by.begin(), by.end(), std::size_t{0});
   }
-  if (rows > kMaxRows) by.clear();
   std::erase(by, detector_axis);
   by.push_back(detector_axis);
   return by;
-}
-
-Table TableOf(const store::ResultFile& file, const std::vector<std::size_t>& rows) {
-  Table table;
-  for (const std::size_t axis : rows)
-    table.AddColumn(file.axes()[axis].name, !file.axes()[axis].IsText());
-  return table;
-}
-
-/// The first columns of a row.
-std::vector<std::string> Coordinates(const store::ResultFile& file,
-                                     const std::vector<std::size_t>& rows, const Point& point) {
-  std::vector<std::string> cells;
-  for (std::size_t i = 0; i < point.size(); ++i)
-    cells.push_back(CoordinateText(file.axes()[rows[i]], point[i]));
-  return cells;
 }
 
 std::string CountText(double count) {
@@ -57,77 +38,107 @@ std::string ExponentText(double p) {
   return std::isnan(p) ? "-" : fmt::format("{:.2f}", std::round(100 * p) / 100 + 0.0);
 }
 
-/// The unit in which most medians are read easily.
-TimeUnit UnitOf(const std::map<Point, DetectorCosts>& costs) {
-  std::vector<double> medians;
-  for (const auto& [point, row] : costs) medians.push_back(row.median);
-  std::ranges::sort(medians);
-  return TimeUnit::For(Percentile(medians, 0.5));
+/// The unit in which most means are read easily.
+TimeUnit UnitOf(const std::vector<DetectorCosts>& costs) {
+  std::vector<double> means;
+  for (const DetectorCosts& row : costs) means.push_back(row.mean.value);
+  std::ranges::sort(means);
+  return TimeUnit::For(Percentile(means, 0.5));
 }
 
-std::string CostsText(const store::ResultFile& file, const std::vector<Cell>& cells,
-                      const std::vector<std::size_t>& rows) {
-  const auto costs = DetectorCostsByRow(file, cells, rows);
+std::string CostsText(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                      const std::vector<std::size_t>& by, CycleTimes& times) {
+  const Rows rows = MatchRows(points, by);
+  std::vector<DetectorCosts> costs;
+  for (const Row& row : rows.rows) costs.push_back(CostsOf(file, row, times));
   const TimeUnit unit = UnitOf(costs);
-  const bool has_pairs = file.Has("pairs"), has_faults = file.Has("exact_pairs"),
-             has_heap = file.Has("heap");
-  Table table = TableOf(file, rows);
-  for (const char* head : {"median", "worst"}) table.AddColumn(head, true);
-  if (has_pairs) table.AddColumn("pairs", true);
-  if (has_faults)
-    for (const char* head : {"missed", "phantom"}) table.AddColumn(head, true);
-  table.AddColumn("peak rss, MB", true);
-  if (has_heap) table.AddColumn("heap, MB", true);
-  for (const auto& [point, row] : costs) {
-    std::vector<std::string> texts = Coordinates(file, rows, point);
-    texts.push_back(ShortNumber(row.median / unit.ns));
+  const bool has_intervals = times.bootstrap().kind() != IntervalKind::kNone;
+  RowTable table(file, by, rows.pools);
+  table.AddColumn("mean");
+  if (has_intervals) table.AddColumn(times.IntervalName());
+  table.AddColumn("worst");
+  if (file.Has("pairs")) table.AddColumn("pairs");
+  if (file.Has("exact_pairs"))
+    for (const char* head : {"missed", "phantom"}) table.AddColumn(head);
+  table.AddColumn("peak rss, MB");
+  if (file.Has("heap")) table.AddColumn("heap, MB");
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    const DetectorCosts& row = costs[i];
+    std::vector<std::string> texts = {ShortNumber(row.mean.value / unit.ns)};
+    if (has_intervals)
+      texts.push_back(IntervalText(times.IntervalOf(Scaled(row.mean, 1 / unit.ns))));
     texts.push_back(ShortNumber(row.worst / unit.ns));
-    if (has_pairs) texts.push_back(ShortNumber(row.pairs));
-    if (has_faults)
+    if (file.Has("pairs")) texts.push_back(ShortNumber(row.pairs));
+    if (file.Has("exact_pairs"))
       for (const double count : {row.missed, row.phantom}) texts.push_back(CountText(count));
     texts.push_back(ShortNumber(row.peak_rss / 1e6));
-    if (has_heap) texts.push_back(ShortNumber(row.heap / 1e6));
-    table.AddRow(std::move(texts));
+    if (file.Has("heap")) texts.push_back(ShortNumber(row.heap / 1e6));
+    table.AddRow(rows.rows[i], std::move(texts));
   }
-  return fmt::format("\nDetectors: a cycle's detect, {}\n{}", unit.name, table.Text());
+  return fmt::format("\nDetectors: a cycle's detect, {}\n{}{}{}", unit.name, table.Text(),
+                     times.StatisticAndIntervalLine(rows.pools), rows.MatchLines());
 }
 
-std::string GrowthText(const store::ResultFile& file, const std::vector<Cell>& cells,
-                       const std::vector<std::size_t>& rows) {
-  const auto growth = GrowthByRow(file, cells, rows);
-  if (!growth) return {};
-  Table table = TableOf(file, growth->rows);
+/// The numbers of objects that an exponent is fitted over: `10 .. 40`.
+std::string ObjectsText(const DetectorGrowth::Exponent& exponent) {
+  return CountText(exponent.least) + " .. " + CountText(exponent.most);
+}
+
+/// What to know before the exponents of two rows are compared.
+std::string GrowthNotes(const DetectorGrowth& growth) {
+  std::string text;
+  if (!growth.is_matched) text += "  Rows are of unlike numbers of objects: do not compare them.\n";
+  if (growth.dropped > 0)
+    text += fmt::format("  Over the numbers of objects that all rows have, {}.\n",
+                        ObjectsText(growth.exponents.begin()->second));
+  if (!growth.unlike.empty())
+    text += fmt::format(
+        "  Some points ran without {} and others with: growth is not of the objects alone.\n",
+        fmt::join(growth.unlike, ", "));
+  return text;
+}
+
+std::string GrowthText(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                       const std::vector<std::size_t>& rows, CycleTimes& times) {
+  const auto growth = GrowthByRow(file, points, rows, times);
+  if (!growth || growth->exponents.empty()) return {};
+  Table table;
+  for (const std::size_t axis : growth->rows)
+    table.AddColumn(file.axes()[axis].name, !file.axes()[axis].IsText());
   table.AddColumn("p", true);
+  if (!growth->is_matched) table.AddColumn("objects", true);
   for (const auto& [point, exponent] : growth->exponents) {
     std::vector<std::string> texts = Coordinates(file, growth->rows, point);
-    texts.push_back(ExponentText(exponent));
+    texts.push_back(ExponentText(exponent.p));
+    if (!growth->is_matched) texts.push_back(ObjectsText(exponent));
     table.AddRow(std::move(texts));
   }
-  return fmt::format("\nGrowth over {}: p of detect ~ objects^p{}\n{}",
-                     file.axes()[growth->axis].name,
-                     growth->is_mean ? ", the mean over all else" : "", table.Text());
+  return fmt::format(
+      "\nGrowth over {}: p of detect ~ objects^p{}\n{}{}", file.axes()[growth->axis].name,
+      growth->is_mean ? ", the mean over all else" : "", table.Text(), GrowthNotes(*growth));
 }
 
 }  // namespace
 
-std::string ShowDetectors(const store::ResultFile& file, const std::vector<Cell>& cells,
-                          const std::vector<std::size_t>& by) {
+std::string ShowDetectors(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                          const std::vector<std::size_t>& by, CycleTimes& times) {
   const auto axis = DetectorAxis(file);
-  if (!axis || file.axes()[*axis].values.size() < 2 || !file.Has("duration") || cells.empty())
+  if (!axis || file.axes()[*axis].values.size() < 2 || !file.Has("duration") || points.empty())
     return {};
-  const std::vector<std::size_t> rows = RowsOf(file, *axis, by);
-  return CostsText(file, cells, rows) + GrowthText(file, cells, rows);
+  const std::vector<std::size_t> rows = RowsOf(file, points.size(), *axis, by);
+  return CostsText(file, points, rows, times) + GrowthText(file, points, rows, times);
 }
 
-std::string HarnessText(const store::ResultFile& file, const std::vector<Cell>& cells) {
-  const auto cost = HarnessCostOf(file, cells);
+std::string HarnessText(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                        CycleTimes& times) {
+  const auto cost = HarnessCostOf(file, points, times);
   if (!cost) return {};
   std::string text = fmt::format("  Harness: {} ns a cycle", ShortNumber(cost->median));
   if (const auto& fastest = cost->fastest)
-    text += fmt::format(", {} % of the detect of {}{}",
-                        ShortNumber(100 * cost->median / fastest->median),
-                        fastest->detector.empty() ? "the detector" : fastest->detector,
-                        fastest->is_only ? "" : ", the fastest");
+    text +=
+        fmt::format(", {} % of the detect of {}{}", ShortNumber(100 * cost->median / fastest->time),
+                    fastest->detector.empty() ? "the detector" : fastest->detector,
+                    fastest->is_only ? "" : ", the fastest");
   return text + "; nothing is subtracted.\n";
 }
 

@@ -9,6 +9,7 @@
 #include "runtime/report/error_figures.h"
 #include "runtime/report/findings.h"
 #include "runtime/report/log_plot.h"
+#include "runtime/report/row_table.h"
 #include "runtime/report/table.h"
 
 namespace cdb::report {
@@ -16,20 +17,21 @@ namespace {
 
 constexpr std::size_t kMaxListed = 12;
 
-class ErrorTable {
+class ErrorSummary {
  public:
-  ErrorTable(const store::ResultFile& file, const ShowErrorOptions& options)
+  ErrorSummary(const store::ResultFile& file, const ShowErrorOptions& options)
       : file_(file),
         name_(options.error),
         dataset_("accuracy/" + options.error),
-        figures_(CollectErrors(file, options)) {}
+        times_(file),
+        figures_(CollectErrors(file, options, times_)) {}
 
   ShowText Text() const {
     std::string text = Head();
     bool has_below_floor = false;
-    for (const auto& [key, rows] : figures_.tables) {
-      text += "\n" + Caption(key) + TableOf(rows) + PlotOf(rows);
-      has_below_floor = has_below_floor || std::ranges::any_of(rows, &ErrorRow::IsBelowFloor);
+    for (const auto& [key, table] : figures_.tables) {
+      text += "\n" + Caption(key) + TableOf(table) + Legend(table) + PlotOf(table.rows);
+      has_below_floor = has_below_floor || std::ranges::any_of(table.rows, &ErrorRow::IsBelowFloor);
     }
     if (has_below_floor)
       text += "\nBelow its floor an error says nothing: reference and twin are as far apart.\n";
@@ -51,11 +53,6 @@ class ErrorTable {
   static bool IsIn(const std::vector<std::size_t>& axes, std::size_t axis) {
     return std::ranges::find(axes, axis) != axes.end();
   }
-  /// Several runs are in one row.
-  bool Pools() const {
-    return file_.repeats() > 1 || figures_.rows.size() + figures_.each.size() < file_.axes().size();
-  }
-
   std::string PlaceOf(const Point& at) const {
     std::string text;
     for (std::size_t i = 0; i < at.size(); ++i)
@@ -77,65 +74,90 @@ class ErrorTable {
       if (!IsIn(figures_.rows, i) && !IsIn(figures_.each, i))
         pooled += (pooled.empty() ? "" : ", ") + file_.axes()[i].name;
     if (!pooled.empty()) text += fmt::format("  the mean over {}\n", pooled);
-    if (figures_.left_out.empty()) return text;
-    text += fmt::format("  {} without a place in it:\n", figures_.left_out.size());
-    for (std::size_t i = 0; i < std::min(figures_.left_out.size(), kMaxListed); ++i)
-      text +=
-          fmt::format("    {}: {}\n", PlaceOf(figures_.left_out[i].at), figures_.left_out[i].why);
-    if (figures_.left_out.size() > kMaxListed)
-      text += fmt::format("    and {} more\n", figures_.left_out.size() - kMaxListed);
+    return text + Listed(figures_.left_out, "without a place in it") +
+           Listed(figures_.marked, "did not end well, marked and not on the front");
+  }
+
+  std::string Listed(const std::vector<ErrorFigures::LeftOut>& points, const char* what) const {
+    if (points.empty()) return {};
+    std::string text = fmt::format("  {} {}:\n", points.size(), what);
+    for (std::size_t i = 0; i < std::min(points.size(), kMaxListed); ++i)
+      text += fmt::format("    {}: {}\n", PlaceOf(points[i].at), points[i].why);
+    if (points.size() > kMaxListed)
+      text += fmt::format("    and {} more\n", points.size() - kMaxListed);
     return text;
   }
 
-  std::string TableOf(const std::vector<ErrorRow>& rows) const {
-    Table table;
-    for (const std::size_t axis : figures_.rows)
-      table.AddColumn(file_.axes()[axis].name, !file_.axes()[axis].IsText());
-    table.AddColumn("x real time", true);
-    table.AddColumn("ms per s", true);
-    if (Pools()) table.AddColumn("5th .. 95th", true);
-    table.AddColumn(name_, true);
+  bool HasTimeIntervals() const { return times_.bootstrap().kind() != IntervalKind::kNone; }
+  bool HasErrorIntervals() const { return figures_.seed_count > 1; }
+  IntervalKind ErrorKind() const { return Bootstrap(figures_.seed_count).kind(); }
+
+  std::string TableOf(const ErrorRows& rows) const {
+    RowTable table(file_, figures_.rows, rows.matched.pools);
+    table.AddColumn("x real time");
+    table.AddColumn("ms per s");
+    if (HasTimeIntervals()) table.AddColumn(times_.IntervalName());
+    table.AddColumn(name_);
+    if (HasErrorIntervals())
+      table.AddColumn(ErrorKind() == IntervalKind::kRange ? "range" : "95 % interval");
     const bool has_floor = file_.Has(dataset_ + "_floor");
-    if (has_floor) table.AddColumn("floor", true);
-    if (has_floor) table.AddColumn("horizon, s", true);
-    table.AddColumn("", false);
-    for (const ErrorRow& row : rows) {
-      std::vector<std::string> cells;
-      for (std::size_t i = 0; i < figures_.rows.size(); ++i)
-        cells.push_back(CoordinateText(file_.axes()[figures_.rows[i]], row.at[i]));
-      cells.push_back(ShortNumber(row.RealTimeFactor()));
-      cells.push_back(ShortNumber(row.Time()));
-      if (Pools())
-        cells.push_back(ShortNumber(Percentile(row.ms_per_s, 0.05)) + " .. " +
-                        ShortNumber(Percentile(row.ms_per_s, 0.95)));
-      cells.push_back(ScientificNumber(row.Error()));
-      if (has_floor) cells.push_back(ScientificNumber(row.Floor()));
+    if (has_floor) table.AddColumn("floor");
+    if (has_floor) table.AddColumn("horizon, s");
+    for (const ErrorRow& row : rows.rows) {
+      std::vector<std::string> cells = {ShortNumber(row.RealTimeFactor()),
+                                        ShortNumber(row.ms_per_s.value)};
+      if (HasTimeIntervals()) cells.push_back(IntervalText(row.time_interval));
+      cells.push_back(ScientificNumber(row.error));
+      if (HasErrorIntervals())
+        cells.push_back(ScientificNumber(row.error_interval.low) + " .. " +
+                        ScientificNumber(row.error_interval.high));
+      if (has_floor) cells.push_back(ScientificNumber(row.floor));
       if (has_floor) cells.push_back(ShortNumber(row.horizon));
-      std::string mark = row.on_front ? "front" : "";
-      if (row.IsBelowFloor()) mark += mark.empty() ? "below floor" : ", below floor";
-      cells.push_back(std::move(mark));
-      table.AddRow(std::move(cells));
+      std::string note = row.on_front ? "front" : row.is_tie ? "tie" : "";
+      if (row.IsBelowFloor()) note += note.empty() ? "below floor" : ", below floor";
+      table.AddRow(row.row, std::move(cells), note);
     }
     return table.Text();
   }
 
+  /// Which statistic over what, how the intervals were made, and what a tie is.
+  std::string Legend(const ErrorRows& rows) const {
+    std::string text = times_.StatisticAndIntervalLine(rows.matched.pools);
+    if (HasErrorIntervals())
+      text += fmt::format("  Errors: the mean over {} seeds, their {}.\n", figures_.seed_count,
+                          ErrorKind() == IntervalKind::kRange
+                              ? "range the least and the greatest from any draw of the seeds"
+                              : "interval by bootstrap over the seeds");
+    if (std::ranges::any_of(rows.rows, &ErrorRow::is_tie))
+      text += fmt::format(
+          "  tie: what is as fast and as accurate is so only within the {} and the floor.\n",
+          times_.IntervalName());
+    return text + rows.matched.MatchLines();
+  }
+
   std::string PlotOf(const std::vector<ErrorRow>& rows) const {
     std::vector<PlotPoint> points;
-    for (const ErrorRow& row : rows)
-      if (row.Error() > 0) points.push_back({row.RealTimeFactor(), row.Error(), row.on_front});
+    for (const ErrorRow& row : rows) {
+      const PlotMark mark = row.row.is_void ? PlotMark::kVoid
+                            : row.on_front  ? PlotMark::kFront
+                            : row.is_tie    ? PlotMark::kTie
+                                            : PlotMark::kOff;
+      if (row.error > 0) points.push_back({row.RealTimeFactor(), row.error, mark});
+    }
     const std::string plot = LogPlot(points, "x real time", name_);
     return plot.empty() ? plot : "\n" + plot;
   }
 
   const store::ResultFile& file_;
   const std::string name_, dataset_;
+  CycleTimes times_;
   const ErrorFigures figures_;
 };
 
 }  // namespace
 
 ShowText ShowError(const store::ResultFile& file, const ShowErrorOptions& options) {
-  return ErrorTable(file, options).Text();
+  return ErrorSummary(file, options).Text();
 }
 
 }  // namespace cdb::report

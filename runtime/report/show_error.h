@@ -11,17 +11,21 @@ namespace cdb::report {
 
 struct ShowErrorOptions {
   std::string error;  ///< an array of /accuracy: `position`
-  /// Axes that make the rows; over the others errors are averaged and times pooled. Empty: all.
+  /// Axes that make the rows; over the others errors and times are averaged. Empty: all but seeds.
   std::vector<std::string> by;
   /// Axes each value of which has a table and a front of its own: other scenes than the rest.
   std::vector<std::string> each;
+  /// Without runs whose timings a verdict voids.
+  bool only_sound = false;
 };
 
 /// Each configuration, the fastest first: how much faster than real time it is, what a simulated
-/// second takes, its error, and whether it is on the Pareto front: none is both faster and as
-/// accurate. Times are of the whole cycle, the median of the repeats and between them the 5th and
-/// 95th percentile. Configurations that did not end well, and those without the error, are listed
-/// by themselves. Throws StoreError, also for an error or an axis that the file has not got.
+/// second takes (the statistic of cycle_times.h over the time step), its error, and whether it is
+/// on the Pareto front: none is both faster and as accurate. A configuration that is worse than
+/// those of the front only within the intervals ties with it. Intervals of times are of repeats;
+/// those of errors are of seeds, where the file sweeps them. Void configurations are last, marked
+/// and not on the front; those without the error or without a time are listed by themselves. Throws
+/// StoreError, also for an error or an axis that the file has not got.
 ShowText ShowError(const store::ResultFile& file, const ShowErrorOptions& options);
 
 }  // namespace cdb::report

@@ -12,7 +12,6 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
 #include "runtime/report/cells.h"
-#include "runtime/report/show_detectors.h"
 #include "runtime/report/show_noise.h"
 
 namespace cdb::report {
@@ -26,16 +25,18 @@ constexpr double kNoticeablePadding = 0.05;
 
 class Head {
  public:
-  Head(const store::ResultFile& file, const CellGroups& groups,
-       const std::vector<DetectorFindings>& findings, const std::vector<std::string>& references)
-      : file_(file), groups_(groups), findings_(findings), references_(references) {}
+  Head(const store::ResultFile& file, const HeadParts& parts)
+      : file_(file), parts_(parts), groups_(parts.groups), measured_(groups_.good) {
+    if (!measured_.empty()) return;
+    for (const CellGroups::Bad& bad : groups_.bad) measured_.push_back(bad.cell);
+  }
 
   std::string Text() const {
     std::string text =
-        Grid() + NoiseText(file_, groups_.good) + WrongDetectors(file_, findings_) + Timing();
-    for (const std::string& trouble : references_)
+        Grid() + NoiseText(file_, measured_) + WrongDetectors(file_, parts_.findings) + Timing();
+    for (const std::string& trouble : parts_.references)
       text += fmt::format("  A reference is missing: {}\n", trouble);
-    text += HarnessText(file_, groups_.good) + LeftOut() + Models() + Verdicts() + Errors();
+    text += parts_.harness + LeftOut() + Models() + Verdicts() + Errors();
     if (groups_.missing > 0) text += fmt::format("  {} not run yet.\n", groups_.missing);
     return text + BadRuns();
   }
@@ -126,14 +127,14 @@ class Head {
     return text;
   }
 
-  /// What the measurement is without, and in how many of the runs that ended well.
+  /// What the measurement is without, and in how many of the runs.
   std::string LeftOut() const {
     if (!file_.Has("omitted")) return {};
     std::map<std::size_t, std::string, std::greater<>> by_count;
     for (const schema::ComponentInfo& info : schema::Components()) {
       if (!info.IsVisible()) continue;
       const auto count =
-          static_cast<std::size_t>(std::ranges::count_if(groups_.good, [&](const Cell& cell) {
+          static_cast<std::size_t>(std::ranges::count_if(measured_, [&](const Cell& cell) {
             return schema::ListsWord(file_.ReadText("omitted", cell), info.name);
           }));
       if (count == 0) continue;
@@ -142,8 +143,8 @@ class Head {
     }
     std::string text;
     for (const auto& [count, names] : by_count) {
-      const std::string where = count < groups_.good.size()
-                                    ? fmt::format(" in {} of {} runs", count, groups_.good.size())
+      const std::string where = count < measured_.size()
+                                    ? fmt::format(" in {} of {} runs", count, measured_.size())
                                 : count > 1 ? fmt::format(" in all {} runs", count)
                                             : std::string();
       text += fmt::format("{}  Left out{}: {}.", text.empty() ? "" : "\n", where, names);
@@ -151,12 +152,24 @@ class Head {
     return text.empty() ? text : text + " omit none times everything.\n";
   }
 
-  /// Runs without a place in the figures.
+  /// `40 frozen, 5 failed`.
+  std::string Faults() const {
+    std::map<std::string, std::size_t> counts;
+    for (const CellGroups::Bad& bad : groups_.bad) ++counts[FaultOf(file_, bad.cell)];
+    std::string text;
+    for (const auto& [fault, count] : counts)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, fault);
+    return text;
+  }
+
+  /// Runs that are in no figure with others.
   std::string BadRuns() const {
     const auto& bad = groups_.bad;
     if (bad.empty()) return {};
-    std::string text = fmt::format("  {} did not end well and {} in no figure below:\n", bad.size(),
-                                   bad.size() == 1 ? "is" : "are");
+    std::string text =
+        fmt::format("  {} did not end well ({}), {}:\n", bad.size(), Faults(),
+                    parts_.only_sound ? "left out by --sound"
+                                      : "marked below and in no mean or ratio with others");
     for (std::size_t i = 0; i < std::min(bad.size(), kMaxBadListed); ++i)
       text += fmt::format("    {}: {}\n", PlaceText(file_, bad[i].cell), bad[i].why);
     if (bad.size() > kMaxBadListed)
@@ -166,17 +179,15 @@ class Head {
   }
 
   const store::ResultFile& file_;
+  const HeadParts& parts_;
   const CellGroups& groups_;
-  const std::vector<DetectorFindings>& findings_;
-  const std::vector<std::string>& references_;
+  std::vector<Cell> measured_;  ///< the good ones; where there are none, the others
 };
 
 }  // namespace
 
-std::string SummaryHead(const store::ResultFile& file, const CellGroups& groups,
-                        const std::vector<DetectorFindings>& findings,
-                        const std::vector<std::string>& references) {
-  return Head(file, groups, findings, references).Text();
+std::string SummaryHead(const store::ResultFile& file, const HeadParts& parts) {
+  return Head(file, parts).Text();
 }
 
 }  // namespace cdb::report

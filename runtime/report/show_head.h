@@ -10,9 +10,15 @@
 
 namespace cdb::report {
 
-/// `references`: the failed reference runs. Throws StoreError.
-std::string SummaryHead(const store::ResultFile& file, const CellGroups& groups,
-                        const std::vector<DetectorFindings>& findings,
-                        const std::vector<std::string>& references);
+struct HeadParts {
+  const CellGroups& groups;
+  const std::vector<DetectorFindings>& findings;
+  const std::vector<std::string>& references;  ///< the failed reference runs
+  bool only_sound;                             ///< void runs are in no table
+  std::string harness;                         ///< a line
+};
+
+/// Throws StoreError.
+std::string SummaryHead(const store::ResultFile& file, const HeadParts& parts);
 
 }  // namespace cdb::report

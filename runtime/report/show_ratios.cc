@@ -3,109 +3,164 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <numeric>
+#include <set>
 #include <string_view>
+#include <utility>
 
 #include "runtime/report/cells.h"
-#include "runtime/report/figures.h"
+#include "runtime/report/detector_ratios.h"
+#include "runtime/report/row_table.h"
 #include "runtime/report/show.h"
 #include "runtime/report/table.h"
 
 namespace cdb::report {
 namespace {
 
-using Cell = store::ResultFile::Cell;
-
 /// A line where detectors that are compared at one point did not leave out the same.
-std::string UnlikeText(const UnlikeOmissions& unlike) {
-  if (unlike.unlike_points == 0) return {};
+std::string UnlikeText(const Comparison& comparison) {
+  std::set<std::string> components;
+  std::size_t unlike = 0;
+  for (const ComparedPoint& point : comparison.points) {
+    components.insert(point.unlike.begin(), point.unlike.end());
+    unlike += point.unlike.empty() ? 0 : 1;
+  }
+  if (unlike == 0) return {};
   return fmt::format(
       "\nAt {} of {} points some detectors ran without {} and others with: their ratios there "
       "are not of the detectors alone. omit none makes them alike.\n",
-      unlike.unlike_points, unlike.points, fmt::join(unlike.components, ", "));
+      unlike, comparison.points.size(), fmt::join(components, ", "));
 }
 
 class RatioTable {
  public:
-  RatioTable(const store::ResultFile& file, std::size_t detector_axis)
-      : file_(file), detector_(file.axes()[detector_axis]), others_(file.axes().size()) {
+  RatioTable(const store::ResultFile& file, std::size_t detector_axis, const Comparison& comparison,
+             CycleTimes& times)
+      : file_(file),
+        detector_(file.axes()[detector_axis]),
+        comparison_(comparison),
+        times_(times),
+        others_(file.axes().size()) {
     std::iota(others_.begin(), others_.end(), std::size_t{0});
     std::erase(others_, detector_axis);
   }
 
-  std::string Text(const DetectorMedians& points, std::string_view phase) const {
+  std::string Text(measure::Phase phase) {
     Table table;
-    AddColumns(table);
-    std::vector<std::vector<double>> ratios(detector_.values.size());
-    for (const auto& [point, medians] : points) {
-      std::vector<std::string> row = RowHead(point);
-      for (std::size_t i = 0; i < medians.size(); ++i) {
-        const double ratio = medians[i] / medians[0];
-        row.push_back(ShortNumber(ratio));
-        if (std::isfinite(ratio)) ratios[i].push_back(ratio);
-      }
-      if (points.size() <= kMaxRows) table.AddRow(std::move(row));
-    }
-    if (points.size() > 1) AddMeans(table, std::move(ratios));
-    return fmt::format("\nMedian of {} over that of {}{}\n{}", phase, CoordinateText(detector_, 0),
-                       points.size() > 1 ? " (geometric mean below)" : "", table.Text());
+    for (const std::size_t axis : others_)
+      table.AddColumn(file_.axes()[axis].name, !file_.axes()[axis].IsText());
+    if (others_.empty()) table.AddColumn("", false);
+    for (std::size_t i = 0; i < detector_.values.size(); ++i)
+      table.AddColumn(CoordinateText(detector_, i), true);
+    if (comparison_.points.size() <= kMaxRows)
+      for (const ComparedPoint& point : comparison_.points) AddPoint(table, point, phase);
+    if (comparison_.points.size() > 1) AddMeans(table, phase);
+    return fmt::format(
+        "\nMean {} over that of {}{}\n{}{}", measure::PhaseNames()[measure::IndexOf(phase)],
+        CoordinateText(detector_, comparison_.baseline),
+        comparison_.points.size() > 1 ? " (geometric mean below)" : "", table.Text(), Legend());
   }
 
  private:
-  bool HasRepeats() const { return file_.repeats() > 1; }
+  bool HasIntervals() const { return times_.bootstrap().kind() != IntervalKind::kNone; }
+  std::size_t HeadSize() const { return std::max<std::size_t>(1, others_.size()); }
 
-  void AddColumns(Table& table) const {
-    for (const std::size_t axis : others_)
-      table.AddColumn(file_.axes()[axis].name, !file_.axes()[axis].IsText());
-    if (HasRepeats()) table.AddColumn("rep", true);
-    if (others_.empty() && !HasRepeats()) table.AddColumn("", false);
-    for (std::size_t i = 0; i < detector_.values.size(); ++i)
-      table.AddColumn(CoordinateText(detector_, i), true);
+  void AddPoint(Table& table, const ComparedPoint& point, measure::Phase phase) {
+    std::vector<std::string> row = Coordinates(file_, others_, point.at), below;
+    row.resize(HeadSize());
+    below.resize(HeadSize());
+    for (std::size_t i = 0; i < detector_.values.size(); ++i) {
+      const auto ratio = RatioAt(comparison_, point, i, phase, times_);
+      const std::string text = ratio ? ShortNumber(ratio->value) : "-";
+      const bool counts = point.is_matched && !comparison_.is_void;
+      row.push_back(counts || !ratio ? text : "(" + text + ")");
+      has_parentheses_ = has_parentheses_ || (ratio && !counts);
+      below.push_back(ratio && i != comparison_.baseline ? IntervalText(times_.IntervalOf(*ratio))
+                                                         : "");
+    }
+    table.AddRow(std::move(row));
+    const bool is_empty = std::ranges::all_of(below, &std::string::empty);
+    if (HasIntervals() && !is_empty) table.AddRow(std::move(below));
   }
 
-  std::vector<std::string> RowHead(const ComparedPoint& point) const {
-    std::vector<std::string> row;
-    for (std::size_t i = 0; i < others_.size(); ++i)
-      row.push_back(CoordinateText(file_.axes()[others_[i]], point.first[i]));
-    if (HasRepeats()) row.push_back(fmt::format("{}", point.second));
-    if (others_.empty() && !HasRepeats()) row.emplace_back();
-    return row;
-  }
-
-  void AddMeans(Table& table, std::vector<std::vector<double>> ratios) const {
-    std::vector<std::string> mean(others_.size() + (HasRepeats() ? 1 : 0)), range;
+  void AddMeans(Table& table, measure::Phase phase) {
+    std::vector<std::string> mean(HeadSize()), interval(HeadSize()), range(HeadSize());
     mean[0] = "mean";
-    range = mean;
     range[0] = "range";
-    for (auto& of_detector : ratios) {
-      mean.push_back(ShortNumber(GeometricMean(of_detector)));
-      std::ranges::sort(of_detector);
-      range.push_back(of_detector.empty() ? "-"
-                                          : ShortNumber(of_detector.front()) + " .. " +
-                                                ShortNumber(of_detector.back()));
+    for (std::size_t i = 0; i < detector_.values.size(); ++i) {
+      const std::vector<Estimate> ratios = MatchedRatios(comparison_, i, phase, times_);
+      if (ratios.empty()) {
+        for (auto* row : {&mean, &interval, &range}) row->push_back("-");
+        continue;
+      }
+      const Estimate all = GeometricMeanOf(ratios);
+      const auto [least, most] = std::ranges::minmax(ratios, {}, &Estimate::value);
+      mean.push_back(comparison_.is_void ? "(" + ShortNumber(all.value) + ")"
+                                         : ShortNumber(all.value));
+      interval.push_back(i == comparison_.baseline ? "" : IntervalText(times_.IntervalOf(all)));
+      range.push_back(IntervalText({least.value, most.value}));
     }
     table.AddRow(std::move(mean));
+    if (HasIntervals()) table.AddRow(std::move(interval));
     table.AddRow(std::move(range));
+  }
+
+  /// What is below each ratio, and what the means are of.
+  std::string Legend() const {
+    std::string text = "  No interval: one repeat.\n";
+    if (times_.bootstrap().kind() == IntervalKind::kRange)
+      text =
+          "  Below each ratio its range over all draws of repeats, the same for both detectors.\n";
+    if (times_.bootstrap().kind() == IntervalKind::kInterval)
+      text =
+          "  Below each ratio its 95 % interval: bootstrap over repeats, the same for both "
+          "detectors.\n";
+    const std::size_t all = comparison_.points.size(), matched = comparison_.MatchedCount();
+    if (all > 1)
+      text += fmt::format("  Mean and range over {} of {} cells{}.\n", matched, all,
+                          matched < all ? ": those that all detectors have" : "");
+    if (comparison_.is_void) return text + "  In parentheses: every run is void.\n";
+    if (has_parentheses_)
+      text += "  In parentheses: a detector is void, missing, or has other omissions.\n";
+    return text;
   }
 
   const store::ResultFile& file_;
   const plan::Axis& detector_;
+  const Comparison& comparison_;
+  CycleTimes& times_;
   std::vector<std::size_t> others_;  ///< axes
+  bool has_parentheses_ = false;     ///< some ratio is not in the means
 };
 
 }  // namespace
 
-std::string ShowRatios(const store::ResultFile& file, const std::vector<Cell>& cells) {
+std::optional<std::size_t> FindBaseline(const store::ResultFile& file, const std::string& name) {
+  if (name.empty()) return std::nullopt;
   const auto axis = DetectorAxis(file);
-  if (!axis || file.axes()[*axis].values.size() < 2 || !file.Has("duration")) return {};
-  const RatioTable table(file, *axis);
-  std::string text = UnlikeText(FindUnlikeOmissions(file, cells, *axis));
-  for (const auto& [phase, name] :
-       {std::pair{measure::Phase::kDetect, "detect"}, std::pair{measure::Phase::kStep, "step"}})
-    text += table.Text(MediansByDetector(file, cells, *axis, phase), name);
-  return text;
+  if (!axis)
+    throw store::StoreError(
+        fmt::format("there is no baseline '{}': this file sweeps no detectors", name));
+  const plan::Axis& detectors = file.axes()[*axis];
+  std::string names;
+  for (std::size_t i = 0; i < detectors.values.size(); ++i) {
+    const std::string detector = CoordinateText(detectors, i);
+    if (detector == name) return i;
+    names += (i == 0 ? "" : ", ") + detector;
+  }
+  throw store::StoreError(
+      fmt::format("there is no detector '{}' in this file; there are {}", name, names));
+}
+
+std::string ShowRatios(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                       std::optional<std::size_t> baseline, CycleTimes& times) {
+  const auto axis = DetectorAxis(file);
+  if (!axis || file.axes()[*axis].values.size() < 2 || !file.Has("duration") || points.empty())
+    return {};
+  const Comparison comparison = CompareDetectors(file, points, *axis, baseline);
+  RatioTable table(file, *axis, comparison, times);
+  return UnlikeText(comparison) + table.Text(measure::Phase::kDetect) +
+         table.Text(measure::Phase::kStep);
 }
 
 }  // namespace cdb::report

@@ -1,17 +1,27 @@
-// Detectors of a comparison against the first of them, for `cdb show`.
+// Detectors of a comparison against one of them, for `cdb show`.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "runtime/report/cycle_times.h"
+#include "runtime/report/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
 
-/// Median detect and step times over those of the first detector, at every point of the other axes,
-/// and their geometric mean. Only `cells` count. Empty where the file sweeps no detectors or holds
-/// no timings. Throws StoreError.
-std::string ShowRatios(const store::ResultFile& file,
-                       const std::vector<store::ResultFile::Cell>& cells);
+/// The place of `name` on the axis of detectors; nullopt for an empty one. Throws StoreError that
+/// names the detectors of the file.
+std::optional<std::size_t> FindBaseline(const store::ResultFile& file, const std::string& name);
+
+/// Detect and step times over those of the baseline (by default the first detector that has all
+/// cells), at each point of the other axes, with the interval of each ratio, paired by repeat. The
+/// geometric mean is over the points that all detectors have, sound and with the same omissions;
+/// ratios of other points are in parentheses. Empty where the file sweeps no detectors or holds no
+/// timings. Throws StoreError.
+std::string ShowRatios(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                       std::optional<std::size_t> baseline, CycleTimes& times);
 
 }  // namespace cdb::report

@@ -4,9 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
+#include <utility>
 
 namespace cdb::report {
 namespace {
+
+constexpr std::size_t kScreen = 100;
+constexpr int kMostDigits = 16;
+
+/// `1 .. 2` as `1..2`.
+std::string WithoutSpaces(std::string range) {
+  const std::size_t dots = range.find(" .. ");
+  return dots == range.npos ? range : range.replace(dots, 4, "..");
+}
 
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(
@@ -24,13 +36,28 @@ void Table::AddRow(std::vector<std::string> cells) {
   rows_.push_back(std::move(cells));
 }
 
-std::string Table::Text() const {
+std::vector<std::size_t> Table::Widths() const {
   std::vector<std::size_t> widths;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     std::size_t width = Width(columns_[c].head);
     for (const auto& row : rows_) width = std::max(width, Width(row[c]));
     widths.push_back(width);
   }
+  return widths;
+}
+
+std::string Table::Text() const {
+  const std::vector<std::size_t> widths = Widths();
+  if (std::accumulate(widths.begin(), widths.end(), 2 * widths.size()) > kScreen) {
+    Table narrow = *this;
+    for (auto& row : narrow.rows_)
+      for (std::string& cell : row) cell = WithoutSpaces(std::move(cell));
+    return narrow.TextOf(narrow.Widths());
+  }
+  return TextOf(widths);
+}
+
+std::string Table::TextOf(const std::vector<std::size_t>& widths) const {
   std::string text;
   const auto add_line = [&](auto cell_of) {
     std::string line;
@@ -52,17 +79,30 @@ std::string Table::Text() const {
 }
 
 std::string CoordinateText(const plan::Axis& axis, std::size_t index) {
-  const plan::Coordinate& value = axis.values[index];
-  if (const auto* number = std::get_if<double>(&value)) return schema::FormatReal(*number);
-  return std::get<std::string>(value);
+  if (axis.IsText()) return std::get<std::string>(axis.values[index]);
+  const auto text = [&axis](std::size_t i, int digits) {
+    const double value = std::get<double>(axis.values[i]);
+    return digits > kMostDigits || value == std::round(value)
+               ? schema::FormatReal(value)
+               : fmt::format("{:.{}g}", value, digits);
+  };
+  // More digits where they tell two values apart.
+  for (int digits = 4;; ++digits) {
+    std::set<std::string> texts;
+    for (std::size_t i = 0; i < axis.values.size(); ++i) texts.insert(text(i, digits));
+    if (texts.size() == axis.values.size() || digits > kMostDigits) return text(index, digits);
+  }
 }
 
 std::string ShortNumber(double value) {
   if (!std::isfinite(value)) return "-";
   if (value == 0) return "0";
-  const int digits = static_cast<int>(std::floor(std::log10(std::fabs(value))));
-  std::string text = fmt::format("{:.{}f}", value, std::clamp(2 - digits, 0, 9));
-  return text;
+  const double size = std::fabs(value);
+  if (size < 1e-4 || size >= 1e7) return fmt::format("{:.2e}", value);
+  // Rounded first: 9.996 is 10.0, and 12346 is 12350.
+  const double rounded = std::stod(fmt::format("{:.{}e}", value, size < 1000 ? 2 : 3));
+  const int exponent = static_cast<int>(std::floor(std::log10(std::fabs(rounded))));
+  return fmt::format("{:.{}f}", rounded, std::clamp(2 - exponent, 0, 9));
 }
 
 std::string ScientificNumber(double value) {

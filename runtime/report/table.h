@@ -16,9 +16,13 @@ class Table {
   void AddRow(std::vector<std::string> cells);
   bool empty() const { return rows_.empty(); }
   /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
+  /// Ranges lose their spaces (`1..2`) in a table of more than 100 columns.
   std::string Text() const;
 
  private:
+  std::vector<std::size_t> Widths() const;
+  std::string TextOf(const std::vector<std::size_t>& widths) const;
+
   struct Column {
     std::string head;
     bool right;
@@ -39,12 +43,14 @@ struct TimeUnit {
   }
 };
 
-/// Three significant digits without an exponent: `0.0123`, `1.23`, `12345`.
+/// Three significant digits, or four from 1000 on: `0.0123`, `1.23`, `1235`, `12350`; with an
+/// exponent below 1e-4 and from 1e7 on. `-` for what is not finite.
 std::string ShortNumber(double value);
 /// Three digits and an exponent; `0`, and `-` for NaN.
 std::string ScientificNumber(double value);
 
-/// A value on an axis.
+/// A value on an axis: whole numbers in full, others with four significant digits, or more where
+/// only they tell two values apart.
 std::string CoordinateText(const plan::Axis& axis, std::size_t index);
 
 }  // namespace cdb::report

@@ -48,7 +48,7 @@ TEST(Run, GivesATableAFileAndNothingElse) {
   program.Write("small.cdb", kSmall);
   const Finished run = program.Run({"run", "small.cdb"});
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.out.find("Median of a cycle"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("Mean of a cycle"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("small.h5"), std::string::npos);
   EXPECT_NE(run.err.find("4/4"), std::string::npos) << run.err;
   EXPECT_TRUE(program.Exists("small.h5"));

@@ -9,7 +9,7 @@
 namespace cdb::tests {
 namespace {
 
-TEST(Verdicts, TimingsThatDoNotCountAreMarkedAndLeftOut) {
+TEST(Verdicts, TimingsThatDoNotCountAreMarked) {
   const Program program;
   // In single precision places near 9e5 m lie 1/16 m apart, and the object moves 1/60 m a cycle.
   program.Write("far.cdb",
@@ -24,11 +24,21 @@ TEST(Verdicts, TimingsThatDoNotCountAreMarkedAndLeftOut) {
       << run.err;
   const Finished shown = program.Run({"show", "far.h5"});
   EXPECT_EQ(shown.status, 3);
-  EXPECT_NE(shown.out.find("1 did not end well and is in no figure below"), std::string::npos);
+  EXPECT_NE(shown.out.find("1 did not end well (1 frozen), marked below and in no mean or ratio "
+                           "with others:\n"),
+            std::string::npos)
+      << shown.out;
   EXPECT_NE(shown.out.find("precision single, rep 0: frozen from cycle 0 on"), std::string::npos);
   EXPECT_NE(shown.out.find("  Verdict: stable.\n"), std::string::npos);
-  EXPECT_EQ(shown.out.find("\n  single"), std::string::npos) << shown.out;
+  const std::size_t row = shown.out.find("\n  single");
+  ASSERT_NE(row, std::string::npos) << shown.out;
+  const std::string line = shown.out.substr(row + 1, shown.out.find('\n', row + 1) - row - 1);
+  EXPECT_TRUE(line.ends_with("  frozen")) << shown.out;
   EXPECT_NE(shown.out.find("\n  double"), std::string::npos) << shown.out;
+  const Finished sound = program.Run({"show", "far.h5", "--sound"});
+  EXPECT_EQ(sound.status, 3);
+  EXPECT_EQ(sound.out.find("\n  single"), std::string::npos) << sound.out;
+  EXPECT_NE(sound.out.find("\n  double"), std::string::npos) << sound.out;
   // Shards say so too.
   EXPECT_EQ(program.Run({"run", "far.cdb", "--fresh", "-q", "--shard", "1/1"}).status, 3);
 }
@@ -43,6 +53,14 @@ TEST(Verdicts, UnsoundRunsAreNamedAndStay) {
   EXPECT_NE(run.out.find("1 stable; in the figures below, but not sound"), std::string::npos)
       << run.out;
   EXPECT_NE(run.out.find("1 drifting: linear_damping 0.9, rep 0 from cycle "), std::string::npos);
+}
+
+TEST(Stability, ARatioHasNoUnit) {
+  const Program program;
+  const Finished map =
+      program.Run({"stability", "mass_ratio", "--precision", "single", "--detector", "dbvt", "-q"});
+  EXPECT_NE(map.out.find("\n  precision  detector  ratio\n"), std::string::npos)
+      << map.out << map.err;
 }
 
 TEST(Stability, MapsWhereASceneStopsBeingSound) {

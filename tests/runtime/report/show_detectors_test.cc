@@ -189,17 +189,18 @@ std::string Shown(const schema::WordList& record, const std::vector<std::string>
       [&](const store::ResultFile& file) { return report::Show(file, {by}).text; });
 }
 
-TEST(ShowDetectors, SetsTheWorstCycleBesideTheMedianAndFitsGrowth) {
+TEST(ShowDetectors, SetsTheWorstCycleBesideTheMeanAndFitsGrowth) {
   const std::string text = Shown({"timing", "pairs"}, {"sap", "dbvt", "simple"}, {"detector"},
                                  [](const plan::Run& run, Made& made) {
                                    if (run.at[1] == 1) made.Ints("phantom_pairs", {0, 1, 2});
                                  });
   EXPECT_NE(text.find("\nDetectors: a cycle's detect, ns\n"
-                      "  detector  median   worst  missed  phantom  peak rss, MB\n"
-                      "  -------------------------------------------------------\n"
-                      "  sap         40.0    4000       0        0          8.00\n"
-                      "  dbvt        1600  160000       0        9          8.00\n"
-                      "  simple      1.00     100       0        0          8.00\n"),
+                      "  detector  cells   mean   worst  missed  phantom  peak rss, MB\n"
+                      "  -------------------------------------------------------------\n"
+                      "  sap           3    793    4000       0        0          8.00\n"
+                      "  dbvt          3  23800  160000       0        9          8.00\n"
+                      "  simple        3   34.0     100       0        0          8.00\n"
+                      "  Mean over cycles and cells; no interval: one repeat.\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\nGrowth over quantity: p of detect ~ objects^p\n"
@@ -242,11 +243,11 @@ TEST(ShowDetectors, NamesThoseThatNobodyLookedAt) {
 
 TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
   const auto set = [](const plan::Run& run, Made& made) {
-    made.result().scalars.harness_ns = run.at[1] == 2 ? NAN : 2;
+    made.result().scalars.harness_ns = run.at[1] == 2 ? NAN : 68;
   };
   const std::string text = Shown({"timing"}, {"sap", "dbvt", "null"}, {}, set);
-  // Detect is 20 ns of sap in the middle; null would be 1 ns, and is all harness.
-  EXPECT_NE(text.find("\n  Harness: 2.00 ns a cycle, 10.0 % of the detect of sap, the fastest; "
+  // Detect is 680 ns of sap at the middle point; null would be 34 ns, and is all harness.
+  EXPECT_NE(text.find("\n  Harness: 68.0 ns a cycle, 10.0 % of the detect of sap, the fastest; "
                       "nothing is subtracted.\n"),
             std::string::npos)
       << text;
@@ -268,6 +269,41 @@ TEST(ShowDetectors, FitsGrowthOverWhateverChangesTheNumberOfObjects) {
   const Finished level = program.Run({"run", "t.cdb"});
   EXPECT_NE(level.out.find("\nDetectors: "), std::string::npos) << level.out << level.err;
   EXPECT_EQ(level.out.find("Growth"), std::string::npos) << level.out;
+}
+
+TEST(ShowDetectors, FitsGrowthOverTheNumbersOfObjectsThatAllHave) {
+  const Program program;
+  const std::string scene =
+      "cycles 3; detector sweep(simple, dbvt); world.side 2000; omit none\n"
+      "objects.quantity sweep(10, 20, 40, 80)\n";
+  program.Write("s.cdb", "benchmark s { " + scene +
+                             "skip when detector == simple and quantity > 40 }\n"
+                             "benchmark t { " +
+                             scene + "skip when detector == simple and quantity > 20 }\n");
+  const Finished matched = program.Run({"run", "s.cdb", "-b", "s"});
+  EXPECT_NE(matched.out.find("\n  Over the numbers of objects that all rows have, 10 .. 40.\n"),
+            std::string::npos)
+      << matched.out << matched.err;
+  // Two are too few to fit.
+  const Finished unlike = program.Run({"run", "s.cdb", "-b", "t"});
+  EXPECT_NE(unlike.out.find("\n  Rows are of unlike numbers of objects: do not compare them.\n"),
+            std::string::npos)
+      << unlike.out << unlike.err;
+}
+
+TEST(ShowDetectors, SaysWhereGrowthMixesOmissions) {
+  const auto shown = [](bool of_all) {
+    return Shown({"timing"}, {"sap", "dbvt"}, {}, [of_all](const plan::Run& run, Made& made) {
+      const bool left_out = of_all || run.at[0] == 0;
+      made.result().omitted = left_out ? "solver" : "";
+      made.result().decisions =
+          std::string("solver: ") + (left_out ? "left out" : "kept") + ": a test\n";
+    });
+  };
+  const std::string note =
+      "\n  Some points ran without solver and others with: growth is not of the objects alone.\n";
+  EXPECT_NE(shown(false).find(note), std::string::npos) << shown(false);
+  EXPECT_EQ(shown(true).find(note), std::string::npos) << shown(true);
 }
 
 }  // namespace

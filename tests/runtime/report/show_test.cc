@@ -35,13 +35,25 @@ TEST(Table, LinesUp) {
             "\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4    12\n");
 }
 
-TEST(ShortNumber, HasThreeDigits) {
+TEST(ShortNumber, HasThreeOrFourDigits) {
   EXPECT_EQ(report::ShortNumber(0.012345), "0.0123");
   EXPECT_EQ(report::ShortNumber(1.2345), "1.23");
   EXPECT_EQ(report::ShortNumber(123.45), "123");
-  EXPECT_EQ(report::ShortNumber(12345.6), "12346");
+  EXPECT_EQ(report::ShortNumber(1234.5), "1234");
+  EXPECT_EQ(report::ShortNumber(12345.6), "12350");
+  EXPECT_EQ(report::ShortNumber(9.999), "10.0");
+  EXPECT_EQ(report::ShortNumber(999.9), "1000");
+  EXPECT_EQ(report::ShortNumber(1.2345e7), "1.23e+07");
+  EXPECT_EQ(report::ShortNumber(0.000012345), "1.23e-05");
   EXPECT_EQ(report::ShortNumber(0), "0");
   EXPECT_EQ(report::ShortNumber(NAN), "-");
+}
+
+TEST(CoordinateText, HasFourDigitsUnlessValuesLookAlike) {
+  EXPECT_EQ(report::CoordinateText(NumberAxis("dt", {1.0 / 60, 1.0 / 120}), 0), "0.01667");
+  EXPECT_EQ(report::CoordinateText(NumberAxis("x", {0.123456, 0.123467}), 1), "0.12347");
+  EXPECT_EQ(report::CoordinateText(NumberAxis("quantity", {16384, 2}), 0), "16384");
+  EXPECT_EQ(report::CoordinateText(NumberAxis("x", {0.5, 0.5}), 0), "0.5");
 }
 
 TEST(Show, HasAxesPhasesCountsAndRatios) {
@@ -55,13 +67,23 @@ TEST(Show, HasAxesPhasesCountsAndRatios) {
   EXPECT_EQ(shown.status, 0);
   for (const char* part :
        {"The title", "12 runs (3 detector x 2 quantity x 2 rep), 10 cycles", "broad", "integrate",
-        "pairs", "contacts", "5th .. 95th percentile", "Median of step over that of sap", "mean"})
+        "pairs", "contacts", "5th .. 95th percentile", "Mean step over that of sap", "mean"})
     EXPECT_NE(shown.out.find(part), std::string::npos) << part << " in:\n" << shown.out;
   // One row for each of the six points, in the order of the grid.
   EXPECT_NE(shown.out.find("\n  sap              2"), std::string::npos) << shown.out;
   const Finished by = program.Run({"show", "s.h5", "--by", "quantity"});
   EXPECT_EQ(by.status, 0);
   EXPECT_EQ(by.out.find("\n  sap              2"), std::string::npos) << by.out;
+  const Finished to_simple = program.Run({"show", "s.h5", "--baseline", "simple"});
+  EXPECT_EQ(to_simple.status, 0);
+  EXPECT_NE(to_simple.out.find("Mean step over that of simple"), std::string::npos)
+      << to_simple.out;
+  const Finished misspelt = program.Run({"show", "s.h5", "--baseline", "simpel"});
+  EXPECT_EQ(misspelt.status, 2);
+  EXPECT_NE(misspelt.err.find("there is no detector 'simpel' in this file; there are sap, dbvt, "
+                              "simple"),
+            std::string::npos)
+      << misspelt.err;
   const Finished wrong = program.Run({"show", "s.h5", "--by", "size"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_NE(wrong.err.find("detector, quantity"), std::string::npos) << wrong.err;

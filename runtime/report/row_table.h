@@ -1,0 +1,45 @@
+// A table of matched rows: the axes, the cells that each row pools, figures, and the mark.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "runtime/report/points.h"
+#include "runtime/report/table.h"
+#include "runtime/store/store.h"
+
+namespace cdb::report {
+
+/// Holds references to its arguments, and to its rows.
+class RowTable {
+ public:
+  RowTable(const store::ResultFile& file, const std::vector<std::size_t>& by, bool pools)
+      : file_(file), by_(by), pools_(pools) {}
+
+  /// Of figures, aligned to the right.
+  void AddColumn(std::string_view head) { heads_.emplace_back(head); }
+  /// A figure for each column. `note` stands before the row's mark.
+  void AddRow(const Row& row, std::vector<std::string> figures, const std::string& note = "");
+  std::string Text() const;
+
+ private:
+  struct Line {
+    const Row& row;
+    std::vector<std::string> figures;
+    std::string note;
+  };
+
+  const store::ResultFile& file_;
+  const std::vector<std::size_t>& by_;
+  const bool pools_;
+  std::vector<std::string> heads_;
+  std::vector<Line> lines_;
+};
+
+/// The first columns of a row.
+std::vector<std::string> Coordinates(const store::ResultFile& file,
+                                     const std::vector<std::size_t>& axes, const Point& at);
+
+}  // namespace cdb::report

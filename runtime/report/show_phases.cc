@@ -1,0 +1,147 @@
+#include "runtime/report/show_phases.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "runtime/report/figures.h"
+#include "runtime/report/numbers.h"
+#include "runtime/report/row_table.h"
+#include "runtime/report/table.h"
+
+namespace cdb::report {
+namespace {
+
+class PhaseTables {
+ public:
+  PhaseTables(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+              const std::vector<std::size_t>& by, CycleTimes& times)
+      : file_(file),
+        times_(times),
+        by_(by),
+        rows_(MatchRows(points, by)),
+        has_times_(file.Has("duration")),
+        has_intervals_(has_times_ && times.bootstrap().kind() != IntervalKind::kNone),
+        unit_(UnitOf()) {}
+
+  std::string Text() {
+    if (!has_times_ && !file_.Has("pairs")) return {};
+    std::string text = fmt::format("\nMean of a cycle{}\n{}{}{}", Unit(), Means(), StatisticLine(),
+                                   rows_.MatchLines());
+    if (!has_times_) return text;
+    text += fmt::format("\n5th .. 95th percentile over the cycles{}\n{}", Unit(), Spreads());
+    if (has_intervals_)
+      text += fmt::format("\nMean of a cycle, its {}{}\n{}{}", times_.IntervalName(), Unit(),
+                          Intervals(), times_.IntervalLine(LacksRepeats()));
+    return text;
+  }
+
+ private:
+  /// Counts are the same in all repeats.
+  std::string StatisticLine() const {
+    if (!has_times_)
+      return rows_.pools ? "  Mean over cycles and cells.\n" : "  Mean over cycles.\n";
+    return has_intervals_ ? times_.StatisticLine(rows_.pools)
+                          : times_.StatisticAndIntervalLine(rows_.pools);
+  }
+
+  std::string Unit() const { return has_times_ ? fmt::format(", {}", unit_.name) : ""; }
+
+  bool LacksRepeats() {
+    return std::ranges::any_of(rows_.rows, [this](const Row& row) {
+      return MeanOfRow(row, measure::Phase::kStep).things < times_.bootstrap().size();
+    });
+  }
+
+  /// That of the median step.
+  TimeUnit UnitOf() {
+    std::vector<double> steps;
+    if (has_times_)
+      for (const Row& row : rows_.rows)
+        steps.push_back(MeanOfRow(row, measure::Phase::kStep).value);
+    std::ranges::sort(steps);
+    return TimeUnit::For(Percentile(steps, 0.5));
+  }
+
+  Estimate MeanOfRow(const Row& row, measure::Phase phase) {
+    std::vector<Estimate> means;
+    for (const MeasuredPoint* point : row.points) means.push_back(times_.Of(*point, phase).mean);
+    return MeanOf(means);
+  }
+
+  /// Repeats have the same.
+  double MeanCount(const Row& row, const char* series) const {
+    std::vector<double> means;
+    for (const MeasuredPoint* point : row.points)
+      means.push_back(Mean(file_.ReadSeries(series, point->cells[0])));
+    return Mean(means);
+  }
+
+  std::string Means() {
+    RowTable table(file_, by_, rows_.pools);
+    if (has_times_)
+      for (const std::string_view phase : measure::PhaseNames()) table.AddColumn(phase);
+    for (const char* series : {"pairs", "contacts"})
+      if (file_.Has(series)) table.AddColumn(series);
+    for (const Row& row : rows_.rows) {
+      std::vector<std::string> figures;
+      if (has_times_)
+        for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
+          figures.push_back(
+              ShortNumber(MeanOfRow(row, static_cast<measure::Phase>(phase)).value / unit_.ns));
+      for (const char* series : {"pairs", "contacts"})
+        if (file_.Has(series)) figures.push_back(ShortNumber(MeanCount(row, series)));
+      table.AddRow(row, std::move(figures));
+    }
+    return table.Text();
+  }
+
+  /// A table whose cells are `range_of(row, phase)`, in ns.
+  template <typename RangeOf>
+  std::string Ranges(RangeOf range_of) {
+    RowTable table(file_, by_, rows_.pools);
+    for (const std::string_view phase : measure::PhaseNames()) table.AddColumn(phase);
+    for (const Row& row : rows_.rows) {
+      std::vector<std::string> figures;
+      for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase) {
+        const Interval ns = range_of(row, static_cast<measure::Phase>(phase));
+        figures.push_back(IntervalText({ns.low / unit_.ns, ns.high / unit_.ns}));
+      }
+      table.AddRow(row, std::move(figures));
+    }
+    return table.Text();
+  }
+
+  std::string Spreads() {
+    return Ranges([this](const Row& row, measure::Phase phase) -> Interval {
+      std::vector<double> cycles;
+      for (const MeasuredPoint* point : row.points) Append(cycles, times_.Of(*point, phase).cycles);
+      std::ranges::sort(cycles);
+      return {Percentile(cycles, 0.05), Percentile(cycles, 0.95)};
+    });
+  }
+
+  std::string Intervals() {
+    return Ranges([this](const Row& row, measure::Phase phase) {
+      return times_.IntervalOf(MeanOfRow(row, phase));
+    });
+  }
+
+  const store::ResultFile& file_;
+  CycleTimes& times_;
+  const std::vector<std::size_t>& by_;
+  const Rows rows_;
+  const bool has_times_, has_intervals_;
+  const TimeUnit unit_;
+};
+
+}  // namespace
+
+std::string ShowPhases(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                       const std::vector<std::size_t>& by, CycleTimes& times) {
+  return points.empty() ? "" : PhaseTables(file, points, by, times).Text();
+}
+
+}  // namespace cdb::report

@@ -1,0 +1,20 @@
+// What each phase of a cycle takes, for `cdb show`.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "runtime/report/cycle_times.h"
+#include "runtime/report/points.h"
+#include "runtime/store/store.h"
+
+namespace cdb::report {
+
+/// Up to three tables with a row for each value on the axes `by`: the mean of every phase, of pairs
+/// and of contacts; the 5th and 95th percentile over the cycles; and the intervals of the means.
+/// Empty for a file without timings and pairs. Throws StoreError.
+std::string ShowPhases(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                       const std::vector<std::size_t>& by, CycleTimes& times);
+
+}  // namespace cdb::report

@@ -1,0 +1,10 @@
+// How `cdb show` makes its figures, for `cdb doc statistics`.
+#pragma once
+
+#include <string_view>
+
+namespace cdb::report {
+
+extern const std::string_view kStatisticsReference;
+
+}  // namespace cdb::report
