@@ -33,6 +33,8 @@ bool Domain::Contains(double value) const {
 std::string Domain::Text() const {
   const bool above = min != -kInfinity;
   const bool below = max != kInfinity && max < 2147483647;
+  if (above && below && min_open)
+    return "more than " + FormatReal(min) + " and at most " + FormatReal(max);
   if (above && below) return "between " + FormatReal(min) + " and " + FormatReal(max);
   if (above) return (min_open ? "more than " + FormatReal(min) : FormatReal(min) + " or more");
   return "any number";

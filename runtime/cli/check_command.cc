@@ -38,7 +38,7 @@ ExitStatus Check(const CheckArguments& arguments) {
 
 void AddCheckCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<CheckArguments>();
-  Subcommand command(app, "check", "check scenario files: every error with its place");
+  Subcommand command(app, "check", "report every error and warning in scenario files");
   command.Required("FILE", arguments->files, "scenario files");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return Check(*arguments); });

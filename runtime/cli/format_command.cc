@@ -49,7 +49,7 @@ ExitStatus FormatFiles(const FormatArguments& arguments) {
 
 void AddFormatCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<FormatArguments>();
-  Subcommand command(app, "fmt", "lay scenario files out in the one standard way");
+  Subcommand command(app, "fmt", "format scenario files");
   command.Required("FILE", arguments->files, "scenario files");
   command.Flag("--check", arguments->check, "change nothing; exit status 1 if it would");
   command.Action(status, [arguments] { return FormatFiles(*arguments); });

@@ -72,7 +72,7 @@ ExitStatus Merge(const MergeArguments& arguments) {
 
 void AddMergeCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<MergeArguments>();
-  Subcommand command(app, "merge", "make a results file of shards, as far as they go");
+  Subcommand command(app, "merge", "merge shards into a results file, all of them or not");
   command.Required("-o,--out", arguments->out, "results file");
   command.Required("SHARDS", arguments->shards, "folders of shards, or shards");
   command.Action(status, [arguments] { return Merge(*arguments); });

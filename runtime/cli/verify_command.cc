@@ -76,7 +76,7 @@ ExitStatus Verify(const VerifyArguments& arguments) {
 void AddVerifyCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<VerifyArguments>();
   Subcommand command(app, "verify",
-                     "hold every detector's pairs and contacts against exact ones, in each cycle");
+                     "compare every detector's pairs and contacts with exact ones, in each cycle");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.List("--detector", arguments->detectors,

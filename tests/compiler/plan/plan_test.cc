@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
+#include "tests/support/files.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
@@ -56,6 +60,13 @@ plan::Plan PluginsExample(
                   {{path, library}});
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   return result.plans.at(0);
+}
+
+// Mutations of plans that are refused anyway would test little.
+TEST(PlanYaml, ReadsTheCorpusOfItsFuzzer) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(SourceFolder() / "tests/fuzz/corpus_plan"))
+    EXPECT_NO_THROW(plan::FromYaml(ReadFile(entry.path()), entry.path()));
 }
 
 TEST(PlanYaml, ReadsPluginsBack) {

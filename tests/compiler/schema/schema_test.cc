@@ -136,6 +136,8 @@ TEST(Domain, SaysWhatItContains) {
   EXPECT_FALSE(positive.Contains(0));
   EXPECT_TRUE(positive.Contains(1e-300));
   EXPECT_EQ(positive.Text(), "more than 0");
+  EXPECT_EQ((schema::Domain{.min = 0, .min_open = true, .max = 2}).Text(),
+            "more than 0 and at most 2");
   const schema::Domain part = {.min = 0, .max = 1};
   EXPECT_TRUE(part.Contains(0) && part.Contains(1) && !part.Contains(1.01));
   EXPECT_EQ(part.Text(), "between 0 and 1");
