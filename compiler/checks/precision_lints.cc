@@ -10,17 +10,25 @@ namespace {
 using Eigen::Vector3d;
 
 // Measured.
-constexpr double kCoarsePlace = 0.012, kLostMotion = 0.4;
+constexpr double kCoarsePlace = 0.012, kLostMotion = 0.4, kLostFall = 0.3;
 constexpr double kHeavySingle = 1.45e7, kHeavyDouble = 7e15;
 /// Gravity is lost where it gives less than half a step, motion is wrong long before.
 constexpr double kGainOverPlace = 0.2;
 constexpr double kHopelesslyCoarse = 0.5;
 /// Sides that an object has to move for its motion to count.
 constexpr double kNoticed = 0.01;
+/// The thinnest piece of a model, an armadillo's, over its size.
+constexpr double kModelPiece = 0.03;
 
 /// The distance of neighbouring numbers at `value`.
 double StepAt(double value, double epsilon) {
   return value > 0 ? std::exp2(std::floor(std::log2(value))) * epsilon : 0;
+}
+
+/// A compound of convex pieces, which may be thin.
+bool MayBeModel(const schema::Value& type) {
+  if (std::holds_alternative<schema::Call>(type)) return true;
+  return MayBe(type, "bunny") || MayBe(type, "armadillo") || MayBe(type, "teapot");
 }
 
 }  // namespace
@@ -61,6 +69,19 @@ std::optional<Estimate> LostMotion(const SceneFacts& scene, const GroupFacts& ob
   }
   const double place = objects.position.maxCoeff();
   return Estimate{worst, kLostMotion, place / Excess(worst, kLostMotion), open};
+}
+
+/// Of what falls from rest.
+std::optional<Estimate> LostFall(const SceneFacts& scene, const GroupFacts& objects) {
+  if (!(scene.g > 0) || scene.rests || objects.linked || objects.speed > 0) return std::nullopt;
+  const double piece = MayBeModel(objects.settings->Get("type")) ? kModelPiece : 1;
+  const double noticed = kNoticed * piece * objects.least_side;
+  // What lies on the floor does not fall.
+  if (scene.has_walls && scene.FallHeight(objects) <= noticed) return std::nullopt;
+  const double way = std::max(noticed, scene.g * scene.timestep * scene.timestep);
+  const double place = objects.position.maxCoeff();
+  const double value = StepAt(place, scene.epsilon) / way;
+  return Estimate{value, kLostFall, place / Excess(value, kLostFall)};
 }
 
 std::optional<Estimate> HeavyMass(const SceneFacts& scene, const GroupFacts& objects) {
