@@ -45,8 +45,8 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
 }
 
 void Fit::Refuse(const std::string& what, const std::string& remedy) const {
-  throw library::SceneError(
-      fmt::format("closed form `{}` is not of this scene: {}; {}", form_, what, remedy));
+  throw library::SceneError(fmt::format("closed form `{}` is not of this scene: {}", form_, what),
+                            remedy);
 }
 
 bool Fit::HasWall(int axis, int sign) const {
