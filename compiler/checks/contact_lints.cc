@@ -24,9 +24,9 @@ bool IsBall(const GroupFacts& objects) {
 /// Of its size: a ball that starts no higher above the floor has a contact there at once.
 constexpr double kOnFloor = 0.01;
 
-/// One ball, or several side by side, that start at rest on what bears them.
+/// One ball, or several side by side, that start on what bears them, at rest or rolling.
 bool LiesAsBall(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!IsBall(objects) || objects.stacked > 1 || objects.speed > 0) return false;
+  if (!IsBall(objects) || objects.stacked > 1 || objects.velocity.y() > 0) return false;
   const double above = scene.rests ? objects.gap : scene.FallHeight(objects);
   return above <= kOnFloor * objects.least_side;
 }
@@ -74,12 +74,16 @@ Estimate ThinObject(const SceneFacts& scene, const GroupFacts& objects) {
   Estimate worst{0, kThinWall};
   // Falls begin in the cube.
   const double fallen = std::min(scene.FallSpeed(objects), std::sqrt(2 * scene.g * scene.side));
-  const double fastest = std::hypot(objects.velocity.maxCoeff(), fallen);
+  const Vector3d gained =
+      scene.g > 0 ? Vector3d(fallen / scene.g * scene.acceleration) : Vector3d(Vector3d::Zero());
   for (const GroupFacts& fixed : scene.groups) {
     if (fixed.moves) continue;
+    const auto turn = ConstantOf(fixed.settings->Get("orientation"));
+    const bool is_turned = !turn || !turn->isZero(0);
     for (int axis = 0; axis < 3; ++axis) {
-      const Impact impact =
-          FlightTo(scene, objects, fixed, axis).value_or(Impact{fastest, fixed.least_side, false});
+      const Impact unknown{std::hypot(objects.velocity[axis], gained[axis]),
+                           is_turned ? fixed.least_side : fixed.least_sides[axis], false};
+      const Impact impact = FlightTo(scene, objects, fixed, axis).value_or(unknown);
       const double value = impact.speed * scene.timestep / (objects.least_side + impact.thickness);
       if (value <= worst.value) continue;
       worst = {value, kThinWall, ShorterStep(scene, value, kThinWall), !impact.is_certain};

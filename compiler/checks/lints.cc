@@ -81,7 +81,7 @@ constexpr LintInfo kLints[] = {
      "objects {} move at a wrong speed or stand still", "places within {} m, or precision double",
      "location world.side linear_velocity timestep precision"},
     {Lint::kLostFall, Warning("lost-fall"),
-     "step between neighbouring numbers at an object's place over g timestep^2 or, if more, 0.01 size (models 0.0003)", "0.3",
+     "step between neighbouring numbers at an object's place over g timestep^2 or, if more, 0.01 of its thinnest convex piece", "0.3",
      "the fall of the first cycles {} be lost in rounding", "places within {} m (a smaller world.side), or precision double",
      "world.side location quantity precision size acceleration timestep"},
     {Lint::kHeavyMass, Warning("heavy-mass"),

@@ -172,7 +172,9 @@ TEST(Lints, SeeTheFirstFallThatRoundingHides) {
   EXPECT_FALSE(paper("500")->IsDoubtful());
   EXPECT_FALSE(paper("5000", "; precision double")->IsDoubtful());
   EXPECT_FALSE(paper("5000", "; acceleration 0"));
-  // Closed forms are as thick as they are large.
+  // A bunny's pieces are thicker, and closed forms as thick as they are large.
+  const auto bunnies = NumberOf(checks::Lint::kLostFall, "objects { quantity 5000; type bunny }");
+  EXPECT_TRUE(bunnies->IsDoubtful() && !bunnies->IsBad());
   EXPECT_FALSE(NumberOf(checks::Lint::kLostFall, "objects.quantity 5000")->IsDoubtful());
   EXPECT_FALSE(NumberOf(checks::Lint::kLostFall,
                         "objects { quantity 5000; linear_velocity uniform(-9, 9) }"));
