@@ -21,8 +21,18 @@ using Eigen::Vector3d;
 /// coordinates, and in parts of sizes and distance for what objects/distance.h is exact to.
 constexpr double kRoundedCoordinates = 8 * std::numeric_limits<double>::epsilon();
 constexpr double kRoundedDistance = 4e-14;
+/// Of an object: where rounding is more, places are too coarse to tell touching from overlapping,
+/// and neither is allowed.
+constexpr double kCoarse = 1e-6;
 /// Of both sizes: how far apart two surfaces show the direction in which they touched.
 constexpr double kShownApart = 1e-6;
+
+/// `reaches 2 m through`, for messages about an object of that extent.
+std::string HowFar(double through, double extent, double rounding) {
+  if (through <= rounding) return "is nearer than its place can be told to";
+  if (through > extent) return fmt::format("lies {:.4g} m beyond", through - extent);
+  return fmt::format("reaches {:.4g} m through", through);
+}
 
 void CheckWalls(const Bodies& bodies, std::size_t index) {
   const objects::Box box = bodies.BoxOf(index);
@@ -31,12 +41,11 @@ void CheckWalls(const Bodies& bodies, std::size_t index) {
     for (const int sign : {-1, 1}) {
       const double through = (sign < 0 ? -box.lower[axis] : box.upper[axis]) - half;
       const double extent = bodies.Extents(index)[axis];
-      if (through <= kRoundedCoordinates * (half + extent)) continue;
-      const bool is_outside = through > extent;
+      const double rounding = kRoundedCoordinates * (half + extent);
+      if (through < 0 || (through <= rounding && rounding <= kCoarse * extent)) continue;
       throw library::SceneError(
-          fmt::format("{} {} {:.4g} m {} the cube's wall {}{}", bodies.Name(index),
-                      is_outside ? "lies" : "reaches", is_outside ? through - extent : through,
-                      is_outside ? "beyond" : "through", sign < 0 ? '-' : '+', "xyz"[axis]),
+          fmt::format("{} {} the cube's wall {}{}", bodies.Name(index),
+                      HowFar(through, extent, rounding), sign < 0 ? '-' : '+', "xyz"[axis]),
           std::string(AdviceOf(bodies.GroupOf(index)).wall), bodies.GroupOf(index).name);
     }
   }
@@ -50,13 +59,14 @@ class PlacedPair {
         b_(b),
         pair_(a.solid, a.pose.orientation, b.solid, b.pose.orientation),
         offset_(b.pose.position - a.pose.position),
-        rounding_(kRoundedDistance * (pair_.size() + offset_.norm()) +
-                  kRoundedCoordinates * (a.pose.position.cwiseAbs().maxCoeff() +
-                                         b.pose.position.cwiseAbs().maxCoeff())) {}
+        coarseness_(kRoundedCoordinates * (a.pose.position.cwiseAbs().maxCoeff() +
+                                           b.pose.position.cwiseAbs().maxCoeff())),
+        rounding_(kRoundedDistance * (pair_.size() + offset_.norm()) + coarseness_) {}
 
   /// No two pieces reach into one another by more than rounding.
   bool OnlyTouches() const {
-    if (offset_.isZero(0)) return false;
+    const double least = std::min(a_.solid.sides.minCoeff(), b_.solid.sides.minCoeff());
+    if (offset_.isZero(0) || coarseness_ > kCoarse * least) return false;
     return !pair_.AnyPieces([&](std::size_t i, std::size_t j) {
       return pair_.PiecesOverlap(i, j, offset_) && !IsFreedByRounding(i, j);
     });
@@ -82,7 +92,8 @@ class PlacedPair {
   const ObjectState &a_, &b_;
   objects::SolidPair pair_;
   Vector3d offset_;
-  double rounding_;  ///< m
+  double coarseness_;  ///< of the coordinates, m
+  double rounding_;    ///< with that of distances, m
 };
 
 void CheckPair(const Bodies& bodies, std::size_t one, std::size_t two) {

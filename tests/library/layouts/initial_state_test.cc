@@ -87,6 +87,12 @@ TEST(Touching, WallsIsNoOverlap) {
   }
 }
 
+TEST(Touching, IsNotSaidWherePlacesAreCoarserThanObjects) {
+  // Neighbouring numbers are 0.06 m apart here: the object is nowhere in particular.
+  EXPECT_NE(FailureOf(LayoutScene(1, 1e15, Layout("stack", {{"gap", 0.0}}))), "");
+  EXPECT_EQ(FailureOf(LayoutScene(1, 1e7, Layout("stack", {{"gap", 0.0}}))), "");
+}
+
 TEST(Touching, ObjectsIsNoOverlap) {
   for (const char* type : {"sphere", "cuboid", "cylinder", "cone", "capsule", "torus"}) {
     plan::Scene scene = LayoutScene(8, 50, Layout("grid", {{"spacing", 0.7}}));
