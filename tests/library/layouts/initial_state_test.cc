@@ -100,6 +100,10 @@ TEST(Touching, ObjectsIsNoOverlap) {
     SetGroup(scene, "size", 0.7);
     EXPECT_EQ(FailureOf(scene), "") << type;
     SetGroup(scene, "location", Layout("grid", {{"spacing", 0.7 - 1e-11}}));
+    plan::Scene pair = LayoutScene(2, 50, Layout("pair", {{"distance", 0.0}}));
+    SetGroup(pair, "type", Word(type));
+    SetGroup(pair, "orientation", Word("random"));
+    EXPECT_EQ(FailureOf(pair), "") << type;
     if (std::string(type) != "cone")
       EXPECT_NE(FailureOf(scene).find("overlaps"), std::string::npos) << type;
   }
