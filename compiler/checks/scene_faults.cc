@@ -41,11 +41,15 @@ std::string DefaultSizeText() {
 }  // namespace
 
 std::optional<plan::SceneFault> SceneFaults::Find(const plan::Scene& scene) {
-  // A closed form depends on most of a scene, and its scenes are small.
-  if (NamesClosedForm(scene)) return find_(scene);
+  const std::uint64_t count = scene.ObjectCount();
+  if (NamesClosedForm(scene)) {
+    // It depends on most of a scene, so that no two are alike. The square must not overflow.
+    pairs_ += count < kMostPairs ? count * count / 2 : kMostPairs + 1;
+    return pairs_ <= kMostPairs ? find_(scene) : std::nullopt;
+  }
   const auto [known, is_new] = known_.try_emplace(PlacementKey(scene));
   if (!is_new) return known->second;
-  objects_ += scene.ObjectCount();
+  objects_ += count;
   if (objects_ <= kMostObjects) known->second = find_(scene);
   return known->second;
 }

@@ -27,14 +27,15 @@ class SceneFaults {
       : benchmark_(benchmark), find_(std::move(find)), diagnostics_(diagnostics) {}
 
   /// The scene at the chosen point of `configuration`, which is run so many times. Scenes that
-  /// place the same objects are looked at once, and no more than hold kMostObjects together: the
-  /// rest shows when it is run.
+  /// place the same objects are looked at once, and no more than hold kMostObjects together, or
+  /// kMostPairs of objects that a closed form may look at, which take a second or two: the rest
+  /// shows when it is run.
   void Add(evaluate::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
   /// Of a plan of so many runs. A wrong closed form is an error, and so are objects that cannot be
   /// placed in any run; where only some runs fail of it, the others are worth having: a warning.
   void Report(std::size_t runs) const;
 
-  static constexpr std::uint64_t kMostObjects = 200'000;
+  static constexpr std::uint64_t kMostObjects = 1'000'000, kMostPairs = 200'000'000;
 
  private:
   struct Finding {
@@ -53,7 +54,7 @@ class SceneFaults {
   plan::FindSceneFault find_;
   dsl::Diagnostics& diagnostics_;
   std::map<std::string, std::optional<plan::SceneFault>> known_;  ///< by what decides it
-  std::uint64_t objects_ = 0;                                     ///< looked at so far
+  std::uint64_t objects_ = 0, pairs_ = 0;                         ///< looked at so far
   std::size_t unplaced_runs_ = 0;
   std::map<FindingKey, Finding> findings_;
   std::set<std::string> default_sizes_;  ///< groups that were warned of

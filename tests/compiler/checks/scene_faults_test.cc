@@ -67,9 +67,15 @@ TEST(SceneFaults, AreLookedForOnceInScenesThatPlaceTheSame) {
   EXPECT_EQ(looks, 4);
   // And only in so many objects.
   looks = 0;
-  CompileWith("benchmark b { objects { quantity 60000; size sweep(1 .. 9) }; detector dbvt }",
+  CompileWith("benchmark b { objects { quantity 300000; size sweep(1 .. 9) }; detector dbvt }",
               count);
   EXPECT_EQ(looks, 3);
+  looks = 0;
+  CompileWith(
+      "benchmark b { objects { quantity 10000; size sweep(1 .. 9) }; detector dbvt\n"
+      "accuracy { metrics position; closed_form flight } }",
+      count);
+  EXPECT_EQ(looks, 4);
 }
 
 TEST(SceneFaults, OfADefaultSizeSaySo) {
