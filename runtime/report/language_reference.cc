@@ -256,8 +256,8 @@ repeatable fails. The samples are compared with the ground truth:
 
 Each reference has a perturbed run, whose objects start displaced by 1e-9 of their size. Once the two
 diverge, the ground truth is unknown. `horizon` is the time at which their positions differ by a
-tenth of a size (root mean square over objects), or the end if they never do; errors of position and
-velocity are computed up to it. The `floor` of an error is its value between the two runs; an error
+tenth of a size (root mean square over objects), or the end if they never do; errors of position,
+velocity and orientation are computed up to it. The `floor` of an error is its value between the two runs; an error
 below it is not significant. With a closed form, the horizon is the end and the floors are 0.
 
 The table below states how the samples are reduced to one number; the start is excluded. If an error
