@@ -81,8 +81,8 @@ class PlacedPair {
   }
 
  private:
-  /// The direction in which surfaces touched shows once they are apart. For all but flat solids far
-  /// off their centres the line between the centres of mass leads there.
+  /// Moved apart a little along the line between the centres of mass, two surfaces show the
+  /// direction in which they touched; along it, rounding alone must free them.
   bool IsFreedByRounding(std::size_t i, std::size_t j) const {
     const Vector3d away = kShownApart * pair_.size() * offset_.normalized();
     const Vector3d direction = pair_.PieceGap(i, j, offset_ + away).direction;
