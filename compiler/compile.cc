@@ -74,7 +74,7 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
     if (!is_whole(benchmark)) continue;
     const bool is_asked_for =
         !options.benchmark || *options.benchmark == benchmark.benchmark->name.text;
-    auto plan = Expand(*scenario, benchmark, result.diagnostics, is_asked_for);
+    auto plan = Expand(*scenario, benchmark, options.find_fault, result.diagnostics, is_asked_for);
     if (!plan || !is_asked_for) continue;
     plan->benchmark = benchmark.benchmark->name.text;
     plan->title = benchmark.benchmark->title;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "compiler/plan/scene_fault.h"
 #include "compiler/scenario/scenario.h"
 #include "dsl/diagnostics.h"
 
@@ -17,6 +18,8 @@ struct CompileOptions {
   std::optional<std::string> benchmark;  ///< only this one; nullopt: every benchmark of the file
   scenario::PluginSource plugins = {};
   plan::ReadTrace read_trace = {};  ///< without it no `trace` can be read
+  /// Without it, objects that cannot be placed and wrong closed forms show in runs only.
+  plan::FindSceneFault find_fault = {};
 };
 
 /// What came of it. Diagnostics point into `scenario`, which has to be kept as long as they are.

@@ -8,6 +8,7 @@
 
 #include "compiler/checks/lint_findings.h"
 #include "compiler/checks/scene_checks.h"
+#include "compiler/checks/scene_faults.h"
 #include "compiler/evaluate/configuration.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/dependencies.h"
@@ -37,7 +38,7 @@ struct GridAxis {
 class Expander {
  public:
   Expander(const scenario::Scenario& scenario, const scenario::BenchmarkRef& benchmark,
-           dsl::Diagnostics& diagnostics, bool lints)
+           const plan::FindSceneFault& find_fault, dsl::Diagnostics& diagnostics, bool lints)
       : scenario_(scenario),
         benchmark_(benchmark),
         diagnostics_(diagnostics),
@@ -45,6 +46,7 @@ class Expander {
         errors_before_(diagnostics.error_count()),
         layered_(scenario, benchmark, diagnostics),
         checks_(benchmark.benchmark->name.span, diagnostics),
+        faults_(benchmark.benchmark->name.span, find_fault, diagnostics),
         findings_(benchmark.benchmark->name.span, diagnostics) {}
 
   std::optional<plan::Plan> Run() {
@@ -68,7 +70,9 @@ class Expander {
                           "its `skip` leaves out every point");
       return std::nullopt;
     }
+    faults_.Report(plan_.runs.size());
     findings_.Report(plan_.runs.size());
+    if (Failed()) return std::nullopt;
     return std::move(plan_);
   }
 
@@ -250,7 +254,10 @@ class Expander {
       broken_ = true;
       return true;
     }
-    if (lints_ && !plan::TraceOf(*scene)) findings_.Add(configuration, *scene, plan_.repeats);
+    if (!plan::TraceOf(*scene)) {
+      faults_.Add(configuration, *scene, plan_.repeats);
+      if (lints_) findings_.Add(configuration, *scene, plan_.repeats);
+    }
     for (std::uint64_t rep = 0; rep < plan_.repeats; ++rep)
       plan_.runs.push_back({plan::RunId(*scene, rep), at, rep, *scene, {}, {}});
     return true;
@@ -293,6 +300,7 @@ class Expander {
   int errors_before_;
   scenario::LayeredBenchmark layered_;
   checks::SceneChecks checks_;
+  checks::SceneFaults faults_;
   checks::LintFindings findings_;
   std::vector<std::size_t> case_extents_, extents_;
   std::vector<std::unique_ptr<evaluate::Configuration>> configurations_;
@@ -306,8 +314,9 @@ class Expander {
 
 std::optional<plan::Plan> Expand(const scenario::Scenario& scenario,
                                  const scenario::BenchmarkRef& benchmark,
+                                 const plan::FindSceneFault& find_fault,
                                  dsl::Diagnostics& diagnostics, bool lints) {
-  return Expander(scenario, benchmark, diagnostics, lints).Run();
+  return Expander(scenario, benchmark, find_fault, diagnostics, lints).Run();
 }
 
 }  // namespace cdb::compiler

@@ -4,14 +4,17 @@
 #include <optional>
 
 #include "compiler/plan/plan.h"
+#include "compiler/plan/scene_fault.h"
 #include "compiler/scenario/scenario.h"
 
 namespace cdb::compiler {
 
-/// Nullopt after diagnostics. Title and texts of the plan are filled in by `Compile`. `lints`: warn
-/// of numbers that Bullet cannot follow (compiler/lints.h), each once with its worst run.
+/// Nullopt after diagnostics. Title and texts of the plan are filled in by `Compile`. `find_fault`
+/// looks at each scene; may be empty. `lints`: warn of numbers that Bullet cannot follow
+/// (compiler/checks/lints.h), each once with its worst run.
 std::optional<plan::Plan> Expand(const scenario::Scenario& scenario,
                                  const scenario::BenchmarkRef& benchmark,
+                                 const plan::FindSceneFault& find_fault,
                                  dsl::Diagnostics& diagnostics, bool lints);
 
 }  // namespace cdb::compiler

@@ -3,12 +3,28 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace cdb::library {
 
 class SceneError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit SceneError(const std::string& cause) : std::runtime_error(cause), cause_(cause) {}
+  /// `what()` is the cause and the remedy, with "; " between. `group`: the name of the group of
+  /// objects to blame; empty where it is none alone.
+  SceneError(const std::string& cause, const std::string& remedy, std::string group = {})
+      : std::runtime_error(cause + "; " + remedy),
+        cause_(cause),
+        remedy_(remedy),
+        group_(std::move(group)) {}
+
+  const std::string& cause() const { return cause_; }
+  const std::string& remedy() const { return remedy_; }  ///< empty where the cause says it
+  const std::string& group() const { return group_; }
+
+ private:
+  std::string cause_, remedy_, group_;
 };
 
 }  // namespace cdb::library

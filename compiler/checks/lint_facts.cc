@@ -95,6 +95,7 @@ SceneFacts FactsOf(const plan::Scene& scene) {
   facts.side = world.Real("world.side");
   facts.acceleration = LargestComponents(world.Get("acceleration"));
   facts.g = facts.acceleration.norm();
+  facts.pull = ConstantOf(world.Get("acceleration"));
   facts.has_walls = world.WordOr("world.walls") != "none";
   facts.has_box_walls = facts.has_walls && world.WordOr("world.wall_shape") == "box";
   facts.is_single = world.WordOr("precision") == "single";
@@ -106,11 +107,24 @@ SceneFacts FactsOf(const plan::Scene& scene) {
     if (settings.Count("quantity") > 0)
       facts.groups.push_back(GroupFactsOf(settings, i, facts.side));
   }
-  for (const GroupFacts& objects : facts.groups) facts.count += objects.quantity;
+  for (const GroupFacts& objects : facts.groups) {
+    facts.count += objects.quantity;
+    if (objects.moves) facts.moving += objects.quantity;
+  }
   facts.has_ground = facts.has_walls || std::ranges::any_of(facts.groups, [](const GroupFacts& o) {
                        return !o.moves;
                      });
   return facts;
+}
+
+double SceneFacts::FallHeight(const GroupFacts& objects) const {
+  const bool is_straight = pull && pull->x() == 0 && pull->z() == 0 && pull->y() < 0;
+  if (!is_straight) return side;
+  if (const auto position = FixedPositionOf(objects))
+    return std::clamp(position->y() + side / 2 - objects.least_side / 2, 0.0, side);
+  if (objects.tower > 1)
+    return std::min(side, objects.stacked * (objects.most_sides.y() + objects.gap));
+  return side;
 }
 
 double SceneFacts::FallSpeed(const GroupFacts& objects) const {
@@ -119,7 +133,7 @@ double SceneFacts::FallSpeed(const GroupFacts& objects) const {
   if (objects.linked && objects.settings->On("links.anchor"))
     return std::min(g * Time(), std::sqrt(8 * g * objects.quantity * objects.longest_side));
   const double fallen = g * Time();
-  return has_walls ? std::min(std::sqrt(2 * g * side), fallen) : fallen;
+  return has_walls ? std::min(std::sqrt(2 * g * FallHeight(objects)), fallen) : fallen;
 }
 
 double SceneFacts::FastestSpeed(const GroupFacts& objects) const {
@@ -140,6 +154,11 @@ std::optional<Vector3d> FixedPositionOf(const GroupFacts& objects) {
   const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
   if (layout == nullptr || layout->name != "at") return std::nullopt;
   return Vector3d(*RealOf(*layout, "x"), *RealOf(*layout, "y"), *RealOf(*layout, "z"));
+}
+
+std::optional<Vector3d> ConstantOf(const schema::Value& value) {
+  const auto* vector = std::get_if<Vector3d>(&value);
+  return vector != nullptr ? std::optional(*vector) : std::nullopt;
 }
 
 bool MayBe(const schema::Value& value, std::string_view word) {

@@ -40,11 +40,14 @@ struct SceneFacts {
   double side = 0;     ///< of the world's cube
   Eigen::Vector3d acceleration;
   double g = 0;  ///< the magnitude of `acceleration`
+  /// Its one value, signed; nullopt where it is drawn or on a schedule.
+  std::optional<Eigen::Vector3d> pull;
   bool has_walls = false, has_box_walls = false;
   bool has_ground = false;  ///< walls or fixed objects
   bool is_single = false;
   double epsilon = 0;  ///< of the precision
   double count = 0;    ///< objects in all groups
+  double moving = 0;   ///< those that are not fixed
   std::vector<GroupFacts> groups;
 
   double Time() const { return timestep * cycles; }
@@ -52,7 +55,9 @@ struct SceneFacts {
   /// Gravity presses objects to something.
   bool HasWeight() const { return g > 0 && has_ground; }
 
-  /// Upper bounds of the speed gained by falling, of the speed, and of its largest component.
+  /// Upper bounds of how far objects fall between walls, of the speed that they gain by it, of the
+  /// speed, and of its largest component.
+  double FallHeight(const GroupFacts& objects) const;
   double FallSpeed(const GroupFacts& objects) const;
   double FastestSpeed(const GroupFacts& objects) const;
   double FastestComponent(const GroupFacts& objects) const;
@@ -63,6 +68,8 @@ SceneFacts FactsOf(const plan::Scene& scene);
 
 /// Where `location at(…)` places the group's object.
 std::optional<Eigen::Vector3d> FixedPositionOf(const GroupFacts& objects);
+/// The one value of a vector; nullopt where it is drawn or on a schedule.
+std::optional<Eigen::Vector3d> ConstantOf(const schema::Value& value);
 /// `value` is `word`, or draws it.
 bool MayBe(const schema::Value& value, std::string_view word);
 /// The switch is on, or drawn.

@@ -46,6 +46,7 @@ Formula EarlySleep;
 // Rounding: precision_lints.cc.
 Formula CoarsePlace;
 Formula LostMotion;
+Formula LostFall;
 Formula HeavyMass;
 
 /// Just below the value from which on warnings begin: remedies aim at it.

@@ -24,8 +24,8 @@ constexpr Row kFormulae[] = {
     {Lint::kThinShape, ThinShape},     {Lint::kFastSpin, FastSpin},
     {Lint::kSpinDrift, SpinDrift},     {Lint::kHugeBox, HugeBox},
     {Lint::kCoarsePlace, CoarsePlace}, {Lint::kLostMotion, LostMotion},
-    {Lint::kHeavyMass, HeavyMass},     {Lint::kEarlySleep, EarlySleep},
-    {Lint::kShortRun, ShortRun},
+    {Lint::kLostFall, LostFall},       {Lint::kHeavyMass, HeavyMass},
+    {Lint::kEarlySleep, EarlySleep},   {Lint::kShortRun, ShortRun},
 };
 
 std::optional<LintNumber> WorstNumber(const Row& row, const SceneFacts& scene) {

@@ -32,6 +32,7 @@ enum class Lint {
   kHugeBox,
   kCoarsePlace,
   kLostMotion,
+  kLostFall,
   kHeavyMass,
   kEarlySleep,
   kShortRun,

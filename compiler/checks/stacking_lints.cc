@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "compiler/checks/lint_formulae.h"
+#include "compiler/schema/parametrised_words.h"
 
 namespace cdb::checks {
 namespace {
@@ -14,6 +15,35 @@ using Eigen::Vector3d;
 // Measured.
 constexpr double kTallStack = 0.025, kMassRatio = 12, kNarrowFoot = 30, kOverlap = 0.3;
 constexpr double kShortRun = 35;
+/// By how much a stack of n bears a load worse than one object: this times n. Measured.
+constexpr double kLoadedStack = 0.6;
+
+/// An axis of the square lattice of a stack's columns: the coordinate next to `at`.
+double NearestColumn(double at, double edge, double spacing) {
+  const double first = -(edge - 1) / 2;
+  return spacing * (first + std::clamp(std::round(at / spacing - first), 0.0, edge - 1));
+}
+
+/// A known position is above a group that stands on the floor: as nothing overlaps, what is over
+/// one of its columns.
+bool IsOverStanding(const Vector3d& above, const GroupFacts& load, const GroupFacts& bearer) {
+  const schema::Call* layout = schema::AsCall(bearer.settings->Get("location"));
+  if (layout == nullptr || (layout->name != "stack" && layout->name != "pyramid")) return false;
+  const Vector3d reach = (load.most_sides + bearer.most_sides) / 2;
+  double edge = 1, spacing = 1;
+  Vector3d column_reach = reach;
+  if (layout->name == "pyramid") {
+    // Its base is as many objects wide as it is high.
+    column_reach += (bearer.stacked - 1) / 2 * (bearer.most_sides + Vector3d::Constant(bearer.gap));
+  } else {
+    edge = std::ceil(std::sqrt(std::ceil(bearer.quantity / bearer.stacked)));
+    const schema::Number* given = schema::AsNumber(schema::ArgumentOf(*layout, "spacing"));
+    spacing = given != nullptr ? given->AsReal()
+                               : 1.5 * std::max(bearer.most_sides.x(), bearer.most_sides.z());
+  }
+  return std::abs(above.x() - NearestColumn(above.x(), edge, spacing)) < column_reach.x() &&
+         std::abs(above.z() - NearestColumn(above.z(), edge, spacing)) < column_reach.z();
+}
 
 }  // namespace
 
@@ -25,7 +55,8 @@ std::optional<Estimate> TallStack(const SceneFacts& scene, const GroupFacts& obj
   return Estimate{value, kTallStack, ShorterStepSquared(scene, value, kTallStack)};
 }
 
-/// Of objects in one stack, and of groups at known positions of which the higher one is the load.
+/// Of objects in one stack, of groups at known positions of which the higher one is the load, and
+/// of what another group puts on a stack or pyramid.
 /// Heaps bear much higher ratios, and which object lies on which is chance.
 std::optional<Estimate> MassRatio(const SceneFacts& scene, const GroupFacts& objects) {
   if (!scene.HasWeight()) return std::nullopt;
@@ -36,8 +67,11 @@ std::optional<Estimate> MassRatio(const SceneFacts& scene, const GroupFacts& obj
     const auto below = FixedPositionOf(bearer);
     const bool in_one_stack = &objects == &bearer && objects.quantity > 1 && objects.stacked > 1;
     const bool is_above = &objects != &bearer && above && below && above->y() > below->y();
-    if (in_one_stack || is_above)
-      ratio = std::max(ratio, objects.mass.most / bearer.mass.least / scene.iterations);
+    const bool is_on_stack =
+        &objects != &bearer && above && IsOverStanding(*above, objects, bearer);
+    if (!in_one_stack && !is_above && !is_on_stack) continue;
+    const double worse = is_on_stack ? std::max(1.0, kLoadedStack * bearer.stacked) : 1;
+    ratio = std::max(ratio, worse * objects.mass.most / bearer.mass.least / scene.iterations);
   }
   return Estimate{ratio, kMassRatio, scene.iterations * Excess(ratio, kMassRatio)};
 }

@@ -27,12 +27,16 @@ inline constexpr dsl::DiagnosticKind kUnavailable{"unavailable"};
 inline constexpr dsl::DiagnosticKind kBadComparison{"bad-comparison"};
 inline constexpr dsl::DiagnosticKind kContradiction{"contradiction"};
 inline constexpr dsl::DiagnosticKind kNeeded{"needed"};
+inline constexpr dsl::DiagnosticKind kWrongForm{"wrong-form"};
+inline constexpr dsl::DiagnosticKind kCannotPlace{"cannot-place"};
+inline constexpr dsl::DiagnosticKind kRunsWillFail{"runs-will-fail", dsl::Severity::kWarning};
+inline constexpr dsl::DiagnosticKind kDefaultSize{"default-size", dsl::Severity::kWarning};
 
 inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
     &kOutOfDomain,    &kNotFinite,  &kBadArguments, &kBadRange,      &kMisplacedSweep,
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
-    &kNeeded};
+    &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize};
 
 }  // namespace cdb::scenario

@@ -73,12 +73,19 @@ constexpr LayoutInfo kLayouts[] = {
 constexpr ClosedFormInfo kClosedForms[] = {
     {"flight", "objects under constant acceleration, without contacts"},
     {"bounce", "a ball between walls along one axis, with acceleration 0 or along it"},
+    {"oblique", "a ball that meets one wall at an angle, without acceleration"},
+    {"head_on", "two balls that meet along the line of their centres, without acceleration"},
     {"slide", "a cuboid on the floor, with acceleration tilted beyond the friction angle"},
     {"stick", "a cuboid on the floor, with acceleration tilted within the friction angle"},
-    {"spin", "one object that rotates freely, without acceleration"},
-    {"head_on", "two balls that meet along the line of their centres, without acceleration"},
+    {"braking", "a cuboid that slides on the level floor until friction stops it"},
+    {"roll", "a ball at rest on the floor, under tilted acceleration: it rolls, or slips as well"},
+    {"bowl", "a ball that slides on the level floor until it rolls"},
     {"rolling", "a cuboid on equal balls that roll on the floor, under tilted acceleration"},
     {"stack", "one column of cuboids at rest on the floor"},
+    {"spin", "one object that rotates freely, without acceleration"},
+    {"flip", "one object that rotates freely about its middle axis and turns over"},
+    {"spring", "one object on an upright spring"},
+    {"pendulum", "one object on a ball joint or hinge, under tilted acceleration"},
 };
 
 }  // namespace

@@ -20,6 +20,8 @@ constexpr ErrorInfo kErrors[] = {
      "distance from the true place, in sizes of the object; root of the mean square over objects and samples", kTruth, kToHorizon, kRms},
     {ErrorKind::kVelocity, "velocity", "accuracy/velocity_series", "velocity", "m/s",
      "difference from the true velocity; root of the mean square over objects and samples", kTruth, kToHorizon, kRms},
+    {ErrorKind::kRotation, "rotation", "accuracy/rotation_series", "rotation", "rad",
+     "angle between the orientation and the true one; root of the mean square over objects and samples", kTruth, kToHorizon, kRms},
     {ErrorKind::kEnergy, "energy", "accuracy/energy_series", "energy", "",
      "kinetic and potential energy less the true one, over the scene's energy; root of the mean square over samples", kTruth, kToEnd, kRms},
     {ErrorKind::kMomentum, "momentum", "accuracy/momentum_series", "momentum", "",

@@ -19,6 +19,7 @@ enum class Fold {
 enum class ErrorKind {
   kPosition,
   kVelocity,
+  kRotation,
   kEnergy,
   kMomentum,
   kAngularMomentum,

@@ -11,6 +11,7 @@ using enum ParameterType;
 
 constexpr Domain kAny = {};
 constexpr Domain kPositive = {.min = 0, .min_open = true};
+constexpr Domain kNotNegative = {.min = 0};
 constexpr Domain kNotZero = {.not_zero = true};
 constexpr Domain kCountFromOne = {.min = 1, .max = 2147483647};
 
@@ -42,10 +43,10 @@ constexpr Parameter kGrid[] = {
     Argument("spacing", kReal, kPositive, "m", "between centres; fit distributes them over the cube", kFit)};
 constexpr Parameter kStack[] = {
     Argument("height", kCount, kCountFromOne, "", "objects in a column; all puts them into one column", {.default_text = "all", .words = "all"}),
-    Argument("gap", kReal, kPositive, "m", "between surfaces; fit is a thousandth of the larger object's height", kFit),
+    Argument("gap", kReal, kNotNegative, "m", "between surfaces; 0 lets them touch; fit is a thousandth of the larger object's height", kFit),
     Argument("spacing", kReal, kPositive, "m", "between the columns' centres; fit is 1.5 times the widest object", kFit)};
 constexpr Parameter kPyramid[] = {
-    Argument("gap", kReal, kPositive, "m", "between surfaces; fit is a thousandth of the largest extent", kFit)};
+    Argument("gap", kReal, kNotNegative, "m", "between surfaces; 0 lets them touch; fit is a thousandth of the largest extent", kFit)};
 constexpr Parameter kPile[] = {
     Argument("width", kReal, kPositive, "m", "of the square above which they are dropped; fit makes the pile about as wide as tall", kFit)};
 constexpr Parameter kRing[] = {
@@ -58,7 +59,7 @@ constexpr Parameter kAt[] = {
     Argument("y", kReal, kAny, "m", "of the centre of mass"),
     Argument("z", kReal, kAny, "m", "of the centre of mass")};
 constexpr Parameter kPair[] = {
-    Argument("distance", kReal, kPositive, "m", "between the surfaces")};
+    Argument("distance", kReal, kNotNegative, "m", "between the surfaces; 0 lets them touch")};
 constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"})};

@@ -14,8 +14,11 @@ struct Row {
 };
 
 constexpr Row kForms[] = {
-    {"flight", MakeFlight}, {"bounce", MakeBounce},  {"slide", MakeSlide},     {"stick", MakeStick},
-    {"spin", MakeSpin},     {"head_on", MakeHeadOn}, {"rolling", MakeRolling}, {"stack", MakeStack},
+    {"flight", MakeFlight},   {"bounce", MakeBounce}, {"oblique", MakeOblique},
+    {"head_on", MakeHeadOn},  {"slide", MakeSlide},   {"stick", MakeStick},
+    {"braking", MakeBraking}, {"roll", MakeRoll},     {"bowl", MakeBowl},
+    {"rolling", MakeRolling}, {"stack", MakeStack},   {"spin", MakeSpin},
+    {"flip", MakeFlip},       {"spring", MakeSpring}, {"pendulum", MakePendulum},
 };
 
 }  // namespace

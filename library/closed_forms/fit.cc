@@ -17,6 +17,8 @@ bool IsScheduled(const schema::Value& value) {
   return call != nullptr && (call->name == "every" || call->name == "rotating");
 }
 
+bool IsOfLinks(std::string_view form) { return form == "spring" || form == "pendulum"; }
+
 }  // namespace
 
 Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::InitialState& state)
@@ -35,6 +37,9 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
       if (IsScheduled(group.settings.Get(velocity)))
         Refuse(fmt::format("{}.{} is on a schedule", group.name, velocity.name()),
                "give it one value");
+  for (const plan::Group& group : scene.groups)
+    if (group.HasLinks() && !IsOfLinks(form))
+      Refuse(fmt::format("the {} are linked", group.name), "make links.type none");
   for (std::size_t i = 0; i < size(); ++i) {
     if (object(i).IsFixed()) Refuse(Name(i) + " is fixed", "give it a mass");
     if (object(i).linear_damping != 0 || object(i).angular_damping != 0)
@@ -45,8 +50,8 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
 }
 
 void Fit::Refuse(const std::string& what, const std::string& remedy) const {
-  throw library::SceneError(
-      fmt::format("closed form `{}` is not of this scene: {}; {}", form_, what, remedy));
+  throw library::SceneError(fmt::format("closed form `{}` is not of this scene: {}", form_, what),
+                            remedy);
 }
 
 bool Fit::HasWall(int axis, int sign) const {
@@ -86,6 +91,27 @@ void Fit::RequireFloor() const {
   if (!HasWall(1, -1)) Refuse("there is no floor", "make world.walls floor");
   if (!(Pressing() > 0))
     Refuse("the acceleration does not press onto the floor", "make its y negative");
+}
+
+void Fit::RequireLevelFloor() const {
+  RequireFloor();
+  if (!Downhill().isZero(0)) Refuse("the acceleration is not straight down", "make its x and z 0");
+}
+
+void Fit::RequireLevelVelocity(std::size_t index) const {
+  const Vector3d& velocity = object(index).linear_velocity;
+  if (velocity.y() != 0)
+    Refuse(Name(index) + " does not move along the floor", "make the y of its linear_velocity 0");
+  if (velocity.isZero(0)) Refuse(Name(index) + " does not move", "give it a linear_velocity");
+}
+
+void Fit::RequireLink(std::string_view types) const {
+  const std::string_view type = links().WordOr("links.type");
+  const bool fits = type != "none" && types.find(type) != std::string_view::npos;
+  if (!fits)
+    Refuse(fmt::format("links.type of the {} is {}", scene_.groups[object(0).group].name, type),
+           fmt::format("make it {}", types));
+  if (!links().On("links.anchor")) Refuse("the object hangs from nothing", "make links.anchor on");
 }
 
 int Fit::RequireLevelCuboid(std::size_t index) const {

@@ -47,15 +47,21 @@ class Trajectory : public ClosedForm {
   Momenta start_;
 };
 
+/// What decides whether two objects meet: read for each pair.
+struct Flyer {
+  Vector3d position, velocity;
+  double radius = 0;  ///< around it, m
+  bool turns = false;
+};
+
 /// Seen from one of two, the other goes straight on, as both fall alike.
-bool MayTouch(const layouts::ObjectState& a, const layouts::ObjectState& b, double end) {
-  const Vector3d apart = b.pose.position - a.pose.position;
-  const Vector3d closing = b.linear_velocity - a.linear_velocity;
-  const bool neither_turns = a.angular_velocity.isZero(0) && b.angular_velocity.isZero(0);
-  if (closing.isZero(0) && neither_turns) return false;
-  const double speed2 = closing.squaredNorm();
+bool MayTouch(const Flyer& a, const Flyer& b, double end) {
+  const Vector3d apart = b.position - a.position;
+  const Vector3d closing = b.velocity - a.velocity;
+  const double speed2 = closing.squaredNorm(), reach = a.radius + b.radius;
+  if (speed2 == 0 && !a.turns && !b.turns) return false;
   const double nearest = speed2 > 0 ? std::clamp(-apart.dot(closing) / speed2, 0.0, end) : 0.0;
-  return (apart + nearest * closing).norm() <= a.solid.OuterRadius() + b.solid.OuterRadius();
+  return (apart + nearest * closing).squaredNorm() <= reach * reach;
 }
 
 /// Of what moves, at the start or at the end: the speed of a parabola is largest there.
@@ -74,12 +80,15 @@ double LargestKineticEnergy(const Fit& fit) {
 }  // namespace
 
 std::unique_ptr<ClosedForm> MakeFlight(const Fit& fit) {
+  std::vector<Flyer> flyers;
   for (std::size_t i = 0; i < fit.size(); ++i) {
     const layouts::ObjectState& object = fit.object(i);
+    flyers.push_back({object.pose.position, object.linear_velocity, object.solid.OuterRadius(),
+                      !object.angular_velocity.isZero(0)});
     fit.RequireClearOfWalls(i, ReachOf(object), object.pose.position, object.linear_velocity,
                             fit.acceleration(), fit.end());
     for (std::size_t j = 0; j < i; ++j)
-      if (MayTouch(fit.object(j), object, fit.end()))
+      if (MayTouch(flyers[j], flyers[i], fit.end()))
         fit.Refuse(
             fmt::format("{} comes so near to {} that they may touch", fit.Name(i), fit.Name(j)),
             "make the run shorter, or place them farther apart");

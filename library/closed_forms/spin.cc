@@ -1,5 +1,13 @@
 // A free rigid body: Euler's equations with the orientation, by Taylor series far below rounding.
+// One that turns about its middle axis turns over: with I1 < I2 < I3, the energy E and the angular
+// momentum L the spin along that axis goes as sn(p t), with
+//   p² = (I3 - I2)(L² - 2 E I1)/(I1 I2 I3), k² = (I2 - I1)(2 E I3 - L²)/((I3 - I2)(L² - 2 E I1)),
+// and I1 and I3 exchanged where L² < 2 E I2; from one flip to the next take 2 K(k)/p (Landau and
+// Lifshitz, Mechanics, section 37).
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -96,7 +104,49 @@ class Spin : public ClosedForm {
   mutable double steps_done_ = 0;
 };
 
+/// Of 1: a modulus so near to it is 1 but for rounding.
+constexpr double kRoundedModulus = 1e-14;
+
+/// Between two flips, s; infinite where the body turns about an axis of its own.
+double FlipTime(const layouts::ObjectState& object) {
+  Vector3d inertia = object.solid.InertiaPerMass();
+  const Vector3d spin = object.pose.orientation.conjugate() * object.angular_velocity;
+  const double twice = inertia.dot(spin.cwiseAbs2());  // 2 E and L² per mass
+  const double square = inertia.cwiseProduct(spin).squaredNorm();
+  std::sort(inertia.data(), inertia.data() + 3);
+  if (square < twice * inertia[1]) std::swap(inertia[0], inertia[2]);
+  const double spread = (inertia[2] - inertia[1]) * (square - twice * inertia[0]);
+  const double rate = std::sqrt(spread / inertia.prod());
+  const double modulus = (inertia[1] - inertia[0]) * (twice * inertia[2] - square) / spread;
+  if (!(modulus > 0) || !(modulus < 1 - kRoundedModulus)) return HUGE_VAL;
+  return 2 * std::comp_ellint_1(std::sqrt(modulus)) / rate;
+}
+
 }  // namespace
+
+std::unique_ptr<ClosedForm> MakeFlip(const Fit& fit) {
+  auto form = MakeSpin(fit);
+  const layouts::ObjectState& object = fit.object(0);
+  Vector3d inertia = object.solid.InertiaPerMass();
+  const Vector3d spin = (object.pose.orientation.conjugate() * object.angular_velocity).cwiseAbs();
+  int longest = 0;
+  spin.maxCoeff(&longest);
+  const double about = inertia[longest];
+  std::sort(inertia.data(), inertia.data() + 3);
+  if (about != inertia[1] || inertia[0] == inertia[1] || inertia[1] == inertia[2])
+    fit.Refuse(
+        fit.Name(0) + " does not turn about its middle axis",
+        "give it three different sides, and an angular_velocity mainly along the middle one");
+  const double flips = FlipTime(object);
+  if (!std::isfinite(flips))
+    fit.Refuse(fit.Name(0) + " turns about its middle axis alone, and never over",
+               "add a little to the other components of its angular_velocity");
+  if (flips > fit.end())
+    fit.Refuse(fmt::format("it turns over every {:.4g} s, and the run ends after {:.4g} s", flips,
+                           fit.end()),
+               "make the run longer, or add to the other components of its angular_velocity");
+  return form;
+}
 
 std::unique_ptr<ClosedForm> MakeSpin(const Fit& fit) {
   fit.RequireOneObject();

@@ -26,9 +26,7 @@ class Stack : public ClosedForm {
 }  // namespace
 
 std::unique_ptr<ClosedForm> MakeStack(const Fit& fit) {
-  fit.RequireFloor();
-  if (!fit.Downhill().isZero(0))
-    fit.Refuse("the acceleration is not straight down", "make its x and z 0");
+  fit.RequireLevelFloor();
   std::vector<std::size_t> upwards(fit.size());
   std::iota(upwards.begin(), upwards.end(), 0);
   std::ranges::sort(upwards, {}, [&](std::size_t i) { return fit.object(i).pose.position.y(); });

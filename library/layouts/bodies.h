@@ -70,6 +70,9 @@ class Bodies {
     return SurfacesTouch(index, place, box, other);
   }
 
+  const plan::Group& GroupOf(std::size_t index) const {
+    return *groups_[state_.objects[index].group].group;
+  }
   /// For messages: `object 3 of 10 (group `pebbles`)`.
   std::string Name(std::size_t index) const;
 

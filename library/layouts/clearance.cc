@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <string>
 
 #include "library/layouts/exact_layouts.h"
 #include "library/layouts/hash_grid.h"
 #include "library/objects/distance.h"
+#include "library/objects/solid_pair.h"
 #include "library/scene_error.h"
 
 namespace cdb::layouts {
@@ -14,11 +17,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Below this part of what is looked at, two surfaces touch and do not overlap.
-constexpr double kTouch = 1e-9;
+/// Contact that only rounding makes an overlap: in steps between numbers as large as the
+/// coordinates, and in parts of sizes and distance for what objects/distance.h is exact to.
+constexpr double kRoundedCoordinates = 8 * std::numeric_limits<double>::epsilon();
+constexpr double kRoundedDistance = 4e-14;
+/// Of an object: where rounding is more, places are too coarse to tell touching from overlapping,
+/// and neither is allowed.
+constexpr double kCoarse = 1e-6;
+/// Of both sizes: how far apart two surfaces show the direction in which they touched.
+constexpr double kShownApart = 1e-6;
 
-const plan::Group& GroupOf(const Bodies& bodies, std::size_t index) {
-  return *bodies.groups()[bodies.object(index).group].group;
+/// `reaches 2 m through`, for messages about an object of that extent.
+std::string HowFar(double through, double extent, double rounding) {
+  if (through <= rounding) return "is nearer than its place can be told to";
+  if (through > extent) return fmt::format("lies {:.4g} m beyond", through - extent);
+  return fmt::format("reaches {:.4g} m through", through);
 }
 
 void CheckWalls(const Bodies& bodies, std::size_t index) {
@@ -27,42 +40,73 @@ void CheckWalls(const Bodies& bodies, std::size_t index) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const int sign : {-1, 1}) {
       const double through = (sign < 0 ? -box.lower[axis] : box.upper[axis]) - half;
-      if (through < 0) continue;
-      const std::string deed = through <= kTouch * bodies.side()
-                                   ? "touches"
-                                   : fmt::format("reaches {:.4g} m through", through);
-      throw library::SceneError(fmt::format("{} {} the cube's wall {}{}; {}", bodies.Name(index),
-                                            deed, sign < 0 ? '-' : '+', "xyz"[axis],
-                                            AdviceOf(GroupOf(bodies, index)).wall));
+      const double extent = bodies.Extents(index)[axis];
+      const double rounding = kRoundedCoordinates * (half + extent);
+      if (through < 0 || (through <= rounding && rounding <= kCoarse * extent)) continue;
+      throw library::SceneError(
+          fmt::format("{} {} the cube's wall {}{}", bodies.Name(index),
+                      HowFar(through, extent, rounding), sign < 0 ? '-' : '+', "xyz"[axis]),
+          std::string(AdviceOf(bodies.GroupOf(index)).wall), bodies.GroupOf(index).name);
     }
   }
 }
 
-/// How far `index` must go away from `other`, along the line between their centres of mass, to be
-/// free of it. m.
-double Depth(const Bodies& bodies, std::size_t index, std::size_t other) {
-  const ObjectState &object = bodies.object(index), &neighbour = bodies.object(other);
-  const Vector3d offset = object.pose.position - neighbour.pose.position;
-  const double apart = offset.norm();
-  const Vector3d direction = apart > 0 ? Vector3d(offset / apart) : Vector3d::UnitY();
-  const double touch = kTouch * (object.solid.sides.norm() + neighbour.solid.sides.norm());
-  const auto free = objects::Approach(neighbour.solid, neighbour.pose, object.solid, object.pose,
-                                      direction, touch);
-  return free.value_or(apart) - apart > 2 * touch ? *free - apart : 0;
-}
+/// Two objects as they are placed.
+class PlacedPair {
+ public:
+  PlacedPair(const ObjectState& a, const ObjectState& b)
+      : a_(a),
+        b_(b),
+        pair_(a.solid, a.pose.orientation, b.solid, b.pose.orientation),
+        offset_(b.pose.position - a.pose.position),
+        coarseness_(kRoundedCoordinates * (a.pose.position.cwiseAbs().maxCoeff() +
+                                           b.pose.position.cwiseAbs().maxCoeff())),
+        rounding_(kRoundedDistance * (pair_.size() + offset_.norm()) + coarseness_) {}
 
-[[noreturn]] void Overlapping(const Bodies& bodies, std::size_t a, std::size_t b) {
-  const auto [other, index] = std::minmax(a, b);
-  const double depth = Depth(bodies, index, other);
-  const std::string deed =
-      depth > 0
-          ? fmt::format("overlaps {} by {:.4g} m along the line between their centres of mass",
-                        bodies.Name(other), depth)
-          : fmt::format("touches {}", bodies.Name(other));
+  /// No two pieces reach into one another by more than rounding.
+  bool OnlyTouches() const {
+    const double least = std::min(a_.solid.sides.minCoeff(), b_.solid.sides.minCoeff());
+    if (offset_.isZero(0) || coarseness_ > kCoarse * least) return false;
+    return !pair_.AnyPieces([&](std::size_t i, std::size_t j) {
+      return pair_.PiecesOverlap(i, j, offset_) && !IsFreedByRounding(i, j);
+    });
+  }
+
+  /// How far b must go away from a, along the line between their centres of mass, to be free. m.
+  double Depth() const {
+    const double apart = offset_.norm();
+    const Vector3d direction = apart > 0 ? Vector3d(offset_ / apart) : Vector3d::UnitY();
+    const auto free = objects::Approach(a_.solid, a_.pose, b_.solid, b_.pose, direction, rounding_);
+    return std::max(free.value_or(apart) - apart, rounding_);
+  }
+
+ private:
+  /// Moved apart a little along the line between the centres of mass, two surfaces show the
+  /// direction in which they touched; along it, rounding alone must free them.
+  bool IsFreedByRounding(std::size_t i, std::size_t j) const {
+    const Vector3d away = kShownApart * pair_.size() * offset_.normalized();
+    const Vector3d direction = pair_.PieceGap(i, j, offset_ + away).direction;
+    return !direction.isZero(0) && !pair_.PiecesOverlap(i, j, offset_ + rounding_ * direction);
+  }
+
+  const ObjectState &a_, &b_;
+  objects::SolidPair pair_;
+  Vector3d offset_;
+  double coarseness_;  ///< of the coordinates, m
+  double rounding_;    ///< with that of distances, m
+};
+
+void CheckPair(const Bodies& bodies, std::size_t one, std::size_t two) {
+  const auto [other, index] = std::minmax(one, two);
+  const PlacedPair pair(bodies.object(other), bodies.object(index));
+  if (pair.OnlyTouches()) return;
   const std::string_view advice = bodies.object(index).group == bodies.object(other).group
-                                      ? AdviceOf(GroupOf(bodies, index)).overlap
+                                      ? AdviceOf(bodies.GroupOf(index)).overlap
                                       : "give one of the two groups another place";
-  throw library::SceneError(fmt::format("{} {}; {}", bodies.Name(index), deed, advice));
+  throw library::SceneError(
+      fmt::format("{} overlaps {} by {:.4g} m along the line between their centres of mass",
+                  bodies.Name(index), bodies.Name(other), pair.Depth()),
+      std::string(advice), bodies.GroupOf(index).name);
 }
 
 }  // namespace
@@ -89,7 +133,7 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
       if (is_fixed(index) && is_fixed(other)) return false;
       if (may_overlap(index) && may_overlap(other)) return false;
       if (bodies.TouchesAt(index, bodies.core(index).position, box, other))
-        Overlapping(bodies, index, other);
+        CheckPair(bodies, index, other);
       return false;
     });
     grid.Add(index, -level, box);

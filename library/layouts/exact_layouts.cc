@@ -169,14 +169,14 @@ class ExactPlacer {
   }
 
   void At() {
-    Require(1,
-            "gives one object its place; make the quantity 1, and write a group for each object");
+    Require(1, "gives one object its place",
+            "make the quantity 1, and write a group for each object");
     const auto coordinate = [&](std::string_view name) { return *Length(name); };
     bodies_.MoveTo(range_.first, {coordinate("x"), coordinate("y"), coordinate("z")});
   }
 
   void Pair() {
-    Require(2, "takes two objects; make the quantity 2, and write a group for each pair");
+    Require(2, "takes two objects", "make the quantity 2, and write a group for each pair");
     const ObjectState &a = bodies_.object(range_.first), &b = bodies_.object(range_.first + 1);
     const double distance = *Length("distance");
     distributions::Stream stream =
@@ -191,10 +191,11 @@ class ExactPlacer {
       bodies_.MoveTo(range_.first + 1, *apart / 2 * direction);
       return;
     }
-    throw library::SceneError(fmt::format(
-        "group `{}`: {} directions were drawn for its pair, and in none do the objects come {:.6g} "
-        "m near each other; make the distance larger",
-        range_.group->name, kMaxDirections, distance));
+    throw library::SceneError(
+        fmt::format("group `{}`: {} directions were drawn for its pair, and in none do the objects "
+                    "come {:.6g} m near each other",
+                    range_.group->name, kMaxDirections, distance),
+        "make the distance larger", range_.group->name);
   }
 
   void Pile() {
@@ -218,11 +219,12 @@ class ExactPlacer {
     bodies_.MoveTo(range_.first + i, centre - (bounds.lower + bounds.upper) / 2);
   }
 
-  void Require(std::size_t quantity, std::string_view otherwise) const {
+  void Require(std::size_t quantity, std::string_view otherwise, const std::string& remedy) const {
     if (range_.size() == quantity) return;
-    throw library::SceneError(fmt::format("group `{}` has {} objects, but `{}` {}",
-                                          range_.group->name, range_.size(), layout_.name,
-                                          otherwise));
+    throw library::SceneError(
+        fmt::format("group `{}` has {} objects, but `{}` {}", range_.group->name, range_.size(),
+                    layout_.name, otherwise),
+        remedy, range_.group->name);
   }
 
   const plan::Scene& scene_;
@@ -301,10 +303,12 @@ std::vector<Vector3d> PlacesAbovePile(const plan::Group& group, double side,
   if (const auto width = RealArgument(LayoutOf(group), "width")) {
     const double cells = std::floor(*width / cell);
     if (cells < 1) {
-      throw library::SceneError(fmt::format(
-          "the pile of group `{}` is {:.6g} m wide, and its largest object needs {:.6g} m to turn "
-          "in; make width larger or the size smaller",
-          group.name, *width, cell));
+      throw library::SceneError(
+          fmt::format(
+              "the pile of group `{}` is {:.6g} m wide, and its largest object needs {:.6g} "
+              "m to turn in",
+              group.name, *width, cell),
+          "make width larger or the size smaller", group.name);
     }
     // More than n along an edge are never used, and fit into no integer.
     edge = static_cast<std::size_t>(std::min(cells, static_cast<double>(n)));
@@ -312,11 +316,11 @@ std::vector<Vector3d> PlacesAbovePile(const plan::Group& group, double side,
   if (edge == 0) return {};
   const double layers = std::ceil(static_cast<double>(n) / static_cast<double>(Square(edge)));
   if (layers * cell > side) {
-    throw library::SceneError(fmt::format(
-        "the {} objects of group `{}` are dropped from {} layers, {:.6g} m high together, and the "
-        "cube is {:.6g} m high; make width or world.side larger, or the size or the quantity "
-        "smaller",
-        n, group.name, layers, layers * cell, side));
+    throw library::SceneError(
+        fmt::format("the {} objects of group `{}` are dropped from {} layers, {:.6g} m high "
+                    "together, and the cube is {:.6g} m high",
+                    n, group.name, layers, layers * cell, side),
+        "make width or world.side larger, or the size or the quantity smaller", group.name);
   }
   std::vector<Vector3d> places;
   places.reserve(n);

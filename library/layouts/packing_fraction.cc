@@ -41,10 +41,10 @@ void PackingFraction::RefuseWhatCannotFit() const {
     for (std::size_t i = range.first; i < range.end; ++i) RefuseLarge(i);
   }
   if (volume_ / Cube() > 1) {
-    throw library::SceneError(
-        fmt::format("all objects together fill {:.4g} % of the cube: more than there is, so none "
-                    "was placed; {}",
-                    100 * volume_ / Cube(), Advice()));
+    throw library::SceneError(fmt::format("all objects together fill {:.4g} % of the cube: more "
+                                          "than there is, so none was placed",
+                                          100 * volume_ / Cube()),
+                              Advice());
   }
   for (const GroupRange& range : bodies_.groups())
     if (!HasExactLayout(*range.group)) RefuseGroup(range);
@@ -55,10 +55,11 @@ void PackingFraction::RefuseLarge(std::size_t index) const {
   const objects::Box& box = bodies_.bounds(index);
   for (int axis = 0; axis < 3; ++axis) {
     if (-bodies_.side() / 2 - box.lower[axis] < bodies_.side() / 2 - box.upper[axis]) continue;
-    throw library::SceneError(fmt::format(
-        "{} is {:.6g} m long along {} and does not fit between walls {:.6g} m apart; "
-        "make world.side larger or the size smaller",
-        bodies_.Name(index), box.upper[axis] - box.lower[axis], "xyz"[axis], bodies_.side()));
+    throw library::SceneError(
+        fmt::format("{} is {:.6g} m long along {} and does not fit between walls {:.6g} m apart",
+                    bodies_.Name(index), box.upper[axis] - box.lower[axis], "xyz"[axis],
+                    bodies_.side()),
+        "make world.side larger or the size smaller", bodies_.GroupOf(index).name);
   }
 }
 
@@ -72,10 +73,11 @@ void PackingFraction::RefuseGroup(const GroupRange& range) const {
   const double most = solid.IsBall() ? kMaxFillOfBalls : kMaxFillOfOthers;
   const double fill = static_cast<double>(range.size()) * solid.Volume() / Cube();
   if (fill <= most) return;
-  throw library::SceneError(fmt::format(
-      "the {} objects of group `{}` fill {:.3g} % of the cube: equal objects at places drawn by "
-      "chance leave no free place before {:.3g} %, so none was placed; {}",
-      range.size(), range.group->name, 100 * fill, 100 * most, Advice()));
+  throw library::SceneError(
+      fmt::format("the {} objects of group `{}` fill {:.3g} % of the cube: equal objects at places "
+                  "drawn by chance leave no free place before {:.3g} %, so none was placed",
+                  range.size(), range.group->name, 100 * fill, 100 * most),
+      Advice(), range.group->name);
 }
 
 std::string PackingFraction::Advice() const {
@@ -86,11 +88,12 @@ std::string PackingFraction::Advice() const {
 }
 
 void PackingFraction::TooFull(std::size_t index, std::string_view when) const {
-  throw library::SceneError(fmt::format(
-      "no free place was found for {}: all objects together fill {:.3g} % of the cube ({:.3g} % "
-      "with the boxes around them), {:.3g} % was filled when {}; {}",
-      bodies_.Name(index), 100 * volume_ / Cube(), 100 * boxes_ / Cube(),
-      100 * placed_volume_ / Cube(), when, Advice()));
+  throw library::SceneError(
+      fmt::format("no free place was found for {}: all objects together fill {:.3g} % of the cube "
+                  "({:.3g} % with the boxes around them), {:.3g} % was filled when {}",
+                  bodies_.Name(index), 100 * volume_ / Cube(), 100 * boxes_ / Cube(),
+                  100 * placed_volume_ / Cube(), when),
+      Advice(), bodies_.GroupOf(index).name);
 }
 
 }  // namespace cdb::layouts

@@ -7,11 +7,13 @@
 #include "library/layouts/clearance.h"
 #include "library/layouts/drawn_layouts.h"
 #include "library/layouts/exact_layouts.h"
+#include "library/layouts/packing_fraction.h"
 
 namespace cdb::layouts {
+namespace {
 
-void Place(const plan::Scene& scene, InitialState& state) {
-  Bodies bodies(scene, state);
+/// Places the groups with exact layouts. False where no others are left to be drawn.
+bool PlaceStanding(const plan::Scene& scene, Bodies& bodies) {
   std::vector<std::uint32_t> standing;
   for (const GroupRange& range : bodies.groups()) {
     if (!HasExactLayout(*range.group)) continue;
@@ -20,7 +22,20 @@ void Place(const plan::Scene& scene, InitialState& state) {
       standing.push_back(static_cast<std::uint32_t>(i));
   }
   CheckClearance(bodies, standing);
-  if (standing.size() < bodies.size()) PlaceDrawn(scene, bodies);
+  return standing.size() < bodies.size();
+}
+
+}  // namespace
+
+void Place(const plan::Scene& scene, InitialState& state) {
+  Bodies bodies(scene, state);
+  if (PlaceStanding(scene, bodies)) PlaceDrawn(scene, bodies);
+}
+
+void CheckPlacement(const plan::Scene& scene) {
+  InitialState state = DrawObjects(scene);
+  Bodies bodies(scene, state);
+  if (PlaceStanding(scene, bodies)) PackingFraction(bodies).RefuseWhatCannotFit();
 }
 
 }  // namespace cdb::layouts

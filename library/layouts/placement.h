@@ -1,5 +1,5 @@
-// Places every object according to its layout, so that it touches neither a wall nor another
-// object.
+// Places every object according to its layout, so that it reaches neither through a wall nor into
+// another object.
 #pragma once
 
 #include "compiler/plan/plan.h"
@@ -35,9 +35,10 @@ inline constexpr double kShortOfSide = 0.25;
 ///            "uniform over the cube" once places that touch a wall are drawn again
 ///   normal   each coordinate normal with mean 0 and a third of the wall's coordinate as standard
 ///            deviation, drawn again until it fits
-/// Nothing touches another object of any group, or a wall of the cube, whichever walls stand; but
+/// Nothing overlaps another object of any group, or a wall of the cube, whichever walls stand; but
 /// fixed objects of exact layouts may leave the cube and overlap one another, as obstacles and
-/// floors are built of them. A drawn place that touches something is drawn again. Boxes are
+/// floors are built of them. Objects of exact layouts may touch. A drawn place that touches
+/// something is drawn again. Boxes are
 /// compared first, by a grid with a cell for each object, then the solids: O(N) while the cube is
 /// not crowded.
 ///
@@ -53,5 +54,10 @@ inline constexpr double kShortOfSide = 0.25;
 /// reached; it never goes on for ever. One thread; the same on every machine, but that std::sin and
 /// std::cos decide the last bit of a ring.
 void Place(const plan::Scene& scene, InitialState& state);
+
+/// Throws the SceneErrors of Place that need no place drawn by chance: an exact layout that does
+/// not take its objects or puts one where it may not be, an object larger than the cube, objects
+/// that can never fit. O(N), and far less than Place where the cube is crowded.
+void CheckPlacement(const plan::Scene& scene);
 
 }  // namespace cdb::layouts

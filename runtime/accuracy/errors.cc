@@ -50,6 +50,8 @@ class At {
         return Position();
       case ErrorKind::kVelocity:
         return Velocity();
+      case ErrorKind::kRotation:
+        return Orientation();
       case ErrorKind::kEnergy:
         return Energy();
       case ErrorKind::kMomentum:
@@ -95,6 +97,14 @@ class At {
     if (truth_.velocities.empty()) return kNone;
     return RmsOverObjects(run_, [&](std::size_t i) {
       return (run_.velocity(sample_, i) - truth_.velocities[i]).squaredNorm();
+    });
+  }
+
+  double Orientation() const {
+    if (truth_.orientations.empty()) return kNone;
+    return RmsOverObjects(run_, [&](std::size_t i) {
+      const double angle = run_.orientation(sample_, i).angularDistance(truth_.orientations[i]);
+      return angle * angle;
     });
   }
 

@@ -25,9 +25,11 @@ class SampledStandard : public Standard {
     closed_forms::Truth truth;
     truth.positions.reserve(reference_.shape.objects);
     truth.velocities.reserve(reference_.shape.objects);
+    truth.orientations.reserve(reference_.shape.objects);
     for (std::size_t i = 0; i < reference_.shape.objects; ++i) {
       truth.positions.emplace_back(reference_.position(sample, i));
       truth.velocities.emplace_back(reference_.velocity(sample, i));
+      truth.orientations.emplace_back(reference_.orientation(sample, i));
     }
     truth.energy = reference_.energy(sample) - reference_.energy(0);
     truth.momentum = reference_.momentum(sample);

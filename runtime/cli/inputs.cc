@@ -12,6 +12,7 @@
 #include "compiler/schema/schema.h"
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
+#include "library/closed_forms/scene_fault.h"
 #include "runtime/cli/exit_status.h"
 #include "runtime/process/probe_plugin.h"
 #include "runtime/process/worker.h"
@@ -90,9 +91,12 @@ compiler::Compilation CompileAndReport(const std::string& file,
   const auto describe = [](const std::string& path, std::string& why) {
     return process::ProbePlugin(process::FindAnyWorker(), path, why);
   };
-  compiler::Compilation result =
-      compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
-                        {ScenarioLibrary(), benchmark, {plugins, describe}, ReadTraceAt});
+  compiler::Compilation result = compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
+                                                   {ScenarioLibrary(),
+                                                    benchmark,
+                                                    {plugins, describe},
+                                                    ReadTraceAt,
+                                                    closed_forms::FindSceneFault});
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;

@@ -92,7 +92,12 @@ plan::Plan OnlyRun(const std::vector<plan::Plan>& plans, const std::string& id) 
 
 ExitStatus ShowResult(const fs::path& out, bool quiet) {
   const report::ShowText shown = report::Show(store::ResultFile(out));
-  if (!quiet) report::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
+  if (!quiet) {
+    report::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
+  } else if (shown.bad_cells > 0) {
+    report::Say(fmt::format("not every run ended well: `cdb show {}` names those that did not\n",
+                            report::ShellWord(out.string())));
+  }
   return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
 }
 

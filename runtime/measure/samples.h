@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -86,6 +87,9 @@ struct Samples {
   }
   Eigen::Map<const Eigen::Vector3d> velocity(std::size_t sample, std::size_t object) const {
     return Eigen::Map<const Eigen::Vector3d>(&values[shape.State(sample, object) + 7]);
+  }
+  Eigen::Map<const Eigen::Quaterniond> orientation(std::size_t sample, std::size_t object) const {
+    return Eigen::Map<const Eigen::Quaterniond>(&values[shape.State(sample, object) + 3]);
   }
   double observable(std::size_t sample, Observable which) const {
     return values[shape.Observables(sample) + which];

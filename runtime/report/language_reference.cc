@@ -128,9 +128,11 @@ OBJECTS
   an axis times an angle in rad, or `random`.
   `location uniform` draws each coordinate uniformly between the walls. `location normal` has mean 0
   and a standard deviation of a third of the wall's coordinate. A position that touches a wall or an
-  object is drawn again. Objects lie inside the cube even if it has no walls. If there is no free
-  position, the run fails and states the packing fraction. `overlap on` permits initial overlaps,
-  if a layout with arguments yields them: line(gap: -0.5).
+  object is drawn again; a layout with arguments may let surfaces touch. Objects lie inside the cube
+  even if it has no walls. `cdb check` reports objects that lie outside of it, overlap or cannot fit:
+  an error if no run can be placed, else a warning. If there is no free position, the run fails and
+  states the packing fraction. `overlap on` permits initial overlaps, if a layout with arguments
+  yields them: line(gap: -0.5).
 )reference";
 
 const std::string_view kOmitReference = R"reference(WHAT A RUN OMITS
@@ -265,7 +267,8 @@ Each run is timed as usual and then repeated from the same start, without a cloc
 every `interval`. Both passes must end in the same state, to the last bit; a run that is not
 repeatable fails. The samples are compared with the ground truth:
 
-  closed_form flight          the analytic solution of a simple scene, if it applies; otherwise
+  closed_form flight          the analytic solution of a simple scene; `cdb check` refuses a scene
+                              that does not meet its conditions, and names the one it lacks; or
   reference { ... }           a run of the same scene, from the same start over the same time, with
                               these settings. Runs that differ in nothing else share a reference, so
                               that a sweep over time step, iterations and detector needs one; `cdb
@@ -273,13 +276,14 @@ repeatable fails. The samples are compared with the ground truth:
 
 Each reference has a perturbed run, whose objects start displaced by 1e-9 of their size. Once the two
 diverge, the ground truth is unknown. `horizon` is the time at which their positions differ by a
-tenth of a size (root mean square over objects), or the end if they never do; errors of position and
-velocity are computed up to it. The `floor` of an error is its value between the two runs; an error
-below it is not significant. With a closed form, the horizon is the end and the floors are 0.
+tenth of a size (root mean square over objects), or the end if they never do; errors of position,
+velocity and rotation are computed up to it. The `floor` of an error is its value between the two
+runs; an error below it is not significant. With a closed form, the horizon is the end and the
+floors are 0.
 
 The table below states how the samples are reduced to one number; the start is excluded. If an error
-cannot be computed, it has no value and `message` gives the reason: the reference failed, the state
-of a run is not finite, or the closed form does not apply. Fixed objects are excluded. A size is the
+cannot be computed, it has no value and `message` gives the reason: the reference failed, or the
+state of a run is not finite. Fixed objects are excluded. A size is the
 largest side of an object. Errors of energy are relative to the energy of the scene: the maximum
 kinetic energy of the reference at a sample, plus the energy that lifts every object by its own size;
 a closed form provides its own. Energies are compared as changes since the start of each run. Heights

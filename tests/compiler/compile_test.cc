@@ -17,6 +17,7 @@
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/render.h"
+#include "library/closed_forms/scene_fault.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
 #include "tests/support/folders.h"
@@ -42,8 +43,9 @@ compiler::Compilation CompileHere(const fs::path& input) {
   const auto read = [&](const std::string& path, std::string& why) {
     return compiler::ReadFromDisk((input.parent_path() / path).string(), why);
   };
-  return compiler::Compile(input.filename().string(), read,
-                           {"", std::nullopt, {{}, DescribeText(read)}, MadeUpTraces});
+  return compiler::Compile(
+      input.filename().string(), read,
+      {"", std::nullopt, {{}, DescribeText(read)}, MadeUpTraces, closed_forms::FindSceneFault});
 }
 
 void ExpectGolden(const fs::path& file, const std::string& text) {

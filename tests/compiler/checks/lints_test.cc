@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "compiler/checks/bounds.h"
 #include "compiler/schema/schema.h"
@@ -82,6 +84,100 @@ TEST(Lints, SayNothingWhereNothingCanHappen) {
       NumberOf(checks::Lint::kFastSpin, "objects { mass fixed; angular_velocity (9, 9, 9) }"));
   EXPECT_TRUE(
       checks::LintScene(CompileStatements("objects.quantity 0").plans[0].runs[0].scene).empty());
+}
+
+TEST(Lints, CountAFallFromWhereAnObjectStarts) {
+  const std::string domino = "type cuboid; size 0.5; aspect 1 : 2 : 0.4; location at(0, -4.45, 0)";
+  const auto fall =
+      NumberOf(checks::Lint::kFastHit, "world.side 10; objects { quantity 1; " + domino + " }");
+  ASSERT_TRUE(fall);
+  // From its place to where its thinnest side lies on the floor.
+  EXPECT_NEAR(fall->value, std::sqrt(2 * 9.8 * (0.55 - 0.1)) / 60 / 0.2, 1e-9);
+  EXPECT_FALSE(fall->IsDoubtful());
+  // On a slope it may cross the cube.
+  EXPECT_TRUE(NumberOf(checks::Lint::kFastHit,
+                       "world.side 10; acceleration (1, -9.7, 0)\n"
+                       "objects { quantity 1; " +
+                           domino + " }")
+                  ->IsDoubtful());
+}
+
+TEST(Lints, SeeALoadOnAStack) {
+  const auto ratio = [](const std::string& place, const std::string& stack) {
+    return NumberOf(checks::Lint::kMassRatio,
+                    "world.side 20\n"
+                    "objects light { quantity 5; type cuboid; size 1; location " +
+                        stack +
+                        " }\n"
+                        "objects heavy { quantity 1; type cuboid; size 1; mass 100; location " +
+                        place + " }");
+  };
+  const auto on_top = ratio("at(0.3, -4, 0)", "stack");
+  ASSERT_TRUE(on_top);
+  EXPECT_DOUBLE_EQ(on_top->value, 100. / 10 * 0.6 * 5);
+  EXPECT_TRUE(on_top->IsBad());
+  // Beside it; on the second of two columns; between columns.
+  EXPECT_LE(ratio("at(2, -9, 0)", "stack")->value, 0.1);
+  EXPECT_GT(ratio("at(2, -4, -2)", "stack(height: 3, spacing: 4)")->value, 10);
+  EXPECT_LE(ratio("at(0, -4, 2)", "stack(height: 3, spacing: 4)")->value, 0.1);
+  EXPECT_GT(ratio("at(0, -4, 0)", "pyramid")->value, 10);
+}
+
+TEST(Lints, PredictThatABallPassesThroughASlab) {
+  const auto scene = [](const std::string& velocity, const std::string& place) {
+    return "acceleration 0; world { side 100; walls none }\n"
+           "objects ball { quantity 1; size 0.2; location " +
+           place + "; linear_velocity " + velocity +
+           " }\n"
+           "objects slab { quantity 1; type cuboid; size 0.1; aspect 1 : 40 : 40; mass fixed\n"
+           "  location at(0, 0, 0) }";
+  };
+  const std::string hits = scene("(100, 0, 0)", "at(-5, 0, 0)");
+  const auto wall = NumberOf(checks::Lint::kThinWall, hits);
+  ASSERT_TRUE(wall);
+  EXPECT_NEAR(wall->value, 100. / 60 / 0.3, 1e-9);
+  EXPECT_TRUE(wall->IsBad());
+  EXPECT_FALSE(NumberOf(checks::Lint::kFastHit, hits));
+  for (const auto& [velocity, place] : {std::pair{"(100, 0, 0)", "at(-5, 3, 0)"},
+                                        {"(-100, 0, 0)", "at(-5, 0, 0)"},
+                                        {"(100, 100, 0)", "at(-5, 0, 0)"}})
+    EXPECT_FALSE(NumberOf(checks::Lint::kThinWall, scene(velocity, place))) << velocity;
+  // Along the slab it is 4 m thick; at a place that is drawn nobody knows.
+  EXPECT_FALSE(
+      NumberOf(checks::Lint::kThinWall, scene("(0, 100, 0)", "at(0, -5, 0)"))->IsDoubtful());
+  const auto drawn = NumberOf(checks::Lint::kThinWall, scene("(100, 0, 0)", "uniform"));
+  EXPECT_TRUE(drawn->IsDoubtful() && !drawn->IsBad());
+}
+
+TEST(Lints, LetSmallBallsLie) {
+  const std::string marble = "world.side 0.2; objects { quantity 1; size 0.01; location ";
+  EXPECT_FALSE(NumberOf(checks::Lint::kLongStep, marble + "at(0, -0.095, 0) }"));
+  EXPECT_FALSE(NumberOf(checks::Lint::kLongStep, marble + "stack }"));
+  EXPECT_TRUE(NumberOf(checks::Lint::kLongStep, marble + "at(0, -0.09, 0) }")->IsBad());
+  EXPECT_TRUE(NumberOf(checks::Lint::kLongStep, marble + "stack; type cuboid }")->IsBad());
+  const auto on_box =
+      NumberOf(checks::Lint::kLongStep, "world.wall_shape box; " + marble + "stack }");
+  EXPECT_EQ(on_box->threshold, 5);
+  EXPECT_FALSE(on_box->IsDoubtful());
+}
+
+TEST(Lints, SeeTheFirstFallThatRoundingHides) {
+  const auto paper = [](const std::string& quantity, const std::string& more = "") {
+    return NumberOf(checks::Lint::kLostFall, "objects { quantity " + quantity +
+                                                 "; type any(sphere, cuboid, armadillo) }" + more);
+  };
+  EXPECT_NEAR(paper("5000")->value, 1. / 128 / 0.015, 1e-9);
+  for (const char* quantity : {"3000", "4000", "5000"}) EXPECT_TRUE(paper(quantity)->IsBad());
+  EXPECT_FALSE(paper("2000")->IsBad());
+  EXPECT_FALSE(paper("500")->IsDoubtful());
+  EXPECT_FALSE(paper("5000", "; precision double")->IsDoubtful());
+  EXPECT_FALSE(paper("5000", "; acceleration 0"));
+  // A bunny's pieces are thicker, and closed forms as thick as they are large.
+  const auto bunnies = NumberOf(checks::Lint::kLostFall, "objects { quantity 5000; type bunny }");
+  EXPECT_TRUE(bunnies->IsDoubtful() && !bunnies->IsBad());
+  EXPECT_FALSE(NumberOf(checks::Lint::kLostFall, "objects.quantity 5000")->IsDoubtful());
+  EXPECT_FALSE(NumberOf(checks::Lint::kLostFall,
+                        "objects { quantity 5000; linear_velocity uniform(-9, 9) }"));
 }
 
 TEST(Lints, WithTheirRemedyAreHarmless) {

@@ -113,6 +113,76 @@ inline plan::Scene StackScene(std::uint64_t quantity) {
   return scene;
 }
 
+/// A box of 3 m/s on the level floor, which stops after 3/(0.4 g).
+inline plan::Scene BrakingScene() {
+  plan::Scene scene = SlopeScene(0, 0.8);
+  SetGroup(scene, "location", At(-2, -4.75 + kHair, 0));
+  SetGroup(scene, "linear_velocity", Eigen::Vector3d(3, 0, 0));
+  return scene;
+}
+
+/// A ball on a slope of `angle`, downhill along x.
+inline plan::Scene RollScene(double angle, double friction) {
+  plan::Scene scene = SlopeScene(angle, friction);
+  SetGroup(scene, "type", Word("sphere"));
+  SetGroup(scene, "aspect", schema::Ratio{{1, 1, 1}});
+  return scene;
+}
+
+/// A ball that is thrown along the floor at 7 m/s; it rolls after 2/7 of 7/(0.2 g), 1.02 s.
+inline plan::Scene BowlScene() {
+  plan::Scene scene = RollScene(0, 0.4);
+  SetWorld(scene, "world.side", 40.0);
+  SetGroup(scene, "mass", 7.0);
+  SetGroup(scene, "location", At(-10, -19.5 + kHair, 0));
+  SetGroup(scene, "linear_velocity", Eigen::Vector3d(7, 0, 0));
+  SetTime(scene, 1.0 / 60, 2);
+  return scene;
+}
+
+/// A ball that meets the floor after 0.5 s at 45 degrees.
+inline plan::Scene ObliqueScene(double friction) {
+  plan::Scene scene = OneObjectScene();
+  SetWorld(scene, "acceleration", Eigen::Vector3d(0, 0, 0));
+  SetGroup(scene, "restitution", 0.8);
+  SetGroup(scene, "friction", friction);
+  SetGroup(scene, "location", At(-1, -3, 0));
+  SetGroup(scene, "linear_velocity", Eigen::Vector3d(3, -3, 0));
+  return scene;
+}
+
+/// A ball of 1 kg that hangs from a spring of 40 N/m.
+inline plan::Scene SpringScene(double damping) {
+  plan::Scene scene = OneObjectScene();
+  SetWorld(scene, "world.walls", Word("none"));
+  SetGroup(scene, "size", 0.2);
+  SetGroup(scene, "links.type", Word("spring"));
+  SetGroup(scene, "links.stiffness", 40.0);
+  SetGroup(scene, "links.damping", damping);
+  return scene;
+}
+
+/// A rod of 1 m on a ball joint at its upper end, let go at `angle` from where it would hang.
+inline plan::Scene PendulumScene(double angle) {
+  plan::Scene scene = OneObjectScene();
+  SetWorld(scene, "world.walls", Word("none"));
+  SetWorld(scene, "acceleration",
+           Eigen::Vector3d(9.8 * std::sin(angle), -9.8 * std::cos(angle), 0));
+  SetGroup(scene, "type", Word("cuboid"));
+  SetGroup(scene, "size", 0.1);
+  SetGroup(scene, "aspect", schema::Ratio{{1, 10, 1}});
+  SetGroup(scene, "links.type", Word("ball"));
+  return scene;
+}
+
+/// The box of SpinScene, nearly about its middle axis, for 12 s.
+inline plan::Scene FlipScene() {
+  plan::Scene scene = SpinScene();
+  SetGroup(scene, "angular_velocity", Eigen::Vector3d(0.5, 5, 0.25));
+  SetTime(scene, 1.0 / 60, 12);
+  return scene;
+}
+
 inline std::unique_ptr<closed_forms::ClosedForm> FormOf(std::string_view name,
                                                         const plan::Scene& scene) {
   return closed_forms::MakeClosedForm(name, scene, layouts::MakeInitialState(scene));

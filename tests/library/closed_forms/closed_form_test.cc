@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "compiler/schema/catalogue.h"
 #include "tests/library/closed_forms/closed_form_scenes.h"
@@ -302,11 +304,184 @@ TEST(ClosedForms, StackIsAsHighAsItsBoxes) {
   EXPECT_NEAR(*truth.energy, -9.8 * kHair * 20 * 21 / 2, 1e-9);
 }
 
+/// Of a form of one object: velocity and spin are what positions and orientations change by, and
+/// momentum, energy and angular momentum are those of the scene's bodies. Not at `corners`, where
+/// velocities change at once. `spring`: N/m.
+void ExpectConsistent(const char* name, const plan::Scene& scene, double end,
+                      const std::vector<double>& corners = {}, double spring = 0) {
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  const layouts::ObjectState& object = state.objects[0];
+  const auto form = closed_forms::MakeClosedForm(name, scene, state);
+  const auto energy = [&](const closed_forms::Truth& truth) {
+    const Quaterniond turn =
+        truth.orientations.empty() ? object.pose.orientation : truth.orientations[0];
+    const Vector3d body = turn.conjugate() * truth.spins[0];
+    const Vector3d way = truth.positions[0] - object.pose.position;
+    return object.mass * (truth.velocities[0].squaredNorm() / 2 - state.acceleration.dot(way) +
+                          object.solid.InertiaPerMass().dot(body.cwiseAbs2()) / 2) +
+           spring * way.squaredNorm() / 2;
+  };
+  closed_forms::Truth start = form->At(0);
+  // Before it settles by a hair.
+  start.positions[0] = object.pose.position;
+  const double h = 1e-5;
+  for (double t = h; t < end; t += end / 37) {
+    if (std::ranges::any_of(corners, [&](double corner) { return std::abs(t - corner) < 2 * h; }))
+      continue;
+    const closed_forms::Truth before = form->At(t - h), now = form->At(t), after = form->At(t + h);
+    const Vector3d moved = (after.positions[0] - before.positions[0]) / (2 * h);
+    EXPECT_LT((moved - now.velocities[0]).norm(), 1e-6) << name << ' ' << t;
+    EXPECT_NEAR(*now.energy, energy(now) - energy(start), 1e-9 * form->energy_scale())
+        << name << ' ' << t;
+    EXPECT_LT((*now.momentum - object.mass * now.velocities[0]).norm(), 1e-12);
+    if (now.orientations.empty()) continue;
+    const Quaterniond turned = after.orientations[0] * before.orientations[0].conjugate();
+    const Eigen::AngleAxisd by(turned);
+    EXPECT_LT((by.angle() / (2 * h) * by.axis() - now.spins[0]).norm(), 1e-4) << name << ' ' << t;
+  }
+}
+
+TEST(ClosedForms, BrakingStopsAfterTheSquareOfTheSpeed) {
+  const double mu = 0.4, stops = 3 / (mu * 9.8);
+  ExpectConsistent("braking", BrakingScene(), 1, {stops});
+  const auto form = FormOf("braking", BrakingScene());
+  EXPECT_NEAR(form->At(stops).positions[0].x(), -2 + 9 / (2 * mu * 9.8), kExact);
+  EXPECT_EQ(form->At(1).velocities[0], Vector3d::Zero());
+  EXPECT_EQ(form->At(9).positions[0].x(), form->At(1).positions[0].x());
+}
+
+TEST(ClosedForms, RollIsFiveSeventhsWhereFrictionHoldsAndSlipsWhereNot) {
+  const double a = 9.8 * std::sin(0.5), n = 9.8 * std::cos(0.5), r = 0.5, t = 0.8;
+  ExpectConsistent("roll", RollScene(0.5, 0.4), 1);
+  ExpectConsistent("roll", RollScene(0.5, 0.2), 1);
+  const closed_forms::Truth rolls = FormOf("roll", RollScene(0.5, 0.4))->At(t);
+  EXPECT_NEAR(rolls.velocities[0].x(), a * t * 5 / 7, kExact);
+  EXPECT_NEAR(rolls.spins[0].z(), -a * t * 5 / 7 / r, kExact);
+  EXPECT_NEAR(*rolls.energy, 0, 1e-4);  // the hair
+  // The torque mu m n r over 2/5 m r^2.
+  const closed_forms::Truth slips = FormOf("roll", RollScene(0.5, 0.2))->At(t);
+  EXPECT_NEAR(slips.velocities[0].x(), (a - 0.1 * n) * t, kExact);
+  EXPECT_NEAR(slips.spins[0].z(), -0.1 * n / (0.4 * r) * t, kExact);
+  EXPECT_LT(*slips.energy, -0.1);
+}
+
+TEST(ClosedForms, BowlRollsAtFiveSeventhsOfItsSpeed) {
+  const double rolls = 2.0 / 7 * 7 / (0.2 * 9.8);
+  ExpectConsistent("bowl", BowlScene(), 2, {rolls});
+  const closed_forms::Truth truth = FormOf("bowl", BowlScene())->At(1.5);
+  EXPECT_NEAR(truth.velocities[0].x(), 5, kExact);
+  EXPECT_NEAR(truth.spins[0].z(), -10, kExact);
+  // 2/7 of the energy is lost.
+  EXPECT_NEAR(*truth.energy, -2.0 / 7 * 7 * 49 / 2, 1e-3);
+  // About the lowest point the angular momentum stays, whatever the spin at the start.
+  plan::Scene spinning = BowlScene();
+  SetGroup(spinning, "angular_velocity", Vector3d(3, 0, 20));
+  SetTime(spinning, 1.0 / 60, 3);
+  const auto form = FormOf("bowl", spinning);
+  ExpectConsistent("bowl", spinning, 0.5);
+  const auto about_lowest = [&](double t) {
+    const closed_forms::Truth now = form->At(t);
+    return Vector3d(*now.angular_momentum + 0.5 * Vector3d::UnitY().cross(*now.momentum));
+  };
+  for (const double t : {0.3, 1.0, 2.9})
+    EXPECT_LT((about_lowest(t) - about_lowest(0)).norm(), 1e-9) << t;
+  const closed_forms::Truth last = form->At(2.9);
+  EXPECT_LT((last.velocities[0] - 0.5 * last.spins[0].cross(Vector3d::UnitY())).norm(), 1e-12);
+}
+
+TEST(ClosedForms, ObliqueSticksOrSlips) {
+  for (const double friction : {0.2, 1.0}) {
+    const double mu = friction / 2;
+    ExpectConsistent("oblique", ObliqueScene(friction), 1, {0.5});
+    const closed_forms::Truth after = FormOf("oblique", ObliqueScene(friction))->At(0.75);
+    EXPECT_NEAR(after.velocities[0].y(), 0.8 * 3, kExact);
+    // A ball that stops slipping keeps 5/7 of its speed along the wall.
+    const double lost = std::min(mu * 1.8 * 3, 3 * 2.0 / 7);
+    EXPECT_NEAR(after.velocities[0].x(), 3 - lost, kExact);
+    EXPECT_NEAR(after.spins[0].z(), -lost / (0.4 * 0.5), kExact);
+    EXPECT_NEAR(after.positions[0].x(), -1 + 3 * 0.5 + (3 - lost) * 0.25, kExact);
+  }
+}
+
+TEST(ClosedForms, SpringHasItsPeriodAndItsDecay) {
+  for (const double damping : {0.0, 0.5, 2 * std::sqrt(40.0), 40.0})
+    ExpectConsistent("spring", SpringScene(damping), 1, {}, 40);
+  const double period = 2 * std::numbers::pi / std::sqrt(40.0);
+  const auto free = FormOf("spring", SpringScene(0));
+  EXPECT_NEAR(free->At(7 * period).positions[0].y(), 0, 1e-9);
+  EXPECT_NEAR(free->At(6.5 * period).positions[0].y(), -2 * 9.8 / 40, 1e-9);
+  EXPECT_NEAR(*free->At(2.3).energy, 0, 1e-12);
+  const auto damped = FormOf("spring", SpringScene(0.5));
+  const double damped_period = 2 * std::numbers::pi / std::sqrt(40 - 0.25 * 0.25);
+  const double hangs = -9.8 / 40;
+  EXPECT_NEAR(damped->At(damped_period).positions[0].y() - hangs,
+              -hangs * std::exp(-0.25 * damped_period), 1e-12);
+  EXPECT_NEAR(damped->At(100).positions[0].y(), hangs, 1e-9);
+}
+
+TEST(ClosedForms, PendulumAgreesWithStepsAndHasItsPeriod) {
+  // I + m l^2 of a rod of 1 m and 0.1 m: (1 + 0.01)/12 + 1/4.
+  const double square = 0.5 * 9.8 / (1.01 / 12 + 0.25);
+  for (const double angle : {0.2, 2.0, 3.1}) {
+    ExpectConsistent("pendulum", PendulumScene(angle), 1);
+    const auto form = FormOf("pendulum", PendulumScene(angle));
+    const double period = 4 * std::comp_ellint_1(std::sin(angle / 2)) / std::sqrt(square);
+    EXPECT_LT(form->At(3 * period).positions[0].norm(), 1e-9) << angle;
+    EXPECT_LT(form->At(period / 2).velocities[0].norm(), 1e-6) << angle;
+    // By Runge and Kutta.
+    double q = angle, rate = 0;
+    const int steps = 4000;
+    const double h = 1.0 / steps;
+    const auto pull = [&](double at) { return -square * std::sin(at); };
+    for (int i = 0; i < steps; ++i) {
+      const double k1 = rate, l1 = pull(q), k2 = rate + h / 2 * l1, l2 = pull(q + h / 2 * k1),
+                   k3 = rate + h / 2 * l2, l3 = pull(q + h / 2 * k2), k4 = rate + h * l3,
+                   l4 = pull(q + h * k3);
+      q += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+      rate += h / 6 * (l1 + 2 * l2 + 2 * l3 + l4);
+    }
+    const closed_forms::Truth truth = form->At(1);
+    EXPECT_NEAR(truth.spins[0].z(), -rate, 1e-9) << angle;
+    EXPECT_NEAR(truth.positions[0].x(), 0.5 * std::sin(angle - q), 1e-9) << angle;
+    EXPECT_NEAR(truth.positions[0].y(), 0.5 - 0.5 * std::cos(angle - q), 1e-9) << angle;
+  }
+}
+
+TEST(ClosedForms, FlipTurnsOverAtEvenTimes) {
+  const auto form = FormOf("flip", FlipScene());
+  std::vector<double> flips;
+  const auto along_middle = [&](double t) {
+    const closed_forms::Truth truth = form->At(t);
+    return (truth.orientations[0].conjugate() * truth.spins[0]).y();
+  };
+  for (double t = 0; t < 12; t += 0.01) {
+    double low = t, high = t + 0.01;
+    if (along_middle(low) * along_middle(high) > 0) continue;
+    for (int i = 0; i < 40; ++i) {
+      const double middle = (low + high) / 2;
+      (along_middle(middle) * along_middle(high) > 0 ? high : low) = middle;
+    }
+    flips.push_back(low);
+  }
+  ASSERT_GE(flips.size(), 3u);
+  // By the formula, with I = (6.25, 5, 3.25)/12 and w = (0.5, 5, 0.25).
+  const double i1 = 3.25, i2 = 5, i3 = 6.25;
+  const double twice = i3 * 0.25 + i2 * 25 + i1 * 0.0625;
+  const double square = i3 * i3 * 0.25 + i2 * i2 * 25 + i1 * i1 * 0.0625;
+  const double a = square > twice * i2 ? i1 : i3, c = square > twice * i2 ? i3 : i1;
+  const double rate = std::sqrt((c - i2) * (square - twice * a) / (i1 * i2 * i3));
+  const double modulus = (i2 - a) * (twice * c - square) / ((c - i2) * (square - twice * a));
+  const double period = 2 * std::comp_ellint_1(std::sqrt(modulus)) / rate;
+  for (std::size_t i = 1; i < flips.size(); ++i) EXPECT_NEAR(flips[i] - flips[i - 1], period, 1e-6);
+}
+
 TEST(ClosedForms, AreAllInTheCatalogue) {
   const std::map<std::string_view, plan::Scene> scenes = {
       {"flight", FlightScene()},      {"bounce", BounceScene()}, {"slide", SlopeScene(0.5, 0.4)},
       {"stick", SlopeScene(0.3, 1)},  {"spin", SpinScene()},     {"head_on", HeadOnScene(2, 0.5)},
-      {"rolling", RollingScene(0.1)}, {"stack", StackScene(5)},
+      {"rolling", RollingScene(0.1)}, {"stack", StackScene(5)},  {"braking", BrakingScene()},
+      {"roll", RollScene(0.5, 0.4)},  {"bowl", BowlScene()},     {"oblique", ObliqueScene(1)},
+      {"spring", SpringScene(0)},     {"flip", FlipScene()},     {"pendulum", PendulumScene(1)},
   };
   EXPECT_EQ(schema::ClosedForms().size(), scenes.size());
   for (const schema::ClosedFormInfo& info : schema::ClosedForms()) {

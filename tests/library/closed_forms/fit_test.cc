@@ -196,5 +196,76 @@ TEST(Fit, StackRefusesScenesWithoutAColumn) {
   });
 }
 
+TEST(Fit, LinksAreOfSpringAndPendulum) {
+  ExpectRefusals({
+      {"flight", FlightScene(), Group("links.type", Word("ball")), "the objects are linked"},
+      {"spring", SpringScene(0), Group("links.type", Word("none")),
+       "links.type of the objects is none; make it spring"},
+      {"spring", SpringScene(0), World("acceleration", Vector3d(1, -9.8, 0)), "not both along"},
+      {"spring", SpringScene(0), World("acceleration", kNone), "nothing swings"},
+      {"spring", SpringScene(0),
+       [](plan::Scene& scene) {
+         SetWorld(scene, "world.walls", Word("floor"));
+         SetWorld(scene, "world.side", 0.9);
+       },
+       "reaches the wall -y"},
+      {"pendulum", PendulumScene(1), Group("links.type", Word("spring")), "make it ball or hinge"},
+      {"pendulum", PendulumScene(1), Group("links.anchor", false), "hangs from nothing"},
+      {"pendulum", PendulumScene(1), Slope(0), "hangs at rest"},
+      {"pendulum", PendulumScene(1), Group("linear_velocity", kX), "moves at the start"},
+      {"pendulum", PendulumScene(1),
+       [](plan::Scene& scene) {
+         SetGroup(scene, "aspect", schema::Ratio{{1, 10, 2}});
+         SetWorld(scene, "acceleration", Vector3d(3, -9, 2));
+       },
+       "its own axes"},
+  });
+}
+
+TEST(Fit, BrakingRefusesScenesWithoutABoxThatSlides) {
+  ExpectRefusals({
+      {"braking", BrakingScene(), Slope(0.1), "not straight down"},
+      {"braking", BrakingScene(), Group("friction", 0.0), "nothing stops the box"},
+      {"braking", BrakingScene(), Group("linear_velocity", kNone), "does not move"},
+      {"braking", BrakingScene(), Group("linear_velocity", kOblique), "not move along the floor"},
+      {"braking", BrakingScene(), Group("friction", 8.0), "would tip over"},
+      {"braking", BrakingScene(), Group("location", At(0, 0, 0)), "above what it should stand on"},
+  });
+}
+
+TEST(Fit, RollAndBowlRefuseScenesWithoutABallOnTheFloor) {
+  ExpectRefusals({
+      {"roll", RollScene(0.5, 1), Slope(0), "straight down; tilt it"},
+      {"roll", RollScene(0.5, 1), Group("type", Word("cone")), "is not a ball"},
+      {"roll", RollScene(0.5, 1), Group("rolling_friction", 0.1), "has rolling friction"},
+      {"roll", RollScene(0.5, 1), Group("angular_velocity", kX), "spins"},
+      {"bowl", BowlScene(), Slope(0.1), "not straight down"},
+      {"bowl", BowlScene(), Group("angular_velocity", kUp), "spins about the vertical"},
+      {"bowl", BowlScene(), Group("friction", 0.0), "never comes to roll"},
+      {"bowl", BowlScene(), [](plan::Scene& scene) { SetTime(scene, 0.1, 1); },
+       "rolls after 1.02 s, and the run ends after 1 s"},
+  });
+}
+
+TEST(Fit, ObliqueAndFlipRefuseWhatNeverHappens) {
+  ExpectRefusals({
+      {"oblique", ObliqueScene(1), World("acceleration", kUp), "there is an acceleration"},
+      {"oblique", ObliqueScene(1), Group("linear_velocity", kX), "no wall stands on"},
+      {"oblique", ObliqueScene(1), [](plan::Scene& scene) { SetTime(scene, 0.1, 0.4); },
+       "meets a wall after 0.5 s, and the run ends after 0.4 s"},
+      {"oblique", ObliqueScene(1),
+       [](plan::Scene& scene) {
+         SetWorld(scene, "world.walls", Word("all"));
+         SetTime(scene, 0.1, 3);
+       },
+       "reaches the wall +x"},
+      {"flip", FlipScene(), Group("angular_velocity", Vector3d(3, 0.1, 0)), "its middle axis"},
+      {"flip", FlipScene(), Group("angular_velocity", Vector3d(0, 3, 0)), "never over"},
+      {"flip", FlipScene(), Group("aspect", schema::Ratio{{1, 1, 2}}), "its middle axis"},
+      {"flip", FlipScene(), [](plan::Scene& scene) { SetTime(scene, 0.1, 1); },
+       "and the run ends after 1 s"},
+  });
+}
+
 }  // namespace
 }  // namespace cdb::tests

@@ -25,9 +25,6 @@ TEST(LayoutErrors, ObjectsOfOneGroup) {
             "object 2 of 2 (group `objects`) overlaps object 1 of 2 (group `objects`) by 0.25 m "
             "along the line between their centres of mass; make spacing larger (fit grows with "
             "world.side) or the size smaller");
-  EXPECT_EQ(FailureOf(LayoutScene(2, 50, Layout("grid", {{"spacing", 1.0}}))),
-            "object 2 of 2 (group `objects`) touches object 1 of 2 (group `objects`); make spacing "
-            "larger (fit grows with world.side) or the size smaller");
   EXPECT_EQ(
       FailureOf(LayoutScene(8, 20, Layout("ring", {{"radius", 1.0}}))).substr(0, 85),
       "object 2 of 8 (group `objects`) overlaps object 1 of 8 (group `objects`) by 0.2346 m ");
@@ -54,19 +51,86 @@ TEST(LayoutErrors, Walls) {
   EXPECT_EQ(FailureOf(LayoutScene(1, 10, At(0, 0, 4.75))),
             "object 1 of 1 (group `objects`) reaches 0.25 m through the cube's wall +z; move it "
             "inwards or make world.side larger");
-  EXPECT_EQ(FailureOf(LayoutScene(1, 10, At(-4.5, 0, 0))),
-            "object 1 of 1 (group `objects`) touches the cube's wall -x; move it inwards or make "
-            "world.side larger");
+  EXPECT_EQ(FailureOf(LayoutScene(1, 10, At(0, -8, 0))),
+            "object 1 of 1 (group `objects`) lies 2.5 m beyond the cube's wall -y; move it inwards "
+            "or make world.side larger");
   EXPECT_NE(FailureOf(LayoutScene(20, 10, Layout("stack")))
                 .find("through the cube's wall +y; make "
                       "height, gap, spacing"),
             std::string::npos);
-  EXPECT_NE(FailureOf(LayoutScene(1, 10, Layout("stack", {{"gap", 0.0}})))
-                .find("touches the cube's wall -y; make "),
-            std::string::npos);
   plan::Scene open = LayoutScene(1, 10, At(0, 0, 4.75));
   SetWorld(open, "world.walls", Word("none"));
   EXPECT_NE(FailureOf(open), "");
+}
+
+/// In the cube's corner -x -y -z, of side 3: places that no binary fraction holds.
+schema::Value InCorner(const Vector3d& sides, double above = 0) {
+  const Vector3d place = Vector3d::Constant(-1.5) + sides / 2;
+  return At(place.x(), place.y() + above, place.z());
+}
+
+TEST(Touching, WallsIsNoOverlap) {
+  for (const double size : {0.1, 0.3, 0.7, 1.0, 3.0}) {
+    plan::Scene scene = LayoutScene(1, 3, InCorner(Vector3d::Constant(size)));
+    SetGroup(scene, "size", size);
+    EXPECT_EQ(FailureOf(scene), "") << size;
+    SetGroup(scene, "location", InCorner(Vector3d::Constant(size), -1e-12));
+    EXPECT_NE(FailureOf(scene).find("reaches 1e-12 m through the cube's wall -y"),
+              std::string::npos)
+        << size << FailureOf(scene);
+  }
+  for (const char* layout : {"stack", "pyramid"}) {
+    plan::Scene scene = LayoutScene(5, 20, Layout(layout, {{"gap", 0.0}}));
+    SetGroup(scene, "type", Word("cuboid"));
+    SetGroup(scene, "size", 0.7);
+    EXPECT_EQ(FailureOf(scene), "") << layout;
+  }
+}
+
+TEST(Touching, IsNotSaidWherePlacesAreCoarserThanObjects) {
+  // Neighbouring numbers are 0.06 m apart here: the object is nowhere in particular.
+  EXPECT_NE(FailureOf(LayoutScene(1, 1e15, Layout("stack", {{"gap", 0.0}}))), "");
+  EXPECT_EQ(FailureOf(LayoutScene(1, 1e7, Layout("stack", {{"gap", 0.0}}))), "");
+}
+
+TEST(Touching, ObjectsIsNoOverlap) {
+  for (const char* type : {"sphere", "cuboid", "cylinder", "cone", "capsule", "torus"}) {
+    plan::Scene scene = LayoutScene(8, 50, Layout("grid", {{"spacing", 0.7}}));
+    SetGroup(scene, "type", Word(type));
+    SetGroup(scene, "size", 0.7);
+    EXPECT_EQ(FailureOf(scene), "") << type;
+    SetGroup(scene, "location", Layout("grid", {{"spacing", 0.7 - 1e-11}}));
+    plan::Scene pair = LayoutScene(2, 50, Layout("pair", {{"distance", 0.0}}));
+    SetGroup(pair, "type", Word(type));
+    SetGroup(pair, "orientation", Word("random"));
+    EXPECT_EQ(FailureOf(pair), "") << type;
+    if (std::string(type) != "cone")
+      EXPECT_NE(FailureOf(scene).find("overlaps"), std::string::npos) << type;
+  }
+}
+
+TEST(Touching, IsSeenOffTheCentres) {
+  // A wide plate lies on a small cube near its edge, and on its corner.
+  for (const Vector3d& off : {Vector3d(49.8, 0, 0), Vector3d(50.1, 0, 50.1), Vector3d(0, 0, 3)}) {
+    plan::Scene scene = LayoutScene(1, 300, At(off.x(), 0.35 - 10, off.z()));
+    SetGroup(scene, "type", Word("cuboid"));
+    SetGroup(scene, "size", 0.7);
+    const std::size_t plate = AddGroup(scene, "plate", 1, At(0, 0.7 + 0.05 - 10, 0));
+    SetGroup(scene, "size", 100.0, plate);
+    SetGroup(scene, "aspect", schema::Ratio{{1, 0.001, 1}}, plate);
+    EXPECT_EQ(FailureOf(scene), "") << off.transpose();
+    SetGroup(scene, "location", At(0, 0.7 + 0.05 - 10 - 1e-10, 0), plate);
+    EXPECT_NE(FailureOf(scene).find("overlaps"), std::string::npos) << off.transpose();
+  }
+  // A ball on the edge of a cuboid.
+  plan::Scene scene = LayoutScene(1, 50, At(0, 0, 0));
+  SetGroup(scene, "type", Word("cuboid"));
+  const double out = 0.5 + 0.5 * std::sqrt(0.5);
+  const std::size_t ball = AddGroup(scene, "ball", 1, At(out, out, 0.3));
+  SetGroup(scene, "type", Word("sphere"), ball);
+  EXPECT_EQ(FailureOf(scene), "");
+  SetGroup(scene, "location", At(out - 1e-11, out, 0.3), ball);
+  EXPECT_NE(FailureOf(scene).find("overlaps"), std::string::npos);
 }
 
 TEST(LayoutErrors, Quantities) {
@@ -135,7 +199,7 @@ TEST(LayoutErrors, ObjectsMayOverlapWhereBothSaySo) {
   SetGroup(scene, "location", Word("uniform"), other);
   EXPECT_EQ(FailureOf(scene), "");
   SetGroup(scene, "location", Layout("line", {{"gap", 60.0}}));
-  EXPECT_NE(FailureOf(scene).find("through the cube's wall"), std::string::npos);
+  EXPECT_NE(FailureOf(scene).find("beyond the cube's wall"), std::string::npos);
 }
 
 TEST(LayoutErrors, AFixedGroupThatIsDrawnStaysInside) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -70,6 +71,19 @@ TEST(Errors, OfVelocitiesAreInMetresASecond) {
   run.Set(1, 0, 7, {3, 1, 0});  // 5 apart
   run.Set(1, 1, 7, {0, 0, 1});
   EXPECT_DOUBLE_EQ(ErrorAt("velocity", run, truth), std::sqrt((25.0 + 1) / 2));
+}
+
+TEST(Errors, OfOrientationsAreAngles) {
+  HandMadeSamples truth(2), run(2);
+  const auto turn = [](HandMadeSamples& samples, std::size_t object, double angle) {
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(angle, Vector3d::UnitZ()));
+    std::ranges::copy(q.coeffs(), &samples.values[samples.shape.State(1, object) + 3]);
+  };
+  turn(truth, 0, 0.5);
+  turn(run, 0, 0.8);
+  turn(truth, 1, -0.2);
+  turn(run, 1, 0.2);
+  EXPECT_NEAR(ErrorAt("rotation", run, truth), std::sqrt((0.09 + 0.16) / 2), 1e-12);
 }
 
 TEST(Errors, OfEnergyCompareChanges) {

@@ -122,17 +122,23 @@ TEST(Accuracy, HasNoValueWhereTheReferenceFails) {
   EXPECT_EQ(file.ReadReal("accuracy/penetration", {{}, 0}), 0);
   EXPECT_NE(file.ReadText("accuracy/message", {{}, 0}).find("out of reach of single precision"),
             std::string::npos);
+  const Finished shown = program.Run({"show", "far.h5", "--error", "position"});
+  EXPECT_NE(shown.out.find("without a place in it"), std::string::npos) << shown.out;
 }
 
 TEST(Accuracy, OfAFormThatDoesNotFitSaysWhy) {
   const Program program;
   program.Write("no.cdb",
                 "benchmark no { cycles 12; accuracy { metrics position; closed_form spin } }");
-  const Finished run = program.Run({"run", "no.cdb"});
-  EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.err.find("errors without a value"), std::string::npos) << run.err;
-  const Finished shown = program.Run({"show", "no.h5", "--error", "position"});
-  EXPECT_NE(shown.out.find("without a place in it"), std::string::npos) << shown.out;
+  for (const std::string command : {"check", "run"}) {
+    const Finished refused = program.Run({command, "no.cdb"});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.err.find("no.cdb:1:68: error: closed form `spin` is not of this scene: there "
+                               "are 10 objects [wrong-form]"),
+              std::string::npos)
+        << refused.err;
+  }
+  EXPECT_FALSE(program.Exists("no.h5"));
 }
 
 TEST(Accuracy, OfOneRunBringsItsReference) {

@@ -203,6 +203,52 @@ TEST(Run, AFailedRunIsDataAndExitStatus3) {
   EXPECT_EQ(program.Run({"run", "full.cdb", "--only", "nothing"}).status, 2);
 }
 
+TEST(Check, SaysOnceWhatCannotBePlacedBeforeAnythingRuns) {
+  const Program program;
+  program.Write("out.cdb",
+                "benchmark out { cycles 5; world.side 10; detector sweep(simple, sap, dbvt)\n"
+                "  objects { quantity 1; size 1; location at(sweep(40, 50, 60), 0, 0) } }");
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"check", "out.cdb"}, {"run", "out.cdb", "-q"}}) {
+    const Finished refused = program.Run(command);
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_EQ(refused.err,
+              "out.cdb:2:42: error: object 1 of 1 (group `objects`) lies 34.5 m beyond the cube's "
+              "wall +x; in 9 of 9 runs [cannot-place]\n"
+              "  2 |   objects { quantity 1; size 1; location at(sweep(40, 50, 60), 0, 0) } }\n"
+              "    |                                          ^^^^^^^^^^^^^^^^^^^^^^^^^^^ move it "
+              "inwards or make world.side larger\n");
+  }
+  // Where other runs are worth having, it is a warning, and what fails is said with -q as well.
+  program.Write(
+      "some.cdb",
+      "benchmark some { cycles 5; world.side 100; objects { size 60; quantity sweep(1, 40) } }");
+  const Finished checked = program.Run({"check", "some.cdb"});
+  EXPECT_EQ(checked.status, 0);
+  EXPECT_NE(
+      checked.err.find("warning: runs will fail: all objects together fill 452.4 % of the cube"),
+      std::string::npos)
+      << checked.err;
+  const Finished run = program.Run({"run", "some.cdb", "-q"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_NE(run.err.find("runs will fail"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("`cdb show some.h5` names those"), std::string::npos) << run.err;
+}
+
+TEST(Check, LetsObjectsTouchTheFloor) {
+  const Program program;
+  program.Write(
+      "touch.cdb",
+      "benchmark touch { cycles 30; world.side 3; omit sweep(auto, none)\n"
+      "  objects { quantity 1; type cuboid; size 0.7; location at(0, -1.15, 0) }\n"
+      "  objects upper { quantity 1; type cuboid; size 0.3; location at(0.2, -0.65, 0) } }");
+  const Finished run = program.Run({"run", "touch.cdb", "-q"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const auto hashes = Hashes(program.folder() / "touch.h5");
+  ASSERT_EQ(hashes.size(), 2u);
+  EXPECT_EQ(hashes.begin()->second, hashes.rbegin()->second);
+}
+
 TEST(Run, OneByItselfEndsInTheSameState) {
   const Program program;
   program.Write("small.cdb", kSmall);

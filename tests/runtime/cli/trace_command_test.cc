@@ -99,6 +99,12 @@ TEST(Trace, WritesOverNothingOfAnother) {
 TEST(Trace, OfARunThatFailsIsNone) {
   const Program program;
   program.Write("full.cdb", "benchmark full { world.side 1; objects.size 50 }\n");
+  const Finished refused = program.Run({"trace", "full.cdb"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_NE(refused.err.find("does not fit between walls 1 m apart"), std::string::npos)
+      << refused.err;
+  // What shows only when it is run.
+  program.Write("full.cdb", "benchmark full { cycles 5; acceleration (0, -1e39, 0) }\n");
   const Finished failed = program.Run({"trace", "full.cdb"});
   EXPECT_EQ(failed.status, 3);
   EXPECT_NE(failed.err.find("failed: "), std::string::npos) << failed.err;

@@ -30,6 +30,7 @@ struct Observed {
 
 inline Observed Observe(const world::Engine& engine) {
   Observed sum;
+  sum.energy = engine.links().SpringEnergy(0);
   double mass = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   const auto& objects = engine.initial_state().objects;

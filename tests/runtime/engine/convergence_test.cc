@@ -3,6 +3,8 @@
 // precisions to the digits given.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/runtime/engine/closed_form_runs.h"
 
 namespace cdb::tests {
@@ -248,6 +250,166 @@ TEST(Convergence, StackSinksWithOrderTwo) {
   EXPECT_NEAR(OrderOf(Timesteps(rates), sunk), 2, 0.15);
   EXPECT_NEAR(sunk[0], kSingle ? 0.013 : 0.0104, 0.001);
   EXPECT_NEAR(sinks(60, 100), kSingle ? 2.9e-4 : 4.3e-4, 5e-5);
+}
+
+TEST(Convergence, BrakingComesNearItsStoppingDistance) {
+  // A box that starts in contact with the floor rocks as it is braked, and slides unevenly: it is
+  // up to 0.14, 0.02, 0.03, 0.03, 0.02 and 0.02 m off, of 1.15 m, at 60 to 1920 Hz.
+  const std::vector<double> rates = {60, 120, 240, 480, 960, 1920};
+  plan::Scene scene = WithContact(BrakingScene());
+  SetGroup(scene, "location", At(-2, -4.75, 0));
+  const std::vector<FormErrors> errors = Sweep("braking", scene, 2, rates);
+  EXPECT_GT(OrderOfForm(errors, &FormErrors::position, rates), 0.3);
+  EXPECT_LT(errors[0].position, 0.15);
+  EXPECT_LT(errors.back().position, 0.03);
+}
+
+/// Of velocity and spin at the end, and of the position there.
+struct EndErrors {
+  double velocity = 0, spin = 0, position = 0;
+};
+EndErrors AtEnd(std::string_view form, plan::Scene scene, double rate, double seconds) {
+  SetTime(scene, 1 / rate, seconds);
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  const auto truth = closed_forms::MakeClosedForm(form, scene, state)->At(seconds);
+  world::Engine engine = WholeEngine(scene, state);
+  Steps(engine, static_cast<int>(scene.world.Count("cycles")));
+  const Vector3d spin = ToEigen(engine.objects()[0]->getAngularVelocity());
+  return {(Velocity(engine) - truth.velocities[0]).norm(), (spin - truth.spins[0]).norm(),
+          (Position(engine) - truth.positions[0]).norm()};
+}
+
+TEST(Convergence, RollAndBowlEndWithTheTrueVelocities) {
+  const std::vector<double> rates = {120, 240, 480, 960};
+  struct Case {
+    const char* form;
+    plan::Scene scene;
+  };
+  for (const Case& c : {Case{"roll", RollScene(0.5, 0.4)}, Case{"roll", RollScene(0.5, 0.2)},
+                        Case{"bowl", BowlScene()}}) {
+    plan::Scene scene = WithContact(c.scene);
+    // Touching, it has its contact from the first step on.
+    SetGroup(scene, "location",
+             At(c.form[0] == 'b' ? -10 : 0, 0.5 - scene.world.Real("world.side") / 2, 0));
+    std::vector<double> positions;
+    for (const double rate : rates) {
+      const EndErrors errors = AtEnd(c.form, scene, rate, c.form[0] == 'b' ? 2 : 1);
+      // A thousand steps, each of which rounds a few times.
+      EXPECT_LE(errors.velocity, 2000 * kEpsilon) << c.form << ' ' << rate;
+      EXPECT_LE(errors.spin, 4000 * kEpsilon) << c.form << ' ' << rate;
+      positions.push_back(errors.position);
+    }
+    EXPECT_NEAR(OrderOf(Timesteps(rates), positions), 1, 0.1) << c.form;
+  }
+}
+
+TEST(Convergence, ObliqueImpactIsExactWithFaithfulContacts) {
+  for (const double friction : {0.2, 1.0}) {
+    const plan::Scene faithful = WithContact(ObliqueScene(friction), "faithful");
+    for (const double rate : {60.0, 120.0, 240.0, 480.0}) {
+      const EndErrors errors = AtEnd("oblique", faithful, rate, 1);
+      EXPECT_LE(errors.velocity, 20 * kEpsilon) << rate;
+      EXPECT_LE(errors.spin, 200 * kEpsilon) << rate;
+      // It meets the wall a step late at the most.
+      EXPECT_LE(errors.position, 6.5 / rate) << rate;
+    }
+    // With Bullet's own contacts the ball keeps nothing of the normal velocity in small steps.
+    EXPECT_GT(AtEnd("oblique", WithContact(ObliqueScene(friction)), 480, 1).velocity, 1.5);
+  }
+}
+
+/// The mean time between a value's passages through 0 upwards, by straight lines between steps.
+template <typename ValueOf>
+double PeriodOf(world::Engine& engine, int steps, double timestep, ValueOf value) {
+  std::vector<double> passages;
+  double before = value();
+  for (int n = 1; n <= steps; ++n) {
+    engine.Step();
+    const double now = value();
+    if (before < 0 && now >= 0) passages.push_back(timestep * (n - now / (now - before)));
+    before = now;
+  }
+  return (passages.back() - passages.front()) / static_cast<double>(passages.size() - 1);
+}
+
+TEST(Convergence, SpringIsOfOrderOneAndItsPeriodOfOrderTwo) {
+  for (const double damping : {0.0, 0.5}) {
+    const std::vector<FormErrors> errors = Sweep("spring", WithContact(SpringScene(damping)), 4);
+    EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position), 1, 0.15) << damping;
+    EXPECT_NEAR(OrderOfForm(errors, &FormErrors::energy), 1, 0.1) << damping;
+  }
+  // The integrator's own frequency is 2/dt asin(w dt/2): periods are shorter by (w dt)^2/24, 4.6e-4
+  // at 60 Hz.
+  const double w = std::sqrt(40.0), period = 2 * std::numbers::pi / w;
+  for (const double rate : {30.0, 60.0, 120.0}) {
+    plan::Scene scene = WithContact(SpringScene(0));
+    SetTime(scene, 1 / rate, 20);
+    world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
+    const double measured = PeriodOf(engine, static_cast<int>(20 * rate), 1 / rate,
+                                     [&] { return Position(engine).y() + 9.8 / 40; });
+    const double shorter = w * w / (24 * rate * rate);
+    EXPECT_NEAR((period - measured) / period, shorter, 0.1 * shorter) << rate;
+  }
+}
+
+TEST(Convergence, PendulumIsOfOrderOneAndItsPeriodOfOrderTwo) {
+  const std::vector<FormErrors> small = Sweep("pendulum", WithContact(PendulumScene(0.2)), 4);
+  EXPECT_NEAR(OrderOfForm(small, &FormErrors::position), 1, 0.05);
+  EXPECT_NEAR(OrderOfForm(small, &FormErrors::energy), 1.1, 0.15);
+  // From 2 rad, where the spin changes more in a step, it comes to order 1 at 480 Hz only.
+  const std::vector<FormErrors> large = Sweep("pendulum", WithContact(PendulumScene(2)), 4);
+  EXPECT_LT(large.back().position, 0.005);
+  EXPECT_GT(OrderOfForm(large, &FormErrors::position), 1);
+  for (const double angle : {0.2, 2.0}) {
+    const double w = std::sqrt(0.5 * 9.8 / (1.01 / 12 + 0.25));
+    const double period = 4 * std::comp_ellint_1(std::sin(angle / 2)) / w;
+    plan::Scene scene = WithContact(PendulumScene(angle));
+    SetTime(scene, 1.0 / 480, 10);
+    const Vector3d pull = scene.world.Vector("acceleration");
+    world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
+    const double measured = PeriodOf(engine, 4800, 1.0 / 480, [&] {
+      return Vector3d(Position(engine) - Vector3d(0, 0.5, 0)).cross(pull).z();
+    });
+    EXPECT_NEAR(measured / period, 1, 1e-3) << angle;
+  }
+}
+
+TEST(Convergence, FlipsComeEarlyByOrderOne) {
+  // By 2.9, 1.5, 0.7 and 0.4 ms of 5.93 s in double, 0.5 ms at 960 Hz in single. The spin along the
+  // middle axis, in the body, passes 0 upwards once in two flips.
+  std::vector<double> early;
+  const std::vector<double> rates = {120, 240, 480, 960};
+  for (const double rate : rates) {
+    plan::Scene scene = WithContact(FlipScene());
+    SetTime(scene, 1 / rate, 12);
+    const layouts::InitialState state = layouts::MakeInitialState(scene);
+    const auto form = closed_forms::MakeClosedForm("flip", scene, state);
+    world::Engine engine = WholeEngine(scene, state);
+    const auto along = [](const Eigen::Quaterniond& turn, const Vector3d& spin) {
+      return (turn.conjugate() * spin).y();
+    };
+    // The time of the second flip, which is the first passage upwards.
+    const auto flip = [&](auto value) {
+      double before = value(0);
+      for (int n = 1; n <= static_cast<int>(12 * rate); ++n) {
+        const double now = value(n);
+        if (before < 0 && now >= 0) return (n - now / (now - before)) / rate;
+        before = now;
+      }
+      return HUGE_VAL;
+    };
+    const double truth = flip([&](int n) {
+      const closed_forms::Truth at = form->At(n / rate);
+      return along(at.orientations[0], at.spins[0]);
+    });
+    const double measured = flip([&](int n) {
+      if (n > 0) engine.Step();
+      return along(Orientation(engine), ToEigen(engine.objects()[0]->getAngularVelocity()));
+    });
+    early.push_back(truth - measured);
+  }
+  EXPECT_NEAR(early[0], 2.9e-3, 2e-4);
+  EXPECT_NEAR(OrderOf(Timesteps(rates), early), 1, kSingle ? 0.35 : 0.2);
 }
 
 }  // namespace

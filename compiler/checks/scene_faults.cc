@@ -1,0 +1,133 @@
+#include "compiler/checks/scene_faults.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "compiler/checks/bounds.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+
+namespace cdb::checks {
+namespace {
+
+using schema::GroupParameter;
+using schema::WorldParameter;
+using Kind = plan::SceneFault::Kind;
+
+/// Objects that keep the default size are warned of where all others are smaller than this part.
+constexpr double kSmall = 0.1;
+
+/// All that decides where objects are placed.
+std::string PlacementKey(const plan::Scene& scene) {
+  std::string key = schema::ToText(scene.world.Get("world.side"));
+  for (const plan::Group& group : scene.groups) {
+    key += "\n" + group.name;
+    for (const auto& [name, value] : group.settings) key += "\n" + schema::ToText(value);
+  }
+  for (const auto& [name, seed] : scene.seeds) key += fmt::format("\n{} {}", name, seed);
+  return key;
+}
+
+bool NamesClosedForm(const plan::Scene& scene) {
+  return scene.world.WordOr("accuracy.closed_form") != "none";
+}
+
+std::string DefaultSizeText() {
+  return fmt::format("{} {}", GroupParameter("size").get()->default_text,
+                     GroupParameter("size").get()->unit);
+}
+
+}  // namespace
+
+std::optional<plan::SceneFault> SceneFaults::Find(const plan::Scene& scene) {
+  const std::uint64_t count = scene.ObjectCount();
+  if (NamesClosedForm(scene)) {
+    // It depends on most of a scene, so that no two are alike. The square must not overflow.
+    pairs_ += count < kMostPairs ? count * count / 2 : kMostPairs + 1;
+    return pairs_ <= kMostPairs ? find_(scene) : std::nullopt;
+  }
+  const auto [known, is_new] = known_.try_emplace(PlacementKey(scene));
+  if (!is_new) return known->second;
+  objects_ += count;
+  if (objects_ <= kMostObjects) known->second = find_(scene);
+  return known->second;
+}
+
+void SceneFaults::Add(evaluate::Configuration& configuration, const plan::Scene& scene,
+                      std::size_t runs) {
+  if (!find_) return;
+  WarnOfDefaultSizes(configuration, scene);
+  const auto fault = Find(scene);
+  if (!fault) return;
+  if (fault->kind == Kind::kPlacement) unplaced_runs_ += runs;
+  const auto [at, is_first] = findings_.try_emplace({fault->kind, fault->group});
+  Finding& finding = at->second;
+  finding.runs += runs;
+  if (!is_first) return;
+  finding.fault = *fault;
+  finding.span = SpanOf(configuration, *fault);
+  finding.is_default_size = fault->kind == Kind::kPlacement && !fault->group.empty() &&
+                            !configuration.IsSet({fault->group, GroupParameter("size").get()});
+}
+
+// The first setting that may be to blame and that the benchmark has, else its name.
+dsl::Span SceneFaults::SpanOf(evaluate::Configuration& configuration,
+                              const plan::SceneFault& fault) const {
+  std::vector<scenario::ParameterKey> keys;
+  if (fault.kind == Kind::kClosedForm) {
+    keys.push_back({"", WorldParameter("accuracy.closed_form").get()});
+  } else {
+    for (const GroupParameter parameter : {GroupParameter("location"), GroupParameter("size"),
+                                           GroupParameter("quantity"), GroupParameter("type")})
+      if (!fault.group.empty()) keys.push_back({fault.group, parameter.get()});
+    keys.push_back({"", WorldParameter("world.side").get()});
+  }
+  for (const scenario::ParameterKey& key : keys)
+    if (configuration.IsSet(key)) return configuration.SpanOf(key, benchmark_);
+  return benchmark_;
+}
+
+void SceneFaults::WarnOfDefaultSizes(evaluate::Configuration& configuration,
+                                     const plan::Scene& scene) {
+  const GroupParameter size = "size";
+  double largest = 0;  // of the groups that set their size
+  for (const plan::Group& group : scene.groups)
+    if (group.settings.Count("quantity") > 0 && configuration.IsSet({group.name, size.get()}))
+      largest = std::max(largest, PositiveBounds(group.settings.Get(size)).most);
+  for (const plan::Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0 || configuration.IsSet({group.name, size.get()}))
+      continue;
+    if (!(largest > 0) || largest > kSmall * PositiveBounds(group.settings.Get(size)).least)
+      continue;
+    if (!default_sizes_.insert(group.name).second) continue;
+    diagnostics_.Report(scenario::kDefaultSize,
+                        SpanOf(configuration, {Kind::kPlacement, group.name, {}, {}}),
+                        fmt::format("the size of `{}` is not set: its objects have the default of "
+                                    "{}, and all others have {:.3g} m or less",
+                                    group.name, DefaultSizeText(), largest),
+                        "set the size");
+  }
+}
+
+void SceneFaults::Report(std::size_t runs) const {
+  for (const auto& [key, finding] : findings_) {
+    const bool is_form = key.first == Kind::kClosedForm;
+    const bool fails_everywhere = unplaced_runs_ == runs;
+    std::string message = finding.fault.cause, help = finding.fault.remedy;
+    if (runs > 1) message += fmt::format("; in {} of {} runs", finding.runs, runs);
+    if (finding.is_default_size)
+      help += fmt::format("{}the size of `{}` is not set, and its default is {}",
+                          help.empty() ? "" : "; ", finding.fault.group, DefaultSizeText());
+    if (is_form) {
+      diagnostics_.Report(scenario::kWrongForm, finding.span, message, help);
+    } else if (fails_everywhere) {
+      diagnostics_.Report(scenario::kCannotPlace, finding.span, message, help);
+    } else {
+      diagnostics_.Report(scenario::kRunsWillFail, finding.span, "runs will fail: " + message,
+                          help);
+    }
+  }
+}
+
+}  // namespace cdb::checks

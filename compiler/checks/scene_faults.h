@@ -1,0 +1,63 @@
+// Scenes of a benchmark that cannot be built or have another closed form: each fault once, with the
+// number of its runs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compiler/evaluate/configuration.h"
+#include "compiler/plan/plan.h"
+#include "compiler/plan/scene_fault.h"
+#include "dsl/diagnostics.h"
+
+namespace cdb::checks {
+
+/// Not for several threads.
+class SceneFaults {
+ public:
+  /// `benchmark`: where its name stands, for what no setting is to blame for. `find` may be empty:
+  /// then there are no faults.
+  SceneFaults(dsl::Span benchmark, plan::FindSceneFault find, dsl::Diagnostics& diagnostics)
+      : benchmark_(benchmark), find_(std::move(find)), diagnostics_(diagnostics) {}
+
+  /// The scene at the chosen point of `configuration`, which is run so many times. Scenes that
+  /// place the same objects are looked at once, and no more than hold kMostObjects together, or
+  /// kMostPairs of objects that a closed form may look at, which take a second or two: the rest
+  /// shows when it is run.
+  void Add(evaluate::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
+  /// Of a plan of so many runs. A wrong closed form is an error, and so are objects that cannot be
+  /// placed in any run; where only some runs fail of it, the others are worth having: a warning.
+  void Report(std::size_t runs) const;
+
+  static constexpr std::uint64_t kMostObjects = 1'000'000, kMostPairs = 200'000'000;
+
+ private:
+  struct Finding {
+    plan::SceneFault fault;  ///< of the first run
+    dsl::Span span;
+    bool is_default_size = false;
+    std::size_t runs = 0;
+  };
+  using FindingKey = std::pair<plan::SceneFault::Kind, std::string>;  ///< by group
+
+  std::optional<plan::SceneFault> Find(const plan::Scene& scene);
+  void WarnOfDefaultSizes(evaluate::Configuration& configuration, const plan::Scene& scene);
+  dsl::Span SpanOf(evaluate::Configuration& configuration, const plan::SceneFault& fault) const;
+
+  dsl::Span benchmark_;
+  plan::FindSceneFault find_;
+  dsl::Diagnostics& diagnostics_;
+  std::map<std::string, std::optional<plan::SceneFault>> known_;  ///< by what decides it
+  std::uint64_t objects_ = 0, pairs_ = 0;                         ///< looked at so far
+  std::size_t unplaced_runs_ = 0;
+  std::map<FindingKey, Finding> findings_;
+  std::set<std::string> default_sizes_;  ///< groups that were warned of
+};
+
+}  // namespace cdb::checks

@@ -1,0 +1,59 @@
+#include "library/closed_forms/scene_fault.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "compiler/plan/requested_errors.h"
+#include "library/closed_forms/closed_form.h"
+#include "library/layouts/placement.h"
+#include "library/meshes/models.h"
+#include "library/scene_error.h"
+
+namespace cdb::closed_forms {
+namespace {
+
+bool MayBeMesh(const schema::Value& type) {
+  if (const auto* word = std::get_if<schema::Word>(&type))
+    return meshes::FindModel(word->text) != nullptr;
+  const auto* drawn = std::get_if<schema::Distribution>(&type);
+  return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeMesh);
+}
+
+bool HasMeshes(const plan::Scene& scene) {
+  return std::ranges::any_of(scene.groups, [](const plan::Group& group) {
+    return group.settings.Count("quantity") > 0 && MayBeMesh(group.settings.Get("type"));
+  });
+}
+
+plan::SceneFault FaultOf(const library::SceneError& error, plan::SceneFault::Kind kind) {
+  return {kind, error.group(), error.cause(), error.remedy()};
+}
+
+}  // namespace
+
+std::optional<plan::SceneFault> FindSceneFault(const plan::Scene& scene) {
+  using enum plan::SceneFault::Kind;
+  const std::string_view form = scene.world.WordOr("accuracy.closed_form");
+  if (form == "none" || plan::ErrorsOf(scene).empty()) {
+    try {
+      if (!HasMeshes(scene)) layouts::CheckPlacement(scene);
+    } catch (const library::SceneError& error) {
+      return FaultOf(error, kPlacement);
+    }
+    return std::nullopt;
+  }
+  layouts::InitialState state;
+  try {
+    state = layouts::MakeInitialState(scene);
+  } catch (const library::SceneError& error) {
+    return FaultOf(error, kPlacement);
+  }
+  try {
+    MakeClosedForm(form, scene, state);
+  } catch (const library::SceneError& error) {
+    return FaultOf(error, kClosedForm);
+  }
+  return std::nullopt;
+}
+
+}  // namespace cdb::closed_forms

@@ -1,0 +1,99 @@
+// Faults of scenes become diagnostics: once each, with their runs.
+#include "compiler/checks/scene_faults.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+/// Compiles `text` with a library that finds what `find` finds.
+compiler::Compilation CompileWith(const std::string& text, plan::FindSceneFault find) {
+  const auto read = [&](const std::string&, std::string&) { return std::optional(text); };
+  compiler::CompileOptions options;
+  options.find_fault = std::move(find);
+  return compiler::Compile("test.cdb", read, options);
+}
+
+/// Of scenes with more than `most` objects.
+plan::FindSceneFault TooMany(std::uint64_t most, plan::SceneFault::Kind kind) {
+  return [=](const plan::Scene& scene) -> std::optional<plan::SceneFault> {
+    if (scene.ObjectCount() <= most) return std::nullopt;
+    return plan::SceneFault{kind, "objects", "it is full", "take some out"};
+  };
+}
+
+TEST(SceneFaults, OfSomeRunsAreAWarningAndOfAllAnError) {
+  const std::string text =
+      "benchmark b { objects { size 1; quantity sweep(1, 20, 30) }; detector sweep(dbvt, sap) }";
+  const auto some = CompileWith(text, TooMany(10, plan::SceneFault::Kind::kPlacement));
+  ASSERT_EQ(some.diagnostics.all().size(), 1u);
+  EXPECT_EQ(some.diagnostics.all()[0].kind, &scenario::kRunsWillFail);
+  EXPECT_EQ(some.diagnostics.all()[0].message, "runs will fail: it is full; in 4 of 6 runs");
+  EXPECT_EQ(some.diagnostics.all()[0].help, "take some out");
+  EXPECT_EQ(some.plans.size(), 1u);
+  const auto all = CompileWith(text, TooMany(0, plan::SceneFault::Kind::kPlacement));
+  ASSERT_EQ(all.diagnostics.all().size(), 1u);
+  EXPECT_EQ(all.diagnostics.all()[0].kind, &scenario::kCannotPlace);
+  EXPECT_TRUE(all.plans.empty());
+  EXPECT_TRUE(CompileWith(text, {}).diagnostics.all().empty());
+}
+
+TEST(SceneFaults, OfAClosedFormAreErrorsInAnyRun) {
+  const auto result = CompileWith(
+      "benchmark b { objects.quantity sweep(1, 20)\n"
+      "accuracy { metrics position; closed_form flight } }",
+      TooMany(10, plan::SceneFault::Kind::kClosedForm));
+  ASSERT_TRUE(result.diagnostics.has_errors());
+  EXPECT_EQ(result.diagnostics.all()[0].kind, &scenario::kWrongForm);
+  EXPECT_EQ(result.diagnostics.all()[0].message, "it is full; in 1 of 2 runs");
+}
+
+TEST(SceneFaults, AreLookedForOnceInScenesThatPlaceTheSame) {
+  int looks = 0;
+  const plan::FindSceneFault count = [&](const plan::Scene&) {
+    ++looks;
+    return std::nullopt;
+  };
+  CompileWith("benchmark b { timestep sweep(1 / 60, 1 / 120); detector sweep(dbvt, sap) }", count);
+  EXPECT_EQ(looks, 1);
+  looks = 0;
+  CompileWith("benchmark b { world.side sweep(500, 600); objects.size sweep(1, 2) }", count);
+  EXPECT_EQ(looks, 4);
+  // And only in so many objects.
+  looks = 0;
+  CompileWith("benchmark b { objects { quantity 300000; size sweep(1 .. 9) }; detector dbvt }",
+              count);
+  EXPECT_EQ(looks, 3);
+  looks = 0;
+  CompileWith(
+      "benchmark b { objects { quantity 10000; size sweep(1 .. 9) }; detector dbvt\n"
+      "accuracy { metrics position; closed_form flight } }",
+      count);
+  EXPECT_EQ(looks, 4);
+}
+
+TEST(SceneFaults, OfADefaultSizeSaySo) {
+  const plan::FindSceneFault nothing = [](const plan::Scene&) { return std::nullopt; };
+  const auto warnings = [&](const std::string& groups) {
+    const auto result = CompileWith("benchmark b { world.side 500\n" + groups + " }", nothing);
+    int count = 0;
+    for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
+      count += diagnostic.kind == &scenario::kDefaultSize;
+    return count;
+  };
+  EXPECT_EQ(warnings("objects a { size 0.2 }\nobjects b { }"), 1);
+  EXPECT_EQ(warnings("objects a { size sweep(0.1, 5) }\nobjects b { }\nobjects c { }"), 2);
+  EXPECT_EQ(warnings("objects a { size 6 }\nobjects b { }"), 0);
+  EXPECT_EQ(warnings("objects a { size 0.2 }\nobjects b { size 50 }"), 0);
+  EXPECT_EQ(warnings("objects a { size 0.2 }\nobjects b { quantity 0 }"), 0);
+  EXPECT_EQ(warnings("objects b { }"), 0);
+}
+
+}  // namespace
+}  // namespace cdb::tests
