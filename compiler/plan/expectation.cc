@@ -80,4 +80,12 @@ bool FliesFreely(const Scene& scene) {
   });
 }
 
+bool OnlyContactsTakeEnergy(const Scene& scene) {
+  return scene.world.WordOr("expect") != "anything" && FliesFreely(scene) &&
+         std::ranges::all_of(scene.groups, [](const Group& group) {
+           return IsZero(group.settings.Get("rolling_friction")) &&
+                  group.settings.WordOr("contact_stiffness") == "rigid";
+         });
+}
+
 }  // namespace cdb::plan

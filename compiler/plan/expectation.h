@@ -24,4 +24,9 @@ Expectation ExpectationOf(const Scene& scene);
 /// Nothing in the scene takes energy from objects that touch nothing: no damping, no schedule.
 bool FliesFreely(const Scene& scene);
 
+/// Only contacts can take energy from the scene, by friction and by bounces that are not elastic:
+/// it flies freely, nothing resists rolling, contacts are rigid, and `expect` does not say
+/// `anything`.
+bool OnlyContactsTakeEnergy(const Scene& scene);
+
 }  // namespace cdb::plan

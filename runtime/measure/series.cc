@@ -44,6 +44,21 @@ constexpr Series kSeries[] = {
      "least gain of speed over what gravity gives, dv / (g dt), since the last contact"},
     {"turn_ratio", "stability", kFloat64, kScalar, "",
      "least angle turned over angle to turn, of the objects that turn"},
+    {"spin_ratio", "stability", kFloat64, kScalar, "",
+     "energy of turning over that before the first cycle, of the object without any contact since "
+     "where it is farthest from 1"},
+    {"passed", "stability", kInt32, kScalar, "",
+     "objects whose centre has passed through another object, seen in this cycle"},
+    {"pressed", "stability", kInt32, kScalar, "",
+     "pairs of bodies that a load presses into each other, by more than a quarter of the smaller "
+     "one's least side"},
+    {"inverted", "stability", kInt32, kScalar, "",
+     "pairs of objects of which the one that lay on the other is now below it"},
+    {"unheld", "stability", kInt32, kScalar, "",
+     "objects asleep in the air or on a slope that does not hold them"},
+    {"lost_energy", "stability", kFloat64, kScalar, "",
+     "energy lost that neither friction nor inelastic bounces nor sleep took, over the largest "
+     "kinetic energy so far and that of a small fall"},
     {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle", true},
     {"joint_gap", "stability", kFloat64, kScalar, "m",
      "largest gap of a joint: distance of its two pivots"},

@@ -17,6 +17,7 @@ using enum Verdict;
 // The measured thresholds. Lengths are in sides of the object, energies in the run's energy scale.
 constexpr double kLeastRatio = 0.9, kMostRatio = 1.1;
 constexpr double kExplosion = 1, kDrift = 0.01;
+constexpr double kLost = 0.1, kSpinDrift = 0.03;
 constexpr double kCollapse = 0.25, kLateDepth = 0.05, kPeakDepth = 0.25;
 constexpr double kLateSpeed = 0.02;  ///< of the speed scale
 /// The part of a run that is late.
@@ -26,11 +27,15 @@ constexpr VerdictInfo kVerdicts[] = {
     {kUnknown, "unknown", "it did not run, or did not record stability"},
     {kStable, "stable", "nothing of what is listed above"},
     {kDrifting, "drifting",
-     "energy rose by 0.01; changed so where it is kept; late speed > 0.02 sqrt(g S) at rest"},
-    {kPenetrating, "penetrating", "late depth or joint gap > 0.05 S; at rest, any depth > 0.25 S"},
-    {kCollapsed, "collapsed", "what must rest moved by more than 0.25 S"},
+     "energy rose by 0.01, or changed so where it is kept; 0.1 of it, or 0.03 of a free spin's, "
+     "vanished; late speed > 0.02 sqrt(g S) at rest"},
+    {kPenetrating, "penetrating",
+     "late depth or joint gap > 0.05 S; pressed in, or at rest any depth, > 0.25 S"},
+    {kCollapsed, "collapsed",
+     "what must rest moved by > 0.25 S; a load ends below its bearer; an object sleeps unheld"},
     {kClamped, "clamped", "an object turned by less than 0.9 of its spin times the time step"},
-    {kTunnelled, "tunnelled", "a centre is beyond a wall at the end"},
+    {kTunnelled, "tunnelled",
+     "a centre passed through another object, or is beyond a wall at the end"},
     {kExploded, "exploded", "energy rose by more than its scale"},
     {kFrozen, "frozen",
      "not pushed: an object's way outside 0.9 .. 1.1 of |v| dt; in flight: dv < 0.9 g dt"},
@@ -65,15 +70,17 @@ class Case {
       case kExploded:
         return FirstRise(kExplosion);
       case kTunnelled:
-        return Tunnelled();
+        return Earlier(LastStretch("escaped"), FirstCount("passed"));
       case kClamped:
         return FirstWhere("turn_ratio", [](double x) { return x < kLeastRatio; });
       case kCollapsed:
-        return MustRest() ? FirstAbove("displacement", kCollapse) : -1;
+        return Earlier(Earlier(LastStretch("inverted"), FirstCount("unheld")),
+                       MustRest() ? FirstAbove("displacement", kCollapse) : -1);
       case kPenetrating:
         return Earlier(Earlier(LateAbove("penetration_ratio", kLateDepth),
                                LateAbove("joint_gap", kLateDepth * scales_.least_side)),
-                       MustRest() ? FirstAbove("penetration_ratio", kPeakDepth) : -1);
+                       Earlier(FirstCount("pressed"),
+                               MustRest() ? FirstAbove("penetration_ratio", kPeakDepth) : -1));
       case kDrifting:
         return Drifting();
       default:
@@ -144,12 +151,13 @@ class Case {
     return -1;
   }
 
-  std::int64_t Tunnelled() const {
-    const auto escaped = Ints("escaped");
-    if (escaped.empty() || escaped.back() <= 0) return -1;
-    const auto inside = std::find_if(escaped.rbegin(), escaped.rend(),
-                                     [](std::int32_t count) { return count <= 0; });
-    return escaped.rend() - inside;
+  /// Bad where it is so at the end; shows where that began.
+  std::int64_t LastStretch(const char* series) const {
+    const auto counts = Ints(series);
+    if (counts.empty() || counts.back() <= 0) return -1;
+    const auto none =
+        std::find_if(counts.rbegin(), counts.rend(), [](std::int32_t count) { return count <= 0; });
+    return counts.rend() - none;
   }
 
   std::int64_t Drifting() const {
@@ -165,6 +173,9 @@ class Case {
                         return std::abs(x - scales_.initial_energy) > kDrift * scales_.energy_scale;
                       }));
     }
+    first = Earlier(first, FirstAbove("lost_energy", kLost));
+    first = Earlier(
+        first, FirstWhere("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; }));
     if (MustRest())
       first = Earlier(first, LateAbove("max_speed", kLateSpeed * scales_.speed_scale));
     return first;

@@ -195,6 +195,14 @@ and the exit status is 3. Runs with milder verdicts are named, and part of the s
 must rest if nothing moves initially and gravity points down; a scene of elastic, rigid objects
 without friction and damping must conserve its energy; and so must any other scene until the first
 contact. If a schedule drives the scene, energy is not checked.
+  Energy has vanished (series lost_energy) if neither the work of friction nor that of inelastic
+bounces nor the sleep of a sliding object accounts for it, relative to the largest kinetic energy so
+far. This is not checked if anything else can take energy: damping, rolling friction, soft contacts,
+or `expect anything`. Default contacts lose energy in elastic bounces; `contact faithful` does not.
+  An object has passed through another (passed) if the path of its centre of mass runs through it. A
+contact is pressed in (pressed) if it was shallow for three cycles and is then deep for six, or if an
+impact leaves it deep for half a second. An object sleeps unheld (unheld) in the air, or if it moved
+before and no forces of its contacts, within friction, balance its weight and its turning.
 
 )reference";
 

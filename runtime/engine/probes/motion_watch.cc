@@ -13,6 +13,7 @@ using Eigen::Vector3d;
 constexpr double kLeastWay = 0.01;   ///< sides
 constexpr double kLeastTurn = 0.05;  ///< rad
 constexpr double kLeastCycles = 4;
+constexpr double kLeastTurned = 1;  ///< rad
 
 /// Between two turns, from 0 to pi: |A - B| = 2 sqrt(2) sin(angle / 2), which keeps its digits for
 /// small angles.
@@ -23,6 +24,13 @@ double AngleBetween(const btMatrix3x3& a, const btMatrix3x3& b) {
   return 2 * std::asin(std::min(1.0, std::sqrt(sum / 8)));
 }
 
+/// J/kg.
+double SpinEnergy(const btRigidBody& body, const Vector3d& inertia) {
+  const Vector3d own =
+      world::ToEigen(body.getAngularVelocity() * body.getWorldTransform().getBasis());
+  return inertia.dot(own.cwiseAbs2()) / 2;
+}
+
 }  // namespace
 
 MotionWatch::MotionWatch(world::Engine& engine) : engine_(engine) {
@@ -31,6 +39,8 @@ MotionWatch::MotionWatch(world::Engine& engine) : engine_(engine) {
     const layouts::ObjectState& object = engine.initial_state().objects[i];
     tracks_[i].least_side = 2 * object.solid.LeastHalfExtent();
     tracks_[i].is_damped = object.linear_damping != 0;
+    tracks_[i].keeps_spin = object.solid.IsBall() || object.angular_damping != 0;
+    tracks_[i].inertia = object.solid.InertiaPerMass();
   }
 }
 
@@ -49,6 +59,9 @@ void MotionWatch::Begin() {
     track.start = world::ToEigen(track.position) + exact - world::RoundedForBullet(exact);
     track.basis = body.getWorldTransform().getBasis();
     track.velocity = body.getLinearVelocity();
+    track.spin_energy = SpinEnergy(body, track.inertia);
+    track.turned = 0;
+    track.was_touched = false;
     Forget(track);
   }
 }
@@ -95,6 +108,15 @@ void MotionWatch::CompareFall(const Step& step, Track& track, Seen& seen) const 
     seen.fall_ratio = std::fmin(seen.fall_ratio, track.gained / track.due);
 }
 
+void MotionWatch::CompareSpin(const btRigidBody& body, double spin, Track& track,
+                              Seen& seen) const {
+  if (track.keeps_spin || track.was_touched || spin == 0) return;
+  track.turned += spin * static_cast<double>(engine_.timestep());
+  if (track.turned < kLeastTurned) return;
+  const double ratio = SpinEnergy(body, track.inertia) / track.spin_energy;
+  if (!(std::abs(ratio - 1) <= std::abs(seen.spin_ratio - 1))) seen.spin_ratio = ratio;
+}
+
 MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
   const double timestep = static_cast<double>(engine_.timestep());
   double worst = 0;  // distance of the motion ratio from 1
@@ -113,6 +135,7 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
     track.position = pose.getOrigin();
     track.velocity = body.getLinearVelocity();
     if (step.spin != 0) track.basis = pose.getBasis();
+    track.was_touched = track.was_touched || touches[i] != kFree || !body.isActive();
     // Bullet moves a body by its velocity at the end of the step, and out of what it overlaps.
     if (!body.isActive() || touches[i] == kPushed || step.is_swept) {
       Forget(track);
@@ -124,6 +147,7 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
       if (!(step.velocity.norm() * timestep > kLeastWay * track.least_side)) continue;
     }
     CompareWay(step, track, worst, seen);
+    if (touches[i] == kFree) CompareSpin(body, step.spin, track, seen);
     if (!track.is_damped && touches[i] == kFree) CompareFall(step, track, seen);
   }
   return seen;

@@ -41,6 +41,10 @@ class MotionWatch {
     double fall_ratio = std::numeric_limits<double>::quiet_NaN();
     /// Least angle turned over |w| dt in this cycle, of objects that turn by more than 0.05 rad.
     double turn_ratio = std::numeric_limits<double>::quiet_NaN();
+    /// Energy of turning over that at Begin, of objects that have touched nothing since and have
+    /// turned by a radian; of those whose moments of inertia differ and whose spin is not damped,
+    /// the one farthest from 1.
+    double spin_ratio = std::numeric_limits<double>::quiet_NaN();
   };
 
   /// Call after each cycle. `touches`: by body, a Touch.
@@ -54,8 +58,13 @@ class MotionWatch {
     btVector3 velocity;
     double least_side;
     bool is_damped;
+    bool keeps_spin;              ///< whatever its moments of inertia: a ball, or damped
+    Eigen::Vector3d inertia;      ///< principal, for 1 kg
     Eigen::Vector3d gone, to_go;  ///< since the last contact, along each axis
     double gained, due;
+    double spin_energy;  ///< J/kg, at Begin
+    double turned;       ///< rad, since Begin
+    bool was_touched;    ///< since Begin
   };
 
   /// What a body did in a cycle.
@@ -67,6 +76,7 @@ class MotionWatch {
   };
 
   void Forget(Track& track) const;
+  void CompareSpin(const btRigidBody& body, double spin, Track& track, Seen& seen) const;
   Step StepOf(const btRigidBody& body, const Track& track) const;
   /// NaN where it turns too little.
   double TurnRatio(const btRigidBody& body, const Track& track, double spin) const;

@@ -84,19 +84,26 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recordi
       joint_gap_(recording.Reals("joint_gap")),
       boxes_(recording.Reals("boxes")),
       box_filters_(recording.Reals("box_filters")),
+      spin_ratio_(recording.Reals("spin_ratio")),
+      lost_energy_(recording.Reals("lost_energy")),
       pairs_(recording.Ints("pairs")),
       manifolds_(recording.Ints("manifolds")),
       contacts_(recording.Ints("contacts")),
       escaped_(recording.Ints("escaped")),
       asleep_(recording.Ints("asleep")),
       removed_(recording.Ints("removed")),
-      non_finite_(recording.Ints("non_finite")) {
+      non_finite_(recording.Ints("non_finite")),
+      passed_(recording.Ints("passed")),
+      pressed_(recording.Ints("pressed")),
+      inverted_(recording.Ints("inverted")),
+      unheld_(recording.Ints("unheld")) {
   if (motion_ratio_.empty()) return;
   motion_watch_.emplace(engine);
   touches_.resize(engine.objects().size() + pruning::kWallCount);
   least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < engine.objects().size(); ++i)
     least_sides_[i] = 2 * engine.initial_state().objects[i].solid.LeastHalfExtent();
+  soundness_.emplace(scene, engine, least_sides_);
 }
 
 void Probes::Begin() {
@@ -112,6 +119,7 @@ void Probes::SetScales() {
   header_.scales.initial_energy =
       energy.kinetic + energy.other +
       engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
+  soundness_->Begin(energy.kinetic, header_.scales.initial_energy);
   header_.scales.energy_scale = energy.kinetic;
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
@@ -148,6 +156,16 @@ void Probes::Record(std::uint64_t cycle) {
   if (!poses_.empty()) RecordPoses(cycle);
   if (!boxes_.empty()) RecordBoxes(cycle);
   RecordLinks(cycle);
+  if (soundness_) RecordSoundness(cycle);
+}
+
+void Probes::RecordSoundness(std::uint64_t cycle) {
+  const Soundness::Seen seen = soundness_->After(kinetic_energy_[cycle], energy_[cycle]);
+  passed_[cycle] = seen.passed;
+  pressed_[cycle] = seen.pressed;
+  inverted_[cycle] = seen.inverted;
+  unheld_[cycle] = seen.unheld;
+  lost_energy_[cycle] = seen.lost_energy;
 }
 
 void Probes::RecordLinks(std::uint64_t cycle) {
@@ -253,6 +271,7 @@ void Probes::RecordMotion(std::uint64_t cycle) {
   // A schedule changes velocities too.
   if (!is_driven_) fall_ratio_[cycle] = seen.fall_ratio;
   turn_ratio_[cycle] = seen.turn_ratio;
+  spin_ratio_[cycle] = seen.spin_ratio;
 }
 
 void Probes::RecordEnergy(std::uint64_t cycle) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime/engine/probes/motion_watch.h"
+#include "runtime/engine/probes/soundness.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/measure/recording.h"
 
@@ -36,6 +37,7 @@ class Probes {
   std::size_t PlaceOfWall(const btRigidBody& wall) const;
   void RecordLinks(std::uint64_t cycle);
   void RecordMotion(std::uint64_t cycle);
+  void RecordSoundness(std::uint64_t cycle);
   bool IsBeyondWall(const btVector3& centre) const;
   bool IsTooLarge(const btRigidBody& body) const;
   double SmallerSide(int a, int b) const;
@@ -48,11 +50,13 @@ class Probes {
   const unsigned standing_walls_;
   std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, penetration_ratio_;
   std::span<double> max_speed_, displacement_, motion_ratio_, fall_ratio_, turn_ratio_, heap_,
-      poses_, joint_gap_, boxes_, box_filters_;
-  std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_;
+      poses_, joint_gap_, boxes_, box_filters_, spin_ratio_, lost_energy_;
+  std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_,
+      passed_, pressed_, inverted_, unheld_;
   std::optional<MotionWatch> motion_watch_;  ///< of `record stability`; and,
-  std::vector<char> touches_;                ///< by body, walls too: has a contact in this cycle
-  std::vector<double> least_sides_;          ///< by body; infinite for walls
+  std::optional<Soundness> soundness_;
+  std::vector<char> touches_;        ///< by body, walls too: has a contact in this cycle
+  std::vector<double> least_sides_;  ///< by body; infinite for walls
   std::vector<measure::ContactRecord> contact_records_;
 };
 

@@ -36,7 +36,8 @@ class VerdictTest : public testing::Test {
     recording_.header().scales.energy_scale = 200;
     recording_.header().scales.speed_scale = 10;
     recording_.header().scales.least_side = 2;
-    for (const char* name : {"non_finite", "removed", "escaped", "contacts"})
+    for (const char* name : {"non_finite", "removed", "escaped", "contacts", "passed", "pressed",
+                             "inverted", "unheld"})
       std::ranges::fill(recording_.Ints(name), 0);
     for (const char* name : {"displacement", "penetration_ratio", "max_speed"})
       std::ranges::fill(recording_.Reals(name), 0);
@@ -177,6 +178,46 @@ TEST_F(VerdictTest, SpeedLateAtRest) {
   ExpectVerdict(Verdict::kStable, -1);
 }
 
+TEST_F(VerdictTest, TunnelledThroughAnotherObjectAtAnyTime) {
+  SetCount("passed", 6, 1, 7);
+  ExpectVerdict(Verdict::kTunnelled, 6);
+  SetCount("escaped", 4, 1);
+  ExpectVerdict(Verdict::kTunnelled, 4);
+}
+
+TEST_F(VerdictTest, PressedAtAnyTime) {
+  SetCount("pressed", 8, 2, 9);
+  ExpectVerdict(Verdict::kPenetrating, 8);
+}
+
+TEST_F(VerdictTest, InvertedAtTheEndOnly) {
+  SetCount("inverted", 8, 1, 39);
+  ExpectVerdict(Verdict::kStable, -1);
+  SetCount("inverted", 37, 1);
+  ExpectVerdict(Verdict::kCollapsed, 8);
+}
+
+TEST_F(VerdictTest, AsleepWhereNothingHolds) {
+  SetCount("unheld", 14, 1, 20);
+  ExpectVerdict(Verdict::kCollapsed, 14);
+}
+
+TEST_F(VerdictTest, EnergyThatNothingTook) {
+  SetCount("contacts", 0, 1);
+  Set("lost_energy", 3, 0.09);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("lost_energy", 5, 0.11);
+  ExpectVerdict(Verdict::kDrifting, 5);
+}
+
+TEST_F(VerdictTest, EnergyOfFreeSpin) {
+  Set("spin_ratio", 3, 0.971);
+  Set("spin_ratio", 9, 1.029);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("spin_ratio", 16, 0.969);
+  ExpectVerdict(Verdict::kDrifting, 16);
+}
+
 TEST_F(VerdictTest, LooksAtCyclesThatRanOnly) {
   SetCount("removed", 30, 1);
   EXPECT_EQ(Judge(scene_, recording_, 30).verdict, Verdict::kStable);
@@ -192,6 +233,21 @@ TEST(Verdicts, HaveNamesOfTheirOwnInTheOrderOfTheirNumbers) {
   }
   EXPECT_TRUE(HasVoidTimings(Verdict::kFrozen));
   EXPECT_FALSE(HasVoidTimings(Verdict::kExploded));
+}
+
+TEST(OnlyContactsTakeEnergy, UnlessTheSceneHasOtherWays) {
+  const plan::Scene scene = DefaultScene(3, 500);
+  EXPECT_TRUE(OnlyContactsTakeEnergy(scene));
+  const auto with = [&scene](auto change) {
+    plan::Scene other = scene;
+    change(other);
+    return OnlyContactsTakeEnergy(other);
+  };
+  EXPECT_FALSE(with([](auto& other) { SetGroup(other, "linear_damping", 0.1); }));
+  EXPECT_FALSE(with([](auto& other) { SetGroup(other, "rolling_friction", 0.1); }));
+  EXPECT_FALSE(with([](auto& other) { SetGroup(other, "contact_stiffness", 1e3); }));
+  EXPECT_FALSE(with([](auto& other) { SetWorld(other, "expect", Word("anything")); }));
+  EXPECT_TRUE(with([](auto& other) { SetWorld(other, "expect", Word("energy")); }));
 }
 
 TEST(ExpectationOf, FollowsFromTheScene) {

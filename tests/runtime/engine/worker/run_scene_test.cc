@@ -150,8 +150,9 @@ TEST(Series, EveryCycleHasEveryValue) {
   ASSERT_TRUE(run.done()) << run.message();
   // Nothing to say of what does not fly freely, nor of overlaps where there are none; planes have
   // no end.
-  const std::set<std::string_view> may_have_none = {"motion_ratio", "fall_ratio",   "turn_ratio",
-                                                    "depth_error",  "normal_error", "boxes"};
+  const std::set<std::string_view> may_have_none = {"motion_ratio", "fall_ratio",  "turn_ratio",
+                                                    "spin_ratio",   "depth_error", "normal_error",
+                                                    "boxes"};
   for (const measure::Series& series : measure::AllSeries()) {
     ASSERT_TRUE(series.IsRecordedBy(scene)) << series.name;
     if (series.name == "joint_gap") continue;  // the scene has no joint

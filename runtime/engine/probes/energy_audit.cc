@@ -1,0 +1,129 @@
+#include "runtime/engine/probes/energy_audit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/engine/world/conversions.h"
+
+namespace cdb::probes {
+namespace {
+
+using Eigen::Vector3d;
+
+/// While Bullet fits the velocities of a scene to its joints, energy is lost truly.
+constexpr int kJerkCycles = 20;
+/// Of an object's side: less than what a fall by it gives is not looked at. Joints give way.
+constexpr double kLeastFall = 0.01, kLeastFallWithJoints = 0.5;
+/// Of the velocity of an object: a slower contact point does not slip.
+constexpr double kSlips = 0.1;
+
+/// Velocity of a point of a body, of whom `arm` is seen from the centre of mass.
+Vector3d PointVelocity(const btVector3& velocity, const btVector3& spin, const Vector3d& arm) {
+  return world::ToEigen(velocity) + world::ToEigen(spin).cross(arm);
+}
+
+}  // namespace
+
+EnergyAudit::EnergyAudit(world::Engine& engine) : engine_(engine) {
+  for (const layouts::ObjectState& object : engine.initial_state().objects) {
+    masses_.push_back(object.mass);
+    inertias_.push_back(object.solid.InertiaPerMass());
+  }
+}
+
+void EnergyAudit::Begin(double kinetic, double energy) {
+  start_ = energy;
+  peak_ = kinetic;
+  least_ = 0;
+  const double pull = engine_.acceleration().norm();
+  const double fall = engine_.links().HasJoints() ? kLeastFallWithJoints : kLeastFall;
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    const double side = 2 * engine_.initial_state().objects[i].solid.LeastHalfExtent();
+    // Without gravity, a tenth of its side a second.
+    least_ += fall * masses_[i] * (pull * side + std::pow(0.1 * side, 2) / 2);
+  }
+}
+
+double EnergyAudit::After(const BodyStates& before, const BodyStates& now, double kinetic,
+                          double energy) {
+  if (engine_.links().HasJoints() && cycle_++ < kJerkCycles) {
+    Begin(kinetic, energy);
+    return 0;
+  }
+  btDispatcher& dispatcher = *engine_.world().getDispatcher();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+    if (manifold.getNumContacts() > 0) taken_ += TakenBy(manifold, before, now);
+  }
+  taken_ += TakenBySleep(before, now);
+  peak_ = std::max(peak_, kinetic);
+  const double scale = peak_ + least_;
+  return scale > 0 ? (start_ - energy - taken_) / scale : 0;
+}
+
+double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStates& before,
+                            const BodyStates& now) const {
+  // Twice the mean velocity of a point of the body in the cycle.
+  const auto twice_mean = [&](const btCollisionObject* body, const Vector3d& point) -> Vector3d {
+    const auto index = static_cast<std::size_t>(body->getUserIndex());
+    if (index >= masses_.size() || masses_[index] == 0) return Vector3d::Zero();
+    const BodyState& then = before[index];
+    const Vector3d arm = point - world::ToEigen(then.pose.getOrigin());
+    return PointVelocity(then.velocity, then.spin, arm) +
+           PointVelocity(now[index].velocity, now[index].spin, arm);
+  };
+  double taken = 0;
+  for (int j = 0; j < manifold.getNumContacts(); ++j) {
+    const btManifoldPoint& point = manifold.getContactPoint(j);
+    // Farther ones had no impulse in this cycle, and keep an old one.
+    if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
+    if (point.m_appliedImpulse == 0) continue;
+    const Vector3d velocity =
+        twice_mean(manifold.getBody0(), world::ToEigen(point.getPositionWorldOnA())) -
+        twice_mean(manifold.getBody1(), world::ToEigen(point.getPositionWorldOnB()));
+    const auto work = [&](btScalar impulse, const btVector3& direction) {
+      return -static_cast<double>(impulse) * velocity.dot(world::ToEigen(direction)) / 2;
+    };
+    taken += std::max(0.0, work(point.m_appliedImpulseLateral1, point.m_lateralFrictionDir1));
+    if (point.m_combinedRestitution < 1)
+      taken += std::max(0.0, work(point.m_appliedImpulse, point.m_normalWorldOnB));
+  }
+  return taken;
+}
+
+double EnergyAudit::KineticOf(std::size_t object, const BodyState& state) const {
+  const Vector3d spin = world::ToEigen(state.spin * state.pose.getBasis());
+  return masses_[object] / 2 *
+         (world::ToEigen(state.velocity).squaredNorm() + inertias_[object].dot(spin.cwiseAbs2()));
+}
+
+/// A contact point moves over what it touches, so that friction would have stopped the object.
+bool EnergyAudit::Slips(const btRigidBody& body, const BodyState& state) const {
+  btDispatcher& dispatcher = *engine_.world().getDispatcher();
+  const double least = kSlips * world::ToEigen(state.velocity).norm();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+    if (manifold.getBody0() != &body && manifold.getBody1() != &body) continue;
+    for (int j = 0; j < manifold.getNumContacts(); ++j) {
+      const Vector3d arm = world::ToEigen(manifold.getContactPoint(j).getPositionWorldOnB() -
+                                          state.pose.getOrigin());
+      if (PointVelocity(state.velocity, state.spin, arm).norm() > least) return true;
+    }
+  }
+  return false;
+}
+
+double EnergyAudit::TakenBySleep(const BodyStates& before, const BodyStates& now) const {
+  double taken = 0;
+  const Vector3d fall = engine_.acceleration() * static_cast<double>(engine_.timestep());
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    if (!now[i].is_asleep || (before[i].velocity.isZero() && before[i].spin.isZero()) ||
+        !Slips(*engine_.objects()[i], before[i]))
+      continue;
+    const double fallen = masses_[i] * std::abs(fall.dot(world::ToEigen(before[i].velocity)));
+    taken += KineticOf(i, before[i]) + fallen;
+  }
+  return taken;
+}
+
+}  // namespace cdb::probes

@@ -1,0 +1,165 @@
+#include "runtime/engine/probes/pass_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/engine/probes/solid_core.h"
+#include "runtime/engine/world/conversions.h"
+
+namespace cdb::probes {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+/// Of its inner radius, what an object has to move in a cycle to get past a contact.
+constexpr double kFastWay = 0.5;
+/// Of its least side, how far a solid is cut back: a path that only grazes is no pass, and who is
+/// pushed out at a corner did not pass.
+constexpr double kGraze = 0.1, kMiddle = 0.5;
+constexpr double kTurnStep = 0.1;  ///< rad
+constexpr int kMostSteps = 32;
+
+struct Motion {
+  objects::Pose from, to;
+};
+
+objects::Pose PassPoseOf(const btTransform& pose) {
+  return {world::ToEigen(pose.getOrigin()), world::ToEigen(pose.getRotation()).normalized()};
+}
+
+Vector3d InAxesOf(const objects::Pose& pose, const Vector3d& point) {
+  return pose.orientation.conjugate() * (point - pose.position);
+}
+
+/// Least distance from the origin of the straight path between two points.
+double LeastDistance(const Vector3d& from, const Vector3d& to) {
+  const Vector3d way = to - from;
+  const double square = way.squaredNorm();
+  const double at = square > 0 ? std::clamp(-from.dot(way) / square, 0.0, 1.0) : 0;
+  return (from + at * way).norm();
+}
+
+/// The path of a centre through a moving solid, in the solid's axes.
+bool PathMeets(const objects::Solid& solid, const Motion& centre, const Motion& other) {
+  const double turn =
+      solid.IsBall() ? 0 : other.from.orientation.angularDistance(other.to.orientation);
+  const int steps = std::min(kMostSteps, 1 + static_cast<int>(turn / kTurnStep));
+  Vector3d last = InAxesOf(other.from, centre.from.position);
+  for (int i = 1; i <= steps; ++i) {
+    const double at = static_cast<double>(i) / steps;
+    const auto between = [at](const Vector3d& a, const Vector3d& b) {
+      return Vector3d(a + at * (b - a));
+    };
+    const objects::Pose pose{between(other.from.position, other.to.position),
+                             other.from.orientation.slerp(at, other.to.orientation)};
+    const Vector3d next = InAxesOf(pose, between(centre.from.position, centre.to.position));
+    if (MeetsPath(solid, last, next)) return true;
+    last = next;
+  }
+  return false;
+}
+
+}  // namespace
+
+PassWatch::PassWatch(const world::Engine& engine) : engine_(engine) {
+  for (const layouts::ObjectState& object : engine.initial_state().objects) {
+    const double inner = object.solid.InnerRadius(), outer = object.solid.OuterRadius();
+    const double least = inner > 0 ? inner : object.solid.LeastHalfExtent();
+    sizes_.push_back({inner, outer, kFastWay * least, object.solid.IsBall() ? 0 : outer});
+  }
+}
+
+std::int32_t PassWatch::After(const BodyStates& before, const BodyStates& now) {
+  const std::int32_t left = entries_.empty() ? 0 : FollowEntries();
+  if (!AnyIsFast(before, now)) return left;
+  SweepAll(before, now);
+  return left + ComparePaths(before);
+}
+
+bool PassWatch::IsFast(std::size_t object, const BodyState& before, const BodyState& now) const {
+  const Size& size = sizes_[object];
+  const auto way = static_cast<double>((now.pose.getOrigin() - before.pose.getOrigin()).length());
+  const double turn =
+      static_cast<double>(before.spin.length() * engine_.timestep()) * size.turn_radius;
+  return way + turn > size.fast_way;
+}
+
+bool PassWatch::AnyIsFast(const BodyStates& before, const BodyStates& now) const {
+  for (std::size_t i = 0; i < sizes_.size(); ++i)
+    if (IsFast(i, before[i], now[i])) return true;
+  return false;
+}
+
+void PassWatch::SweepAll(const BodyStates& before, const BodyStates& now) {
+  swept_.clear();
+  for (std::uint32_t i = 0; i < sizes_.size(); ++i) {
+    const Vector3d from = world::ToEigen(before[i].pose.getOrigin());
+    const Vector3d to = world::ToEigen(now[i].pose.getOrigin());
+    if (!from.allFinite() || !to.allFinite()) continue;
+    const double outer = sizes_[i].outer;
+    swept_.push_back({from.cwiseMin(to).array() - outer, from.cwiseMax(to).array() + outer, i,
+                      IsFast(i, before[i], now[i])});
+  }
+}
+
+std::int32_t PassWatch::ComparePaths(const BodyStates& before) {
+  Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
+  for (const Swept& swept : swept_) {
+    sum += swept.lower;
+    squares += swept.lower.cwiseAbs2();
+  }
+  int axis = 0;
+  (squares - sum.cwiseAbs2() / static_cast<double>(swept_.size())).maxCoeff(&axis);
+  std::ranges::sort(swept_, {}, [axis](const Swept& swept) { return swept.lower[axis]; });
+  std::int32_t passed = 0;
+  for (auto a = swept_.begin(); a != swept_.end(); ++a) {
+    for (auto b = a + 1; b != swept_.end() && b->lower[axis] <= a->upper[axis]; ++b) {
+      if (!(a->is_fast || b->is_fast) || (a->lower.array() > b->upper.array()).any() ||
+          (b->lower.array() > a->upper.array()).any())
+        continue;
+      passed += Passed(before, a->object, b->object) || Passed(before, b->object, a->object);
+    }
+  }
+  return passed;
+}
+
+/// Remembers a centre that ends inside.
+bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint32_t other) {
+  if (!(sizes_[object].inner > 0)) return false;
+  const btRigidBody &body = *engine_.objects()[object], &through = *engine_.objects()[other];
+  const auto origin = [](const btTransform& pose) { return world::ToEigen(pose.getOrigin()); };
+  if (LeastDistance(origin(before[object].pose) - origin(before[other].pose),
+                    origin(body.getWorldTransform()) - origin(through.getWorldTransform())) >
+      sizes_[other].outer)
+    return false;
+  if (!body.checkCollideWith(&through)) return false;
+  const objects::Solid& solid = engine_.initial_state().objects[other].solid;
+  const Motion centre{PassPoseOf(before[object].pose), PassPoseOf(body.getWorldTransform())};
+  const Motion motion{PassPoseOf(before[other].pose), PassPoseOf(through.getWorldTransform())};
+  const Vector3d from = InAxesOf(motion.from, centre.from.position);
+  if (Contains(solid, from)) return false;
+  if (Contains(solid, InAxesOf(motion.to, centre.to.position))) {
+    entries_.push_back({object, other, from});
+    return false;
+  }
+  return PathMeets(CoreOf(solid, kGraze), centre, motion);
+}
+
+/// Of those who are inside: who is out again, and through the middle.
+std::int32_t PassWatch::FollowEntries() {
+  std::int32_t passed = 0;
+  std::erase_if(entries_, [&](const Entry& entry) {
+    const objects::Pose pose = PassPoseOf(engine_.objects()[entry.other]->getWorldTransform());
+    const Vector3d at = InAxesOf(
+        pose, world::ToEigen(engine_.objects()[entry.object]->getWorldTransform().getOrigin()));
+    const objects::Solid& solid = engine_.initial_state().objects[entry.other].solid;
+    if (!at.allFinite()) return true;
+    if (Contains(solid, at)) return false;
+    passed += MeetsPath(CoreOf(solid, kMiddle), entry.entry, at);
+    return true;
+  });
+  return passed;
+}
+
+}  // namespace cdb::probes

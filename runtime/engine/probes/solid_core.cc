@@ -1,0 +1,68 @@
+#include "runtime/engine/probes/solid_core.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "library/objects/overlap.h"
+
+namespace cdb::probes {
+namespace {
+
+using Eigen::Vector3d;
+using objects::Shape;
+using objects::Solid;
+
+/// Thickness of a path, and of a point, in the length beside it.
+constexpr double kThin = 1e-6;
+
+/// Of the ellipse of a section, in its half axes.
+double SquareAcross(const Vector3d& point, const Vector3d& half) {
+  return std::pow(point.x() / half.x(), 2) + std::pow(point.z() / half.z(), 2);
+}
+
+}  // namespace
+
+bool Contains(const Solid& solid, const Vector3d& point) {
+  const Vector3d half = solid.HalfExtents();
+  switch (solid.shape) {
+    case Shape::kEllipsoid:
+      return point.cwiseQuotient(half).squaredNorm() <= 1;
+    case Shape::kCuboid:
+      return (point.cwiseAbs().array() <= half.array()).all();
+    case Shape::kCylinder:
+      return std::abs(point.y()) <= half.y() && SquareAcross(point, half) <= 1;
+    case Shape::kCone: {
+      const double left = 0.75 - point.y() / solid.sides.y();  // of the height, up to the tip
+      return left >= 0 && left <= 1 && SquareAcross(point, half) <= left * left;
+    }
+    case Shape::kCapsule: {
+      const double straight = solid.StraightHalf();
+      const double beyond = std::max(0.0, std::abs(point.y()) - straight) / (half.y() - straight);
+      return SquareAcross(point, half) + beyond * beyond <= 1;
+    }
+    case Shape::kTetrahedron:
+    case Shape::kCompound:
+      break;
+  }
+  if (point.norm() > solid.OuterRadius()) return false;
+  const Solid dot{Shape::kEllipsoid, Vector3d::Constant(kThin * 2 * solid.LeastHalfExtent())};
+  return objects::Overlap(solid, {}, dot, {point, Eigen::Quaterniond::Identity()});
+}
+
+bool MeetsPath(const Solid& solid, const Vector3d& from, const Vector3d& to) {
+  const double length = (to - from).norm();
+  if (!(length > 0)) return Contains(solid, from);
+  const double thickness = kThin * length;
+  const Solid path{Shape::kCapsule, {thickness, length, thickness}};
+  return objects::Overlap(
+      solid, {}, path,
+      {(from + to) / 2, Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), to - from)});
+}
+
+Solid CoreOf(const Solid& solid, double part) {
+  Solid core = solid;
+  if (solid.shape != Shape::kCompound) core.sides.array() -= part * solid.sides.minCoeff();
+  return core;
+}
+
+}  // namespace cdb::probes

@@ -1,0 +1,111 @@
+// What makes scenes of known fate (fated_scenes.h).
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tests/runtime/engine/engine_fixture.h"
+#include "tests/runtime/engine/fated_scenes.h"
+
+namespace cdb::tests {
+
+inline constexpr double kFatedHz = 60;
+/// One object of a scene; each is a group of its own.
+struct FatedBody {
+  std::string_view type = "sphere";
+  Eigen::Vector3d sides = Eigen::Vector3d::Ones();  ///< m
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), spin = Eigen::Vector3d::Zero(),
+                  turn = Eigen::Vector3d::Zero();
+  double mass = 1;  ///< kg; 0: fixed
+  double friction = 0.5, restitution = 0;
+  bool ccd = false;
+};
+
+/// Starts without walls, or with those asked for; each object is added as a group of its own.
+class FatedBuilder {
+ public:
+  explicit FatedBuilder(double side, std::string_view walls = "none", std::uint64_t cycles = 120)
+      : scene_(EngineScene(1, side)) {
+    SetWorld(scene_, "record", schema::WordList{"stability"});
+    SetWorld(scene_, "world.walls", Word(walls));
+    SetWorld(scene_, "cycles", cycles);
+  }
+  FatedBuilder& World(schema::WorldParameter parameter, schema::Value value) {
+    SetWorld(scene_, parameter, std::move(value));
+    return *this;
+  }
+  FatedBuilder& Group(schema::GroupParameter parameter, schema::Value value) {
+    SetGroup(scene_, parameter, std::move(value), count_ - 1);
+    return *this;
+  }
+  FatedBuilder& Weightless() { return World("acceleration", Eigen::Vector3d(0, 0, 0)); }
+  FatedBuilder& Add(const FatedBody& body) {
+    if (count_++ > 0) scene_.groups.push_back(scene_.groups[0]);
+    scene_.groups.back().name = fmt::format("group{}", count_);
+    Group("type", Word(body.type));
+    Group("size", body.sides.x());
+    Group("aspect", schema::Ratio{body.sides / body.sides.x()});
+    Group("location", Layout("at", {{"x", body.at.x()}, {"y", body.at.y()}, {"z", body.at.z()}}));
+    Group("linear_velocity", body.velocity);
+    Group("angular_velocity", body.spin);
+    Group("orientation", body.turn);
+    Group("mass", body.mass > 0 ? schema::Value(body.mass) : Word("fixed"));
+    Group("friction", body.friction);
+    Group("restitution", body.restitution);
+    Group("ccd", body.ccd);
+    return *this;
+  }
+  plan::Scene Done() {
+    SeedStreams(scene_);
+    return scene_;
+  }
+
+ private:
+  plan::Scene scene_;
+  std::size_t count_ = 0;
+};
+
+/// A function for each fault and its look-alikes.
+class FatedCatalogue {
+ public:
+  std::vector<FatedScene> scenes;
+
+  void Passing();
+  void NotPassing();
+  void Crushing();
+  void NotCrushing();
+  void Losing();
+  void NotLosing();
+  void Sleeping();
+  void NotSleeping();
+
+ private:
+  void Begin(Fault fault, bool is_sound, std::string_view family, std::string_view why) {
+    head_ = {fault, is_sound, family, why, {}, {}};
+  }
+  void Add(std::string variant, FatedBuilder builder) {
+    FatedScene scene = head_;
+    scene.variant = std::move(variant);
+    scene.scene = builder.Done();
+    scenes.push_back(std::move(scene));
+  }
+
+  FatedScene head_;
+};
+
+/// On the floor of a cube of 20 m: its lower side at `height`.
+inline FatedBody Standing(std::string_view type, const Eigen::Vector3d& sides, double height,
+                          double mass) {
+  const double below = type == "cone" ? sides.y() / 4 : sides.y() / 2;
+  return {.type = type,
+          .sides = sides,
+          .at = {0, -10 + 1.001 * height + below + 1e-3, 0},
+          .mass = mass};
+}
+
+}  // namespace cdb::tests

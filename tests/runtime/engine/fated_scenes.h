@@ -1,0 +1,30 @@
+// Small scenes whose fate follows from physics and from what is known of Bullet, with look-alikes
+// that are sound.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+
+namespace cdb::tests {
+
+/// The fault that a scene has, or looks like having.
+enum class Fault { kPassing, kCrushing, kLosing, kSleeping };
+inline constexpr std::string_view kFaultNames[] = {"passing through", "crushing", "losing energy",
+                                                   "false sleep"};
+
+struct FatedScene {
+  Fault fault;
+  bool is_sound;
+  std::string_view family;
+  std::string_view why;  ///< the reason of its fate
+  std::string variant;   ///< what differs within the family
+  plan::Scene scene;
+};
+
+/// At least twenty of each fault and as many look-alikes; in the engine's precision.
+std::vector<FatedScene> FatedScenes();
+
+}  // namespace cdb::tests

@@ -1,0 +1,54 @@
+// Verdicts of scenes whose fate is known beforehand: how many unsound ones pass for stable, and how
+// many sound ones do not.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "runtime/measure/verdict.h"
+#include "tests/runtime/engine/engine_fixture.h"
+#include "tests/runtime/engine/fated_scenes.h"
+
+namespace cdb::tests {
+namespace {
+
+using measure::Verdict;
+
+struct FateCounts {
+  std::array<std::array<int, 2>, 2> runs = {};  ///< by fate and verdict: sound, stable
+  int Total(bool is_sound) const { return runs[is_sound][0] + runs[is_sound][1]; }
+};
+
+TEST(Fates, VerdictsFindTheUnsoundAndAreSilentOnTheSound) {
+  std::array<FateCounts, std::size(kFaultNames)> counts;
+  std::string surprises;
+  for (const FatedScene& fated : FatedScenes()) {
+    const Recorded run = RunHere(fated.scene);
+    EXPECT_TRUE(run.done()) << fated.family << ", " << fated.variant << ": " << run.message();
+    const measure::Judgement judged =
+        Judge(fated.scene, run.recording, run.header().cycles_done.load());
+    const bool is_stable = judged.verdict == Verdict::kStable;
+    ++counts[static_cast<std::size_t>(fated.fault)].runs[fated.is_sound][is_stable];
+    if (is_stable != fated.is_sound)
+      surprises +=
+          fmt::format("  {}, {}: {} from cycle {} on, though {}\n", fated.family, fated.variant,
+                      VerdictName(judged.verdict), judged.first_bad_cycle, fated.why);
+  }
+  std::string table = fmt::format("{:20} {:>24} {:>24}\n", world::EnginePrecision(),
+                                  "unsound: found, stable", "sound: stable, not");
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto& [unsound, sound] = counts[i].runs;
+    table += fmt::format("{:20} {:17} {:6} {:17} {:6}\n", kFaultNames[i], unsound[0], unsound[1],
+                         sound[1], sound[0]);
+    EXPECT_GE(counts[i].Total(false), 20) << kFaultNames[i];
+    EXPECT_EQ(unsound[1], 0) << kFaultNames[i];
+    EXPECT_EQ(sound[0], 0) << kFaultNames[i];
+  }
+  std::printf("%s%s", table.c_str(), surprises.c_str());
+}
+
+}  // namespace
+}  // namespace cdb::tests
