@@ -48,7 +48,7 @@ constexpr Series kSeries[] = {
      "energy of turning over that before the first cycle, of the object without any contact since "
      "where it is farthest from 1"},
     {"passed", "stability", kInt32, kScalar, "",
-     "objects whose centre has passed through another object, seen in this cycle"},
+     "objects whose middle has passed through another object, seen in this cycle"},
     {"pressed", "stability", kInt32, kScalar, "",
      "pairs of bodies that a load presses into each other, by more than a quarter of the smaller "
      "one's least side"},

@@ -199,10 +199,11 @@ contact. If a schedule drives the scene, energy is not checked.
 bounces nor the sleep of a sliding object accounts for it, relative to the largest kinetic energy so
 far. This is not checked if anything else can take energy: damping, rolling friction, soft contacts,
 or `expect anything`. Default contacts lose energy in elastic bounces; `contact faithful` does not.
-  An object has passed through another (passed) if the path of its centre of mass runs through it. A
-contact is pressed in (pressed) if it was shallow for three cycles and is then deep for six, or if an
-impact leaves it deep for half a second. An object sleeps unheld (unheld) in the air, or if it moved
-before and no forces of its contacts, within friction, balance its weight and its turning.
+  An object has passed through another (passed) if its centre of mass ran through it, or a ball about
+the centre with half the inner radius did within one cycle. A contact is pressed in (pressed) if it
+was shallow for three cycles and is then deep for six, or if an impact leaves it deep for half a
+second. An object sleeps unheld (unheld) in the air, or if it moved before and no forces of its
+contacts, within friction, balance its weight and its turning.
 
 )reference";
 

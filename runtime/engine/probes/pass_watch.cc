@@ -17,6 +17,8 @@ constexpr double kFastWay = 0.5;
 /// Of its least side, how far a solid is cut back: a path that only grazes is no pass, and who is
 /// pushed out at a corner did not pass.
 constexpr double kGraze = 0.1, kMiddle = 0.5;
+/// Of the inner radius of an object, the ball that may not pass either.
+constexpr double kInnerPart = 0.5;
 constexpr double kTurnStep = 0.1;  ///< rad
 constexpr int kMostSteps = 32;
 
@@ -40,8 +42,9 @@ double LeastDistance(const Vector3d& from, const Vector3d& to) {
   return (from + at * way).norm();
 }
 
-/// The path of a centre through a moving solid, in the solid's axes.
-bool PathMeets(const objects::Solid& solid, const Motion& centre, const Motion& other) {
+/// The path of a ball through a moving solid, in the solid's axes.
+bool PathMeets(const objects::Solid& solid, const Motion& centre, const Motion& other,
+               double radius) {
   const double turn =
       solid.IsBall() ? 0 : other.from.orientation.angularDistance(other.to.orientation);
   const int steps = std::min(kMostSteps, 1 + static_cast<int>(turn / kTurnStep));
@@ -54,7 +57,7 @@ bool PathMeets(const objects::Solid& solid, const Motion& centre, const Motion& 
     const objects::Pose pose{between(other.from.position, other.to.position),
                              other.from.orientation.slerp(at, other.to.orientation)};
     const Vector3d next = InAxesOf(pose, between(centre.from.position, centre.to.position));
-    if (MeetsPath(solid, last, next)) return true;
+    if (MeetsPath(solid, last, next, radius)) return true;
     last = next;
   }
   return false;
@@ -131,19 +134,23 @@ bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint
   const auto origin = [](const btTransform& pose) { return world::ToEigen(pose.getOrigin()); };
   if (LeastDistance(origin(before[object].pose) - origin(before[other].pose),
                     origin(body.getWorldTransform()) - origin(through.getWorldTransform())) >
-      sizes_[other].outer)
+      sizes_[other].outer + kInnerPart * sizes_[object].inner)
     return false;
   if (!body.checkCollideWith(&through)) return false;
   const objects::Solid& solid = engine_.initial_state().objects[other].solid;
   const Motion centre{PassPoseOf(before[object].pose), PassPoseOf(body.getWorldTransform())};
   const Motion motion{PassPoseOf(before[other].pose), PassPoseOf(through.getWorldTransform())};
   const Vector3d from = InAxesOf(motion.from, centre.from.position);
+  const Vector3d to = InAxesOf(motion.to, centre.to.position);
   if (Contains(solid, from)) return false;
-  if (Contains(solid, InAxesOf(motion.to, centre.to.position))) {
+  if (Contains(solid, to)) {
     entries_.push_back({object, other, from});
     return false;
   }
-  return PathMeets(CoreOf(solid, kGraze), centre, motion);
+  if (PathMeets(CoreOf(solid, kGraze), centre, motion, 0)) return true;
+  const double radius = kInnerPart * sizes_[object].inner;
+  return !MeetsPath(solid, from, from, radius) && !MeetsPath(solid, to, to, radius) &&
+         PathMeets(solid, centre, motion, radius);
 }
 
 /// Of those who are inside: who is out again, and through the middle.

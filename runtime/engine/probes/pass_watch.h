@@ -1,5 +1,6 @@
 // Finds objects that passed through one another: the path of one's centre of mass within a cycle
-// runs through the other solid, or leaves it on another side than it came.
+// runs through the other solid, or leaves it on another side than it came; or that of the ball
+// about the centre with half the inner radius does, clear of the solid before and after.
 #pragma once
 
 #include <cstdint>

@@ -49,14 +49,15 @@ bool Contains(const Solid& solid, const Vector3d& point) {
   return objects::Overlap(solid, {}, dot, {point, Eigen::Quaterniond::Identity()});
 }
 
-bool MeetsPath(const Solid& solid, const Vector3d& from, const Vector3d& to) {
+bool MeetsPath(const Solid& solid, const Vector3d& from, const Vector3d& to, double radius) {
   const double length = (to - from).norm();
-  if (!(length > 0)) return Contains(solid, from);
-  const double thickness = kThin * length;
-  const Solid path{Shape::kCapsule, {thickness, length, thickness}};
-  return objects::Overlap(
-      solid, {}, path,
-      {(from + to) / 2, Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), to - from)});
+  const double width = 2 * std::max(radius, kThin * length);
+  if (!(width > 0)) return Contains(solid, from);
+  const Solid path{Shape::kCapsule, {width, length + 2 * radius, width}};
+  return objects::Overlap(solid, {}, path,
+                          {(from + to) / 2, length > 0 ? Eigen::Quaterniond::FromTwoVectors(
+                                                             Vector3d::UnitY(), to - from)
+                                                       : Eigen::Quaterniond::Identity()});
 }
 
 Solid CoreOf(const Solid& solid, double part) {

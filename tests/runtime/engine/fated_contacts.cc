@@ -59,6 +59,15 @@ void FatedCatalogue::Passing() {
     ball.at.x() = -10 * speed / kFatedHz + 0.03;
     Add(fmt::format("{} m/s", speed), FatedBuilder(200).Weightless().Add(ball).Add(Plate()));
   }
+  Begin(Fault::kPassing, false, "ball over the end of a thin rod",
+        "the rod runs through the ball, but through neither's centre");
+  for (const double speed : {100.0, 200.0}) {
+    FatedBody ball = BallAtPlate(speed);
+    ball.sides = Vector3d::Constant(1);
+    ball.at.y() = 0.2;
+    const FatedBody rod{.type = "cuboid", .sides = {0.05, 0.05, 10}, .at = {0, 0, 3}, .mass = 0};
+    Add(fmt::format("{} m/s", speed), FatedBuilder(200).Weightless().Add(ball).Add(rod));
+  }
   Begin(Fault::kPassing, false, "two plates and a ball between them",
         "two fly towards each other and leave it behind");
   for (const double speed : {60.0, 120.0}) {
