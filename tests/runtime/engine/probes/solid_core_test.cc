@@ -50,7 +50,9 @@ TEST(SolidCore, MeetsPathsThatHaveAPointInside) {
       for (int k = 0; k <= 400; ++k)
         has_point = has_point ||
                     probes::Contains(probes::CoreOf(solid, 0.01), from + k / 400.0 * (to - from));
-      if (has_point) EXPECT_TRUE(probes::MeetsPath(solid, from, to));
+      if (has_point) {
+        EXPECT_TRUE(probes::MeetsPath(solid, from, to));
+      }
       met += probes::MeetsPath(solid, from, to);
     }
     EXPECT_GT(met, 20);
