@@ -1,9 +1,9 @@
 #include "runtime/engine/probes/processor_time.h"
 
 #include <sys/resource.h>
-#include <time.h>
 #include <unistd.h>
 
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <string>
