@@ -104,8 +104,9 @@ TEST(Touching, ObjectsIsNoOverlap) {
     SetGroup(pair, "type", Word(type));
     SetGroup(pair, "orientation", Word("random"));
     EXPECT_EQ(FailureOf(pair), "") << type;
-    if (std::string(type) != "cone")
+    if (std::string(type) != "cone") {
       EXPECT_NE(FailureOf(scene).find("overlaps"), std::string::npos) << type;
+    }
   }
 }
 

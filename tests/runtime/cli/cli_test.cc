@@ -89,8 +89,9 @@ TEST(Run, LeavesOutTheSamePartsForEverySeed) {
   const store::ResultFile file(program.folder() / "auto.h5");
   for (std::size_t seed = 0; seed < 6; ++seed)
     for (const schema::ComponentInfo& info : schema::Components())
-      if (info.IsVisible())
+      if (info.IsVisible()) {
         EXPECT_FALSE(schema::ListsWord(file.ReadText("omitted", {{seed}, 0}), info.name));
+      }
   program.Write("lone.cdb", lone("none"));
   EXPECT_EQ(program.Run({"run", "lone.cdb", "-q", "-o", "none.h5"}).status, 0);
   const store::ResultFile whole(program.folder() / "none.h5");
