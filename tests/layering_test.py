@@ -33,7 +33,8 @@ EXTERNAL = [
     (r"^ccd/", ("library/detectors/third_party/ccd/",)),
     (r"^(hacd|meshoptimizer)", ("library/meshes/decompose.cc",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
-    (r"^(CLI/|nlohmann/)", ("runtime/cli/",)),
+    (r"^CLI/", ("runtime/cli/",)),
+    (r"^nlohmann/", ("runtime/report/", "runtime/cli/")),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]
 

@@ -1,0 +1,12 @@
+// In place of the bundled pages, where npm is missing.
+#include "runtime/page/page.h"
+
+namespace cdb::page {
+
+const Template& ReportTemplate() {
+  static const Template none;
+  return none;
+}
+const Template& ViewTemplate() { return ReportTemplate(); }
+
+}  // namespace cdb::page
