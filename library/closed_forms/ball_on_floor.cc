@@ -49,7 +49,7 @@ class BallOnFloor : public ClosedForm {
     second_ = rolls ? Vector3d(-(1 - kRolls) * along_) : Vector3d(-grip_ * along_.normalized());
     if (std::isfinite(slips_for_)) turning_point_ = After(start_, first_, slips_for_);
     const BallMotion end = MotionAt(fit.end());
-    energy_scale_ = std::max(EnergyOf(start_), EnergyOf(end) + Fallen(end));
+    energy_scale_ = std::max(EnergyOf(start_), EnergyOf(end) + TakenByFriction(end));
   }
 
   double slips_for() const { return slips_for_; }
@@ -90,7 +90,7 @@ class BallOnFloor : public ClosedForm {
            (ball.v.squaredNorm() + kBallInertia * radius_ * radius_ * ball.w.squaredNorm());
   }
   /// J that friction has taken until then.
-  double Fallen(const BallMotion& ball) const {
+  double TakenByFriction(const BallMotion& ball) const {
     return std::max(
         0.0, EnergyOf(start_) + object_.mass * along_.dot(ball.x - start_.x) - EnergyOf(ball));
   }

@@ -1,4 +1,4 @@
-// What the library has against a scene before it runs.
+// Faults that the library finds in a scene before it runs.
 #pragma once
 
 #include <optional>

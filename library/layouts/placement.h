@@ -7,22 +7,22 @@
 
 namespace cdb::layouts {
 
-/// Draws again for one object, and for all together, before the search is given up. The looks at
-/// voxels count too.
+/// Draws for one object, and for all together, before the search is given up. Voxels that are looked
+/// at count as draws.
 inline constexpr std::uint64_t kMaxTriesOfOne = 100000;
 inline constexpr std::uint64_t kMinTriesOfAll = 1000000;
 inline constexpr std::uint64_t kMeanTriesOfAll = 1000;  ///< times the objects
 
-/// Up to this fraction of the cube, boxes around what is no ball included, plain redrawing goes on
-/// until kMaxTriesOfOne; beyond it an object that missed kMissesBeforeVoxels times in a row goes to
-/// the voxels.
+/// Up to this packing fraction (of boxes around shapes other than balls) positions are drawn until
+/// kMaxTriesOfOne; beyond it, an object that failed kMissesBeforeVoxels times in a row is placed by
+/// way of the voxels.
 inline constexpr double kMaxPlainFill = 0.25;
 inline constexpr std::uint64_t kMissesBeforeVoxels = 1000;
 
-/// What equal solids fill where no further one finds a free place by chance: a little above .3841
-/// for balls (Zhang and Torquato 2013) and .4227 for aligned cubes, the most of the other shapes.
-/// Holds for many objects that are short against the cube: then a group that needs more is refused
-/// before the first draw.
+/// Packing fractions of equal solids at which random sequential addition ends: a little above .3841
+/// for balls (Zhang and Torquato 2013) and .4227 for aligned cubes, the densest of the other shapes.
+/// They hold for many objects that are small against the cube: then a group that needs more is
+/// refused before the first draw.
 inline constexpr double kMaxFillOfBalls = 0.40;
 inline constexpr double kMaxFillOfOthers = 0.45;
 inline constexpr std::uint64_t kManyObjects = 1000;

@@ -51,7 +51,7 @@ class At {
       case ErrorKind::kVelocity:
         return Velocity();
       case ErrorKind::kRotation:
-        return Orientation();
+        return Rotation();
       case ErrorKind::kEnergy:
         return Energy();
       case ErrorKind::kMomentum:
@@ -100,7 +100,7 @@ class At {
     });
   }
 
-  double Orientation() const {
+  double Rotation() const {
     if (truth_.orientations.empty()) return kNone;
     return RmsOverObjects(run_, [&](std::size_t i) {
       const double angle = run_.orientation(sample_, i).angularDistance(truth_.orientations[i]);

@@ -106,7 +106,7 @@ void MakeResultsFolder(const fs::path& folder) {
                                    folder.string(), error.message()));
 }
 
-/// On a terminal: somebody may wait until the machine is quiet. The results say it in any case.
+/// Only on a terminal, where somebody can wait for a quiet machine. The results record the load anyway.
 void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
   const double load = measure::LoadAverage(), processors = measure::ProcessorCount();
   if (options_.is_quiet || isatty(STDERR_FILENO) == 0 || !plan.Records("timing") ||

@@ -16,7 +16,7 @@ std::span<const RunScalarInfo> AllRunScalars() {
       {"cycles_time", "ns",
        "wall-clock time of the recorded cycles, with what is measured between them",
        &RunScalars::cycles_wall_ns},
-      {"cpu_time", "ns", "time of that which the thread spent on a processor",
+      {"cpu_time", "ns", "of cycles_time, the time that the thread spent on a processor",
        &RunScalars::cycles_cpu_ns},
       {"preemptions", "", "how often the thread was taken off its processor meanwhile",
        &RunScalars::preemptions, true},
