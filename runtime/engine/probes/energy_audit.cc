@@ -4,20 +4,21 @@
 #include <cmath>
 
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/manifolds.h"
 
 namespace cdb::probes {
 namespace {
 
 using Eigen::Vector3d;
 
-/// While Bullet fits the velocities of a scene to its joints, energy is lost truly.
+/// A scene with joints may lose energy while Bullet adjusts its velocities to them.
 constexpr int kJerkCycles = 20;
-/// Of an object's side: less than what a fall by it gives is not looked at. Joints give way.
+/// Of an object's side: smaller losses than a fall by this much are ignored. Joints give way.
 constexpr double kLeastFall = 0.01, kLeastFallWithJoints = 0.5;
 /// Of the velocity of an object: a slower contact point does not slip.
 constexpr double kSlips = 0.1;
 
-/// Velocity of a point of a body, of whom `arm` is seen from the centre of mass.
+/// Velocity of a point of a body; `arm`: the point relative to the centre of mass.
 Vector3d PointVelocity(const btVector3& velocity, const btVector3& spin, const Vector3d& arm) {
   return world::ToEigen(velocity) + world::ToEigen(spin).cross(arm);
 }
@@ -50,11 +51,8 @@ double EnergyAudit::After(const BodyStates& before, const BodyStates& now, doubl
     Begin(kinetic, energy);
     return 0;
   }
-  btDispatcher& dispatcher = *engine_.world().getDispatcher();
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-    if (manifold.getNumContacts() > 0) taken_ += TakenBy(manifold, before, now);
-  }
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world()))
+    taken_ += TakenBy(manifold, before, now);
   taken_ += TakenBySleep(before, now);
   peak_ = std::max(peak_, kinetic);
   const double scale = peak_ + least_;
@@ -97,29 +95,37 @@ double EnergyAudit::KineticOf(std::size_t object, const BodyState& state) const 
          (world::ToEigen(state.velocity).squaredNorm() + inertias_[object].dot(spin.cwiseAbs2()));
 }
 
-/// A contact point moves over what it touches, so that friction would have stopped the object.
-bool EnergyAudit::Slips(const btRigidBody& body, const BodyState& state) const {
-  btDispatcher& dispatcher = *engine_.world().getDispatcher();
-  const double least = kSlips * world::ToEigen(state.velocity).norm();
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-    if (manifold.getBody0() != &body && manifold.getBody1() != &body) continue;
-    for (int j = 0; j < manifold.getNumContacts(); ++j) {
-      const Vector3d arm = world::ToEigen(manifold.getContactPoint(j).getPositionWorldOnB() -
-                                          state.pose.getOrigin());
-      if (PointVelocity(state.velocity, state.spin, arm).norm() > least) return true;
+/// By object: 1 where a contact point of it moves over what it touches, so that friction would have
+/// stopped it.
+std::vector<char> EnergyAudit::Slipping(const BodyStates& states) const {
+  std::vector<char> slipping(states.size(), 0);
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
+    for (const btCollisionObject* body : {manifold.getBody0(), manifold.getBody1()}) {
+      const auto index = static_cast<std::size_t>(body->getUserIndex());
+      if (index >= states.size()) continue;
+      const BodyState& state = states[index];
+      const double least = kSlips * world::ToEigen(state.velocity).norm();
+      for (int j = 0; j < manifold.getNumContacts(); ++j) {
+        const Vector3d arm = world::ToEigen(manifold.getContactPoint(j).getPositionWorldOnB() -
+                                            state.pose.getOrigin());
+        if (PointVelocity(state.velocity, state.spin, arm).norm() > least) slipping[index] = 1;
+      }
     }
   }
-  return false;
+  return slipping;
 }
 
 double EnergyAudit::TakenBySleep(const BodyStates& before, const BodyStates& now) const {
-  double taken = 0;
+  std::vector<std::size_t> stopped;
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    if (now[i].is_asleep && !(before[i].velocity.isZero() && before[i].spin.isZero()))
+      stopped.push_back(i);
+  if (stopped.empty()) return 0;
+  const std::vector<char> slipping = Slipping(before);
   const Vector3d fall = engine_.acceleration() * static_cast<double>(engine_.timestep());
-  for (std::size_t i = 0; i < masses_.size(); ++i) {
-    if (!now[i].is_asleep || (before[i].velocity.isZero() && before[i].spin.isZero()) ||
-        !Slips(*engine_.objects()[i], before[i]))
-      continue;
+  double taken = 0;
+  for (const std::size_t i : stopped) {
+    if (slipping[i] == 0) continue;
     const double fallen = masses_[i] * std::abs(fall.dot(world::ToEigen(before[i].velocity)));
     taken += KineticOf(i, before[i]) + fallen;
   }

@@ -2,7 +2,8 @@
 // bounces, in rolling without resistance.
 #pragma once
 
-#include "compiler/plan/plan.h"
+#include <vector>
+
 #include "runtime/engine/probes/body_states.h"
 
 namespace cdb::probes {
@@ -27,7 +28,7 @@ class EnergyAudit {
  private:
   double TakenBy(const btPersistentManifold& manifold, const BodyStates& before,
                  const BodyStates& now) const;
-  bool Slips(const btRigidBody& body, const BodyState& state) const;
+  std::vector<char> Slipping(const BodyStates& states) const;
   double TakenBySleep(const BodyStates& before, const BodyStates& now) const;
   double KineticOf(std::size_t object, const BodyState& state) const;
 

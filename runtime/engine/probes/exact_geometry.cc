@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/manifolds.h"
 
 namespace cdb::probes {
 namespace {
@@ -111,9 +112,7 @@ NarrowPhaseErrors CompareContacts(world::Engine& engine,
     Vector3d normal;
   };
   std::vector<Found> founds(overlaps.size());
-  btDispatcher& dispatcher = *engine.world().getDispatcher();
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine.world())) {
     const auto body0 = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
     const auto body1 = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
     const BodyPair bodies = std::minmax(body0, body1);

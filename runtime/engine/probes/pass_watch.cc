@@ -12,12 +12,12 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Of its inner radius, what an object has to move in a cycle to get past a contact.
+/// Of its inner radius, how far an object has to move in a cycle to get past a contact.
 constexpr double kFastWay = 0.5;
-/// Of its least side, how far a solid is cut back: a path that only grazes is no pass, and who is
-/// pushed out at a corner did not pass.
+/// Of its least side, how far a solid is cut back: a path that only grazes it, or an object that is
+/// pushed out at a corner, does not count.
 constexpr double kGraze = 0.1, kMiddle = 0.5;
-/// Of the inner radius of an object, the ball that may not pass either.
+/// Of the inner radius of an object: the radius of the ball that may not pass either.
 constexpr double kInnerPart = 0.5;
 constexpr double kTurnStep = 0.1;  ///< rad
 constexpr int kMostSteps = 32;
@@ -25,10 +25,6 @@ constexpr int kMostSteps = 32;
 struct Motion {
   objects::Pose from, to;
 };
-
-objects::Pose PassPoseOf(const btTransform& pose) {
-  return {world::ToEigen(pose.getOrigin()), world::ToEigen(pose.getRotation()).normalized()};
-}
 
 Vector3d InAxesOf(const objects::Pose& pose, const Vector3d& point) {
   return pose.orientation.conjugate() * (point - pose.position);
@@ -138,8 +134,9 @@ bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint
     return false;
   if (!body.checkCollideWith(&through)) return false;
   const objects::Solid& solid = engine_.initial_state().objects[other].solid;
-  const Motion centre{PassPoseOf(before[object].pose), PassPoseOf(body.getWorldTransform())};
-  const Motion motion{PassPoseOf(before[other].pose), PassPoseOf(through.getWorldTransform())};
+  const Motion centre{world::ToPose(before[object].pose), world::ToPose(body.getWorldTransform())};
+  const Motion motion{world::ToPose(before[other].pose),
+                      world::ToPose(through.getWorldTransform())};
   const Vector3d from = InAxesOf(motion.from, centre.from.position);
   const Vector3d to = InAxesOf(motion.to, centre.to.position);
   if (Contains(solid, from)) return false;
@@ -153,11 +150,11 @@ bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint
          PathMeets(solid, centre, motion, radius);
 }
 
-/// Of those who are inside: who is out again, and through the middle.
+/// Counts the objects that have left the solid they were inside, by a path through its middle.
 std::int32_t PassWatch::FollowEntries() {
   std::int32_t passed = 0;
   std::erase_if(entries_, [&](const Entry& entry) {
-    const objects::Pose pose = PassPoseOf(engine_.objects()[entry.other]->getWorldTransform());
+    const objects::Pose pose = world::ToPose(engine_.objects()[entry.other]->getWorldTransform());
     const Vector3d at = InAxesOf(
         pose, world::ToEigen(engine_.objects()[entry.object]->getWorldTransform().getOrigin()));
     const objects::Solid& solid = engine_.initial_state().objects[entry.other].solid;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "runtime/engine/probes/solid_core.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/manifolds.h"
 
 namespace cdb::probes {
 namespace {
@@ -58,11 +60,8 @@ PressWatch::Seen PressWatch::After() {
 }
 
 void PressWatch::CollectContacts() {
-  btDispatcher& dispatcher = *engine_.world().getDispatcher();
   std::ranges::fill(loaded_, 0);
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-    if (manifold.getNumContacts() == 0) continue;
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
     double depth = 0;
     for (int j = 0; j < manifold.getNumContacts(); ++j)
       depth = std::max(depth, -static_cast<double>(manifold.getContactPoint(j).getDistance()));
@@ -130,12 +129,10 @@ void PressWatch::FindLoads() {
   const double pull = engine_.acceleration().norm();
   if (!(pull > 0)) return;
   const Vector3d up = -engine_.acceleration() / pull;
-  btDispatcher& dispatcher = *engine_.world().getDispatcher();
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
     const auto first = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
     const auto second = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
-    if (manifold.getNumContacts() == 0 || !IsObject(first) || !IsObject(second)) continue;
+    if (!IsObject(first) || !IsObject(second)) continue;
     if (std::abs(world::ToEigen(manifold.getContactPoint(0).m_normalWorldOnB).dot(up)) < kUpright)
       continue;
     const Vector3d way = PositionOf(first) - PositionOf(second);
@@ -144,12 +141,9 @@ void PressWatch::FindLoads() {
                                         engine_.objects()[second]->getLinearVelocity())
                              .norm();
     if ((way - way.dot(up) * up).norm() > inner_[load.lower] ||
-        speed > kSlow * std::sqrt(pull * std::min(least_sides_[first], least_sides_[second])) ||
-        std::ranges::any_of(loads_, [&](const Load& known) {
-          return std::minmax(known.upper, known.lower) == std::minmax(first, second);
-        }))
+        speed > kSlow * std::sqrt(pull * std::min(least_sides_[first], least_sides_[second])))
       continue;
-    loads_.push_back(load);
+    loads_.try_emplace(std::minmax(first, second), load);
   }
 }
 
@@ -157,12 +151,13 @@ std::int32_t PressWatch::CountInverted() const {
   const double pull = engine_.acceleration().norm();
   if (loads_.empty() || !(pull > 0)) return 0;
   const Vector3d up = -engine_.acceleration() / pull;
-  return static_cast<std::int32_t>(std::ranges::count_if(loads_, [&](const Load& load) {
-    const Vector3d way = PositionOf(load.upper) - PositionOf(load.lower);
-    const double height = way.dot(up);
-    return height < 0 &&
-           (way - height * up).norm() < std::max(inner_[load.upper], inner_[load.lower]);
-  }));
+  return static_cast<std::int32_t>(
+      std::ranges::count_if(loads_ | std::views::values, [&](const Load& load) {
+        const Vector3d way = PositionOf(load.upper) - PositionOf(load.lower);
+        const double height = way.dot(up);
+        return height < 0 &&
+               (way - height * up).norm() < std::max(inner_[load.upper], inner_[load.lower]);
+      }));
 }
 
 }  // namespace cdb::probes

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -64,10 +65,9 @@ class PressWatch {
   const int patience_;  ///< cycles for which an impact may be deep
   int cycle_ = 0;
   std::vector<double> inner_, outer_;  ///< m: radii, by object
-  std::vector<Pair> pairs_,
-      last_;                  ///< that overlap, in the order of their bodies; before this cycle
-  std::vector<char> loaded_;  ///< by object: touches another
-  std::vector<Load> loads_;
+  std::vector<Pair> pairs_, last_;     ///< overlapping, sorted by their bodies; the cycle before
+  std::vector<char> loaded_;           ///< by object: touches another
+  std::map<Bodies, Load> loads_;
 };
 
 }  // namespace cdb::probes

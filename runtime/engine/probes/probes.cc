@@ -177,16 +177,13 @@ void Probes::RecordLinks(std::uint64_t cycle) {
 }
 
 void Probes::RecordManifolds(std::uint64_t cycle) {
-  btDispatcher& dispatcher = *engine_.world().getDispatcher();
   std::int32_t manifolds = 0, contacts = 0;
   double deepest = 0, deepest_ratio = 0;
   std::ranges::fill(touches_, 0);
   if (!touches_.empty()) engine_.links().MarkHeld(touches_, MotionWatch::kHeld);
   contact_records_.clear();
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
     const int count = manifold.getNumContacts();
-    if (count == 0) continue;
     const int a = manifold.getBody0()->getUserIndex();
     const int b = manifold.getBody1()->getUserIndex();
     ++manifolds;

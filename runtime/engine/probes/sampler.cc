@@ -126,10 +126,8 @@ double Sampler::SizeOf(const btCollisionObject* body) const {
 }
 
 void Sampler::TakeContacts() {
-  btDispatcher& dispatcher = *engine_.world().getDispatcher();
   double contacts = 0, overlaps = 0, sum = 0, deepest = 0;
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
     const double size = std::min(SizeOf(manifold.getBody0()), SizeOf(manifold.getBody1()));
     contacts += manifold.getNumContacts();
     for (int j = 0; j < manifold.getNumContacts(); ++j) {

@@ -5,12 +5,13 @@
 #include <numbers>
 
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/manifolds.h"
 
 namespace cdb::probes {
 namespace {
 
 using Eigen::Vector3d;
-using Wrench = Eigen::Matrix<double, 6, 1>;  ///< force, and torque over the least side
+using Wrench = SleepWatch::Wrench;
 
 /// Weights that are left over, in weights: of normals alone, that the ground slopes; of forces with
 /// friction; of forces and torques.
@@ -38,14 +39,9 @@ double Residual(const std::vector<Wrench>& columns, Wrench weight, int rows) {
   return weight.head(rows).norm();
 }
 
-/// The forces that contacts can put on an object.
-struct Support {
-  std::vector<Wrench> normals, cones;
-};
-
 /// `normal` points to the object. One edge of the cone lies against the slope.
 void AddPoint(const Vector3d& normal, const Vector3d& arm, double friction, const Vector3d& up,
-              Support& support) {
+              SleepWatch::Support& support) {
   const auto add = [&](const Vector3d& force, std::vector<Wrench>& columns) {
     Wrench column;
     column << force, arm.cross(force);
@@ -62,26 +58,6 @@ void AddPoint(const Vector3d& normal, const Vector3d& arm, double friction, cons
   }
 }
 
-/// Torques are over `length`.
-Support SupportOf(world::Engine& engine, const btRigidBody& body, double length) {
-  Support support;
-  const Vector3d origin = world::ToEigen(body.getWorldTransform().getOrigin());
-  const Vector3d up = -engine.acceleration().normalized();
-  btDispatcher& dispatcher = *engine.world().getDispatcher();
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-    const bool is_first = manifold.getBody0() == &body;
-    if (!is_first && manifold.getBody1() != &body) continue;
-    for (int j = 0; j < manifold.getNumContacts(); ++j) {
-      const btManifoldPoint& point = manifold.getContactPoint(j);
-      AddPoint((is_first ? 1 : -1) * world::ToEigen(point.m_normalWorldOnB),
-               (world::ToEigen(point.getPositionWorldOnB()) - origin) / length,
-               static_cast<double>(point.m_combinedFriction), up, support);
-    }
-  }
-  return support;
-}
-
 }  // namespace
 
 SleepWatch::SleepWatch(world::Engine& engine)
@@ -90,32 +66,56 @@ SleepWatch::SleepWatch(world::Engine& engine)
 }
 
 std::int32_t SleepWatch::After(const BodyStates& before, const BodyStates& now) {
-  std::int32_t count = 0;
+  supports_.clear();
   for (std::size_t i = 0; i < unheld_.size(); ++i) {
-    if (!now[i].is_asleep) {
+    if (!now[i].is_asleep)
       unheld_[i] = 0;
-    } else if ((!before[i].is_asleep || is_first_) && !linked_[i]) {
-      unheld_[i] = !IsHeld(i, before[i]);
-    }
-    count += unheld_[i];
+    else if ((!before[i].is_asleep || is_first_) && !linked_[i])
+      supports_.try_emplace(i);
   }
   is_first_ = false;
-  return count;
+  if (!supports_.empty() && engine_.acceleration().norm() > 0) {
+    CollectSupports();
+    for (const auto& [object, support] : supports_)
+      unheld_[object] = !IsHeld(object, before[object], support);
+  }
+  return static_cast<std::int32_t>(std::ranges::count(unheld_, 1));
 }
 
-bool SleepWatch::IsHeld(std::size_t object, const BodyState& before) {
+void SleepWatch::CollectSupports() {
+  const Vector3d up = -engine_.acceleration().normalized();
+  const auto add = [&](const btPersistentManifold& manifold, const btCollisionObject* body,
+                       double sign) {
+    const auto found = supports_.find(static_cast<std::size_t>(body->getUserIndex()));
+    if (found == supports_.end()) return;
+    const Vector3d origin = world::ToEigen(body->getWorldTransform().getOrigin());
+    const double half = HalfOf(found->first);
+    for (int j = 0; j < manifold.getNumContacts(); ++j) {
+      const btManifoldPoint& point = manifold.getContactPoint(j);
+      AddPoint(sign * world::ToEigen(point.m_normalWorldOnB),
+               (world::ToEigen(point.getPositionWorldOnB()) - origin) / half,
+               static_cast<double>(point.m_combinedFriction), up, found->second);
+    }
+  };
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
+    add(manifold, manifold.getBody0(), 1);
+    add(manifold, manifold.getBody1(), -1);
+  }
+}
+
+double SleepWatch::HalfOf(std::size_t object) const {
+  return engine_.initial_state().objects[object].solid.LeastHalfExtent();
+}
+
+bool SleepWatch::IsHeld(std::size_t object, const BodyState& before, const Support& support) const {
   const double pull = engine_.acceleration().norm();
-  if (!(pull > 0)) return true;
-  const btRigidBody& body = *engine_.objects()[object];
   const layouts::ObjectState& state = engine_.initial_state().objects[object];
-  const double half = state.solid.LeastHalfExtent();
-  const Support support = SupportOf(engine_, body, half);
   if (support.normals.empty()) return false;
   // A ball cannot lie on a slope, however slow it was.
   const bool fell_asleep_unseen = before.is_asleep;
   if (fell_asleep_unseen
           ? !state.solid.IsBall()
-          : world::ToEigen(before.velocity).norm() < kRests * std::sqrt(pull * 2 * half))
+          : world::ToEigen(before.velocity).norm() < kRests * std::sqrt(pull * 2 * HalfOf(object)))
     return true;
   Wrench weight = Wrench::Zero();
   weight.head<3>() = -engine_.acceleration() / pull;

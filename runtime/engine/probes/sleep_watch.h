@@ -2,7 +2,9 @@
 // friction bears or that they roll down, or in the air.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "runtime/engine/probes/body_states.h"
@@ -22,12 +24,21 @@ class SleepWatch {
   /// that nothing holds.
   std::int32_t After(const BodyStates& before, const BodyStates& now);
 
+  using Wrench = Eigen::Matrix<double, 6, 1>;  ///< force, and torque over the least half extent
+  /// The forces that contacts can put on an object.
+  struct Support {
+    std::vector<Wrench> normals, cones;
+  };
+
  private:
-  bool IsHeld(std::size_t object, const BodyState& before);
+  void CollectSupports();
+  double HalfOf(std::size_t object) const;
+  bool IsHeld(std::size_t object, const BodyState& before, const Support& support) const;
 
   world::Engine& engine_;
   bool is_first_ = true;
-  std::vector<char> linked_, unheld_;  ///< by object
+  std::vector<char> linked_, unheld_;        ///< by object
+  std::map<std::size_t, Support> supports_;  ///< of objects that fell asleep in this cycle
 };
 
 }  // namespace cdb::probes

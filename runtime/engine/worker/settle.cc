@@ -180,13 +180,10 @@ void ComeToRest(const Settling& settling, world::Engine& engine) {
 }
 
 /// The dropped objects with the poses that they have in the engine.
-InitialState Taken(const Settling& settling, const world::Engine& engine) {
+InitialState StateOf(const Settling& settling, const world::Engine& engine) {
   InitialState state = settling.dropped;
-  for (const std::uint32_t i : settling.piled) {
-    const btTransform& pose = engine.objects()[i]->getWorldTransform();
-    state.objects[i].pose.position = world::ToEigen(pose.getOrigin());
-    state.objects[i].pose.orientation = world::ToEigen(pose.getRotation()).normalized();
-  }
+  for (const std::uint32_t i : settling.piled)
+    state.objects[i].pose = world::ToPose(engine.objects()[i]->getWorldTransform());
   return state;
 }
 
@@ -275,7 +272,7 @@ InitialState Settled(const Settling& settling) {
   for (const double growth : kSettleGrowth) {
     world::Engine engine(quiet, QuietState(settling, growth), pruning::KeepEverything(quiet));
     ComeToRest(settling, engine);
-    InitialState settled = Taken(settling, engine);
+    InitialState settled = StateOf(settling, engine);
     try {
       CheckClearance(settling.scene, settled);
       return settled;

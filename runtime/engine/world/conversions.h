@@ -1,11 +1,13 @@
 // Vectors and rotations of Bullet, in the precision of this worker, and of Eigen, in double.
 #pragma once
 
-#include <LinearMath/btMatrix3x3.h>
+#include <LinearMath/btTransform.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
+
+#include "library/objects/solid.h"
 
 namespace cdb::world {
 
@@ -26,6 +28,10 @@ inline Eigen::Vector3d ToEigen(const btVector3& v) {
 inline Eigen::Quaterniond ToEigen(const btQuaternion& q) {
   return Eigen::Quaterniond(static_cast<double>(q.w()), static_cast<double>(q.x()),
                             static_cast<double>(q.y()), static_cast<double>(q.z()));
+}
+
+inline objects::Pose ToPose(const btTransform& pose) {
+  return {ToEigen(pose.getOrigin()), ToEigen(pose.getRotation()).normalized()};
 }
 
 inline bool IsFinite(const btVector3& v) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "runtime/engine/world/manifolds.h"
+
 namespace cdb::world {
 namespace {
 
@@ -88,11 +90,8 @@ void OmissionGuard::CheckOutside(std::size_t object) const {
 }
 
 void OmissionGuard::CheckOrder() {
-  btDispatcher& dispatcher = *engine_.world().getDispatcher();
   std::ranges::fill(touches_, 0);
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-    if (manifold.getNumContacts() == 0) continue;
+  for (const btPersistentManifold& manifold : TouchingManifolds(engine_.world())) {
     for (const btCollisionObject* body : {manifold.getBody0(), manifold.getBody1()}) {
       if (body->isStaticObject()) continue;
       char& touches = touches_[static_cast<std::size_t>(body->getUserIndex())];

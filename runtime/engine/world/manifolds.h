@@ -1,0 +1,25 @@
+// The contact manifolds of a world that have contacts.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <cstddef>
+#include <ranges>
+#include <span>
+
+namespace cdb::world {
+
+/// A view, in Bullet's order; valid until the world's next cycle. Threads: none but the world's.
+inline auto TouchingManifolds(btCollisionWorld& world) {
+  btDispatcher& dispatcher = *world.getDispatcher();
+  const std::span<const btPersistentManifold* const> manifolds(
+      dispatcher.getInternalManifoldPointer(),
+      static_cast<std::size_t>(dispatcher.getNumManifolds()));
+  return manifolds | std::views::transform([](const btPersistentManifold* manifold) -> const auto& {
+           return *manifold;
+         }) |
+         std::views::filter(
+             [](const btPersistentManifold& manifold) { return manifold.getNumContacts() > 0; });
+}
+
+}  // namespace cdb::world
