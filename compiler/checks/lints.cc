@@ -81,7 +81,7 @@ constexpr LintInfo kLints[] = {
      "objects {} move at a wrong speed or stand still", "places within {} m, or precision double",
      "location world.side linear_velocity timestep precision"},
     {Lint::kLostFall, Warning("lost-fall"),
-     "step between neighbouring numbers over the larger of g timestep^2 and 0.01 of an object's thinnest piece", "0.3",
+     "step between neighbouring numbers over the larger of g timestep^2 and 0.01 of an object's size", "0.3",
      "the fall of the first cycles {} be lost in rounding", "places within {} m (a smaller world.side), or precision double",
      "world.side location quantity precision size acceleration timestep"},
     {Lint::kHeavyMass, Warning("heavy-mass"),

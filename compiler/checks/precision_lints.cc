@@ -1,7 +1,6 @@
 // Lints about rounding: positions, motion and masses that the precision does not resolve.
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "compiler/checks/lint_formulae.h"
 
@@ -18,34 +17,9 @@ constexpr double kGainOverPlace = 0.2;
 constexpr double kHopelesslyCoarse = 0.5;
 /// Sides that an object has to move for its motion to count.
 constexpr double kNoticed = 0.01;
-/// The thinnest convex piece of a compound over its size: of the models as they are decomposed, of
-/// other meshes as of the thinnest model.
-struct ThinnestPiece {
-  std::string_view type;
-  double part;
-};
-constexpr double kMeshPiece = 0.03;
-constexpr ThinnestPiece kThinnestPieces[] = {
-    {"armadillo", kMeshPiece}, {"teapot", 0.04}, {"bunny", 0.12}, {"torus", 0.19}};
-
 /// The distance of neighbouring numbers at `value`.
 double StepAt(double value, double epsilon) {
   return value > 0 ? std::exp2(std::floor(std::log2(value))) * epsilon : 0;
-}
-
-/// Of the types that may be drawn.
-double ThinnestPieceOf(const schema::Value& type) {
-  const schema::Call* mesh = schema::AsCall(type);
-  if (mesh != nullptr && mesh->name == "mesh") return kMeshPiece;
-  if (const auto* drawn = std::get_if<schema::Distribution>(&type)) {
-    double least = 1;
-    for (const schema::Value& choice : drawn->arguments)
-      least = std::min(least, ThinnestPieceOf(choice));
-    return least;
-  }
-  for (const ThinnestPiece& piece : kThinnestPieces)
-    if (MayBe(type, piece.type)) return piece.part;
-  return 1;
 }
 
 }  // namespace
@@ -91,8 +65,7 @@ std::optional<Estimate> LostMotion(const SceneFacts& scene, const GroupFacts& ob
 /// Of what falls from rest.
 std::optional<Estimate> LostFall(const SceneFacts& scene, const GroupFacts& objects) {
   if (!(scene.g > 0) || scene.rests || objects.linked || objects.speed > 0) return std::nullopt;
-  const double piece = ThinnestPieceOf(objects.settings->Get("type")) * objects.least_side;
-  const double noticed = kNoticed * piece;
+  const double noticed = kNoticed * objects.least_side;
   // What lies on the floor does not fall.
   if (scene.has_walls && scene.FallHeight(objects) <= noticed) return std::nullopt;
   const double way = std::max(noticed, scene.g * scene.timestep * scene.timestep);

@@ -14,15 +14,16 @@ constexpr ResultNames kNames[] = {
      "rep phase cycle body pose box_body bound filter contact_row contact_side xyz"},
     {"a series of the results",
      "duration pairs manifolds contacts kinetic_energy energy max_penetration penetration_ratio "
-     "max_speed escaped asleep removed non_finite displacement motion_ratio fall_ratio turn_ratio "
-     "spin_ratio passed pressed inverted unheld lost_energy "
+     "max_speed escaped asleep removed non_finite displacement motion_ratio fall_ratio frozen "
+     "lost_way "
+     "turn_ratio spin_ratio passed pressed inverted unheld lost_energy "
      "heap joint_gap poses boxes box_filters exact_pairs missed_pairs phantom_pairs "
      "duplicate_pairs missed_contacts depth_error normal_error"},
     {"an array of contacts in the results",
      "contact_body contact_point contact_normal contact_distance contact_first"},
-    {"a fact of each run in the results", "status verdict first_bad_cycle n_cycles"},
     {"a fact of each run in the results",
-     "started load_average noise noise_cause cycles_time cpu_time preemptions page_faults steal "
+     "status verdict first_bad_cycle n_cycles started load_average noise noise_cause cycles_time "
+     "cpu_time preemptions page_faults steal "
      "processors peak_rss place_time build_time harness fill_fraction state_hash run_id "
      "host message omitted needs"},
     {"a group of the results", "run accuracy provenance"},

@@ -1,5 +1,5 @@
 // THE table of the names in a results file that an axis may not have: an axis is a variable of the
-// same file, and is never renamed. The checker and the store read it; a test holds it against the
+// same file, and is never renamed. The checker and the store read it; a test compares it with the
 // layout of the file.
 #pragma once
 

@@ -30,11 +30,12 @@ struct VerdictScales {
   double energy_scale = kNone;
   double least_side = kNone;   ///< m, of the smallest object
   double speed_scale = kNone;  ///< m/s, sqrt(g size) of that object
+  double moving_objects = 0;   ///< that are not fixed
 };
 
 /// The header of the memory. Written by the worker, read by the runner after the worker has exited.
 struct RecordingHeader {
-  static constexpr std::uint64_t kMagic = 0x35'47'4e'49'44'52'43'00;  // "\0CRDING5"
+  static constexpr std::uint64_t kMagic = 0x36'47'4e'49'44'52'43'00;  // "\0CRDING6"
   std::uint64_t magic;
   std::uint64_t bytes;  ///< of the whole memory
   std::atomic<std::uint64_t> cycles_done;

@@ -42,6 +42,11 @@ constexpr Series kSeries[] = {
      "from 1"},
     {"fall_ratio", "stability", kFloat64, kScalar, "",
      "least gain of speed over what gravity gives, dv / (g dt), since the last contact"},
+    {"frozen", "stability", kInt32, kScalar, "",
+     "objects of whose way or fall rounding gives or takes more than a tenth"},
+    {"lost_way", "stability", kFloat64, kScalar, "",
+     "largest way that rounding gave or took of an object since it was last pushed, over its least "
+     "side"},
     {"turn_ratio", "stability", kFloat64, kScalar, "",
      "least angle turned over angle to turn, of the objects that turn"},
     {"spin_ratio", "stability", kFloat64, kScalar, "",

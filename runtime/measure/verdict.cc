@@ -15,7 +15,8 @@ using plan::Expectation;
 using enum Verdict;
 
 // The measured thresholds. Lengths are in sides of the object, energies in the run's energy scale.
-constexpr double kLeastRatio = 0.9, kMostRatio = 1.1;
+constexpr double kFrozenPart = 0.01;  ///< of the objects
+constexpr double kLeastTurn = 0.9;
 constexpr double kExplosion = 1, kDrift = 0.01;
 constexpr double kLost = 0.1, kSpinDrift = 0.03;
 constexpr double kCollapse = 0.25, kLateDepth = 0.05, kPeakDepth = 0.25;
@@ -27,18 +28,17 @@ constexpr VerdictInfo kVerdicts[] = {
     {kUnknown, "unknown", "it did not run, or did not record stability"},
     {kStable, "stable", "nothing of what is listed above"},
     {kDrifting, "drifting",
-     "energy rose by 0.01, or changed so where it is kept; 0.1 of it, or 0.03 of a free spin's, "
-     "vanished; late speed > 0.02 sqrt(g S) at rest"},
+     "energy changed: a rise of 0.01, a loss of 0.1; late speed > 0.02 sqrt(g S) at rest"},
     {kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; pressed in, or at rest any depth, > 0.25 S"},
     {kCollapsed, "collapsed",
      "what must rest moved by > 0.25 S; a load ends below its bearer; an object sleeps unheld"},
-    {kClamped, "clamped", "an object turned by less than 0.9 of its spin times the time step"},
+    {kClamped, "clamped",
+     "an object turned by less than 0.9 of its spin times the time step, or is frozen"},
     {kTunnelled, "tunnelled",
      "a centre passed through another object, or is beyond a wall at the end"},
     {kExploded, "exploded", "energy rose by more than its scale"},
-    {kFrozen, "frozen",
-     "not pushed: an object's way outside 0.9 .. 1.1 of |v| dt; in flight: dv < 0.9 g dt"},
+    {kFrozen, "frozen", "rounding changes the motion of at least 1 % of the objects by a tenth"},
     {kRemoved, "removed", "a box with its way passes 1e6, or Bullet switched the object off"},
     {kNonFinite, "non_finite", "a state that is not a number"},
     {kTimedOut, "timed_out", "it took longer than its timeout"},
@@ -64,15 +64,16 @@ class Case {
       case kRemoved:
         return FirstCount("removed");
       case kFrozen:
-        return Earlier(
-            FirstWhere("motion_ratio", [](double x) { return x < kLeastRatio || x > kMostRatio; }),
-            FirstWhere("fall_ratio", [](double x) { return x < kLeastRatio; }));
+        return FirstIn(Ints("frozen"), [this](std::int32_t count) {
+          return count > 0 && count >= kFrozenPart * scales_.moving_objects;
+        });
       case kExploded:
         return FirstRise(kExplosion);
       case kTunnelled:
         return Earlier(LastStretch("escaped"), FirstCount("passed"));
       case kClamped:
-        return FirstWhere("turn_ratio", [](double x) { return x < kLeastRatio; });
+        return Earlier(FirstWhere("turn_ratio", [](double x) { return x < kLeastTurn; }),
+                       FirstCount("frozen"));
       case kCollapsed:
         return Earlier(Earlier(LastStretch("inverted"), FirstCount("unheld")),
                        MustRest() ? FirstAbove("displacement", kCollapse) : -1);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "compiler/plan/plan_yaml.h"
 #include "runtime/report/console.h"
@@ -77,8 +78,24 @@ std::size_t FindAxis(const store::ResultFile& file, const std::string& name) {
                               : fmt::format("there is no axis '{}'; there are {}", name, names));
 }
 
-std::optional<std::string> Trouble(const store::ResultFile& file,
-                                   const store::ResultFile::Cell& cell) {
+namespace {
+
+/// ` (5 objects, by up to 0.31 of their least side)`; empty where the file does not say.
+std::string FrozenText(const store::ResultFile& file, const Cell& cell) {
+  if (!file.Has("frozen") || !file.Has("lost_way")) return {};
+  const auto most = [&](const char* series) {
+    double largest = 0;
+    for (const double value : file.ReadSeries(series, cell)) largest = std::fmax(largest, value);
+    return largest;
+  };
+  const double objects = most("frozen");
+  return fmt::format(" ({} object{}, by up to {} of the least side)", objects,
+                     objects == 1 ? "" : "s", ShortNumber(most("lost_way")));
+}
+
+}  // namespace
+
+std::optional<std::string> Trouble(const store::ResultFile& file, const Cell& cell) {
   const store::Status status = file.ReadStatus(cell);
   if (status == store::Status::kMissing) return "not run yet";
   if (status != store::Status::kDone) {
@@ -87,8 +104,9 @@ std::optional<std::string> Trouble(const store::ResultFile& file,
   }
   const measure::Judgement judgement = file.ReadJudgement(cell);
   if (!measure::HasVoidTimings(judgement.verdict)) return std::nullopt;
-  return fmt::format("{} from cycle {} on", measure::VerdictName(judgement.verdict),
-                     judgement.first_bad_cycle);
+  return fmt::format("{} from cycle {} on{}", measure::VerdictName(judgement.verdict),
+                     judgement.first_bad_cycle,
+                     judgement.verdict == measure::Verdict::kFrozen ? FrozenText(file, cell) : "");
 }
 
 std::string FaultOf(const store::ResultFile& file, const Cell& cell) {

@@ -11,6 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLeastWay = 0.01;   ///< sides
+constexpr double kFrozen = 0.1;      ///< of its motion, lost or gained
 constexpr double kLeastTurn = 0.05;  ///< rad
 constexpr double kLeastCycles = 4;
 constexpr double kLeastTurned = 1;  ///< rad
@@ -33,11 +34,13 @@ double SpinEnergy(const btRigidBody& body, const Vector3d& inertia) {
 
 }  // namespace
 
-MotionWatch::MotionWatch(world::Engine& engine) : engine_(engine) {
+MotionWatch::MotionWatch(world::Engine& engine, bool is_driven)
+    : engine_(engine), is_driven_(is_driven) {
   tracks_.resize(engine.objects().size());
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const layouts::ObjectState& object = engine.initial_state().objects[i];
-    tracks_[i].least_side = 2 * object.solid.LeastHalfExtent();
+    tracks_[i].least_side = object.solid.sides.minCoeff();
+    tracks_[i].least_piece = 2 * object.solid.LeastHalfExtent();
     tracks_[i].is_damped = object.linear_damping != 0;
     tracks_[i].keeps_spin = object.solid.IsBall() || object.angular_damping != 0;
     tracks_[i].inertia = object.solid.InertiaPerMass();
@@ -46,7 +49,7 @@ MotionWatch::MotionWatch(world::Engine& engine) : engine_(engine) {
 
 void MotionWatch::Forget(Track& track) const {
   track.gone = track.to_go = Vector3d::Zero();
-  track.gained = track.due = 0;
+  track.gained = track.due = track.missed = 0;
 }
 
 void MotionWatch::Begin() {
@@ -86,26 +89,35 @@ double MotionWatch::TurnRatio(const btRigidBody& body, const Track& track, doubl
   return AngleBetween(body.getWorldTransform().getBasis(), track.basis) / due;
 }
 
-void MotionWatch::CompareWay(const Step& step, Track& track, double& worst, Seen& seen) const {
+bool MotionWatch::CompareWay(const Step& step, Track& track, double& worst, Seen& seen) const {
   track.gone += step.way.cwiseAbs();
   track.to_go += step.velocity.cwiseAbs() * static_cast<double>(engine_.timestep());
+  const Vector3d excess = track.gone - track.to_go;
+  int axis = 0;
+  const double largest = excess.cwiseAbs().maxCoeff(&axis);
+  seen.lost_way = std::max(seen.lost_way, largest / track.least_side);
   const double longest = track.to_go.maxCoeff();
-  for (int axis = 0; axis < 3 && longest > kLeastWay * track.least_side; ++axis) {
-    const double excess = (track.gone[axis] - track.to_go[axis]) / longest;
-    if (std::abs(excess) < worst) continue;
-    worst = std::abs(excess);
-    seen.motion_ratio = 1 + excess;
+  if (!(longest > kLeastWay * track.least_side)) return false;
+  const double part = largest / longest;
+  if (part >= worst) {
+    worst = part;
+    seen.motion_ratio = 1 + excess[axis] / longest;
   }
+  return part > kFrozen;
 }
 
-void MotionWatch::CompareFall(const Step& step, Track& track, Seen& seen) const {
+bool MotionWatch::CompareFall(const Step& step, Track& track, Seen& seen) const {
   const double timestep = static_cast<double>(engine_.timestep());
   const double pull = engine_.acceleration().norm();
-  if (!(pull > 0)) return;
+  if (!(pull > 0) || is_driven_) return false;
   track.gained += step.speedup;
   track.due += pull * timestep;
-  if (track.due > (kLeastCycles - 0.5) * pull * timestep)
-    seen.fall_ratio = std::fmin(seen.fall_ratio, track.gained / track.due);
+  track.missed += std::abs(track.due - track.gained) * timestep;
+  if (!(track.due > (kLeastCycles - 0.5) * pull * timestep)) return false;
+  const double ratio = track.gained / track.due;
+  seen.fall_ratio = std::fmin(seen.fall_ratio, ratio);
+  seen.lost_way = std::max(seen.lost_way, track.missed / track.least_side);
+  return ratio < 1 - kFrozen;
 }
 
 void MotionWatch::CompareSpin(const btRigidBody& body, double spin, Track& track,
@@ -129,7 +141,7 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
     const Step step = StepOf(body, track);
     seen.displacement =
         std::max(seen.displacement,
-                 (world::ToEigen(pose.getOrigin()) - track.start).norm() / track.least_side);
+                 (world::ToEigen(pose.getOrigin()) - track.start).norm() / track.least_piece);
     if (body.isActive() && !step.is_swept)
       seen.turn_ratio = std::fmin(seen.turn_ratio, TurnRatio(body, track, step.spin));
     track.position = pose.getOrigin();
@@ -142,13 +154,16 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
       continue;
     }
     if (touches[i] != kFree) {
-      track.gained = track.due = 0;
+      track.gained = track.due = track.missed = 0;
       // What rests trembles, by less than can matter.
       if (!(step.velocity.norm() * timestep > kLeastWay * track.least_side)) continue;
     }
-    CompareWay(step, track, worst, seen);
-    if (touches[i] == kFree) CompareSpin(body, step.spin, track, seen);
-    if (!track.is_damped && touches[i] == kFree) CompareFall(step, track, seen);
+    bool is_frozen = CompareWay(step, track, worst, seen);
+    if (touches[i] == kFree) {
+      CompareSpin(body, step.spin, track, seen);
+      if (!track.is_damped) is_frozen = CompareFall(step, track, seen) || is_frozen;
+    }
+    seen.frozen += is_frozen;
   }
   return seen;
 }

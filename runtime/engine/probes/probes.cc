@@ -86,6 +86,7 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recordi
       box_filters_(recording.Reals("box_filters")),
       spin_ratio_(recording.Reals("spin_ratio")),
       lost_energy_(recording.Reals("lost_energy")),
+      lost_way_(recording.Reals("lost_way")),
       pairs_(recording.Ints("pairs")),
       manifolds_(recording.Ints("manifolds")),
       contacts_(recording.Ints("contacts")),
@@ -96,9 +97,10 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recordi
       passed_(recording.Ints("passed")),
       pressed_(recording.Ints("pressed")),
       inverted_(recording.Ints("inverted")),
-      unheld_(recording.Ints("unheld")) {
+      unheld_(recording.Ints("unheld")),
+      frozen_(recording.Ints("frozen")) {
   if (motion_ratio_.empty()) return;
-  motion_watch_.emplace(engine);
+  motion_watch_.emplace(engine, is_driven_);
   touches_.resize(engine.objects().size() + pruning::kWallCount);
   least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < engine.objects().size(); ++i)
@@ -131,6 +133,8 @@ void Probes::SetScales() {
         mass * (pull * engine_.side() + std::pow(0.01 * least_sides_[i], 2) / 2);
   }
   header_.scales.least_side = smallest;
+  header_.scales.moving_objects = static_cast<double>(std::ranges::count_if(
+      engine_.objects(), [](const auto& body) { return !body->isStaticObject(); }));
   header_.scales.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
 }
 
@@ -265,8 +269,9 @@ void Probes::RecordMotion(std::uint64_t cycle) {
   const MotionWatch::Seen seen = motion_watch_->After(touches_);
   displacement_[cycle] = seen.displacement;
   motion_ratio_[cycle] = seen.motion_ratio;
-  // A schedule changes velocities too.
-  if (!is_driven_) fall_ratio_[cycle] = seen.fall_ratio;
+  fall_ratio_[cycle] = seen.fall_ratio;
+  lost_way_[cycle] = seen.lost_way;
+  frozen_[cycle] = seen.frozen;
   turn_ratio_[cycle] = seen.turn_ratio;
   spin_ratio_[cycle] = seen.spin_ratio;
 }

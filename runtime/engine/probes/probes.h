@@ -50,9 +50,9 @@ class Probes {
   const unsigned standing_walls_;
   std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, penetration_ratio_;
   std::span<double> max_speed_, displacement_, motion_ratio_, fall_ratio_, turn_ratio_, heap_,
-      poses_, joint_gap_, boxes_, box_filters_, spin_ratio_, lost_energy_;
+      poses_, joint_gap_, boxes_, box_filters_, spin_ratio_, lost_energy_, lost_way_;
   std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_,
-      passed_, pressed_, inverted_, unheld_;
+      passed_, pressed_, inverted_, unheld_, frozen_;
   std::optional<MotionWatch> motion_watch_;  ///< of `record stability`; and,
   std::optional<Soundness> soundness_;
   std::vector<char> touches_;        ///< by body, walls too: has a contact in this cycle

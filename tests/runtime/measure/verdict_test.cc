@@ -36,8 +36,9 @@ class VerdictTest : public testing::Test {
     recording_.header().scales.energy_scale = 200;
     recording_.header().scales.speed_scale = 10;
     recording_.header().scales.least_side = 2;
+    recording_.header().scales.moving_objects = 3;
     for (const char* name : {"non_finite", "removed", "escaped", "contacts", "passed", "pressed",
-                             "inverted", "unheld"})
+                             "inverted", "unheld", "frozen"})
       std::ranges::fill(recording_.Ints(name), 0);
     for (const char* name : {"displacement", "penetration_ratio", "max_speed"})
       std::ranges::fill(recording_.Reals(name), 0);
@@ -85,17 +86,19 @@ TEST_F(VerdictTest, NonFinite) {
 
 TEST_F(VerdictTest, Removed) {
   SetCount("removed", 9, 1);
-  Set("motion_ratio", 9, 0);
+  SetCount("frozen", 9, 3);
   ExpectVerdict(Verdict::kRemoved, 9);
 }
 
-TEST_F(VerdictTest, FrozenByWayOrByFall) {
-  Set("motion_ratio", 5, 1.09);
-  Set("fall_ratio", 5, 0.91);
-  ExpectVerdict(Verdict::kStable, -1);
-  Set("motion_ratio", 12, 1.11);
-  ExpectVerdict(Verdict::kFrozen, 12);
-  Set("fall_ratio", 8, 0.89);
+TEST_F(VerdictTest, FrozenFromAHundredthOfTheObjectsOn) {
+  recording_.header().scales.moving_objects = 500;
+  SetCount("frozen", 5, 4);
+  ExpectVerdict(Verdict::kClamped, 5);
+  SetCount("frozen", 8, 5);
+  ExpectVerdict(Verdict::kFrozen, 8);
+  recording_.header().scales.moving_objects = 1;
+  SetCount("frozen", 5, 0);
+  SetCount("frozen", 8, 1);
   ExpectVerdict(Verdict::kFrozen, 8);
   // Frozen bodies gain energy that is not there.
   Set("energy", 6, 1e9);

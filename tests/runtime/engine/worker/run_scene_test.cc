@@ -1,4 +1,5 @@
 // The series of runs whose course is known.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -287,7 +288,21 @@ TEST(Series, MotionRatioShowsWhatPrecisionFreezes) {
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetGroup(scene, "linear_velocity", Vector3d(6, 0, 0));
   measure::Recording recording = RunOne(scene, {1e7, 0, 0});
-  EXPECT_NEAR(recording.Reals("motion_ratio")[9], sizeof(btScalar) == 4 ? 0 : 1, 1e-6);
+  const bool is_single = sizeof(btScalar) == 4;
+  EXPECT_NEAR(recording.Reals("motion_ratio")[9], is_single ? 0 : 1, 1e-6);
+  EXPECT_EQ(recording.Ints("frozen")[9], is_single ? 1 : 0);
+  // Of objects of 50 m.
+  EXPECT_NEAR(recording.Reals("lost_way")[9], is_single ? 10 * 0.1 / 50 : 0, 1e-6);
+}
+
+TEST(Series, SmallLossesOfLargeObjectsFreezeNothing) {
+  // Neighbouring numbers are 8 mm apart, and the fall of the first cycle is 3 mm.
+  plan::Scene scene = EngineScene(1, 3e5);
+  SetWorld(scene, "cycles", std::uint64_t{60});
+  measure::Recording recording = RunOne(scene, {0, 1.25e5, 0});
+  EXPECT_THAT(recording.Ints("frozen"), testing::Each(0));
+  const double lost = recording.Reals("lost_way")[0];
+  EXPECT_NEAR(lost, sizeof(btScalar) == 4 ? 9.8 / 3600 / 50 : 0, 1e-6);
 }
 
 TEST(Series, EscapedCountsCentresBeyondStandingWalls) {
