@@ -201,8 +201,9 @@ without friction and damping must conserve its energy; and so must any other sce
 contact. If a schedule drives the scene, energy is not checked.
   Energy has vanished (series lost_energy) if neither the work of friction nor that of inelastic
 bounces nor the sleep of a sliding object accounts for it, relative to the largest kinetic energy so
-far; of a free spin, 0.03 is enough. This is not checked if anything else can take energy: damping, rolling friction, soft contacts,
-or `expect anything`. Default contacts lose energy in elastic bounces; `contact faithful` does not.
+far; of a free spin, 0.03 is enough. This is not checked if anything else can take energy: damping,
+rolling friction, soft contacts, or `expect anything`. Default contacts lose energy in elastic
+bounces; `contact faithful` does not.
   An object has passed through another (passed) if its centre of mass ran through it, or a ball about
 the centre with half the inner radius did within one cycle. A contact is pressed in (pressed) if it
 was shallow for three cycles and is then deep for six, or if an impact leaves it deep for half a
