@@ -45,33 +45,17 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
   result.scenario = scenario;
   if (scenario->main() == nullptr) return result;
   const auto benchmarks = scenario->Benchmarks();
-  // What the parser could not read may be what another statement needs. So only benchmarks that are
-  // whole are looked at further, and none where a fault lies outside the benchmarks or in a used
-  // file.
-  const std::vector<dsl::Diagnostic> faults = result.diagnostics.all();
+  const bool is_read = !result.diagnostics.has_errors();
   scenario->CheckNames(result.diagnostics);
-  const auto is_whole = [&](const scenario::BenchmarkRef& benchmark) {
-    const auto within = [](const dsl::Span& span, const scenario::BenchmarkRef& other) {
-      const dsl::Span& all = other.benchmark->span;
-      return span.source == all.source && all.begin <= span.begin && span.end <= all.end;
-    };
-    return std::ranges::all_of(faults, [&](const dsl::Diagnostic& fault) {
-      return !benchmark.benchmark->from && !within(fault.span, benchmark) &&
-             std::ranges::any_of(benchmarks, [&](const scenario::BenchmarkRef& other) {
-               return within(fault.span, other);
-             });
-    });
-  };
   for (const scenario::BenchmarkRef& benchmark : benchmarks)
     result.benchmarks.push_back(benchmark.benchmark->name.text);
-  if (benchmarks.empty() && faults.empty()) {
+  if (benchmarks.empty() && is_read) {
     const dsl::Span start = {scenario->main()->tree.source.get(), 0, 0};
     result.diagnostics.Report(scenario::kNoRuns, start, "there is no benchmark in this file",
                               "`benchmark name { }` is a whole one");
   }
   CheckLets(*scenario, result.diagnostics);
   for (const scenario::BenchmarkRef& benchmark : benchmarks) {
-    if (!is_whole(benchmark)) continue;
     const bool is_asked_for =
         !options.benchmark || *options.benchmark == benchmark.benchmark->name.text;
     auto plan = Expand(*scenario, benchmark, options.find_fault, result.diagnostics, is_asked_for);

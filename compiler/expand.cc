@@ -50,10 +50,10 @@ class Expander {
         findings_(benchmark.benchmark->name.span, diagnostics) {}
 
   std::optional<plan::Plan> Run() {
-    if (!layered_.has_base() || !Configure()) return std::nullopt;
+    if (!layered_.is_readable() || !Configure()) return std::nullopt;
     MakeAxes();
     CheckAxisNames({});
-    const bool countable = !Failed();
+    const bool countable = !Failed() && layered_.is_complete() && !HasUnreadSkip();
     if (!countable || !CountRuns()) {
       // No grid, but each setting can still be looked at.
       for (const auto& configuration : configurations_) configuration->CheckSettings();
@@ -102,6 +102,14 @@ class Expander {
           std::make_unique<evaluate::Configuration>(scenario_, layered_.Lay(chosen), diagnostics_));
     } while (evaluate::Advance(chosen, case_extents_));
     return true;
+  }
+
+  /// Then points that it leaves out cannot be told from others.
+  bool HasUnreadSkip() const {
+    return std::ranges::any_of(configurations_, [](const auto& configuration) {
+      return std::ranges::any_of(configuration->layers().skips,
+                                 [](const auto& skip) { return !skip.node->when; });
+    });
   }
 
   void MakeAxes() {

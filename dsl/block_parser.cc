@@ -24,6 +24,7 @@ bool StatementParser::AtFileItem() const {
 }
 
 void StatementParser::ReportUnclosed() {
+  AddDamage(Damage::kMisnested);
   if (unclosed_reported_) return;
   unclosed_reported_ = true;
   const Token& found = cursor_.Peek();
@@ -147,6 +148,7 @@ void StatementParser::ReportStrayBracket() {
 void StatementParser::SkipStatement() {
   while (!cursor_.AtStatementEnd()) {
     if (cursor_.At(TokenKind::kLeftBrace)) {
+      AddDamage(Damage::kLost);
       Block dropped;
       ParseBlock(dropped, cursor_.SpanOf(cursor_.Peek()));
       return;

@@ -20,19 +20,26 @@ void StatementParser::ParseItems(File& file) {
     unclosed_reported_ = false;
     cursor_.BeginStatement();
     const Token token = cursor_.Peek();
-    if (token.kind == TokenKind::kEnd) return;
+    const int faults = cursor_.fault_count();
+    if (token.kind == TokenKind::kEnd) break;
     if (cursor_.AtWord("use")) {
       file.items.emplace_back(ParseUse());
+      if (cursor_.fault_count() > faults) AddDamage(Damage::kLost);
     } else if (cursor_.AtWord("let")) {
-      if (std::optional<Let> let = ParseLet()) file.items.emplace_back(std::move(*let));
+      if (std::optional<Let> let = ParseLet())
+        file.items.emplace_back(std::move(*let));
+      else
+        AddDamage(Damage::kLost);
     } else if (cursor_.AtWord("benchmark")) {
       misplaced_reported = false;
-      if (auto benchmark = ParseBenchmark()) file.items.emplace_back(std::move(*benchmark));
+      file.items.emplace_back(ParseBenchmark());
     } else if (token.kind == TokenKind::kRightBrace) {
+      AddDamage(Damage::kLost);
       cursor_.Report(kStrayBrace, cursor_.SpanOf(token), "no block is open that this '}' closes");
       cursor_.Take();
       continue;
     } else if (token.kind == TokenKind::kPath) {
+      AddDamage(Damage::kLost);
       // One report for a whole row of them: it is one slip.
       const std::string_view meant = DidYouMean(cursor_.Text(token), {"benchmark", "use", "let"});
       if ((!misplaced_reported || !meant.empty()) && !token.faulty)
@@ -51,11 +58,16 @@ void StatementParser::ParseItems(File& file) {
         SkipStatement();
       }
     } else {
+      AddDamage(Damage::kLost);
       cursor_.ReportUnexpected("use, let or benchmark");
       SkipStatement();
     }
     EndStatement();
+    auto* let = file.items.empty() ? nullptr : std::get_if<Let>(&file.items.back());
+    const bool is_this = let != nullptr && token.begin < let->name.span.begin;
+    if (is_this && (cursor_.fault_count() > faults || !let->value)) Poison(*let);
   }
+  file.damage = damage_;
 }
 
 Use StatementParser::ParseUse() {
@@ -106,7 +118,7 @@ std::optional<Let> StatementParser::ParseLet() {
   } else if (cursor_.AtStatementEnd()) {
     cursor_.Report(kMissingEquals, name->span, "this name is given no value",
                    Concat({"write: let ", name->text, " = …"}));
-    return std::nullopt;
+    return Let{std::move(*name), nullptr};
   } else {
     const Token& found = cursor_.Peek();
     const bool instead = found.kind == TokenKind::kColon || found.kind == TokenKind::kEqual;
@@ -119,9 +131,7 @@ std::optional<Let> StatementParser::ParseLet() {
   ExprPtr value = values_.ParseValue();
   if (!value) {
     SkipStatement();
-    return std::nullopt;
-  }
-  if (cursor_.At(TokenKind::kComma)) {
+  } else if (cursor_.At(TokenKind::kComma)) {
     cursor_.Report(kOneValue, cursor_.SpanOf(cursor_.Peek()), "a let holds one value",
                    "to vary it, write sweep(a, b)");
     SkipStatement();
@@ -129,8 +139,9 @@ std::optional<Let> StatementParser::ParseLet() {
   return Let{std::move(*name), std::move(value)};
 }
 
-std::optional<Benchmark> StatementParser::ParseBenchmark() {
+Benchmark StatementParser::ParseBenchmark() {
   const Token word = cursor_.Take();
+  const Damage outside = std::exchange(damage_, Damage::kNone);
   Benchmark benchmark;
   std::optional<Name> name;
   if (!cursor_.AtWord("from") || cursor_.Peek(1).kind != TokenKind::kPath)
@@ -159,7 +170,11 @@ std::optional<Benchmark> StatementParser::ParseBenchmark() {
                      "'from' needs the name of a benchmark after it");
   }
   const Span owner = cursor_.SpanFrom(word.begin);
-  if (!ParseBlock(benchmark.block, owner)) return std::nullopt;
+  if (!ParseBlock(benchmark.block, owner)) {
+    benchmark.block.span = owner;
+    AddDamage(Damage::kMisnested);
+  }
+  benchmark.damage = std::exchange(damage_, outside);
   benchmark.span = cursor_.SpanFrom(word.begin);
   return benchmark;
 }

@@ -9,20 +9,21 @@ namespace cdb::dsl {
 
 void StatementParser::ParseStatement(std::vector<Statement>& statements) {
   const Token first = cursor_.Peek();
+  const int faults = cursor_.fault_count();
   cursor_.BeginStatement();
-  Statement statement;
+  std::optional<Statement> statement;
   const auto keep = [&](auto parsed) {
-    if (!parsed) return;
-    statement.what = std::move(*parsed);
-    statement.span = cursor_.SpanFrom(first.begin);
-    statements.push_back(std::move(statement));
+    if (parsed)
+      statement = Statement{cursor_.SpanFrom(first.begin), std::move(*parsed)};
+    else
+      AddDamage(Damage::kLost);
   };
   if (cursor_.AtWord("let")) {
     keep(ParseLet());
   } else if (cursor_.AtWord("cases")) {
     keep(ParseCases());
   } else if (cursor_.AtWord("skip")) {
-    keep(ParseSkip());
+    keep(std::optional(ParseSkip()));
   } else if (cursor_.AtWord("benchmark") || cursor_.AtWord("use")) {
     ParseMisplaced();
   } else if (first.kind == TokenKind::kPath) {
@@ -35,12 +36,17 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
                        "write a space between the name and its value");
       cursor_.Take();
     }
-    if (AtGroup())
-      keep(ParseGroup(std::move(path), first.faulty));
-    else
-      keep(ParseSetting(std::move(path)));
+    if (AtGroup()) {
+      if (auto group = ParseGroup(path, first.faulty))
+        keep(std::move(group));
+      else
+        keep(std::optional(Setting{std::move(path), {}}));
+    } else {
+      keep(std::optional(ParseSetting(std::move(path))));
+    }
   } else if (first.kind == TokenKind::kLeftBrace) {
     cursor_.Report(kUnexpectedToken, cursor_.SpanOf(first), "a block needs a name before its '{'");
+    AddDamage(Damage::kLost);
     Block dropped;
     ParseBlock(dropped, cursor_.SpanOf(first));
   } else {
@@ -50,13 +56,39 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
       cursor_.Report(
           kUnexpectedToken, cursor_.SpanOf(first),
           Concat({"a statement begins with a name, not with ", cursor_.Describe(first)}));
+    AddDamage(Damage::kLost);
     cursor_.Take();
     SkipStatement();
   }
   EndStatement();
+  if (!statement) return;
+  Poison(*statement, faults);
+  statements.push_back(std::move(*statement));
+}
+
+void StatementParser::Poison(Let& let) {
+  let.value = std::make_unique<Expr>();
+  let.value->kind = ExprKind::kError;
+  let.value->span = let.name.span;
+}
+
+void StatementParser::Poison(Statement& statement, int faults) {
+  const bool is_sound = cursor_.fault_count() == faults;
+  if (auto* let = std::get_if<Let>(&statement.what)) {
+    if (!is_sound || !let->value) Poison(*let);
+  } else if (auto* skip = std::get_if<Skip>(&statement.what)) {
+    if (!is_sound) skip->when = nullptr;
+  } else if (auto* setting = std::get_if<Setting>(&statement.what)) {
+    if (is_sound && !setting->values.empty()) return;
+    setting->values.clear();
+    setting->values.push_back(std::make_unique<Expr>());
+    setting->values[0]->kind = ExprKind::kError;
+    setting->values[0]->span = setting->path.span;
+  }
 }
 
 void StatementParser::ParseMisplaced() {
+  AddDamage(Damage::kMisnested);
   const Token word = cursor_.Peek();
   cursor_.Report(kMisplacedStatement, cursor_.SpanOf(word),
                  cursor_.Quote(word) + " cannot stand inside a block",
@@ -104,19 +136,17 @@ std::optional<Group> StatementParser::ParseGroup(Name kind, bool faulty) {
   return group;
 }
 
-std::optional<Setting> StatementParser::ParseSetting(Name path) {
+Setting StatementParser::ParseSetting(Name path) {
+  Setting setting;
+  setting.path = std::move(path);
   if (cursor_.AtStatementEnd()) {
     const bool sign = cursor_.Previous().kind == TokenKind::kAssign ||
                       cursor_.Previous().kind == TokenKind::kColon;
     if (!sign)
-      cursor_.Report(kMissingValue, path.span, Concat({"'", path.text, "' is given no value"}));
-    return std::nullopt;
-  }
-  Setting setting;
-  setting.path = std::move(path);
-  if (!ParseMoreValues(setting)) {
+      cursor_.Report(kMissingValue, setting.path.span,
+                     Concat({"'", setting.path.text, "' is given no value"}));
+  } else if (!ParseMoreValues(setting)) {
     SkipStatement();
-    return std::nullopt;
   }
   return setting;
 }
@@ -259,11 +289,12 @@ std::optional<Case> StatementParser::ParseCase() {
       SkipStatement();
     }
   }
+  if (!result) AddDamage(Damage::kLost);
   if (!cursor_.At(TokenKind::kComma)) EndStatement();
   return result;
 }
 
-std::optional<Skip> StatementParser::ParseSkip() {
+Skip StatementParser::ParseSkip() {
   const Token word = cursor_.Take();
   if (cursor_.AtWord("when")) {
     cursor_.Take();
@@ -271,7 +302,7 @@ std::optional<Skip> StatementParser::ParseSkip() {
     cursor_.Report(kMissingWhen, cursor_.SpanOf(word),
                    "'skip' does not say which points to leave out",
                    "for example: skip when quantity > 3000");
-    return std::nullopt;
+    return Skip{};
   } else {
     const Token next = cursor_.Peek();
     const bool instead =
@@ -283,10 +314,7 @@ std::optional<Skip> StatementParser::ParseSkip() {
   }
   Skip skip;
   skip.when = values_.ParseCondition();
-  if (!skip.when) {
-    SkipStatement();
-    return std::nullopt;
-  }
+  if (!skip.when) SkipStatement();
   return skip;
 }
 

@@ -1,6 +1,7 @@
 // Statements, blocks and the items of a file: all of the language but values.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -25,14 +26,14 @@ class StatementParser {
  private:
   Use ParseUse();
   std::optional<Let> ParseLet();
-  std::optional<Benchmark> ParseBenchmark();
+  Benchmark ParseBenchmark();
   void ParseStatement(std::vector<Statement>& statements);
   std::optional<Cases> ParseCases();
   std::optional<Case> ParseCase();
-  std::optional<Skip> ParseSkip();
+  Skip ParseSkip();
   bool AtGroup() const;
   std::optional<Group> ParseGroup(Name kind, bool faulty);
-  std::optional<Setting> ParseSetting(Name path);
+  Setting ParseSetting(Name path);
   bool ParseMoreValues(Setting& setting);
   bool IsTrailing(const Token& comma, const Token& first, const Expr& value) const;
   bool RefuseSecondArgument(const Expr& value);
@@ -48,6 +49,11 @@ class StatementParser {
   void ReportUnclosed();
   bool AtFileItem() const;
 
+  /// What follows an error in a statement that began with `faults` of them: the statement stays,
+  /// with a value that nothing is known of.
+  void Poison(Statement& statement, int faults);
+  void Poison(Let& let);
+  void AddDamage(Damage damage) { damage_ = std::max(damage_, damage); }
   /// After a statement: its end has to be here.
   void EndStatement();
   void ReportStrayBracket();
@@ -69,6 +75,7 @@ class StatementParser {
   // The brace of a block that was closed by a '}' further left than it should be: where a '}' is
   // missing at the end, it is this block's, whatever the count says.
   std::optional<Span> suspect_;
+  Damage damage_ = Damage::kNone;  // of the present benchmark, or of the file outside of them
   bool unclosed_reported_ = false;
   bool statement_begins_ = false;  // where a statement's end is missing and was reported
 };

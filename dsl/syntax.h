@@ -37,6 +37,7 @@ enum class ExprKind {
   kNegate,  ///< items: the operand
   kBinary,  ///< op; items: left, right
   kRange,   ///< items: first, last, and the step or the count where given; range
+  kError,   ///< could not be read, which is reported: a value that nothing is known of
 };
 
 /// How a range walks: `a .. b`, `step d`, `count n`, `count n log`.
@@ -90,7 +91,7 @@ struct Cases {
   std::vector<Case> cases;
 };
 struct Skip {
-  ConditionPtr when;
+  ConditionPtr when;  ///< null if it could not be read, which is reported
 };
 struct Group {
   Name kind;                  ///< `objects`
@@ -113,7 +114,17 @@ struct Use {
   std::string path;
   Span path_span;
 };
+
+/// What errors have left of a file or a benchmark. A value that cannot be read is a kError and
+/// leaves it whole.
+enum class Damage {
+  kNone,
+  kLost,       ///< statements are missing: any name may be one of theirs
+  kMisnested,  ///< its braces do not match: statements may stand in the wrong block
+};
+
 struct Benchmark {
+  Damage damage = Damage::kNone;
   Span span;
   Name name;
   std::optional<Name> from;
@@ -125,6 +136,7 @@ struct Benchmark {
 /// point into.
 struct File {
   std::shared_ptr<const Source> source;
+  Damage damage = Damage::kNone;  ///< outside the benchmarks
   std::vector<std::variant<Use, Let, Benchmark>> items;
 };
 

@@ -30,7 +30,13 @@ bool IsReserved(std::string_view word) {
 }
 
 TokenCursor::TokenCursor(const Source& source, Diagnostics& diagnostics)
-    : source_(source), diagnostics_(diagnostics), tokens_(Lex(source, diagnostics).tokens) {}
+    : source_(source), diagnostics_(diagnostics), tokens_(Lex(source, diagnostics).tokens) {
+  int faulty = 0;
+  for (const Token& token : tokens_) {
+    faulty_before_.push_back(faulty);
+    faulty += token.faulty;
+  }
+}
 
 const Token& TokenCursor::Peek(std::size_t ahead) const {
   return tokens_[std::min(index_ + ahead, tokens_.size() - 1)];

@@ -40,6 +40,9 @@ class TokenCursor {
   bool NextLineContinues() const;
   bool FirstOnLine(const Token& token) const;
 
+  /// Errors of the parser, and tokens up to here that the lexer has complained about.
+  int fault_count() const { return error_count_ + faulty_before_[index_]; }
+
   std::size_t index() const { return index_; }
   void Rewind(std::size_t index) { index_ = index; }
 
@@ -54,6 +57,7 @@ class TokenCursor {
 
   void Report(const DiagnosticKind& kind, const Span& span, std::string message,
               std::string help = {}, std::vector<Note> notes = {}) {
+    if (kind.severity == Severity::kError) ++error_count_;
     diagnostics_.Report(kind, span, std::move(message), std::move(help), std::move(notes));
   }
   /// `expected WHAT, not 'x'`, unless the lexer has already complained about this token.
@@ -84,7 +88,9 @@ class TokenCursor {
   const Source& source_;
   Diagnostics& diagnostics_;
   std::vector<Token> tokens_;
+  std::vector<int> faulty_before_;  ///< by token: how many before it
   std::size_t index_ = 0;
+  int error_count_ = 0;
   int depth_ = 0;
   bool gave_up_ = false;
 };

@@ -98,6 +98,8 @@ bool Conditions::CheckWord(const Expr& word, const Expr& other, const scenario::
       evaluator_.names().Resolve(other.text, scope).let)
     return true;
   if (std::ranges::find(words, word.text) != words.end()) return true;
+  // The axis may be one that could not be read.
+  if (words.empty() && evaluator_.layers().has_unread) return false;
   const std::string_view near = dsl::DidYouMean(word.text, words);
   std::string help;
   if (!near.empty()) {

@@ -127,6 +127,8 @@ std::optional<Value> Evaluator::EvaluateUnchecked(const Expr& expr, const scenar
       return EvaluateNegation(expr, scope, *this);
     case ExprKind::kBinary:
       return EvaluateBinary(expr, scope, *this);
+    case ExprKind::kError:
+      return std::nullopt;
     case ExprKind::kRange:
       return Error(scenario::kMisplacedRange, expr.span, "a range is not a value",
                    "sweep(…) around it makes one run for each of its values");
@@ -147,9 +149,17 @@ std::optional<Number> Evaluator::EvaluateNumber(const Expr& expr, const scenario
   return *AsNumber(*value);
 }
 
+bool Evaluator::IsWordHere(std::string_view word, const scenario::Scope& scope) const {
+  if (word == "on" || word == "off" || word == "true" || word == "false") return true;
+  return scope.parameter == nullptr || scope.parameter->HasWord(word, scenario_.plugins()) ||
+         scope.parameter->TakesCall(word);
+}
+
 std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::Scope& scope) {
   const Referent referent = names_.Resolve(expr.text, scope);
   if (referent.IsWord()) {
+    // It may be the name of a let that could not be read.
+    if (layers_.is_incomplete && !IsWordHere(expr.text, scope)) return std::nullopt;
     if (expr.text.find('.') != std::string::npos)
       return Error(scenario::kUnknownName, expr.span,
                    fmt::format("nothing is called '{}'", expr.text));

@@ -39,6 +39,7 @@ class Evaluator {
 
   const scenario::Scenario& scenario() const { return scenario_; }
   const Names& names() const { return names_; }
+  const scenario::Layers& layers() const { return layers_; }
   Sweeps& sweeps() { return sweeps_; }
   dsl::Diagnostics& diagnostics() { return diagnostics_; }
 
@@ -51,6 +52,8 @@ class Evaluator {
 
   std::optional<schema::Value> EvaluateUnchecked(const dsl::Expr& expr,
                                                  const scenario::Scope& scope);
+  /// A word of the parameter that is being set, or of the language.
+  bool IsWordHere(std::string_view word, const scenario::Scope& scope) const;
   std::optional<schema::Value> EvaluatePath(const dsl::Expr& expr, const scenario::Scope& scope);
   std::optional<schema::Value> EvaluateLet(const scenario::Placed<dsl::Let>& let);
   std::optional<schema::Value> EvaluateNamedParameter(const dsl::Expr& expr,

@@ -64,6 +64,9 @@ LayeredBenchmark::LayeredBenchmark(const Scenario& scenario, const BenchmarkRef&
                                    dsl::Diagnostics& diagnostics)
     : scenario_(scenario), diagnostics_(diagnostics) {
   Chain(benchmark);
+  if (!scenario.is_complete()) damage_ = dsl::Damage::kLost;
+  for (const BenchmarkRef& layer : chain_) damage_ = std::max(damage_, layer.benchmark->damage);
+  if (!is_readable()) return;
   for (const BenchmarkRef& layer : chain_) CollectLabels(layer.benchmark->block);
   for (const BenchmarkRef& layer : chain_) {
     Place place;
@@ -82,6 +85,7 @@ void LayeredBenchmark::Chain(const BenchmarkRef& benchmark) {
     const auto base = scenario_.FindBenchmark(*current.file, from.text);
     if (!base) {
       has_base_ = false;
+      if (!scenario_.is_complete()) return;
       const std::string_view near =
           dsl::DidYouMean(from.text, scenario_.BenchmarkNames(*current.file));
       diagnostics_.Report(kUnknownName, from.span, fmt::format("no benchmark '{}'", from.text),
@@ -232,7 +236,7 @@ void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
     Once(place.layer, "cases " + axis.name, axis.span, {});
     case_axes_.push_back(axis);
   }
-  if (cases.cases.empty())
+  if (cases.cases.empty() && is_complete())
     diagnostics_.Report(kNoRuns, cases.keyword, "there is no case in it", "name { settings }");
   for (const dsl::Case& one : cases.cases) {
     auto& names = case_axes_[static_cast<std::size_t>(index)].names;
@@ -310,8 +314,16 @@ void LayeredBenchmark::WalkSetting(const dsl::Setting& setting, const Place& pla
   entries_.push_back(std::move(entry));
 }
 
+bool LayeredBenchmark::IsUnread(const Entry& entry) {
+  if (entry.skip) return !entry.skip->node->when;
+  const dsl::Expr& value = entry.let ? *entry.let->node->value : *entry.setting->node->values[0];
+  return value.kind == dsl::ExprKind::kError;
+}
+
 Layers LayeredBenchmark::Lay(const std::vector<std::size_t>& chosen) const {
   Layers layers;
+  layers.is_incomplete = !is_complete();
+  layers.has_unread = layers.is_incomplete;
   for (const GroupDeclaration& group : groups_) {
     const bool stands = group.case_axis < 0 ||
                         chosen[static_cast<std::size_t>(group.case_axis)] == group.case_index;
@@ -328,6 +340,7 @@ Layers LayeredBenchmark::Lay(const std::vector<std::size_t>& chosen) const {
       there = placed;
       there.order = order;
     };
+    layers.has_unread = layers.has_unread || IsUnread(entry);
     if (entry.setting) {
       put(layers.settings, *entry.key, *entry.setting);
     } else if (entry.let) {

@@ -53,6 +53,11 @@ struct Layers {
   std::map<std::pair<std::string, std::string>, Placed<dsl::Let>>
       lets;  ///< by group and block, and name
   std::vector<Placed<dsl::Skip>> skips;
+  /// Some value, or the condition of a skip, could not be read.
+  bool has_unread = false;
+  /// Statements could not be read, here or outside the benchmarks: a name without a meaning may be
+  /// one of theirs.
+  bool is_incomplete = false;
 };
 
 /// `cases load { calm { … } storm { … } }`.
@@ -70,8 +75,11 @@ class LayeredBenchmark {
   LayeredBenchmark(const Scenario& scenario, const BenchmarkRef& benchmark,
                    dsl::Diagnostics& diagnostics);
 
-  /// False where a `from` leads nowhere, so that nothing can be said of what is set.
-  bool has_base() const { return has_base_; }
+  /// False where a `from` leads nowhere, or braces do not match: nothing can be said of what is
+  /// set.
+  bool is_readable() const { return has_base_ && damage_ != dsl::Damage::kMisnested; }
+  /// Without a statement that could not be read.
+  bool is_complete() const { return damage_ == dsl::Damage::kNone; }
   const std::vector<CaseAxis>& case_axes() const { return case_axes_; }
   /// `chosen`: an index for each case axis.
   Layers Lay(const std::vector<std::size_t>& chosen) const;
@@ -95,6 +103,7 @@ class LayeredBenchmark {
     int layer = 0;
   };
 
+  static bool IsUnread(const Entry& entry);
   void Chain(const BenchmarkRef& benchmark);
   void CollectLabels(const dsl::Block& block);
   void Walk(const dsl::Block& block, const Place& place);
@@ -123,6 +132,7 @@ class LayeredBenchmark {
   std::vector<Entry> entries_;
   std::map<std::pair<int, std::string>, dsl::Span> seen_;
   bool has_base_ = true;
+  dsl::Damage damage_ = dsl::Damage::kNone;  ///< of the benchmark, its bases, and the files
   int order_ = 0;
   int layers_ = 0;
 };

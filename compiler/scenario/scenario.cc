@@ -51,6 +51,7 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
     diagnostics.Report(kCircular, use->path_span,
                        fmt::format("'{}' leads back to itself", use->path),
                        "a file cannot use a file that uses it");
+    is_complete_ = false;
     return nullptr;
   }
   for (const auto& file : files_)
@@ -68,12 +69,14 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
     file->tree.source = nowhere;
     files_.push_back(std::move(file));
     diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why));
+    is_complete_ = false;
     return nullptr;
   }
   files_.push_back(std::make_unique<ScenarioFile>());
   ScenarioFile& file = *files_.back();
   file.path = path;
   file.tree = dsl::Parse(std::make_shared<const dsl::Source>(path, std::move(*text)), diagnostics);
+  is_complete_ = is_complete_ && file.tree.damage == dsl::Damage::kNone;
   loading_.push_back(&file);
   ForEachItem<dsl::Use>(file, [&](const dsl::Use& wanted) {
     if (wanted.path_span.source == nullptr) return;  // not a path; the parser has said so
@@ -118,6 +121,7 @@ void Scenario::LoadPlugin(const std::string& path, const dsl::Use* use,
   std::string why;
   const auto hash = HashOf(path, why);
   if (!hash) {
+    is_complete_ = false;
     diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why),
                        use != nullptr ? "its name counts from the folder of the file that says it"
                                       : "--plugin takes a shared library");
@@ -125,6 +129,7 @@ void Scenario::LoadPlugin(const std::string& path, const dsl::Use* use,
   }
   auto detectors = describe_ ? describe_(path, why) : std::nullopt;
   if (!detectors) {
+    is_complete_ = false;
     diagnostics.Report(kUnavailable, span,
                        describe_ ? why : fmt::format("'{}' cannot be looked into here", path));
     return;

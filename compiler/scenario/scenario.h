@@ -66,6 +66,9 @@ class Scenario {
 
   /// Null where the file could not be read.
   const ScenarioFile* main() const { return main_; }
+  /// False where a used file, or a statement outside the benchmarks, could not be read, so that
+  /// names may be missing.
+  bool is_complete() const { return is_complete_; }
   /// The file's own benchmarks, in order.
   std::vector<BenchmarkRef> Benchmarks() const;
   /// A benchmark, a file-level `let`, that `file` sees: its own, then those of the files it uses.
@@ -104,6 +107,7 @@ class Scenario {
   std::vector<const ScenarioFile*> loading_;
   std::map<const dsl::Let*, int> let_order_;
   const ScenarioFile* main_ = nullptr;
+  bool is_complete_ = true;
   struct FileHash {
     std::optional<std::string> sha256;
     std::string why;

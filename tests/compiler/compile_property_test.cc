@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <random>
 #include <set>
 
@@ -91,6 +92,47 @@ TEST(Property, ALetIsTheSameAsItsValue) {
     ASSERT_EQ(direct.runs.size(), by_let.runs.size()) << text;
     for (std::size_t r = 0; r < direct.runs.size(); ++r)
       EXPECT_EQ(direct.runs[r].id, by_let.runs[r].id);
+  }
+}
+
+/// A setting with one fault in it.
+std::string Planted(const std::string& setting, std::mt19937_64& random) {
+  const std::size_t space = setting.find(' ');
+  const std::string name = setting.substr(0, space), value = setting.substr(space + 1);
+  switch (random() % 8) {
+    case 0:
+      return name;
+    case 1:
+      return name + " 1 : 2";
+    case 2:
+      return name + " (1, 2";
+    case 3:
+      return name + " = " + value;
+    case 4:
+      return name + " 1 + / 2";
+    case 5:
+      return name + " frobnicate(3)";
+    case 6:
+      return name + "_frobnicate " + value;
+    default:
+      return name + " " + value + ")";
+  }
+}
+
+TEST(Property, EachPlantedFaultIsReportedOnce) {
+  std::mt19937_64 random(6);
+  for (int i = 0; i < kScenarios; ++i) {
+    RandomScenario scenario = MakeRandomScenario(random);
+    std::vector<std::size_t> order(scenario.settings.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::shuffle(order, random);
+    const std::size_t n = std::min<std::size_t>(order.size(), 1 + random() % 10);
+    for (std::size_t k = 0; k < n; ++k)
+      scenario.settings[order[k]] = Planted(scenario.settings[order[k]], random);
+    const compiler::Compilation compilation =
+        CompileText(scenario.Text(), {{kModelFile, "v 0 0 0"}});
+    EXPECT_EQ(compilation.diagnostics.error_count(), static_cast<int>(n))
+        << scenario.Text() << dsl::Render(compilation.diagnostics);
   }
 }
 

@@ -77,7 +77,7 @@ class Dumper {
   void Line(const dsl::Skip& skip) {
     Start();
     out_ += "skip ";
-    out_ += Dump(*skip.when);
+    out_ += skip.when ? Dump(*skip.when) : "(error)";
     out_ += '\n';
   }
   void Line(const dsl::Group& group) {
@@ -151,6 +151,8 @@ std::string Dump(const dsl::Expr& expr) {
       return List("neg", expr.items) + ')';
     case dsl::ExprKind::kBinary:
       return List(std::string(1, expr.op), expr.items) + ')';
+    case dsl::ExprKind::kError:
+      return "(error)";
     case dsl::ExprKind::kRange: {
       const char* words[] = {"range", "range-step", "range-count", "range-log"};
       return List(words[static_cast<int>(expr.range)], expr.items) + ')';

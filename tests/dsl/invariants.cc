@@ -72,7 +72,9 @@ class Walker {
     Check(cases.keyword);
     for (const dsl::Case& one : cases.cases) Visit(one.block);
   }
-  void Visit(const dsl::Skip& skip) { Height(*skip.when); }
+  void Visit(const dsl::Skip& skip) {
+    if (skip.when) Height(*skip.when);
+  }
   void Visit(const dsl::Group& group) {
     Check(group.kind.span);
     Visit(group.block);
