@@ -182,8 +182,17 @@ std::string Render(const Diagnostics& diagnostics, const RenderOptions& options)
     return a.second->span.begin < b.second->span.begin;
   });
   Renderer renderer(options);
-  for (const auto& [file, diagnostic] : order) renderer.Add(*diagnostic);
-  return renderer.Take();
+  std::size_t errors = 0, warnings = 0;
+  for (const auto& [file, diagnostic] : order) {
+    std::size_t& count = diagnostic->kind->severity == Severity::kError ? errors : warnings;
+    if (count++ < options.most) renderer.Add(*diagnostic);
+  }
+  const auto rest = [&options](std::size_t count, std::string_view what) {
+    if (count <= options.most) return std::string();
+    const std::size_t more = count - options.most;
+    return Concat({"… and ", std::to_string(more), " more ", what, more == 1 ? "" : "s", "\n"});
+  };
+  return renderer.Take() + rest(errors, "error") + rest(warnings, "warning");
 }
 
 }  // namespace cdb::dsl

@@ -1,6 +1,7 @@
 // Diagnostics as a person reads them.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "dsl/diagnostics.h"
@@ -9,6 +10,8 @@ namespace cdb::dsl {
 
 struct RenderOptions {
   bool color = false;  ///< ANSI colours, for a terminal
+  /// Errors, and warnings, that are shown; the number of the rest is said at the end.
+  std::size_t most = static_cast<std::size_t>(-1);
 };
 
 /// All diagnostics by file and place, each as

@@ -185,8 +185,10 @@ bool Evaluator::CheckCircle(const void* node, const Expr& expr) {
     return false;
   }
   if (active_.size() < kMaxChain) return true;
-  Error(scenario::kCircular, expr.span, fmt::format("'{}' leads on and on", expr.text),
-        fmt::format("lets may use one another {} deep", kMaxChain));
+  // What is left of the chain would be too long as well.
+  if (!std::exchange(is_chain_reported_, true))
+    Error(scenario::kCircular, expr.span, fmt::format("'{}' leads on and on", expr.text),
+          fmt::format("lets may use one another {} deep", kMaxChain));
   return false;
 }
 

@@ -70,6 +70,7 @@ class Evaluator {
   Sweeps sweeps_;
   std::map<const dsl::Let*, std::optional<schema::Value>> let_values_;  ///< at the present choice
   std::vector<Active> active_;                                          ///< the innermost last
+  bool is_chain_reported_ = false;
 };
 
 }  // namespace cdb::evaluate

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "compiler/plan/pruning.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -12,6 +13,9 @@ namespace cdb::scenario {
 namespace {
 
 constexpr std::string_view kUnnamedGroup = "objects";
+/// Searching for a similar name is most of what an error costs, and nobody reads so many.
+constexpr int kMostSuggestions = 1000;
+
 bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
   const auto blocks = schema::BlocksIn(outer, grouped);
   return std::ranges::find(blocks, name) != blocks.end();
@@ -77,29 +81,31 @@ LayeredBenchmark::LayeredBenchmark(const Scenario& scenario, const BenchmarkRef&
 }
 
 void LayeredBenchmark::Chain(const BenchmarkRef& benchmark) {
-  BenchmarkRef current = benchmark;
-  for (;;) {
-    chain_.insert(chain_.begin(), current);
-    if (!current.benchmark->from) return;
+  std::set<const dsl::Benchmark*> seen;
+  for (BenchmarkRef current = benchmark;;) {
+    chain_.push_back(current);
+    seen.insert(current.benchmark);
+    if (!current.benchmark->from) break;
     const dsl::Name& from = *current.benchmark->from;
     const auto base = scenario_.FindBenchmark(*current.file, from.text);
-    if (!base) {
+    if (!base || seen.contains(base->benchmark)) {
       has_base_ = false;
-      if (!scenario_.is_complete()) return;
-      const std::string_view near =
-          dsl::DidYouMean(from.text, scenario_.BenchmarkNames(*current.file));
-      diagnostics_.Report(kUnknownName, from.span, fmt::format("no benchmark '{}'", from.text),
-                          near.empty() ? "" : fmt::format("did you mean '{}'?", near));
-      return;
-    }
-    for (const BenchmarkRef& seen : chain_) {
-      if (seen.benchmark != base->benchmark) continue;
-      has_base_ = false;
-      diagnostics_.Report(kCircular, from.span, fmt::format("'{}' leads back to itself", from.text),
-                          "a benchmark cannot come from one that comes from it");
-      return;
+      ReportBase(from, *current.file, base.has_value());
+      break;
     }
     current = *base;
+  }
+  std::ranges::reverse(chain_);
+}
+
+void LayeredBenchmark::ReportBase(const dsl::Name& from, const ScenarioFile& file, bool is_circle) {
+  if (is_circle) {
+    diagnostics_.Report(kCircular, from.span, fmt::format("'{}' leads back to itself", from.text),
+                        "a benchmark cannot come from one that comes from it");
+  } else if (scenario_.is_complete()) {
+    const std::string_view near = dsl::DidYouMean(from.text, scenario_.BenchmarkNames(file));
+    diagnostics_.Report(kUnknownName, from.span, fmt::format("no benchmark '{}'", from.text),
+                        near.empty() ? "" : fmt::format("did you mean '{}'?", near));
   }
 }
 
@@ -297,7 +303,9 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
   diagnostics_.Report(kUnknownName, path.span,
                       fmt::format("no parameter{} is called '{}'",
                                   where.empty() ? "" : " of '" + where + "'", text),
-                      SuggestParameter(text, place.block, in_group));
+                      diagnostics_.error_count() < kMostSuggestions
+                          ? SuggestParameter(text, place.block, in_group)
+                          : "");
   return std::nullopt;
 }
 

@@ -105,6 +105,8 @@ class LayeredBenchmark {
 
   static bool IsUnread(const Entry& entry);
   void Chain(const BenchmarkRef& benchmark);
+  /// Why nothing can come from `from`.
+  void ReportBase(const dsl::Name& from, const ScenarioFile& file, bool is_circle);
   void CollectLabels(const dsl::Block& block);
   void Walk(const dsl::Block& block, const Place& place);
   void WalkGroup(const dsl::Group& group, const Place& place);

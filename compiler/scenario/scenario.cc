@@ -77,6 +77,10 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
   file.path = path;
   file.tree = dsl::Parse(std::make_shared<const dsl::Source>(path, std::move(*text)), diagnostics);
   is_complete_ = is_complete_ && file.tree.damage == dsl::Damage::kNone;
+  ForEachItem<dsl::Let>(file, [&](const dsl::Let& let) { file.lets.emplace(let.name.text, &let); });
+  ForEachItem<dsl::Benchmark>(file, [&](const dsl::Benchmark& benchmark) {
+    file.benchmarks.emplace(benchmark.name.text, &benchmark);
+  });
   loading_.push_back(&file);
   ForEachItem<dsl::Use>(file, [&](const dsl::Use& wanted) {
     if (wanted.path_span.source == nullptr) return;  // not a path; the parser has said so
@@ -197,9 +201,8 @@ std::optional<BenchmarkRef> Scenario::FindBenchmark(const ScenarioFile& file,
                                                     std::string_view name) const {
   std::optional<BenchmarkRef> found;
   ForEachVisible(file, [&](const ScenarioFile& visible) {
-    ForEachItem<dsl::Benchmark>(visible, [&](const dsl::Benchmark& benchmark) {
-      if (!found && benchmark.name.text == name) found = {&visible, &benchmark};
-    });
+    const auto benchmark = visible.benchmarks.find(name);
+    if (benchmark != visible.benchmarks.end()) found = {&visible, benchmark->second};
     return found.has_value();
   });
   return found;
@@ -208,9 +211,8 @@ std::optional<BenchmarkRef> Scenario::FindBenchmark(const ScenarioFile& file,
 std::optional<LetRef> Scenario::FindLet(const ScenarioFile& file, std::string_view name) const {
   std::optional<LetRef> found;
   ForEachVisible(file, [&](const ScenarioFile& visible) {
-    ForEachItem<dsl::Let>(visible, [&](const dsl::Let& let) {
-      if (!found && let.name.text == name) found = {&visible, &let};
-    });
+    const auto let = visible.lets.find(name);
+    if (let != visible.lets.end()) found = {&visible, let->second};
     return found.has_value();
   });
   return found;

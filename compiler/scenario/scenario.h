@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "compiler/plan/trace.h"
@@ -37,6 +38,9 @@ struct ScenarioFile {
   std::string path;
   dsl::File tree;
   std::vector<const ScenarioFile*> uses;
+  /// The first of each name.
+  std::unordered_map<std::string_view, const dsl::Let*> lets;
+  std::unordered_map<std::string_view, const dsl::Benchmark*> benchmarks;
 };
 
 /// A benchmark with the file whose names it sees.

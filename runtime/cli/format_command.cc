@@ -29,7 +29,7 @@ ExitStatus FormatFiles(const FormatArguments& arguments) {
     dsl::Diagnostics diagnostics;
     dsl::Parse(source, diagnostics);
     if (diagnostics.has_errors()) {
-      report::Say(dsl::Render(diagnostics));
+      report::Say(dsl::Render(diagnostics, RenderOptionsForTerminal()));
       status = ExitStatus::kScenario;
       continue;
     }

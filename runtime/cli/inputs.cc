@@ -85,6 +85,11 @@ std::string FindScenario(const std::string& file) {
       "cannot read '{}': {}; `cdb list scenarios` shows those that come with cdb", file, why));
 }
 
+dsl::RenderOptions RenderOptionsForTerminal() {
+  constexpr std::size_t kMostShown = 20;
+  return {isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr, kMostShown};
+}
+
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
                                        const std::vector<std::string>& plugins) {
@@ -97,14 +102,12 @@ compiler::Compilation CompileAndReport(const std::string& file,
                                                     {plugins, describe},
                                                     ReadTraceAt,
                                                     closed_forms::FindSceneFault});
-  dsl::RenderOptions options;
-  options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;
   for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
     if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))
       shown.Report(*diagnostic.kind, diagnostic.span, diagnostic.message, diagnostic.help,
                    diagnostic.notes);
-  report::Say(dsl::Render(shown, options));
+  report::Say(dsl::Render(shown, RenderOptionsForTerminal()));
   if (lints == LintText::kOneLine) report::Say(LintsInOneLine(result.diagnostics, file));
   return result;
 }

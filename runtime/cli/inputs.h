@@ -9,6 +9,7 @@
 
 #include "compiler/compile.h"
 #include "compiler/plan/plan.h"
+#include "dsl/render.h"
 
 namespace cdb::cli {
 
@@ -22,6 +23,9 @@ std::string FindScenario(const std::string& file);
 
 /// How much is said of numbers that Bullet cannot follow (compiler/lints.h).
 enum class LintText { kNone, kOneLine, kWhole };
+
+/// In colour on a terminal, and at most 20 errors.
+dsl::RenderOptions RenderOptionsForTerminal();
 
 /// Compiles the file that FindScenario finds, and prints every diagnostic on standard error.
 /// `plugins`: shared libraries with detectors, beside those that the file names. Throws

@@ -1,6 +1,7 @@
 // Each tests/golden/compiler/errors/NAME.cdb renders to NAME.txt, and each benchmark of
 // plans/NAME.cdb expands to NAME.BENCHMARK.txt, its plan without repetitions. With
 // CDB_UPDATE_GOLDEN=1 in the environment the expected files are written instead.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -121,6 +122,21 @@ TEST(Golden, Plans) {
       ExpectGolden(expected, WithoutRepetitions(plan::ToYaml(plan)));
     }
   }
+}
+
+TEST(Compile, LongChainsOfLetsAreRefusedOnce) {
+  std::string text;
+  for (int i = 0; i < 2000; ++i) text += fmt::format("let a{} = a{} + 1\n", i, i + 1);
+  const compiler::Compilation result = CompileText(text + "let a2000 = 1\nbenchmark b { }\n");
+  EXPECT_EQ(result.diagnostics.error_count(), 1) << dsl::Render(result.diagnostics);
+}
+
+TEST(Compile, ALongLineOfBasesIsAllowed) {
+  std::string text = "benchmark b0 { seed 5 }\n";
+  for (int i = 0; i < 500; ++i) text += fmt::format("benchmark b{} from b{} {{ }}\n", i + 1, i);
+  const compiler::Compilation result = CompileText(text);
+  ASSERT_EQ(result.plans.size(), 501u) << dsl::Render(result.diagnostics);
+  EXPECT_EQ(result.plans.back().runs.at(0).scene.world.Count("seed"), 5u);
 }
 
 }  // namespace

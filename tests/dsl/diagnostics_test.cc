@@ -123,6 +123,18 @@ TEST(Render, NothingReachesTheTerminalThatItWouldObey) {
   EXPECT_NE(dsl::Render(diagnostics, {.color = true}).find("\x1b["), std::string::npos);
 }
 
+TEST(Render, SaysHowManyMoreThereAre) {
+  const dsl::Source source("t", "abcd");
+  dsl::Diagnostics diagnostics;
+  for (std::uint32_t i = 0; i < 4; ++i) diagnostics.Report(kError, {&source, i, i + 1}, "wrong");
+  const std::string all = dsl::Render(diagnostics);
+  EXPECT_EQ(dsl::Render(diagnostics, {.color = false, .most = 4}), all);
+  const std::string two = dsl::Render(diagnostics, {.color = false, .most = 2});
+  EXPECT_EQ(two, all.substr(0, all.find("t:1:3:")) + "… and 2 more errors\n");
+  EXPECT_TRUE(
+      dsl::Render(diagnostics, {.color = false, .most = 3}).ends_with("… and 1 more error\n"));
+}
+
 TEST(Render, LongLinesAreCutAroundTheFault) {
   const dsl::Source source("t", std::string(500, 'a') + "XYZ" + std::string(500, 'b'));
   const std::string text = RenderOne(source, 500, 503);
