@@ -9,34 +9,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "compiler/evaluate/evaluate.h"
+#include "compiler/checks/file_lets.h"
 #include "compiler/expand.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::compiler {
-namespace {
-
-/// Lets of the file that no benchmark uses are evaluated too. What a name in them means is known in
-/// a benchmark only, so here only such faults count as are faults anywhere.
-void CheckLets(const scenario::Scenario& scenario, dsl::Diagnostics& diagnostics) {
-  const scenario::Layers nothing;
-  dsl::Diagnostics found;
-  evaluate::Evaluator evaluator(scenario, nothing, found);
-  for (const auto& item : scenario.main()->tree.items) {
-    const auto* let = std::get_if<dsl::Let>(&item);
-    if (let != nullptr && let->value != nullptr && let->value->kind != dsl::ExprKind::kRange)
-      evaluator.Evaluate(*let->value, {scenario.main(), {}, {}, nullptr});
-  }
-  for (const dsl::Diagnostic& fault : found.all())
-    if (fault.kind == &scenario::kCircular || fault.kind == &scenario::kNotFinite ||
-        fault.kind == &scenario::kBadRange || fault.kind == &scenario::kOutOfDomain ||
-        fault.kind == &scenario::kBadArguments || fault.kind == &scenario::kMisplacedSweep ||
-        fault.kind == &scenario::kNoSuchFile || fault.kind == &scenario::kContradiction)
-      diagnostics.Report(*fault.kind, fault.span, fault.message, fault.help, fault.notes);
-}
-
-}  // namespace
-
 Compilation Compile(const std::string& path, const scenario::ReadFile& read,
                     const CompileOptions& options) {
   Compilation result;
@@ -54,7 +31,7 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
     result.diagnostics.Report(scenario::kNoRuns, start, "there is no benchmark in this file",
                               "`benchmark name { }` is a whole one");
   }
-  CheckLets(*scenario, result.diagnostics);
+  checks::CheckFileLets(*scenario, result.diagnostics);
   for (const scenario::BenchmarkRef& benchmark : benchmarks) {
     const bool is_asked_for =
         !options.benchmark || *options.benchmark == benchmark.benchmark->name.text;

@@ -273,7 +273,7 @@ bool ValueParser::ParseArgument(Expr& call) {
     return false;
   }
   if (!argument.value) return false;
-  const bool weighable = argument.value->kind == ExprKind::kCall ||
+  const bool weighable = call.text == "any" || argument.value->kind == ExprKind::kCall ||
                          (argument.value->kind == ExprKind::kPath && IsName(argument.value->text));
   if (weighable && cursor_.At(TokenKind::kNumber)) argument.weight = ParsePrimary();
   call.arguments.push_back(std::move(argument));

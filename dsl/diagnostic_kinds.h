@@ -38,9 +38,13 @@ namespace cdb::dsl {
   X(kMissingEquals, "missing-equals", kError)           \
   X(kMissingSemicolon, "missing-semicolon", kError)     \
   X(kMissingWhen, "missing-when", kError)               \
+  X(kNoLoops, "no-loops", kError)                       \
+  X(kNoFunctions, "no-functions", kError)               \
   X(kOneValue, "one-value", kError)                     \
   /* values */                                          \
   X(kMissingValue, "missing-value", kError)             \
+  X(kWrittenUnit, "written-unit", kError)               \
+  X(kTwoValues, "two-values", kError)                   \
   X(kMissingComma, "missing-comma", kError)             \
   X(kTrailingComma, "trailing-comma", kError)           \
   X(kLineBreak, "line-break", kError)                   \

@@ -62,6 +62,12 @@ class Lexer {
     result_.tokens.push_back({kind, faulty, span.begin, span.end});
     at_ = end;
   }
+  bool AfterWordBeforeName() const {
+    if (LastKind() != TokenKind::kPath) return false;
+    const Token& last = result_.tokens.back();
+    const std::string_view word = text_.substr(last.begin, last.end - last.begin);
+    return word == "benchmark" || word == "from" || word == "let" || word == "cases";
+  }
   TokenKind LastKind() const {
     return result_.tokens.empty() ? TokenKind::kNewline : result_.tokens.back().kind;
   }
@@ -215,6 +221,9 @@ void Lexer::LexNumber() {
     if (!IsNameChar(c) && !AtForeignLetter(end) && !sign && !point) break;
     end += AtForeignLetter(end) ? static_cast<std::size_t>(DecodeUtf8(text_, end).bytes) : 1;
   }
+  // `benchmark 3d`: the parser says that it is no name.
+  const bool is_name_like = text_.substr(at_, end - at_).find('.') == std::string_view::npos;
+  if (is_name_like && AfterWordBeforeName()) return Add(TokenKind::kNumber, end);
   const bool good = CheckNumber(text_.substr(at_, end - at_), SpanOf(at_, end), diagnostics_);
   Add(TokenKind::kNumber, end, !good);
 }
@@ -289,7 +298,7 @@ void Lexer::LexPercent() {
   const bool remainder = IsNameChar(c) || c == '(';
   Report(kForeignOperator, at_, at_ + 1, "'%' means nothing here",
          remainder ? "there is no remainder; + - * / ^ are what there is"
-                   : "write a part of a hundred as a fraction: 5/100");
+                   : "a percentage is written as a fraction: 0.05 or 5/100");
   // Between two values it is an operator; after one it is a unit, and goes.
   if (remainder)
     Add(TokenKind::kStar, at_ + 1, true);

@@ -113,6 +113,13 @@ std::optional<Let> StatementParser::ParseLet() {
     SkipStatement();
     return std::nullopt;
   }
+  if (cursor_.At(TokenKind::kLeftParen)) {
+    cursor_.Report(kNoFunctions, cursor_.SpanOf(cursor_.Peek()),
+                   "a let is a value and takes no arguments",
+                   Concat({"write: let ", name->text, " = …"}));
+    SkipStatement();
+    return Let{std::move(*name), nullptr};
+  }
   if (cursor_.At(TokenKind::kAssign)) {
     cursor_.Take();
   } else if (cursor_.AtStatementEnd()) {

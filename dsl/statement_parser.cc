@@ -1,5 +1,7 @@
 #include "dsl/statement_parser.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "dsl/concat.h"
@@ -26,6 +28,7 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
     keep(std::optional(ParseSkip()));
   } else if (cursor_.AtWord("benchmark") || cursor_.AtWord("use")) {
     ParseMisplaced();
+  } else if (RefuseLoop()) {
   } else if (first.kind == TokenKind::kPath) {
     Name path = cursor_.TakePath();
     const Token sign = cursor_.Peek();
@@ -168,6 +171,7 @@ bool StatementParser::ParseMoreValues(Setting& setting) {
       return true;
     }
     if (RefuseSecondArgument(*value)) return false;
+    if (comma && RefuseCommaBetweenStatements(setting, *comma, start, *value)) return true;
     const ExprKind kind = value->kind;
     const std::string word = value->text;
     setting.values.push_back(std::move(value));
@@ -181,6 +185,7 @@ bool StatementParser::ParseMoreValues(Setting& setting) {
     comma.reset();
     const Token next = cursor_.Peek();
     if (!cursor_.AtValueStart() || next.faulty || cursor_.AtWord("as")) return true;
+    if (RefuseUnit(kind) || RefuseSecondNumber(setting)) return false;
     if (RefuseMissingSemicolon(kind, word)) return true;
     if (!comma_reported)
       cursor_.Report(kMissingComma, cursor_.SpanOf(next),
@@ -213,6 +218,67 @@ bool StatementParser::RefuseSecondArgument(const Expr& value) {
                  Concat({"several arguments of '", value.text, "' stand in brackets"}),
                  Concat({"write: ", value.text, "(", value.arguments[0].name->text, ": …, ",
                          cursor_.Text(label), ": …)"}));
+  return true;
+}
+
+/// `quantity 5, type sphere`: true, with a report; the parser goes on with the second statement,
+/// whose name `value` is, from token `start` on.
+bool StatementParser::RefuseCommaBetweenStatements(const Setting& setting, const Token& comma,
+                                                   std::size_t start, const Expr& value) {
+  const bool is_list_of_words = setting.values.front()->kind == ExprKind::kPath;
+  if (is_list_of_words || value.kind != ExprKind::kPath || !cursor_.AtValueStart()) return false;
+  cursor_.Report(kMissingSemicolon, cursor_.SpanOf(comma), "a ',' does not end a statement",
+                 Concat({"write ';', or begin a new line with ", cursor_.Quote(value.span)}));
+  cursor_.Rewind(start);
+  statement_begins_ = true;
+  return true;
+}
+
+/// `timestep 10 ms`: true, with a report.
+bool StatementParser::RefuseUnit(ExprKind last) {
+  constexpr std::string_view kUnits[] = {
+      "km", "m", "cm", "mm", "um",  "h",   "min", "s",  "ms",  "us",  "ns", "kg", "g",    "mg",
+      "t",  "N", "J",  "W",  "rad", "deg", "Hz",  "hz", "kHz", "rpm", "Pa", "x",  "times"};
+  const Token next = cursor_.Peek();
+  const bool is_number = last == ExprKind::kNumber || last == ExprKind::kBinary ||
+                         last == ExprKind::kNegate || last == ExprKind::kVector;
+  if (!is_number || next.kind != TokenKind::kPath ||
+      std::ranges::find(kUnits, cursor_.Text(next)) == std::end(kUnits))
+    return false;
+  cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), "units are not written",
+                 "`cdb doc NAME` gives the unit of a parameter: write 0.01 for 10 ms");
+  return true;
+}
+
+/// `cycles 5 6`: true, with a report.
+bool StatementParser::RefuseSecondNumber(const Setting& setting) {
+  const Expr& last = *setting.values.back();
+  const bool is_number = last.kind == ExprKind::kNumber || last.kind == ExprKind::kNegate;
+  if (!is_number || !cursor_.At(TokenKind::kNumber)) return false;
+  const Token next = cursor_.Peek();
+  const std::string_view first =
+      cursor_.source().text().substr(last.span.begin, last.span.end - last.span.begin);
+  cursor_.Report(
+      kTwoValues, cursor_.SpanOf(next),
+      Concat({"'", setting.path.text, "' is given a second value"}),
+      Concat({"to make a run with each, write sweep(", first, ", ", cursor_.Text(next), ")"}));
+  return true;
+}
+
+/// `for i in 1..3 { }`: true, with a report.
+bool StatementParser::RefuseLoop() {
+  const Token word = cursor_.Peek();
+  const bool is_branch = cursor_.AtWord("if");
+  if (!is_branch && !cursor_.AtWord("for") && !cursor_.AtWord("while") &&
+      !cursor_.AtWord("foreach") && !cursor_.AtWord("repeat"))
+    return false;
+  if (!cursor_.AtValueStart(1)) return false;
+  cursor_.Report(kNoLoops, cursor_.SpanOf(word),
+                 Concat({"there is no ", cursor_.Quote(word), " in this language"}),
+                 is_branch ? "skip when … leaves out runs; cases { } set several values together"
+                           : "sweep(1 .. 3) makes a run for each value");
+  AddDamage(Damage::kLost);
+  SkipStatement();
   return true;
 }
 

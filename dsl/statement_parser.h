@@ -37,6 +37,11 @@ class StatementParser {
   bool ParseMoreValues(Setting& setting);
   bool IsTrailing(const Token& comma, const Token& first, const Expr& value) const;
   bool RefuseSecondArgument(const Expr& value);
+  bool RefuseCommaBetweenStatements(const Setting& setting, const Token& comma, std::size_t start,
+                                    const Expr& value);
+  bool RefuseUnit(ExprKind last);
+  bool RefuseSecondNumber(const Setting& setting);
+  bool RefuseLoop();
   bool RefuseMissingSemicolon(ExprKind last, const std::string& word);
   void ParseMisplaced();
 

@@ -94,6 +94,9 @@ class AxisFinder {
   void WalkCall(const Expr& call, const scenario::Scope& scope, Statement& statement,
                 const Part& part) {
     if (call.text == "sweep") return Add(call, scope, statement, part);
+    // Of a function that there is not, nothing is known.
+    if (!schema::FindDistribution(call.text) && schema::FindParametrisedWord(call.text) == nullptr)
+      return;
     for (std::size_t i = 0; i < call.arguments.size(); ++i) {
       const dsl::Argument& argument = call.arguments[i];
       Part inner = part;

@@ -70,7 +70,12 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
   for (const schema::ParametrisedWord& info : schema::ParametrisedWords())
     if (scope.parameter == nullptr || scope.parameter->TakesCall(info.name))
       names.push_back(info.name);
-  const std::string_view near = dsl::DidYouMean(expr.text, names);
+  std::string_view near = dsl::DidYouMean(expr.text, names);
+  if (std::ranges::find(names, schema::WordFor(expr.text)) != names.end())
+    near = schema::WordFor(expr.text);
+  if (expr.text == "zip")
+    return evaluator.Error(scenario::kUnknownName, expr.span, "no function is called 'zip'",
+                           "cases { } are an axis along which several settings change together");
   return evaluator.Error(scenario::kUnknownName, expr.span,
                          fmt::format("no function is called '{}'", expr.text),
                          near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))

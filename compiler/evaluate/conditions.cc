@@ -57,7 +57,24 @@ bool Conditions::Hold(const dsl::Condition& condition, const scenario::Scope& sc
   return Compare(condition, scope);
 }
 
+/// A call in a condition has no one value: true, with a report.
+bool Conditions::RefuseCall(const Expr& expr) {
+  if (expr.kind == ExprKind::kCall && expr.text == "sweep") {
+    evaluator_.Error(scenario::kMisplacedSweep, expr.span, "a sweep in a condition makes no axis",
+                     "sweep a setting or a let, and compare its name");
+    return true;
+  }
+  if (expr.kind == ExprKind::kCall && schema::FindDistribution(expr.text)) {
+    evaluator_.Error(scenario::kBadComparison, expr.span,
+                     fmt::format("{}( ) is drawn for each object and has no one value", expr.text),
+                     "conditions compare axes, lets and parameters");
+    return true;
+  }
+  return std::ranges::any_of(expr.items, [this](const auto& item) { return RefuseCall(*item); });
+}
+
 bool Conditions::Compare(const dsl::Condition& condition, const scenario::Scope& scope) {
+  if (RefuseCall(*condition.left) || RefuseCall(*condition.right)) return false;
   for (const bool swap : {false, true}) {
     const Expr& word = swap ? *condition.left : *condition.right;
     const Expr& other = swap ? *condition.right : *condition.left;
@@ -92,6 +109,18 @@ std::optional<Value> Conditions::Comparand(const Expr& expr, const Expr& other,
   return evaluator_.Evaluate(expr, scope);
 }
 
+std::string Conditions::Nearest(std::string_view word, std::vector<std::string_view> words,
+                                const scenario::Scope& scope) const {
+  if (!words.empty()) return std::string(dsl::DidYouMean(word, words));
+  for (const auto& [name, value] : axis_values_) words.push_back(name);
+  if (const auto axis = dsl::DidYouMean(word, words); !axis.empty()) return std::string(axis);
+  if (const auto let = evaluator_.names().NearestLet(std::string(word), scope); !let.empty())
+    return std::string(let);
+  words.clear();
+  for (const schema::Parameter& parameter : schema::Schema()) words.push_back(parameter.name);
+  return std::string(dsl::DidYouMean(word, words));
+}
+
 bool Conditions::CheckWord(const Expr& word, const Expr& other, const scenario::Scope& scope) {
   const std::vector<std::string_view> words = WordsOf(other, scope);
   if (other.kind == ExprKind::kPath && !axis_values_.contains(other.text) &&
@@ -100,7 +129,7 @@ bool Conditions::CheckWord(const Expr& word, const Expr& other, const scenario::
   if (std::ranges::find(words, word.text) != words.end()) return true;
   // The axis may be one that could not be read.
   if (words.empty() && evaluator_.layers().has_unread) return false;
-  const std::string_view near = dsl::DidYouMean(word.text, words);
+  const std::string near = Nearest(word.text, words, scope);
   std::string help;
   if (!near.empty()) {
     help = fmt::format("did you mean '{}'?", near);

@@ -30,6 +30,10 @@ class Conditions {
   std::optional<schema::Value> Comparand(const dsl::Expr& expr, const dsl::Expr& other,
                                          const scenario::Scope& scope);
   /// `word`, which is no name, can be what `other` is compared with.
+  bool RefuseCall(const dsl::Expr& expr);
+  /// One of `words`; without any, an axis, a let or a parameter.
+  std::string Nearest(std::string_view word, std::vector<std::string_view> words,
+                      const scenario::Scope& scope) const;
   bool CheckWord(const dsl::Expr& word, const dsl::Expr& other, const scenario::Scope& scope);
   bool IsLiteralWord(const dsl::Expr& expr, const scenario::Scope& scope) const;
   /// The words that the axis or the parameter `expr` can be.

@@ -193,7 +193,9 @@ class Converter {
       return Error(
           scenario::kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
           fmt::format("it takes {}, and no let has this name", parameter_.Takes(plugins_)));
-    const std::string_view near = dsl::DidYouMean(text, words);
+    std::string_view near = dsl::DidYouMean(text, words);
+    if (std::ranges::find(words, schema::WordFor(text)) != words.end())
+      near = schema::WordFor(text);
     return Error(scenario::kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
                  near.empty() ? fmt::format("it takes {}", parameter_.Takes(plugins_))
                               : fmt::format("did you mean '{}'?", near));

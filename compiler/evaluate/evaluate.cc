@@ -180,8 +180,13 @@ bool Evaluator::CheckCircle(const void* node, const Expr& expr) {
     const auto first = std::min_element(begin, active_.end(), [](const Active& a, const Active& b) {
       return a.name.span.begin < b.name.span.begin;
     });
+    std::vector<std::string> circle;
+    for (auto at = first; at != active_.end(); ++at) circle.push_back(at->name.text);
+    for (auto at = begin; at != first; ++at) circle.push_back(at->name.text);
+    circle.push_back(first->name.text);
     Error(scenario::kCircular, first->name.span,
-          fmt::format("'{}' leads back to itself", first->name.text));
+          fmt::format("'{}' leads back to itself", first->name.text),
+          fmt::format("{}", fmt::join(circle, " -> ")));
     return false;
   }
   if (active_.size() < kMaxChain) return true;

@@ -58,8 +58,11 @@ std::string SuggestParameter(std::string_view word, const std::string& block, bo
     names.push_back(name);
   }
   const std::string_view near = dsl::DidYouMean(word, {names.begin(), names.end()});
-  return near.empty() ? "`cdb doc parameters` lists all there are"
-                      : fmt::format("did you mean '{}'?", near);
+  if (!near.empty()) return fmt::format("did you mean '{}'?", near);
+  for (const schema::Parameter& parameter : schema::Schema())
+    if (schema::ListsWord(parameter.also, word))
+      return fmt::format("did you mean '{}', outside this block?", parameter.FullName());
+  return "`cdb doc parameters` lists all there are";
 }
 
 }  // namespace
@@ -112,7 +115,11 @@ void LayeredBenchmark::ReportBase(const dsl::Name& from, const ScenarioFile& fil
 void LayeredBenchmark::CollectLabels(const dsl::Block& block) {
   for (const dsl::Statement& statement : block.statements) {
     if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
-      if (group->kind.text == kUnnamedGroup && group->label) labels_.push_back(group->label->text);
+      if (group->kind.text != kUnnamedGroup) continue;
+      if (group->label)
+        labels_.push_back(group->label->text);
+      else
+        has_unnamed_block_ = true;
     } else if (const auto* cases = std::get_if<dsl::Cases>(&statement.what)) {
       for (const dsl::Case& one : cases->cases) CollectLabels(one.block);
     }
@@ -286,12 +293,23 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
     const std::size_t dot = text.find('.');
     const std::string head = text.substr(0, dot);
     const bool labelled = std::ranges::find(labels_, head) != labels_.end();
-    if (dot != std::string::npos && (head == kUnnamedGroup || labelled)) {
-      if (const schema::Parameter* parameter = schema::FindParameter(text.substr(dot + 1), true)) {
-        DeclareGroup(head, place);
-        return {{head, parameter}};
-      }
+    const schema::Parameter* of_group =
+        dot == std::string::npos ? nullptr : schema::FindParameter(text.substr(dot + 1), true);
+    if (of_group != nullptr && (head == kUnnamedGroup || labelled)) {
+      if (head == kUnnamedGroup && !labels_.empty() && !has_unnamed_block_)
+        return misplaced(fmt::format("'{}' is of no group here", head),
+                         fmt::format("write {}.{}; or objects {{ … }} for objects besides",
+                                     labels_.front(), text.substr(dot + 1)));
+      DeclareGroup(head, place);
+      return {{head, of_group}};
     }
+    if (of_group != nullptr && schema::FindParameter(text, false) == nullptr && !labels_.empty())
+      if (const auto near = dsl::DidYouMean(head, {labels_.begin(), labels_.end()});
+          !near.empty()) {
+        diagnostics_.Report(kUnknownName, path.span, fmt::format("no group is called '{}'", head),
+                            fmt::format("did you mean '{}'?", near));
+        return std::nullopt;
+      }
     if (schema::FindParameter(text, true) != nullptr)
       return misplaced(fmt::format("'{}' is of the objects", text),
                        fmt::format("write objects.{}", text));

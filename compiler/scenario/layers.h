@@ -129,6 +129,7 @@ class LayeredBenchmark {
     std::size_t case_index = 0;
   };
   std::vector<std::string> labels_;
+  bool has_unnamed_block_ = false;  ///< `objects { … }`
   std::vector<GroupDeclaration> groups_;
   std::vector<CaseAxis> case_axes_;
   std::vector<Entry> entries_;

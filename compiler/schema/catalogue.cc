@@ -107,4 +107,39 @@ const DetectorPart* FindDetectorPart(std::string_view name) {
   return row == std::end(kParts) ? nullptr : row;
 }
 
+std::string_view WordFor(std::string_view word) {
+  struct Other {
+    std::string_view word, ours;
+  };
+  static constexpr Other kOthers[] = {
+      {"cube", "cuboid"},
+      {"box", "cuboid"},
+      {"brick", "cuboid"},
+      {"ball", "sphere"},
+      {"ellipsoid", "sphere"},
+      {"pill", "capsule"},
+      {"rod", "cylinder"},
+      {"donut", "torus"},
+      {"bruteforce", "simple"},
+      {"brute_force", "simple"},
+      {"sweep_and_prune", "sap"},
+      {"bvh", "dbvt"},
+      {"gauss", "normal"},
+      {"gaussian", "normal"},
+      {"choice", "any"},
+      {"choose", "any"},
+      {"random", "uniform"},
+      {"rand", "uniform"},
+      {"range", "sweep"},
+      {"linspace", "sweep"},
+      {"logspace", "sweep"},
+      {"float", "single"},
+      {"yes", "on"},
+      {"no", "off"},
+  };
+  for (const Other& other : kOthers)
+    if (other.word == word) return other.ours;
+  return {};
+}
+
 }  // namespace cdb::schema

@@ -84,4 +84,8 @@ std::span<const ClosedFormInfo> ClosedForms();
 const DetectorInfo* FindDetector(std::string_view name);
 const DetectorPart* FindDetectorPart(std::string_view name);
 
+/// The word of the language for one that people try first: `cuboid` for `cube`. Empty if there is
+/// none.
+std::string_view WordFor(std::string_view word);
+
 }  // namespace cdb::schema
