@@ -43,6 +43,20 @@ std::optional<std::size_t> DetectorAxis(const store::ResultFile& file) {
   return static_cast<std::size_t>(axis - file.axes().begin());
 }
 
+PointVerdict WorstVerdict(const store::ResultFile& file, const std::vector<std::size_t>& at) {
+  std::optional<measure::Judgement> worst;
+  for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
+    const store::Status status = file.ReadStatus({at, rep});
+    const measure::Judgement judgement = file.ReadJudgement({at, rep});
+    if (judgement.verdict == measure::Verdict::kUnknown && status != store::Status::kDone)
+      return {std::string(store::StatusName(status))};
+    if (!worst || judgement.verdict > worst->verdict ||
+        (judgement.verdict == worst->verdict && judgement.first_bad_cycle < worst->first_bad_cycle))
+      worst = judgement;
+  }
+  return {std::string(measure::VerdictName(worst->verdict)), worst->first_bad_cycle};
+}
+
 std::optional<plan::Plan> ReadPlan(const store::ResultFile& file) {
   try {
     return plan::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -35,6 +36,14 @@ std::optional<std::string> Trouble(const store::ResultFile& file,
 /// Of a cell with a trouble, one word: the verdict that voids it (`frozen`), or its status
 /// (`crashed`).
 std::string FaultOf(const store::ResultFile& file, const store::ResultFile::Cell& cell);
+
+/// How a point of the grid ended: of its repeats, the worst.
+struct PointVerdict {
+  std::string word;  ///< a verdict; of a run without one, how its process ended (`failed`)
+  std::int64_t first_bad_cycle = -1;  ///< the earliest; -1 where none is bad
+};
+/// Throws StoreError.
+PointVerdict WorstVerdict(const store::ResultFile& file, const std::vector<std::size_t>& at);
 
 /// The plan that the results are of; nullopt where it is of another version of cdb, which is shown
 /// as far as it goes. Throws StoreError.
