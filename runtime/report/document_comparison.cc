@@ -33,7 +33,7 @@ class RatioColumns {
       const auto phase = static_cast<Phase>(i);
       if (source_.IsLarge() && phase != Phase::kStep && phase != Phase::kDetect) continue;
       const std::string name(measure::PhaseNames()[i]);
-      all["phases"][name] = ColumnsOf(phase);
+      all["phases"][name] = source_.IsLarge() ? FoldColumns(ColumnsOf(phase)) : ColumnsOf(phase);
       all["means"][name] = JsonColumn(
           detectors.values.size(), [&](std::size_t detector) { return MeanOf(detector, phase); });
     }

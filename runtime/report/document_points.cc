@@ -66,37 +66,22 @@ std::string DocOf(const plan::Axis& axis) {
   return {};
 }
 
-/// A column whose values are all the same, as one.
-Json Folded(Json column) {
-  if (!column.is_array() || column.empty()) return column;
-  for (const Json& value : column)
-    if (value != column[0]) return column;
-  return {{"constant", column[0]}};
-}
-
-/// Folds every column below.
-Json FoldColumns(Json columns) {
-  if (columns.is_array()) return Folded(std::move(columns));
-  if (!columns.is_object()) return columns;
-  for (auto& [key, column] : columns.items())
-    if (key != "at" && key != "unit" && key != "label") column = FoldColumns(std::move(column));
-  return columns;
-}
-
 class PointColumns {
  public:
   explicit PointColumns(const DocumentSource& source)
       : source_(source), file_(source.file()), points_(source.points()) {}
 
   Json All() {
-    Json all = Json::object();
-    all["at"] = source_.IsLarge() ? FlatIndices()
-                                  : Column([](const GridPoint& point) -> Json { return point.at; });
-    AddFacts(all);
-    if (source_.HasTimes()) AddTimes(all);
-    if (!source_.IsLarge()) AddCounts(all);
-    AddErrors(all);
-    return source_.IsLarge() ? FoldColumns(std::move(all)) : all;
+    Json columns = Json::object();
+    AddFacts(columns);
+    if (source_.HasTimes()) AddTimes(columns);
+    if (!source_.IsLarge()) AddCounts(columns);
+    AddErrors(columns);
+    Json all = {{"at", source_.IsLarge()
+                           ? FlatIndices()
+                           : Column([](const GridPoint& point) -> Json { return point.at; })}};
+    all.update(source_.IsLarge() ? FoldColumns(std::move(columns)) : columns);
+    return all;
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace cdb::report {
 namespace {
@@ -32,6 +33,17 @@ Json JsonNumber(double value, int digits) {
 
 Json JsonNumbers(const std::vector<double>& values, int digits) {
   return JsonColumn(values.size(), [&](std::size_t i) { return JsonNumber(values[i], digits); });
+}
+
+Json FoldColumns(Json columns) {
+  if (columns.is_array()) {
+    for (const Json& value : columns)
+      if (value != columns[0]) return columns;
+    return columns.empty() ? columns : Json{{"constant", columns[0]}};
+  }
+  if (columns.is_object())
+    for (auto& [key, column] : columns.items()) column = FoldColumns(std::move(column));
+  return columns;
 }
 
 }  // namespace cdb::report

@@ -22,4 +22,7 @@ Json JsonColumn(std::size_t count, Of of) {
   return column;
 }
 
+/// Every array below `columns` whose values are all the same as `{"constant": value}`.
+Json FoldColumns(Json columns);
+
 }  // namespace cdb::report

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "runtime/report/conclusions.h"
 #include "runtime/report/document_comparison.h"
 #include "runtime/report/document_cycles.h"
 #include "runtime/report/document_head.h"
@@ -30,6 +31,18 @@ Json IntervalWords(const DocumentSource& source) {
           {"text", Sentence(times.IntervalLine())}};
 }
 
+Json DocumentConclusions(const DocumentSource& source, bool only_sound) {
+  Json all = Json::array();
+  if (source.IsLarge()) return all;
+  for (const Conclusion& of : Conclusions(
+           {source.file(), source.measured(), source.findings(), source.times(), only_sound}))
+    all.push_back({{"question", of.question},
+                   {"answer", of.answer},
+                   {"kind", of.kind},
+                   {"certainty", CertaintyName(of.certainty)}});
+  return all;
+}
+
 void CheckSize(const DocumentSource& source) {
   if (source.points().size() > kMaxDocumentPoints)
     throw store::StoreError(
@@ -49,7 +62,7 @@ DocumentText ResultsDocument(const store::ResultFile& file, const DocumentOption
   document["title"] = file.title();
   document["runs"] = DocumentRuns(source);
   document["warnings"] = DocumentWarnings(source);
-  document["conclusions"] = Json::array();
+  document["conclusions"] = DocumentConclusions(source, options.only_sound);
   document["axes"] = DocumentAxes(source);
   document["detector_axis"] = DocumentDetectorAxis(source);
   document["statistic"] = Sentence(source.times().StatisticLine(false));

@@ -67,7 +67,7 @@ class PhaseTables {
 
   Estimate MeanOfRow(const Row& row, measure::Phase phase) {
     std::vector<Estimate> means;
-    for (const MeasuredPoint* point : row.points) means.push_back(times_.Of(*point, phase).mean);
+    for (const MeasuredPoint* point : row.points) means.push_back(times_.FigureOf(*point, phase));
     return MeanOf(means);
   }
 
