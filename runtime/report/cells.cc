@@ -60,14 +60,21 @@ PointVerdict WorstVerdict(const store::ResultFile& file, const std::vector<std::
 std::optional<plan::Plan> ReadPlan(const store::ResultFile& file) {
   thread_local std::optional<plan::Plan> last;
   thread_local std::string last_sha256;
-  if (last && last_sha256 == file.plan_sha256()) return last;
-  try {
-    last = plan::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");
-  } catch (const plan::PlanError&) {
-    return std::nullopt;
+  if (!last || last_sha256 != file.plan_sha256()) {
+    try {
+      last = plan::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");
+    } catch (const plan::PlanError&) {
+      return std::nullopt;
+    }
+    last_sha256 = file.plan_sha256();
   }
-  last_sha256 = file.plan_sha256();
-  return last;
+  plan::Plan plan = *last;
+  std::erase_if(plan.runs, [&](plan::Run& run) {
+    auto at = file.SelectedPoint(run.at);
+    if (at) run.at = *std::move(at);
+    return !at;
+  });
+  return plan;
 }
 
 CellDetectors::CellDetectors(const store::ResultFile& file)

@@ -46,8 +46,8 @@ struct PointVerdict {
 PointVerdict WorstVerdict(const store::ResultFile& file, const std::vector<std::size_t>& at);
 
 /// The plan that the results are of; nullopt where it is of another version of cdb, which is shown
-/// as far as it goes. A large plan takes seconds to read, so that a thread keeps the last one.
-/// Throws StoreError.
+/// as far as it goes; its measured runs are those that are selected. A large plan takes seconds to
+/// read, so that a thread keeps the last one. Throws StoreError.
 std::optional<plan::Plan> ReadPlan(const store::ResultFile& file);
 
 /// The detector of each cell. Without an axis of them the plan is asked, which is read once; where

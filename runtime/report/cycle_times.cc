@@ -66,6 +66,8 @@ void Winsorise(std::vector<SortedCycle>& cycles, const std::vector<double>& medi
 
 constexpr std::string_view kStatisticNames[] = {"mean", "median", "p5",   "p95",
                                                 "min",  "max",    "worst"};
+constexpr std::string_view kStatisticHeads[] = {
+    "Mean", "Median", "5th percentile", "95th percentile", "Minimum", "Maximum", "Worst"};
 
 /// Of the times of the cycles. NaN where one is: a draw without the repeat that went on longest.
 double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
@@ -158,6 +160,10 @@ const Estimate& CycleTimes::FigureOf(const MeasuredPoint& point, measure::Phase 
 
 std::string_view CycleTimes::StatisticName() const {
   return kStatisticNames[static_cast<std::size_t>(statistic_)];
+}
+
+std::string_view CycleTimes::StatisticHead() const {
+  return kStatisticHeads[static_cast<std::size_t>(statistic_)];
 }
 
 std::string CycleTimes::IntervalName() const {

@@ -73,8 +73,11 @@ class CycleTimes {
   const PhaseTimes& Of(const MeasuredPoint& point, measure::Phase phase);
   /// The time of a point by the statistic that was asked for.
   const Estimate& FigureOf(const MeasuredPoint& point, measure::Phase phase);
+  CycleStatistic statistic() const { return statistic_; }
   /// `mean`, `median`.
   std::string_view StatisticName() const;
+  /// For the head of a table: `Mean`, `95th percentile`.
+  std::string_view StatisticHead() const;
   const Bootstrap& bootstrap() const { return bootstrap_; }
   Interval IntervalOf(const Estimate& estimate) const { return bootstrap_.IntervalOf(estimate); }
 

@@ -7,10 +7,11 @@
 
 namespace cdb::report {
 
-DocumentSource::DocumentSource(const store::ResultFile& file, bool only_sound)
+DocumentSource::DocumentSource(const store::ResultFile& file, bool only_sound,
+                               CycleStatistic statistic)
     : file_(file),
       measured_(MeasuredPoints(file, only_sound)),
-      times_(file),
+      times_(file, statistic),
       groups_(GroupCells(file)),
       findings_(FindingsOf(file)),
       references_(file.ReadReferenceTroubles()) {

@@ -28,7 +28,8 @@ class DocumentSource {
   };
 
   /// Throws StoreError.
-  DocumentSource(const store::ResultFile& file, bool only_sound);
+  DocumentSource(const store::ResultFile& file, bool only_sound,
+                 CycleStatistic statistic = CycleStatistic::kMean);
   DocumentSource(const DocumentSource&) = delete;
   DocumentSource& operator=(const DocumentSource&) = delete;
 
