@@ -1,11 +1,22 @@
-// `cdb show`: a results file as tables on the terminal.
+// `cdb show`: a results file as tables on the terminal, or as CSV or JSON for scripts.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
+#include "runtime/report/csv.h"
+#include "runtime/report/results_document.h"
+#include "runtime/report/selection.h"
 #include "runtime/report/show.h"
 #include "runtime/report/show_error.h"
 #include "runtime/store/store.h"
@@ -19,20 +30,100 @@ struct ShowArguments {
   std::string baseline;     ///< the detector that ratios are to; empty: the first with all cells
   bool only_sound = false;  ///< without runs whose timings a verdict voids
   std::string error;        ///< an array of /accuracy to set against run time; empty: a summary
-  std::vector<std::string> each;  ///< with `error`: axes with a table for each value
+  std::vector<std::string> each;    ///< with `error`: axes with a table for each value
+  std::vector<std::string> select;  ///< `axis=value`
+  std::vector<std::string> phases;  ///< empty: all
+  std::string statistic;            ///< over the cycles; empty: the mean
+  bool plots = false;
+  bool csv = false, json = false;
 };
 
+/// An option, whether it is given, and why it does not go with the form of output.
+struct Misfit {
+  bool is_given;
+  const char* why;
+};
+
+void CheckMisfits(std::initializer_list<Misfit> misfits) {
+  for (const Misfit& misfit : misfits)
+    if (misfit.is_given) throw CommandError(misfit.why);
+}
+
+/// Throws CommandError for options that say nothing to what is printed.
+void CheckOptions(const ShowArguments& a) {
+  if (a.json && a.csv) throw CommandError("--json and --csv are two forms: choose one");
+  if (a.json)
+    CheckMisfits(
+        {{!a.error.empty() || !a.each.empty(),
+          "--json has the errors and their fronts: leave --error and --each out"},
+         {!a.by.empty(), "--json has a row for each point; --by is for tables"},
+         {!a.phases.empty(), "--json has all phases; --phase is for tables and --csv"},
+         {!a.statistic.empty(), "--json has all statistics; --stat is for tables and --csv"},
+         {a.plots, "--json has no plots; leave --plot out"}});
+  if (a.csv)
+    CheckMisfits({{!a.error.empty() || !a.each.empty(),
+                   "--csv has a column for each error: leave --error and --each out"},
+                  {!a.by.empty(), "--csv has a row for each point; --by is for tables"},
+                  {!a.baseline.empty(), "--csv has no ratios; --baseline is for tables and --json"},
+                  {a.plots, "--csv has no plots; leave --plot out"}});
+  if (a.error.empty()) {
+    CheckMisfits({{!a.each.empty(), "--each goes with --error NAME; a summary takes --by"}});
+    return;
+  }
+  CheckMisfits(
+      {{!a.baseline.empty(), "--baseline is for the ratios of a summary; --error has none"},
+       {!a.phases.empty(), "--phase is for a summary; --error is against the time of a step"},
+       {!a.statistic.empty(),
+        "--stat is for a summary; --error is against the mean, as a simulated second takes all of "
+        "its cycles"},
+       {a.plots, "--error has its plot anyway; leave --plot out"}});
+}
+
+/// The place of `name` among `names`. Throws CommandError that lists them.
+std::size_t PlaceOf(std::string_view option, const std::string& name,
+                    std::span<const std::string_view> names) {
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end())
+    throw CommandError(fmt::format("{} takes {}, not '{}'", option, fmt::join(names, ", "), name));
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+std::vector<measure::Phase> PhasesOf(const ShowArguments& arguments) {
+  std::vector<measure::Phase> phases;
+  for (const std::string& name : arguments.phases)
+    phases.push_back(static_cast<measure::Phase>(PlaceOf("--phase", name, measure::PhaseNames())));
+  return phases;
+}
+
+report::CycleStatistic StatisticOf(const ShowArguments& arguments) {
+  if (arguments.statistic.empty()) return report::CycleStatistic::kMean;
+  return static_cast<report::CycleStatistic>(
+      PlaceOf("--stat", arguments.statistic, report::CycleStatisticNames()));
+}
+
+report::ShowText TextOf(const store::ResultFile& file, const ShowArguments& arguments) {
+  if (arguments.json) {
+    const report::DocumentText document = report::ResultsDocument(
+        file, {.file = std::filesystem::path(arguments.file).filename().string(),
+               .baseline = arguments.baseline,
+               .only_sound = arguments.only_sound});
+    return {document.json + "\n", document.bad_cells};
+  }
+  if (!arguments.error.empty())
+    return report::ShowError(file,
+                             {arguments.error, arguments.by, arguments.each, arguments.only_sound});
+  const std::vector<measure::Phase> phases = PhasesOf(arguments);
+  const report::CycleStatistic statistic = StatisticOf(arguments);
+  if (arguments.csv) return report::CsvText(file, {phases, statistic, arguments.only_sound});
+  return report::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
+                             statistic, arguments.plots});
+}
+
 ExitStatus Show(const ShowArguments& arguments) {
-  const bool is_summary = arguments.error.empty();
-  if (is_summary && !arguments.each.empty())
-    throw CommandError("--each goes with --error NAME; a summary takes --by");
-  if (!is_summary && !arguments.baseline.empty())
-    throw CommandError("--baseline is for the ratios of a summary; --error has none");
-  const store::ResultFile file(arguments.file);
-  const report::ShowText shown =
-      is_summary ? report::Show(file, {arguments.by, arguments.baseline, arguments.only_sound})
-                 : report::ShowError(
-                       file, {arguments.error, arguments.by, arguments.each, arguments.only_sound});
+  CheckOptions(arguments);
+  store::ResultFile file(arguments.file);
+  report::SelectPart(file, arguments.select);
+  const report::ShowText shown = TextOf(file, arguments);
   report::Print(shown.text);
   return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
 }
@@ -41,17 +132,28 @@ ExitStatus Show(const ShowArguments& arguments) {
 
 void AddShowCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<ShowArguments>();
-  Subcommand command(app, "show", "a summary of a results file on the terminal");
+  Subcommand command(app, "show", "a summary of a results file: tables, or CSV or JSON");
   command.Required("FILE", arguments->file, "results file");
   command.List("--by", arguments->by, "axes that make the rows (quantity,detector)");
   command.Optional(
       "--baseline", arguments->baseline,
       "the detector that the others are divided by; default: the first with all cells");
   command.Flag("--sound", arguments->only_sound, "without runs whose timings a verdict voids");
+  command.Repeated("--select", arguments->select,
+                   "only these points: AXIS=VALUE, AXIS=A,B or AXIS=A..B; several: each with "
+                   "--select");
+  command.List("--phase", arguments->phases, "only these phases (broad,step)");
+  command.Optional("--stat", arguments->statistic,
+                   "the statistic over the cycles: mean (default), median, p5, p95, min, max, or "
+                   "worst (of any repeat)");
+  command.Flag("--plot", arguments->plots,
+               "with plots in characters: times over the cycles and over axes of numbers");
   command.Optional("--error", arguments->error,
                    "an error against run time (position, energy: cdb doc accuracy)");
   command.List("--each", arguments->each,
                "with --error: axes each value of which has a table and a front of its own");
+  command.Flag("--csv", arguments->csv, "a line for each point, as comma-separated values");
+  command.Flag("--json", arguments->json, "everything as one JSON document (cdb doc document)");
   command.Action(status, [arguments] { return Show(*arguments); });
 }
 

@@ -29,6 +29,8 @@ class Subcommand {
   void Optional(const std::string& name, std::vector<std::string>& values, const std::string& help);
   /// `a,b,c`
   void List(const std::string& name, std::vector<std::string>& values, const std::string& help);
+  /// Given once for each value.
+  void Repeated(const std::string& name, std::vector<std::string>& values, const std::string& help);
   void Flag(const std::string& name, bool& value, const std::string& help);
 
   // Options of several commands.

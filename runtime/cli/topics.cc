@@ -18,6 +18,7 @@
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
 #include "runtime/report/detector_reference.h"
+#include "runtime/report/document_reference.h"
 #include "runtime/report/language_reference.h"
 #include "runtime/report/statistics_reference.h"
 #include "runtime/report/table.h"
@@ -152,6 +153,8 @@ constexpr Topic kTopics[] = {
      [] { return std::string(report::kResultsReference) + AllStatuses() + AllSeriesText(); }},
     {"statistics", "how cdb show makes its figures and intervals",
      [] { return std::string(report::kStatisticsReference); }},
+    {"document", "the JSON of cdb show --json and of pages",
+     [] { return std::string(report::kDocumentReference); }},
     {"traces", "recorded boxes, and detectors that are run on them",
      [] { return std::string(report::kTracesReference); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},

@@ -44,12 +44,38 @@ std::optional<std::size_t> DetectorAxis(const store::ResultFile& file) {
   return static_cast<std::size_t>(axis - file.axes().begin());
 }
 
-std::optional<plan::Plan> ReadPlan(const store::ResultFile& file) {
-  try {
-    return plan::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");
-  } catch (const plan::PlanError&) {
-    return std::nullopt;
+PointVerdict WorstVerdict(const store::ResultFile& file, const std::vector<std::size_t>& at) {
+  std::optional<measure::Judgement> worst;
+  for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
+    const store::Status status = file.ReadStatus({at, rep});
+    const measure::Judgement judgement = file.ReadJudgement({at, rep});
+    if (judgement.verdict == measure::Verdict::kUnknown && status != store::Status::kDone)
+      return {std::string(store::StatusName(status))};
+    if (!worst || judgement.verdict > worst->verdict ||
+        (judgement.verdict == worst->verdict && judgement.first_bad_cycle < worst->first_bad_cycle))
+      worst = judgement;
   }
+  return {std::string(measure::VerdictName(worst->verdict)), worst->first_bad_cycle};
+}
+
+std::optional<plan::Plan> ReadPlan(const store::ResultFile& file) {
+  thread_local std::optional<plan::Plan> last;
+  thread_local std::string last_sha256;
+  if (!last || last_sha256 != file.plan_sha256()) {
+    try {
+      last = plan::FromYaml(file.ReadProvenance("plan_text"), "the plan of the results");
+    } catch (const plan::PlanError&) {
+      return std::nullopt;
+    }
+    last_sha256 = file.plan_sha256();
+  }
+  plan::Plan plan = *last;
+  std::erase_if(plan.runs, [&](plan::Run& run) {
+    auto at = file.SelectedPoint(run.at);
+    if (at) run.at = *std::move(at);
+    return !at;
+  });
+  return plan;
 }
 
 CellDetectors::CellDetectors(const store::ResultFile& file)

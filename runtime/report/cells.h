@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -36,8 +37,17 @@ std::optional<std::string> Trouble(const store::ResultFile& file,
 /// (`crashed`).
 std::string FaultOf(const store::ResultFile& file, const store::ResultFile::Cell& cell);
 
+/// How a point of the grid ended: of its repeats, the worst.
+struct PointVerdict {
+  std::string word;  ///< a verdict; of a run without one, how its process ended (`failed`)
+  std::int64_t first_bad_cycle = -1;  ///< the earliest; -1 where none is bad
+};
+/// Throws StoreError.
+PointVerdict WorstVerdict(const store::ResultFile& file, const std::vector<std::size_t>& at);
+
 /// The plan that the results are of; nullopt where it is of another version of cdb, which is shown
-/// as far as it goes. Throws StoreError.
+/// as far as it goes; its measured runs are those that are selected. A large plan takes seconds to
+/// read, so that a thread keeps the last one. Throws StoreError.
 std::optional<plan::Plan> ReadPlan(const store::ResultFile& file);
 
 /// The detector of each cell. Without an axis of them the plan is asked, which is read once; where

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -63,9 +64,55 @@ void Winsorise(std::vector<SortedCycle>& cycles, const std::vector<double>& medi
       time = std::clamp(time, medians[c] * (1 - limit), medians[c] * (1 + limit));
 }
 
+constexpr std::string_view kStatisticNames[] = {"mean", "median", "p5",   "p95",
+                                                "min",  "max",    "worst"};
+constexpr std::string_view kStatisticHeads[] = {
+    "Mean", "Median", "5th percentile", "95th percentile", "Minimum", "Maximum", "Worst"};
+
+/// Of the times of the cycles. NaN where one is: a draw without the repeat that went on longest.
+double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
+  if (std::ranges::any_of(cycles, [](double time) { return std::isnan(time); })) return kNone;
+  std::ranges::sort(cycles);
+  switch (statistic) {
+    case CycleStatistic::kMean:
+      return Mean(cycles);
+    case CycleStatistic::kMedian:
+      return Percentile(cycles, 0.5);
+    case CycleStatistic::kP5:
+      return Percentile(cycles, 0.05);
+    case CycleStatistic::kP95:
+      return Percentile(cycles, 0.95);
+    case CycleStatistic::kMin:
+      return Percentile(cycles, 0);
+    case CycleStatistic::kMax:
+    case CycleStatistic::kWorst:
+      break;
+  }
+  return Percentile(cycles, 1);
+}
+
+/// The longest cycle of the repeats, and of those in each draw.
+Estimate WorstOf(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap) {
+  std::vector<double> longest;
+  for (const std::vector<double>& repeat : repeats)
+    longest.push_back(repeat.empty() ? kNone : std::ranges::max(repeat));
+  Estimate worst = {kNone, {}};
+  for (const double time : longest) worst.value = std::fmax(worst.value, time);
+  for (const Draw& draw : bootstrap.draws()) {
+    double most = kNone;
+    for (std::size_t r = 0; r < longest.size(); ++r)
+      if (draw.counts[r] > 0) most = std::fmax(most, longest[r]);
+    worst.drawn.push_back(most);
+  }
+  return worst;
+}
+
 }  // namespace
 
-PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap) {
+std::span<const std::string_view> CycleStatisticNames() { return kStatisticNames; }
+
+PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap,
+                     CycleStatistic statistic) {
   std::vector<SortedCycle> cycles = SortCycles(repeats);
   const auto over_cycles = [&](const std::vector<std::uint32_t>& counts) {
     std::vector<double> times;
@@ -78,9 +125,16 @@ PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Boot
   times.mean.value = Mean(times.cycles);
   times.mean.things = static_cast<std::size_t>(
       std::ranges::count_if(repeats, [](const auto& repeat) { return !repeat.empty(); }));
+  const bool is_other = statistic != CycleStatistic::kMean;
+  if (is_other) times.other.value = StatisticOf(times.cycles, statistic);
   Winsorise(cycles, times.cycles);
-  for (const Draw& draw : bootstrap.draws())
-    times.mean.drawn.push_back(Mean(over_cycles(draw.counts)));
+  for (const Draw& draw : bootstrap.draws()) {
+    const std::vector<double> drawn = over_cycles(draw.counts);
+    times.mean.drawn.push_back(Mean(drawn));
+    if (is_other) times.other.drawn.push_back(StatisticOf(drawn, statistic));
+  }
+  if (statistic == CycleStatistic::kWorst) times.other = WorstOf(repeats, bootstrap);
+  times.other.things = times.mean.things;
   return times;
 }
 
@@ -94,9 +148,22 @@ const PhaseTimes& CycleTimes::Of(const MeasuredPoint& point, measure::Phase phas
       for (std::size_t i = 0; i < repeats.size(); ++i)
         repeats[i][cell.rep] = file_.ReadDuration(static_cast<measure::Phase>(i), cell);
     for (std::size_t i = 0; i < repeats.size(); ++i)
-      found->second[i] = TimesOver(repeats[i], bootstrap_);
+      found->second[i] = TimesOver(repeats[i], bootstrap_, statistic_);
   }
   return found->second[measure::IndexOf(phase)];
+}
+
+const Estimate& CycleTimes::FigureOf(const MeasuredPoint& point, measure::Phase phase) {
+  const PhaseTimes& times = Of(point, phase);
+  return statistic_ == CycleStatistic::kMean ? times.mean : times.other;
+}
+
+std::string_view CycleTimes::StatisticName() const {
+  return kStatisticNames[static_cast<std::size_t>(statistic_)];
+}
+
+std::string_view CycleTimes::StatisticHead() const {
+  return kStatisticHeads[static_cast<std::size_t>(statistic_)];
 }
 
 std::string CycleTimes::IntervalName() const {
@@ -105,11 +172,18 @@ std::string CycleTimes::IntervalName() const {
 }
 
 std::string CycleTimes::Statistic(bool pools) const {
-  return fmt::format("  {}ean over {}",
-                     bootstrap_.size() > 1 ? fmt::format("Median over {} repeats per cycle, then m",
-                                                         bootstrap_.size())
-                                           : "M",
-                     pools ? "cycles and cells" : "cycles");
+  if (statistic_ == CycleStatistic::kWorst)
+    return fmt::format(
+        "  Longest cycle of {}, disturbances included{}",
+        bootstrap_.size() > 1 ? fmt::format("all {} repeats", bootstrap_.size()) : "the run",
+        pools ? ", then mean over cells" : "");
+  std::string over = std::string(StatisticName()) + " over cycles";
+  if (statistic_ == CycleStatistic::kMean && pools) over += " and cells";
+  if (statistic_ != CycleStatistic::kMean && pools) over += ", then mean over cells";
+  if (bootstrap_.size() > 1)
+    return fmt::format("  Median over {} repeats per cycle, then {}", bootstrap_.size(), over);
+  over[0] = static_cast<char>(std::toupper(over[0]));
+  return "  " + over;
 }
 
 std::string CycleTimes::StatisticLine(bool pools) const { return Statistic(pools) + ".\n"; }

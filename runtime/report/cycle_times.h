@@ -28,7 +28,9 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/measure/series.h"
@@ -38,20 +40,44 @@
 
 namespace cdb::report {
 
+/// What the time of a point is over its cycles, where it is asked to be another than the mean.
+enum class CycleStatistic {
+  kMean,
+  kMedian,
+  kP5,
+  kP95,
+  kMin,
+  kMax,    ///< of the times of the cycles, which are medians over the repeats
+  kWorst,  ///< the longest cycle of any repeat, disturbances included
+};
+/// `mean`, `median`, … in the order of CycleStatistic.
+std::span<const std::string_view> CycleStatisticNames();
+
 struct PhaseTimes {
   std::vector<double> cycles;  ///< the time of each cycle
   Estimate mean;               ///< over the cycles
+  Estimate other;              ///< another statistic over them, if one is asked for
 };
 /// `repeats[r][c]`: cycle c in repeat r of `bootstrap`; empty for a repeat without values. A cycle
 /// that some repeats did not reach is of the others.
-PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap);
+PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap,
+                     CycleStatistic statistic = CycleStatistic::kMean);
 
 /// The times of a file's points; each is computed once.
 class CycleTimes {
  public:
-  explicit CycleTimes(const store::ResultFile& file) : file_(file), bootstrap_(file.repeats()) {}
+  explicit CycleTimes(const store::ResultFile& file,
+                      CycleStatistic statistic = CycleStatistic::kMean)
+      : file_(file), bootstrap_(file.repeats()), statistic_(statistic) {}
 
   const PhaseTimes& Of(const MeasuredPoint& point, measure::Phase phase);
+  /// The time of a point by the statistic that was asked for.
+  const Estimate& FigureOf(const MeasuredPoint& point, measure::Phase phase);
+  CycleStatistic statistic() const { return statistic_; }
+  /// `mean`, `median`.
+  std::string_view StatisticName() const;
+  /// For the head of a table: `Mean`, `95th percentile`.
+  std::string_view StatisticHead() const;
   const Bootstrap& bootstrap() const { return bootstrap_; }
   Interval IntervalOf(const Estimate& estimate) const { return bootstrap_.IntervalOf(estimate); }
 
@@ -70,6 +96,7 @@ class CycleTimes {
 
   const store::ResultFile& file_;
   const Bootstrap bootstrap_;
+  const CycleStatistic statistic_;
   std::map<Point, AllPhases> points_;
 };
 

@@ -103,7 +103,7 @@ DetectorCosts CostsOf(const store::ResultFile& file, const Row& row, CycleTimes&
   std::vector<double> pairs;
   for (const MeasuredPoint* point : row.points) {
     const PhaseTimes& detect = times.Of(*point, measure::Phase::kDetect);
-    means.push_back(detect.mean);
+    means.push_back(times.FigureOf(*point, measure::Phase::kDetect));
     for (const double ns : detect.cycles) costs.worst = std::fmax(costs.worst, ns);
     if (file.Has("pairs")) pairs.push_back(Mean(file.ReadSeries("pairs", point->cells[0])));
     for (const Cell& cell : point->cells) {

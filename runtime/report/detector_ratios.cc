@@ -66,7 +66,7 @@ std::optional<Estimate> RatioAt(const Comparison& comparison, const ComparedPoin
   const MeasuredPoint *above = point.detectors[detector],
                       *below = point.detectors[comparison.baseline];
   if (above == nullptr || below == nullptr) return std::nullopt;
-  const Estimate ratio = RatioOf(times.Of(*above, phase).mean, times.Of(*below, phase).mean);
+  const Estimate ratio = RatioOf(times.FigureOf(*above, phase), times.FigureOf(*below, phase));
   return std::isfinite(ratio.value) ? std::optional(ratio) : std::nullopt;
 }
 

@@ -52,7 +52,7 @@ std::string LogPlot(const std::vector<PlotPoint>& points, const std::string& x_n
       if (point.mark != mark) continue;
       is_used = true;
       lines[kPlotHeight - 1 - place(point.y, bottom, top, kPlotHeight)]
-           [place(point.x, left, right, kPlotWidth)] = character;
+           [place(point.x, left, right, kPlotWidth)] = point.letter != 0 ? point.letter : character;
     }
     if (is_used && !name.empty()) used = fmt::format(", {} {}", character, name) + used;
   }

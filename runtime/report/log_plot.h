@@ -13,6 +13,7 @@ enum class PlotMark { kVoid, kOff, kTie, kFront };
 struct PlotPoint {
   double x, y;
   PlotMark mark;
+  char letter = 0;  ///< drawn in place of the mark's character
 };
 /// The points in a frame of characters, both axes logarithmic; `*` on the front, `=` for a tie with
 /// it, `o` off it, `x` for a void one. Empty for fewer than two points.

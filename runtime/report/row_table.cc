@@ -11,7 +11,7 @@ void RowTable::AddRow(const Row& row, std::vector<std::string> figures, const st
 }
 
 std::string RowTable::Text() const {
-  Table table;
+  Table table(by_.size());
   for (const std::size_t axis : by_)
     table.AddColumn(file_.axes()[axis].name, !file_.axes()[axis].IsText());
   if (pools_) table.AddColumn("cells", true);

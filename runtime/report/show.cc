@@ -10,6 +10,7 @@
 #include "runtime/report/show_detectors.h"
 #include "runtime/report/show_head.h"
 #include "runtime/report/show_phases.h"
+#include "runtime/report/show_plots.h"
 #include "runtime/report/show_ratios.h"
 
 namespace cdb::report {
@@ -38,13 +39,14 @@ ShowText Show(const store::ResultFile& file, const ShowOptions& options) {
   for (const std::string& name : options.by) asked.push_back(FindAxis(file, name));
   const auto baseline = FindBaseline(file, options.baseline);
   const std::vector<MeasuredPoint> points = MeasuredPoints(file, options.only_sound);
-  CycleTimes times(file);
+  CycleTimes times(file, options.statistic);
   std::string text = SummaryHead(
       file, {groups, findings, references, options.only_sound, HarnessText(file, points, times)});
   for (const auto& by : ChooseTables(file, points.size(), asked))
-    text += ShowPhases(file, points, by, times);
-  text += ShowDetectors(file, points, asked, times) + ShowRatios(file, points, baseline, times) +
-          OtherFaults(findings);
+    text += ShowPhases(file, points, by, options.phases, times);
+  text += ShowDetectors(file, points, asked, times) +
+          ShowRatios(file, points, baseline, options.phases, times) + OtherFaults(findings);
+  if (options.plots) text += ShowPlots(file, points, options.phases, times);
   return {text, groups.bad.size() + references.size()};
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/report/cycle_times.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
@@ -17,6 +18,11 @@ struct ShowOptions {
   std::string baseline = {};
   /// Without runs whose timings a verdict voids.
   bool only_sound = false;
+  /// The phases of the tables. Empty: all; ratios of detect and step.
+  std::vector<measure::Phase> phases = {};
+  CycleStatistic statistic = CycleStatistic::kMean;
+  /// With plots of characters: times over the cycles, and over axes of numbers.
+  bool plots = false;
 };
 
 inline constexpr std::size_t kMaxRows = 60;

@@ -54,7 +54,8 @@ std::string CostsText(const store::ResultFile& file, const std::vector<MeasuredP
   const TimeUnit unit = UnitOf(costs);
   const bool has_intervals = times.bootstrap().kind() != IntervalKind::kNone;
   RowTable table(file, by, rows.pools);
-  table.AddColumn("mean");
+  table.AddColumn(times.statistic() == CycleStatistic::kWorst ? "worst of any repeat"
+                                                              : times.StatisticName());
   if (has_intervals) table.AddColumn(times.IntervalName());
   table.AddColumn("worst");
   if (file.Has("pairs")) table.AddColumn("pairs");

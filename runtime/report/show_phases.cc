@@ -17,10 +17,12 @@ namespace {
 class PhaseTables {
  public:
   PhaseTables(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-              const std::vector<std::size_t>& by, CycleTimes& times)
+              const std::vector<std::size_t>& by, const std::vector<measure::Phase>& phases,
+              CycleTimes& times)
       : file_(file),
         times_(times),
         by_(by),
+        phases_(phases.empty() ? AllPhases() : phases),
         rows_(MatchRows(points, by)),
         has_times_(file.Has("duration")),
         has_intervals_(has_times_ && times.bootstrap().kind() != IntervalKind::kNone),
@@ -28,17 +30,28 @@ class PhaseTables {
 
   std::string Text() {
     if (!has_times_ && !file_.Has("pairs")) return {};
-    std::string text = fmt::format("\nMean of a cycle{}\n{}{}{}", Unit(), Means(), StatisticLine(),
-                                   rows_.MatchLines());
+    std::string text = fmt::format("\n{} of a cycle{}\n{}{}{}", times_.StatisticHead(), Unit(),
+                                   Means(), StatisticLine(), rows_.MatchLines());
     if (!has_times_) return text;
     text += fmt::format("\n5th .. 95th percentile over the cycles{}\n{}", Unit(), Spreads());
     if (has_intervals_)
-      text += fmt::format("\nMean of a cycle, its {}{}\n{}{}", times_.IntervalName(), Unit(),
-                          Intervals(), times_.IntervalLine(LacksRepeats()));
+      text += fmt::format("\n{} of a cycle, its {}{}\n{}{}", times_.StatisticHead(),
+                          times_.IntervalName(), Unit(), Intervals(),
+                          times_.IntervalLine(LacksRepeats()));
     return text;
   }
 
  private:
+  static std::vector<measure::Phase> AllPhases() {
+    std::vector<measure::Phase> phases;
+    for (std::size_t i = 0; i < measure::kPhaseCount; ++i)
+      phases.push_back(static_cast<measure::Phase>(i));
+    return phases;
+  }
+  static std::string_view NameOf(measure::Phase phase) {
+    return measure::PhaseNames()[measure::IndexOf(phase)];
+  }
+
   /// Counts are the same in all repeats.
   std::string StatisticLine() const {
     if (!has_times_)
@@ -67,7 +80,7 @@ class PhaseTables {
 
   Estimate MeanOfRow(const Row& row, measure::Phase phase) {
     std::vector<Estimate> means;
-    for (const MeasuredPoint* point : row.points) means.push_back(times_.Of(*point, phase).mean);
+    for (const MeasuredPoint* point : row.points) means.push_back(times_.FigureOf(*point, phase));
     return MeanOf(means);
   }
 
@@ -82,15 +95,14 @@ class PhaseTables {
   std::string Means() {
     RowTable table(file_, by_, rows_.pools);
     if (has_times_)
-      for (const std::string_view phase : measure::PhaseNames()) table.AddColumn(phase);
+      for (const measure::Phase phase : phases_) table.AddColumn(NameOf(phase));
     for (const char* series : {"pairs", "contacts"})
       if (file_.Has(series)) table.AddColumn(series);
     for (const Row& row : rows_.rows) {
       std::vector<std::string> figures;
       if (has_times_)
-        for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
-          figures.push_back(
-              ShortNumber(MeanOfRow(row, static_cast<measure::Phase>(phase)).value / unit_.ns));
+        for (const measure::Phase phase : phases_)
+          figures.push_back(ShortNumber(MeanOfRow(row, phase).value / unit_.ns));
       for (const char* series : {"pairs", "contacts"})
         if (file_.Has(series)) figures.push_back(ShortNumber(MeanCount(row, series)));
       table.AddRow(row, std::move(figures));
@@ -102,11 +114,11 @@ class PhaseTables {
   template <typename RangeOf>
   std::string Ranges(RangeOf range_of) {
     RowTable table(file_, by_, rows_.pools);
-    for (const std::string_view phase : measure::PhaseNames()) table.AddColumn(phase);
+    for (const measure::Phase phase : phases_) table.AddColumn(NameOf(phase));
     for (const Row& row : rows_.rows) {
       std::vector<std::string> figures;
-      for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase) {
-        const Interval ns = range_of(row, static_cast<measure::Phase>(phase));
+      for (const measure::Phase phase : phases_) {
+        const Interval ns = range_of(row, phase);
         figures.push_back(IntervalText({ns.low / unit_.ns, ns.high / unit_.ns}));
       }
       table.AddRow(row, std::move(figures));
@@ -132,6 +144,7 @@ class PhaseTables {
   const store::ResultFile& file_;
   CycleTimes& times_;
   const std::vector<std::size_t>& by_;
+  const std::vector<measure::Phase> phases_;
   const Rows rows_;
   const bool has_times_, has_intervals_;
   const TimeUnit unit_;
@@ -140,8 +153,9 @@ class PhaseTables {
 }  // namespace
 
 std::string ShowPhases(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                       const std::vector<std::size_t>& by, CycleTimes& times) {
-  return points.empty() ? "" : PhaseTables(file, points, by, times).Text();
+                       const std::vector<std::size_t>& by,
+                       const std::vector<measure::Phase>& phases, CycleTimes& times) {
+  return points.empty() ? "" : PhaseTables(file, points, by, phases, times).Text();
 }
 
 }  // namespace cdb::report

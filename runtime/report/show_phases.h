@@ -11,10 +11,12 @@
 
 namespace cdb::report {
 
-/// Up to three tables with a row for each value on the axes `by`: the mean of every phase, of pairs
-/// and of contacts; the 5th and 95th percentile over the cycles; and the intervals of the means.
-/// Empty for a file without timings and pairs. Throws StoreError.
+/// Up to three tables with a row for each value on the axes `by`: the time of every phase, or of
+/// those in `phases` where that is not empty, and the means of pairs and of contacts; the 5th and
+/// 95th percentile over the cycles; and the intervals of the means. Empty for a file without
+/// timings and pairs. Throws StoreError.
 std::string ShowPhases(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                       const std::vector<std::size_t>& by, CycleTimes& times);
+                       const std::vector<std::size_t>& by,
+                       const std::vector<measure::Phase>& phases, CycleTimes& times);
 
 }  // namespace cdb::report

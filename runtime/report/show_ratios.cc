@@ -46,7 +46,7 @@ class RatioTable {
   }
 
   std::string Text(measure::Phase phase) {
-    Table table;
+    Table table(HeadSize());
     for (const std::size_t axis : others_)
       table.AddColumn(file_.axes()[axis].name, !file_.axes()[axis].IsText());
     if (others_.empty()) table.AddColumn("", false);
@@ -55,10 +55,11 @@ class RatioTable {
     if (comparison_.points.size() <= kMaxRows)
       for (const ComparedPoint& point : comparison_.points) AddPoint(table, point, phase);
     if (comparison_.points.size() > 1) AddMeans(table, phase);
-    return fmt::format(
-        "\nMean {} over that of {}{}\n{}{}", measure::PhaseNames()[measure::IndexOf(phase)],
-        CoordinateText(detector_, comparison_.baseline),
-        comparison_.points.size() > 1 ? " (geometric mean below)" : "", table.Text(), Legend());
+    return fmt::format("\n{} {} over that of {}{}\n{}{}", times_.StatisticHead(),
+                       measure::PhaseNames()[measure::IndexOf(phase)],
+                       CoordinateText(detector_, comparison_.baseline),
+                       comparison_.points.size() > 1 ? " (geometric mean below)" : "", table.Text(),
+                       Legend());
   }
 
  private:
@@ -153,14 +154,18 @@ std::optional<std::size_t> FindBaseline(const store::ResultFile& file, const std
 }
 
 std::string ShowRatios(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                       std::optional<std::size_t> baseline, CycleTimes& times) {
+                       std::optional<std::size_t> baseline,
+                       const std::vector<measure::Phase>& phases, CycleTimes& times) {
   const auto axis = DetectorAxis(file);
   if (!axis || file.axes()[*axis].values.size() < 2 || !file.Has("duration") || points.empty())
     return {};
   const Comparison comparison = CompareDetectors(file, points, *axis, baseline);
   RatioTable table(file, *axis, comparison, times);
-  return UnlikeText(comparison) + table.Text(measure::Phase::kDetect) +
-         table.Text(measure::Phase::kStep);
+  std::string text = UnlikeText(comparison);
+  if (phases.empty())
+    return text + table.Text(measure::Phase::kDetect) + table.Text(measure::Phase::kStep);
+  for (const measure::Phase phase : phases) text += table.Text(phase);
+  return text;
 }
 
 }  // namespace cdb::report

@@ -16,12 +16,13 @@ namespace cdb::report {
 /// names the detectors of the file.
 std::optional<std::size_t> FindBaseline(const store::ResultFile& file, const std::string& name);
 
-/// Detect and step times over those of the baseline (by default the first detector that has all
-/// cells), at each point of the other axes, with the interval of each ratio, paired by repeat. The
-/// geometric mean is over the points that all detectors have, sound and with the same omissions;
-/// ratios of other points are in parentheses. Empty where the file sweeps no detectors or holds no
-/// timings. Throws StoreError.
+/// Times of `phases` (detect and step where that is empty) over those of the baseline (by default
+/// the first detector that has all cells), at each point of the other axes, with the interval of
+/// each ratio, paired by repeat. The geometric mean is over the points that all detectors have,
+/// sound and with the same omissions; ratios of other points are in parentheses. Empty where the
+/// file sweeps no detectors or holds no timings. Throws StoreError.
 std::string ShowRatios(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                       std::optional<std::size_t> baseline, CycleTimes& times);
+                       std::optional<std::size_t> baseline,
+                       const std::vector<measure::Phase>& phases, CycleTimes& times);
 
 }  // namespace cdb::report

@@ -7,25 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "runtime/report/cells.h"
 #include "runtime/report/table.h"
 
 namespace cdb::report {
 namespace {
 
 using plan::Axis;
-
-/// Of a point's repeats. A run without a verdict says how its process ended.
-std::string WorstAt(const store::ResultFile& file, const std::vector<std::size_t>& at) {
-  std::optional<measure::Verdict> worst;
-  for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
-    const store::Status status = file.ReadStatus({at, rep});
-    const measure::Verdict verdict = file.ReadJudgement({at, rep}).verdict;
-    if (verdict == measure::Verdict::kUnknown && status != store::Status::kDone)
-      return std::string(store::StatusName(status));
-    if (!worst || verdict > *worst) worst = verdict;
-  }
-  return std::string(measure::VerdictName(*worst));
-}
 
 /// The graded axis; none where no axis has numbers.
 std::optional<std::size_t> OwnAxis(const std::vector<Axis>& axes) {
@@ -49,7 +37,7 @@ std::string AlongAxis(const store::ResultFile& file, std::vector<std::size_t> at
     std::string here;
     if (i < axis.values.size()) {
       at[own] = i;
-      here = WorstAt(file, at);
+      here = WorstVerdict(file, at).word;
       if (i == 0) before = here;
     }
     if (here == before) continue;
@@ -77,7 +65,7 @@ std::string StabilityMap(const store::ResultFile& file) {
     std::vector<std::string> row;
     for (std::size_t i = 0; i < axes.size(); ++i)
       if (i != own) row.push_back(CoordinateText(axes[i], at[i]));
-    row.push_back(own ? AlongAxis(file, at, *own) : WorstAt(file, at));
+    row.push_back(own ? AlongAxis(file, at, *own) : WorstVerdict(file, at).word);
     table.AddRow(std::move(row));
     std::size_t i = axes.size();
     const auto advance = [&] {

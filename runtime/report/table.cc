@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "runtime/report/console.h"
+
 namespace cdb::report {
 namespace {
 
@@ -58,13 +60,38 @@ std::string Table::Text() const {
 }
 
 std::string Table::TextOf(const std::vector<std::size_t>& widths) const {
+  const std::size_t screen = TerminalWidth();
+  std::vector<std::size_t> keys;
+  std::size_t keys_width = 0;
+  for (std::size_t c = 0; c < std::min(keys_, columns_.size()); ++c) {
+    keys.push_back(c);
+    keys_width += widths[c] + 2;
+  }
+  std::vector<std::vector<std::size_t>> parts = {keys};
+  std::size_t width = keys_width;
+  for (std::size_t c = keys.size(); c < columns_.size(); ++c) {
+    const bool is_full = screen > 0 && width + widths[c] + 2 > screen;
+    if (is_full && parts.back().size() > keys.size()) {
+      parts.push_back(keys);
+      width = keys_width;
+    }
+    parts.back().push_back(c);
+    width += widths[c] + 2;
+  }
+  std::string text;
+  for (const auto& part : parts) text += (text.empty() ? "" : "\n") + PartText(widths, part);
+  return text;
+}
+
+std::string Table::PartText(const std::vector<std::size_t>& widths,
+                            const std::vector<std::size_t>& columns) const {
   std::string text;
   const auto add_line = [&](auto cell_of) {
     std::string line;
-    for (std::size_t c = 0; c < columns_.size(); ++c) {
+    for (const std::size_t c : columns) {
       const std::string cell = cell_of(c);
       const std::string padding(widths[c] - Width(cell), ' ');
-      line += c == 0 ? "  " : "  ";
+      line += "  ";
       line += columns_[c].right ? padding + cell : cell + padding;
     }
     line.erase(line.find_last_not_of(' ') + 1);
@@ -72,7 +99,7 @@ std::string Table::TextOf(const std::vector<std::size_t>& widths) const {
   };
   add_line([&](std::size_t c) { return columns_[c].head; });
   std::size_t total = 0;
-  for (const std::size_t width : widths) total += width + 2;
+  for (const std::size_t c : columns) total += widths[c] + 2;
   text += "  " + std::string(total > 2 ? total - 2 : 0, '-') + '\n';
   for (const auto& row : rows_) add_line([&](std::size_t c) { return row[c]; });
   return text;

@@ -11,22 +11,29 @@ namespace cdb::report {
 /// A table for a terminal: a head, a rule, rows. Numbers to the right, words to the left.
 class Table {
  public:
+  /// `keys`: the first columns that say what a row is.
+  explicit Table(std::size_t keys = 1) : keys_(keys) {}
+
   /// `right`: aligned to the right.
   void AddColumn(std::string head, bool right);
   void AddRow(std::vector<std::string> cells);
   bool empty() const { return rows_.empty(); }
   /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
-  /// Ranges lose their spaces (`1..2`) in a table of more than 100 columns.
+  /// Ranges lose their spaces (`1..2`) in a table of more than 100 columns. A table that is wider
+  /// than the terminal (console.h) comes in several parts, each with the keys of its rows.
   std::string Text() const;
 
  private:
   std::vector<std::size_t> Widths() const;
   std::string TextOf(const std::vector<std::size_t>& widths) const;
+  std::string PartText(const std::vector<std::size_t>& widths,
+                       const std::vector<std::size_t>& columns) const;
 
   struct Column {
     std::string head;
     bool right;
   };
+  const std::size_t keys_;
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
 };

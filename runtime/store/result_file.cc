@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -50,6 +51,8 @@ struct ResultFile::Impl {
         for (const double value : dataset.Read()) axis.values.emplace_back(value);
       }
       grid.push_back(axis.values.size());
+      kept.emplace_back(axis.values.size());
+      std::iota(kept.back().begin(), kept.back().end(), std::size_t{0});
       axes.push_back(std::move(axis));
     }
     grid.push_back(Extent("rep"));
@@ -74,8 +77,8 @@ struct ResultFile::Impl {
     CDB_CHECK(cell.at.size() + 1 == grid.size() && cell.rep < grid.back());
     std::size_t index = 0;
     for (std::size_t i = 0; i < cell.at.size(); ++i) {
-      CDB_CHECK(cell.at[i] < grid[i]);
-      index = index * grid[i] + cell.at[i];
+      CDB_CHECK(cell.at[i] < kept[i].size());
+      index = index * grid[i] + kept[i][cell.at[i]];
     }
     return index * grid.back() + cell.rep;
   }
@@ -112,7 +115,8 @@ struct ResultFile::Impl {
     }
     auto& [array, at, values] = found->second;
     if (at != index) {
-      hdf5::Shape start(cell.at.begin(), cell.at.end());
+      hdf5::Shape start;
+      for (std::size_t i = 0; i < cell.at.size(); ++i) start.push_back(kept[i][cell.at[i]]);
       start.push_back(cell.rep);
       hdf5::Shape count(start.size(), 1);
       for (std::size_t d = start.size(); d < array.shape().size(); ++d)
@@ -151,7 +155,8 @@ struct ResultFile::Impl {
   int version;
   std::string sha256, title, benchmark, source;
   std::vector<plan::Axis> axes;
-  hdf5::Shape grid;
+  hdf5::Shape grid;                            ///< of the whole file
+  std::vector<std::vector<std::size_t>> kept;  ///< of each axis, places in the whole file
   std::uint64_t cycles = 0;
   std::map<std::string, std::vector<double>, std::less<>> numbers;
   std::map<std::string, std::vector<std::string>, std::less<>> texts;
@@ -184,6 +189,29 @@ const std::string& ResultFile::title() const { return impl_->title; }
 const std::string& ResultFile::benchmark() const { return impl_->benchmark; }
 const std::string& ResultFile::source() const { return impl_->source; }
 const std::vector<plan::Axis>& ResultFile::axes() const { return impl_->axes; }
+void ResultFile::Select(std::size_t axis, const std::vector<std::size_t>& kept) {
+  CDB_CHECK(axis < impl_->axes.size() && !kept.empty());
+  std::vector<std::size_t> places;
+  std::vector<plan::Coordinate> values;
+  for (const std::size_t place : kept) {
+    places.push_back(impl_->kept[axis].at(place));
+    values.push_back(impl_->axes[axis].values[place]);
+  }
+  impl_->kept[axis] = std::move(places);
+  impl_->axes[axis].values = std::move(values);
+}
+
+std::optional<std::vector<std::size_t>> ResultFile::SelectedPoint(
+    const std::vector<std::size_t>& at) const {
+  std::vector<std::size_t> selected;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const auto found = std::ranges::find(impl_->kept[i], at[i]);
+    if (found == impl_->kept[i].end()) return std::nullopt;
+    selected.push_back(static_cast<std::size_t>(found - impl_->kept[i].begin()));
+  }
+  return selected;
+}
+
 std::uint64_t ResultFile::repeats() const { return impl_->grid.back(); }
 std::uint64_t ResultFile::cycles() const { return impl_->cycles; }
 bool ResultFile::Has(std::string_view dataset) const {

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -134,6 +135,11 @@ class ResultFile {
   const std::string& title() const;
   const std::string& benchmark() const;
   const std::string& source() const;  ///< the scenario file, as it was named
+  /// Keeps the values of `axis` at the places `kept`, in their order, for all that follows: axes
+  /// and cells are of these alone. `kept` is not empty.
+  void Select(std::size_t axis, const std::vector<std::size_t>& kept);
+  /// Where a point of the whole file stands after Select; nullopt where it was not kept.
+  std::optional<std::vector<std::size_t>> SelectedPoint(const std::vector<std::size_t>& at) const;
   /// The axes of the sweep, without rep, phase and cycle.
   const std::vector<plan::Axis>& axes() const;
   std::uint64_t repeats() const;

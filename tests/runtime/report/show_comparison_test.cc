@@ -1,66 +1,27 @@
 // Summaries of results whose times, holes, verdicts and omissions are made up.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <functional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "runtime/report/show.h"
 #include "runtime/report/show_error.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "tests/runtime/report/made_up_file.h"
 
 namespace cdb::tests {
 namespace {
 
-constexpr std::uint64_t kCycles = 4;
-
-/// Of every phase in every cycle, ns; and what else is set.
-struct MadeUp {
-  double ns = 1000;
-  measure::Verdict verdict = measure::Verdict::kStable;
-  std::string omitted = {}, decisions = {};
-  double stall = 0;  ///< added to the first cycle
-};
-using MakeUp = std::function<MadeUp(const plan::Run&)>;
-
-template <typename Use>
-auto WithFile(const plan::Plan& plan, const MakeUp& make_up, Use use) {
-  const TemporaryFolder folder;
-  for (const plan::Run& run : plan.runs) {
-    const MadeUp made = make_up(run);
-    FakeResult fake(run);
-    std::vector<double> durations(measure::kPhaseCount * kCycles, made.ns);
-    for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
-      durations[phase * kCycles] += made.stall;
-    fake.result.series = {{measure::FindSeries("duration"), std::as_bytes(std::span(durations))}};
-    fake.result.judgement.verdict = made.verdict;
-    fake.result.judgement.first_bad_cycle = made.verdict == measure::Verdict::kStable ? -1 : 3;
-    fake.result.message = "";
-    fake.result.omitted = made.omitted;
-    fake.result.decisions = made.decisions;
-    fake.result.scalars.harness_ns = NAN;
-    if (!plan.references.empty()) {
-      fake.result.errors.values["timestep"] = {0.001};
-      fake.result.errors.values["position"] = {0.5};
-    }
-    store::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
-  }
-  store::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
-  return use(store::ResultFile(folder / "out.h5"));
-}
-
 std::string Shown(const plan::Plan& plan, const MakeUp& make_up,
                   const report::ShowOptions& options = {}) {
-  return WithFile(plan, make_up,
-                  [&](const store::ResultFile& file) { return report::Show(file, options).text; });
+  return WithMadeUpFile(plan, make_up, [&](const store::ResultFile& file) {
+    return report::Show(file, options).text;
+  });
 }
 
 plan::Plan Grid(std::uint64_t repeats = 1, std::vector<std::vector<std::size_t>> skipped = {}) {
   return MakePlan(
       {TextAxis("detector", {"simple", "dbvt", "sap"}), NumberAxis("quantity", {10, 20, 40})},
-      repeats, {.cycles = kCycles, .record = {"timing"}}, std::move(skipped));
+      repeats, {.cycles = kMadeUpCycles, .record = {"timing"}}, std::move(skipped));
 }
 
 /// One space between words, as columns are as wide as the table needs.
@@ -230,13 +191,13 @@ TEST(ShowComparison, LeavesARepeatThatDidNotEndWellOutOfItsPoint) {
 TEST(ShowComparison, HasOneStatisticInBothCommands) {
   const plan::Plan plan =
       MakePlan({NumberAxis("quantity", {10, 20})}, 5,
-               {.cycles = kCycles, .record = {"timing"}, .metrics = {"position"}});
+               {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
   const auto stall = [](const plan::Run& run) {
     return MadeUp{.ns = run.at[0] == 0 ? 2e6 : 3e6, .stall = run.rep == 2 ? 1e9 : 0.0};
   };
   const std::string shown = Shown(plan, stall);
   ExpectHas(shown, "\n        10   2.00    2.00    2.00   2.00       2.00  2.00\n");
-  const std::string error = WithFile(plan, stall, [](const store::ResultFile& file) {
+  const std::string error = WithMadeUpFile(plan, stall, [](const store::ResultFile& file) {
     return report::ShowError(file, {"position", {}, {}}).text;
   });
   // 1 ms a cycle is simulated in 2 ms.

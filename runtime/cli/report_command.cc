@@ -1,0 +1,81 @@
+// `cdb report`: results files as one page for a browser.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/page/page.h"
+#include "runtime/report/console.h"
+#include "runtime/report/results_document.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/store.h"
+
+namespace cdb::cli {
+namespace {
+
+struct ReportArguments {
+  std::vector<std::string> files;
+  std::string out;       ///< empty: the first file's name with .html
+  std::string baseline;  ///< as in `cdb show`
+  bool only_sound = false;
+};
+
+std::string PageName(const ReportArguments& arguments) {
+  if (!arguments.out.empty()) return arguments.out;
+  return std::filesystem::path(arguments.files[0]).replace_extension(".html").string();
+}
+
+/// A page must never take the place of what it is of.
+void CheckPageName(const ReportArguments& arguments) {
+  for (const std::string& file : arguments.files) {
+    std::error_code error;
+    if (std::filesystem::equivalent(file, PageName(arguments), error))
+      throw CommandError(
+          fmt::format("{} is the results file; name another file for the page with -o", file));
+  }
+}
+
+ExitStatus WriteReport(const ReportArguments& arguments) {
+  CheckPageName(arguments);
+  std::string title, documents;
+  std::size_t bad_cells = 0;
+  for (const std::string& name : arguments.files) {
+    const store::ResultFile file(name);
+    const report::DocumentText document =
+        report::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
+                                       .baseline = arguments.baseline,
+                                       .only_sound = arguments.only_sound,
+                                       .for_page = true});
+    if (!title.empty()) title += ", ";
+    title += file.title().empty() ? file.benchmark() : file.title();
+    if (!documents.empty()) documents += ',';
+    documents += document.json;
+    bad_cells += document.bad_cells;
+  }
+  const std::string page = page::Assemble(page::ReportTemplate(), title,
+                                          fmt::format("{{\"documents\":[{}]}}", documents));
+  store::WriteWhole(page, PageName(arguments));
+  report::Print(fmt::format("{}: {:.1f} MB; open it in a browser\n", PageName(arguments),
+                            static_cast<double>(page.size()) / 1e6));
+  return bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
+}
+
+}  // namespace
+
+void AddReportCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<ReportArguments>();
+  Subcommand command(app, "report", "results files as one page for a browser, with figures");
+  command.Required("FILE", arguments->files, "results files");
+  command.Out(arguments->out, "the page; default: the name of the first file with .html");
+  command.Optional(
+      "--baseline", arguments->baseline,
+      "the detector that the others are divided by; default: the first with all cells");
+  command.Flag("--sound", arguments->only_sound, "without runs whose timings a verdict voids");
+  command.Action(status, [arguments] { return WriteReport(*arguments); });
+}
+
+}  // namespace cdb::cli

@@ -1,0 +1,24 @@
+#include "runtime/report/conclusions.h"
+
+namespace cdb::report {
+namespace {
+
+constexpr std::string_view kCertaintyNames[] = {"clear", "tie", "unknown"};
+
+}  // namespace
+
+std::string_view CertaintyName(Certainty certainty) {
+  return kCertaintyNames[static_cast<std::size_t>(certainty)];
+}
+
+std::vector<Conclusion> Conclusions(const ConclusionParts& parts) {
+  std::vector<Conclusion> all;
+  ConcludeStep(parts, all);
+  ConcludeErrors(parts, all);
+  ConcludeDetectors(parts, all);
+  ConcludeVerdicts(parts, all);
+  ConcludeAxes(parts, all);
+  return all;
+}
+
+}  // namespace cdb::report

@@ -1,0 +1,73 @@
+// What the parts of a results document (results_document.h) are made from.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "runtime/report/cycle_times.h"
+#include "runtime/report/figures.h"
+#include "runtime/report/findings.h"
+#include "runtime/report/json_numbers.h"
+#include "runtime/report/points.h"
+#include "runtime/store/store.h"
+
+namespace cdb::report {
+
+/// Of points up to which a document has all statistics of all phases.
+inline constexpr std::size_t kMaxWholePoints = 5000;
+
+class DocumentSource {
+ public:
+  /// A point of the grid that some run was made at.
+  struct GridPoint {
+    Point at;
+    const MeasuredPoint* measured;  ///< null where no repeat has cycles
+  };
+
+  /// Throws StoreError.
+  DocumentSource(const store::ResultFile& file, bool only_sound,
+                 CycleStatistic statistic = CycleStatistic::kMean);
+  DocumentSource(const DocumentSource&) = delete;
+  DocumentSource& operator=(const DocumentSource&) = delete;
+
+  const store::ResultFile& file() const { return file_; }
+  const std::vector<MeasuredPoint>& measured() const { return measured_; }
+  /// The rows of the document's columns, in grid order.
+  const std::vector<GridPoint>& points() const { return points_; }
+  /// The place of a point among `points()`.
+  std::size_t IndexOf(const Point& at) const { return index_.at(at); }
+  CycleTimes& times() const { return times_; }
+  const CellGroups& groups() const { return groups_; }
+  const std::vector<DetectorFindings>& findings() const { return findings_; }
+  /// Why reference runs are of no use, a line each.
+  const std::vector<std::string>& references() const { return references_; }
+
+  bool HasTimes() const { return file_.Has("duration"); }
+  /// More than kMaxWholePoints: only the figures that a page can hold.
+  bool IsLarge() const { return points_.size() > kMaxWholePoints; }
+  int digits() const { return IsLarge() ? 4 : 6; }
+  Json Number(double value) const { return JsonNumber(value, digits()); }
+
+  /// A value on an axis: a number or a text.
+  Json Value(std::size_t axis, std::size_t index) const;
+  /// `{"quantity": 100}`: the values on the axes `axes`, at the point `at` on them.
+  Json Place(const std::vector<std::size_t>& axes, const Point& at) const;
+
+ private:
+  const store::ResultFile& file_;
+  const std::vector<MeasuredPoint> measured_;
+  std::vector<GridPoint> points_;
+  std::map<Point, std::size_t> index_;
+  mutable CycleTimes times_;  ///< computes when asked
+  const CellGroups groups_;
+  const std::vector<DetectorFindings> findings_;
+  const std::vector<std::string> references_;
+};
+
+/// A line for a terminal as a sentence for a page: without its indent and its end of line.
+std::string Sentence(std::string_view line);
+
+}  // namespace cdb::report

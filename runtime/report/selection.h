@@ -1,0 +1,15 @@
+// A part of a results file, by values on its axes (`cdb show --select`).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/store/store.h"
+
+namespace cdb::report {
+
+/// Each of `selections` is `axis=value`, `axis=a,b` or, on an axis of numbers, `axis=a..b` with
+/// both ends. Throws StoreError that names the axes of the file, or the values of the axis.
+void SelectPart(store::ResultFile& file, const std::vector<std::string>& selections);
+
+}  // namespace cdb::report

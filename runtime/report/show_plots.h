@@ -1,0 +1,23 @@
+// Small plots of characters, for `cdb show --plot`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/measure/series.h"
+#include "runtime/report/cycle_times.h"
+#include "runtime/report/points.h"
+#include "runtime/store/store.h"
+
+namespace cdb::report {
+
+/// Bars, from the least to the most of `values`, which are averaged in at most `width` bins; a
+/// space where there is none.
+std::string Sparkline(const std::vector<double>& values, std::size_t width);
+
+/// The phases (the step where `phases` is empty) over the cycles, a line for each of at most 24
+/// points; and over each axis of three numbers or more. Empty for a file without timings.
+std::string ShowPlots(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+                      const std::vector<measure::Phase>& phases, CycleTimes& times);
+
+}  // namespace cdb::report
