@@ -1,0 +1,128 @@
+// What a reader has chosen, its defaults from a document, and its text in the address.
+import { quantities, statisticsOf } from './document.js';
+
+/** @typedef {'x' | 'colour' | 'panel' | 'fixed' | 'pooled'} Role */
+/**
+ * @typedef {object} View
+ * @property {Role[]} roles      of each axis
+ * @property {number[]} at       of each axis, the value that counts where it is fixed
+ * @property {string} quantity   what is drawn over the axes: `time:step`
+ * @property {string} statistic
+ * @property {'auto' | 'linear' | 'log'} xScale
+ * @property {'auto' | 'linear' | 'log'} yScale
+ * @property {'phases' | 'points'} cycles  which figure over the cycles
+ * @property {string} error
+ * @property {number} mapX       axis of the stability map, -1 for none
+ * @property {number} mapY
+ * @property {string} section    where the page is scrolled to
+ */
+export const roleNames = /** @type {const} */ (['x', 'colour', 'panel', 'fixed', 'pooled']);
+const single = new Set(['x', 'colour', 'panel']);
+const mostPanels = 8;
+const mostColours = 30;
+
+const most = (axes, indices) => indices.reduce((best, i) => (best < 0 || axes[i].values.length > axes[best].values.length ? i : best), -1);
+
+/** @param {import('./document.js').Doc} doc @returns {Role[]} */
+export function defaultRoles(doc) {
+  const { axes } = doc;
+  const roles = axes.map((axis) => (axis.values.length > 1 ? 'pooled' : 'fixed'));
+  let free = axes.map((_, i) => i).filter((i) => roles[i] === 'pooled');
+  const take = (role, i) => {
+    if (i < 0) return;
+    roles[i] = role;
+    free = free.filter((other) => other !== i);
+  };
+  const isSeed = (i) => axes[i].kind === 'seed' || axes[i].name === 'seed';
+  const useful = () => free.filter((i) => !isSeed(i));
+  const x = most(axes, useful().filter((i) => !axes[i].isText));
+  take('x', x >= 0 ? x : most(axes, useful()));
+  const few = (limit) => useful().filter((i) => axes[i].values.length <= limit);
+  const detector = doc.detectorAxis;
+  take('colour', few(mostColours).includes(detector) ? detector : most(axes, few(8)));
+  take('panel', most(axes, few(mostPanels)));
+  return roles;
+}
+
+/** For the map: the axis of numbers with the most values along x, the next one down. @param {import('./document.js').Doc} doc */
+function defaultMap(doc) {
+  const free = doc.axes.map((_, i) => i).filter((i) => doc.axes[i].values.length > 1);
+  const x = most(doc.axes, free.filter((i) => !doc.axes[i].isText));
+  const mapX = x >= 0 ? x : most(doc.axes, free);
+  const rest = free.filter((i) => i !== mapX);
+  const mapY = rest.includes(doc.detectorAxis) ? doc.detectorAxis : most(doc.axes, rest);
+  return { mapX, mapY };
+}
+
+/** @param {import('./document.js').Doc} doc @returns {View} */
+export function defaultView(doc) {
+  const all = quantities(doc);
+  const has = (id) => all.some((quantity) => quantity.id === id);
+  return {
+    roles: defaultRoles(doc),
+    at: doc.axes.map((axis) => (axis.isText ? 0 : axis.values.length - 1)),
+    quantity: has('time:step') ? 'time:step' : has('time:detect') ? 'time:detect' : all[0]?.id ?? '',
+    statistic: 'mean',
+    xScale: 'auto',
+    yScale: 'auto',
+    cycles: 'phases',
+    error: doc.raw.fronts?.[0]?.error ?? '',
+    ...defaultMap(doc),
+    section: '',
+  };
+}
+
+/** Gives an axis a role; the axis that had it, if only one may, takes over the old one. @param {View} view */
+export function assign(view, axis, role) {
+  const roles = [...view.roles];
+  const holder = single.has(role) ? roles.indexOf(role) : -1;
+  if (holder >= 0 && holder !== axis) roles[holder] = roles[axis];
+  roles[axis] = role;
+  return { ...view, roles };
+}
+
+const choices = (doc) => ({
+  quantity: quantities(doc).map((quantity) => quantity.id),
+  statistic: doc.phases.length ? [...new Set(doc.phases.flatMap((phase) => statisticsOf(doc, phase.name)))] : ['mean'],
+  xScale: ['auto', 'linear', 'log'],
+  yScale: ['auto', 'linear', 'log'],
+  cycles: ['phases', 'points'],
+  error: (doc.raw.fronts ?? []).map((front) => front.error),
+});
+const texts = ['quantity', 'statistic', 'xScale', 'yScale', 'cycles', 'error', 'section'];
+
+/** The differences from the defaults, as the address has them. @param {import('./document.js').Doc} doc @param {View} view */
+export function encode(doc, view) {
+  const base = defaultView(doc);
+  const entries = new URLSearchParams();
+  doc.axes.forEach((axis, i) => {
+    if (view.roles[i] !== base.roles[i]) entries.append(`role.${axis.name}`, view.roles[i]);
+    if (view.at[i] !== base.at[i]) entries.append(`at.${axis.name}`, String(view.at[i]));
+  });
+  for (const key of texts) if (view[key] !== base[key]) entries.append(key, view[key]);
+  for (const key of ['mapX', 'mapY']) if (view[key] !== base[key]) entries.append(key, doc.axes[view[key]]?.name ?? '');
+  return entries.toString();
+}
+
+/** What of an address applies to the document; the rest is as by default. @returns {View} */
+export function decode(doc, text) {
+  const entries = new URLSearchParams(text);
+  const view = defaultView(doc);
+  const allowed = choices(doc);
+  doc.axes.forEach((axis, i) => {
+    const role = entries.get(`role.${axis.name}`);
+    if (roleNames.includes(role)) view.roles[i] = role;
+    const at = entries.get(`at.${axis.name}`);
+    if (/^\d+$/.test(at ?? '') && Number(at) < axis.values.length) view.at[i] = Number(at);
+  });
+  view.roles.forEach((role, i) => {
+    if (single.has(role) && view.roles.indexOf(role) !== i) view.roles[i] = 'pooled';
+  });
+  for (const [key, values] of Object.entries(allowed))
+    if (values.includes(entries.get(key))) view[key] = entries.get(key);
+  for (const key of ['mapX', 'mapY'])
+    if (entries.has(key)) view[key] = doc.axes.findIndex((axis) => axis.name === entries.get(key));
+  if (view.mapX === view.mapY) view.mapY = -1;
+  if (/^[a-z-]{1,40}$/.test(entries.get('section') ?? '')) view.section = entries.get('section');
+  return view;
+}
