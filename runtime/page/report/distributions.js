@@ -53,7 +53,7 @@ export function describeDistributions(doc, view, { theme, width }) {
         Plot.tickX(rows, { y: 'i', x: 'median', stroke: theme.background, strokeWidth: 4, insetTop: 0.5, insetBottom: 0.5 }),
         Plot.tickX(rows, { y: 'i', x: 'median', stroke: theme.ink, strokeWidth: 2, className: 'hot' }),
       ]) }],
-    notes: ['Line: least to greatest cycle. Pale: 5 to 95 % of the cycles. Dark: 25 to 75 %. Tick: median. The time of a cycle is its median over the repeats.',
+    notes: [`Line: least to greatest cycle. Pale: 5 to 95 % of the cycles. Dark: 25 to 75 %. Tick: median.${(doc.raw.runs?.repeats ?? 1) > 1 ? ' The time of a cycle is its median over the repeats.' : ''}`,
       ...(whereText(doc, view, chosen) ? [`At ${whereText(doc, view, chosen)}.`] : [])] };
 }
 

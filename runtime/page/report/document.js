@@ -1,4 +1,5 @@
 // Access to a results document (version 1), whatever it lacks.
+import { number } from './format.js';
 
 /**
  * @typedef {object} Axis
@@ -136,7 +137,7 @@ export function quantities(doc) {
 /** A value of an axis as text. @param {Axis} axis @param {number} index */
 export const valueText = (axis, index) => {
   const value = axis.values[index];
-  return typeof value === 'number' ? String(value) : String(value ?? '');
+  return typeof value === 'number' ? (Math.abs(value) >= 1e6 ? number(value, 6) : String(value).replace('-', '−')) : String(value ?? '');
 };
 
 /** `quantity 400, detector sap`: a point on its axes of several values. @param {Doc} doc @param {number} point */
@@ -148,4 +149,4 @@ export function pointText(doc, point) {
 
 /** @param {Axis} axis */
 export const axisTitle = (axis) =>
-  (axis.label === axis.name || !axis.label ? axis.name : `${axis.name}: ${axis.label}`) + (axis.unit ? `, ${axis.unit}` : '');
+  (axis.label === axis.name.replace(/_/g, ' ') ? axis.label : `${axis.name}: ${axis.label}`) + (axis.unit ? `, ${axis.unit}` : '');

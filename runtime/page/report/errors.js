@@ -1,8 +1,8 @@
 // Error against speed: both axes logarithmic, small errors at the bottom, fast configurations on the right.
 import * as Plot from '@observablehq/plot';
-import { number, range, short } from './format.js';
+import { number, short } from './format.js';
 import { style } from './palette.js';
-import { extent, logTicks } from './scales.js';
+import { extent, intervalText, logTicks } from './scales.js';
 import { textWidth } from './compose.js';
 
 const mostLabels = 14;
@@ -105,8 +105,7 @@ export function describeErrors(doc, view, { theme, width }) {
       .map(({ value, i }) => ({ label: `${colour.axis.name} ${value}`, colour: style(theme, i).colour, symbol: style(theme, i).symbol })) : [],
     notes: ['The lower right is best: fast and accurate. Large and filled: on the front, no other configuration is both as fast and as accurate. Half filled: ties with the front within the intervals. Pale: behind it.',
       `Speed from ${doc.raw.statistic ? `${doc.raw.statistic.charAt(0).toLowerCase()}${doc.raw.statistic.slice(1).replace(/\.$/, '')}` : 'the mean time of a cycle'}, divided by the time step.`,
-      ...(doc.raw.interval?.name && rows.some((row) => row.speedLow !== null) ? [`Bars: ${doc.raw.interval.name}. ${doc.raw.interval.text ?? ''}`.trim()] : ['No intervals of the speed: one repeat.']),
+      ...(doc.raw.interval?.name && rows.some((row) => row.speedLow !== null) ? [intervalText(doc)] : ['No intervals of the speed: one repeat.']),
       ...(rows.some((row) => row.floor !== null && row.given < row.floor) ? ['An error below its noise floor is not a better one.'] : []),
       ...(zero ? ['An error of 0 is drawn at the lower edge.'] : []), ...(rows.some((row) => row.isVoid) ? ['Hollow: the verdict voids the time.'] : [])] };
 }
-export { range };

@@ -24,6 +24,8 @@ const has = {
   unsound: (doc) => doc.verdict.some((name) => !['stable', 'unknown'].includes(name)),
 };
 
+const isSingle = (doc) => doc.axes.every((axis) => axis.values.length < 2);
+
 /** The figure of the first screen. @param {import('./document.js').Doc} doc */
 function keyFigure(doc) {
   const kind = doc.raw.conclusions?.[0]?.kind;
@@ -32,7 +34,7 @@ function keyFigure(doc) {
   if (has.errors(doc)) return 'errors';
   const isTexts = doc.axes.every((axis) => axis.isText || axis.values.length < 2);
   if (has.ratios(doc) && isTexts && doc.axes[doc.detectorAxis].values.length > 8) return 'rivals';
-  if (has.times(doc)) return 'times';
+  if (has.times(doc)) return isSingle(doc) ? (has.cycles(doc) ? 'cycles' : 'phases') : 'times';
   return has.unsound(doc) ? 'stability' : '';
 }
 
@@ -57,7 +59,7 @@ function sectionsOf(doc, figures, key) {
   const take = (...names) => names.filter((name) => name !== key).map((name) => figures[name]);
   return [
     ['machine', 'What ran, and where', parts.machine(doc)],
-    has.times(doc) && ['over-axes', 'Over the axes', take('times', 'phases')],
+    has.times(doc) && ['over-axes', isSingle(doc) ? 'Phases' : 'Over the axes', isSingle(doc) ? take('phases') : take('times', 'phases')],
     has.ratios(doc) && ['paired', 'Rivals', take('rivals')],
     has.errors(doc) && ['accuracy', 'Error against run time', take('errors')],
     (has.cycles(doc) || doc.raw.distributions) && ['over-cycles', 'Over the cycles', [...(has.cycles(doc) ? take('cycles') : []), ...(doc.raw.distributions ? take('distribution', 'repeats') : [])]],

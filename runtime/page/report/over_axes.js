@@ -1,8 +1,8 @@
 // A quantity over the axes: lines over numbers, dots in rows over texts (figures 4 and 5 of the paper).
 import * as Plot from '@observablehq/plot';
 import { axisTitle, quantities, valueText } from './document.js';
-import { number, short } from './format.js';
-import { phaseColours, style } from './palette.js';
+import { short } from './format.js';
+import { style } from './palette.js';
 import { group, pool, thin } from './pool.js';
 import { extent, labelMargin, poolNotes, rowLabel, scale, unitOf, valueScale } from './scales.js';
 import { statistics } from './document.js';
@@ -52,7 +52,7 @@ function legendOf(rows, colour, theme, isRows) {
   if (!colour) return [];
   return [...new Set(rows.map((row) => row.colour))].sort((a, b) => a - b).map((i) => {
     const { colour: ink, symbol, dash } = style(theme, i);
-    return { label: valueText(colour, i), colour: ink, symbol, ...(isRows ? {} : { dash }) };
+    return { label: colour.isText ? valueText(colour, i) : `${colour.name} ${valueText(colour, i)}`, colour: ink, symbol, ...(isRows ? {} : { dash }) };
   });
 }
 
@@ -70,7 +70,7 @@ function seriesOf(rows) {
 function dots(rows, theme, at, className = 'hot') {
   const styleOf = (row) => style(theme, row.colour);
   return [
-    Plot.dot(rows.filter((row) => row.mark && !row.isVoid), { ...at, r: 7.5, stroke: (row) => styleOf(row).colour, symbol: 'diamond', strokeWidth: 1 }),
+    Plot.dot(rows.filter((row) => row.mark && !row.isVoid), { ...at, r: 7.5, stroke: (row) => styleOf(row).colour, strokeWidth: 1 }),
     Plot.dot(rows, { ...at, className, strokeWidth: 1.6, r: 3.8, symbol: (row) => styleOf(row).symbol, stroke: (row) => styleOf(row).colour,
       fill: (row) => (row.isVoid ? theme.background : styleOf(row).colour) }),
   ];
@@ -87,20 +87,22 @@ const asides = (colours) => (colour) => (colours.indexOf(colour) - (colours.leng
 function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
   const aside = asides(colours);
   return ({ width, height }) => {
+    const scaleX = x(width - 58);
+    const at = (row) => scaleX.place(row.x);
     const marks = [Plot.gridY({ ticks: y.ticks, stroke: theme.grid, strokeOpacity: 1 })];
     const isThin = rows.length > mostMarks;
     for (const series of seriesOf(rows)) {
       const { colour, dash } = style(theme, series[0].colour);
       const dx = aside(series[0].colour);
       const shown = series.length > mostMarks ? thin(series, mostMarks / 2) : series;
-      if (series.length > mostMarks) marks.push(Plot.areaY(shown, { x: 'x', y1: 'low', y2: 'high', fill: colour, fillOpacity: 0.2 }));
-      else marks.push(Plot.ruleX(series.filter((row) => row.low !== null), { x: 'x', y1: 'low', y2: 'high', dx, stroke: colour, strokeWidth: 1.3 }));
-      if (series.length > 1) marks.push(Plot.line(shown, { x: 'x', y: 'value', dx, stroke: colour, strokeWidth: 1.6, strokeDasharray: dash ?? undefined }));
+      if (series.length > mostMarks) marks.push(Plot.areaY(shown, { x: at, y1: 'low', y2: 'high', fill: colour, fillOpacity: 0.2 }));
+      else marks.push(Plot.ruleX(series.filter((row) => row.low !== null), { x: at, y1: 'low', y2: 'high', dx, stroke: colour, strokeWidth: 1.3 }));
+      if (series.length > 1) marks.push(Plot.line(shown, { x: at, y: 'value', dx, stroke: colour, strokeWidth: 1.6, strokeDasharray: dash ?? undefined }));
     }
     if (!isThin) for (const i of colours)
-      marks.push(...dots(rows.filter((row) => row.colour === i), theme, { x: 'x', y: 'value', dx: aside(i) }, `hot hot-${i + 1}`));
+      marks.push(...dots(rows.filter((row) => row.colour === i), theme, { x: at, y: 'value', dx: aside(i) }, `hot hot-${i + 1}`));
     return { width, height, marginLeft: 46, marginTop: 24, marginBottom: 38, marginRight: 12,
-      x: { ...x(width - 58), label: xLabel, labelAnchor: 'right', labelArrow: 'right' },
+      x: { ...scaleX, label: scaleX.isEven ? `${xLabel}, evenly spaced` : xLabel, labelAnchor: 'right', labelArrow: 'right' },
       y: { ...y, label: yLabel, labelArrow: 'up' }, marks };
   };
 }
@@ -120,17 +122,17 @@ function rowPanel(rows, { theme, scaleX, rowsShown, label, margin, xLabel }) {
       marks.push(...dots(own, theme, { y, x: 'value', dy }, `hot hot-${colour + 1}`));
     }
     return { width, height, marginLeft: margin, marginRight: 14, marginTop: 6, marginBottom: 38,
-      x: { ...scaleX, label: xLabel, labelAnchor: 'right', labelArrow: 'right' },
+      x: { ...scaleX, label: scaleX.isEven ? `${xLabel}, evenly spaced` : xLabel, labelAnchor: 'right', labelArrow: 'right' },
       y: { type: 'band', domain: rowsShown.values, tickFormat: (i) => rowLabel(label(i), margin), label: null, tickSize: 0 }, marks };
   };
 }
 
-function textDrawing(doc, view, { rows, axes, how, yLabel }) {
-  const [x, colour] = axes;
+function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = true }) {
+  const [x] = axes;
   const isSingle = new Set(rows.map((row) => row.panel)).size <= 1;
   const values = [...new Set(rows.map((row) => row.xIndex))];
   const best = (i) => rows.filter((row) => row.xIndex === i).reduce((least, row) => Math.min(least, row.value), Infinity);
-  if (isSingle) values.sort((a, b) => best(a) - best(b));
+  if (isSingle && isSorted) values.sort((a, b) => best(a) - best(b));
   else values.sort((a, b) => a - b);
   const colours = coloursOf(rows);
   const label = (i) => (i < 0 ? 'all' : valueText(x, i));
@@ -159,6 +161,9 @@ function lineDrawing(doc, view, { rows, axes, how, yLabel, height }) {
   }) };
 }
 
+const statisticText = (doc, view) => (view.statistic === 'mean' ? doc.raw.statistic ?? ''
+  : `Drawn: ${statistics[view.statistic]} over the cycles; the time of a cycle is its median over the repeats.`);
+
 /** @param {import('./document.js').Quantity} quantity */
 export function describeQuantity(doc, view, how, quantity, { height = 340, isSmall = false } = {}) {
   const found = rowsOf(doc, view, quantity);
@@ -177,8 +182,7 @@ export function describeQuantity(doc, view, how, quantity, { height = 340, isSma
   const label = isSmall ? unit.unit : `${quantity.short}${unit.unit ? `, ${unit.unit}` : ''}`;
   const drawing = (isRows ? textDrawing : lineDrawing)(doc, view, { rows: drawn, axes, how, yLabel: label, height });
   const isTime = quantity.dimension === 'time';
-  const statistic = isTime
-    ? view.statistic === 'mean' ? doc.raw.statistic ?? '' : `Drawn: ${statistics[view.statistic]} over the cycles; the time of a cycle is its median over the repeats.`
+  const statistic = isTime ? statisticText(doc, view)
     : quantity.dimension === 'ratio' ? `Paired: each point over the one of ${short(doc.raw.ratios.baseline, 40)} at the same place.` : `Mean over the cycles.`;
   return { title, columns, rows, legend: legendOf(drawn, axes[1], how.theme, isRows), ...drawing,
     notes: [statistic, ...poolNotes(doc, view, found.grouped, found.rows, quantity.mean, { hasIntervals: isTime || quantity.dimension === 'ratio' })] };
@@ -190,11 +194,26 @@ export function describeOverAxes(doc, view, how) {
   return describeQuantity(doc, view, how, quantity);
 }
 
+/** One configuration: a row for each phase, on one scale. */
+function describePhaseRows(doc, view, how, phases) {
+  const found = phases.map((phase, i) => rowsOf(doc, view, phase).rows.map((row) => ({ ...row, xIndex: i, name: phase.id.slice(5) }))).flat();
+  const title = 'Phases of a cycle';
+  if (found.length === 0) return { title, empty: 'No point has a value here.' };
+  const unit = unitOf(phases[0], extent(found.map((row) => row.value))[1]);
+  const { columns, rows } = tableOf(found, [], unit, { short: 'time' });
+  const axis = { name: 'phase', isText: true, values: phases.map((phase) => phase.id.slice(5)) };
+  const { grouped } = rowsOf(doc, view, phases[0]);
+  return { title, columns: [{ key: 'name', label: 'phase' }, ...columns], rows, legend: [],
+    ...textDrawing(doc, view, { rows, axes: [axis], how, yLabel: `time, ${unit.unit}`, isSorted: false }),
+    notes: [statisticText(doc, view), ...poolNotes(doc, view, grouped, found, 'arithmetic')] };
+}
+
 /** Every phase in a panel, with the axes of the view but its panels pooled away. */
 export function describePhases(doc, view, how) {
   const title = 'Every phase';
   const phases = quantities(doc).filter((each) => each.dimension === 'time');
   if (phases.length < 2) return { title, empty: '' };
+  if (view.roles.every((role) => role === 'fixed' || role === 'pooled')) return describePhaseRows(doc, view, how, phases);
   const own = { ...view, roles: view.roles.map((role) => (role === 'panel' ? 'pooled' : role)) };
   const parts = phases.map((phase) => describeQuantity(doc, own, how, phase, { height: 210, isSmall: true })).filter((part) => !part.empty);
   if (parts.length === 0) return { title, empty: 'No point has a value here.' };
@@ -212,8 +231,5 @@ export function describePhases(doc, view, how) {
   const pooledPanel = view.roles.includes('panel');
   return { title: `${title}${parts[0].title.includes(' over ') ? ` over ${parts[0].title.split(' over ').at(-1)}` : ''}`, columns, rows,
     panels, legend: parts[0].legend, height: 210, perRow: Math.max(1, Math.min(3, Math.floor(how.width / 240))),
-    notes: [...parts[0].notes, ...(pooledPanel ? ['Here the axis of the panels is pooled.'] : []),
-      ...phases.filter((phase) => doc.phases.find((each) => `time:${each.name}` === phase.id)?.definition)
-        .map((phase) => { const { name, definition } = doc.phases.find((each) => `time:${each.name}` === phase.id); return `${name}: ${definition}${/[.]$/.test(definition) ? '' : '.'}`; })] };
+    notes: [...parts[0].notes, ...(pooledPanel ? ['Here the axis of the panels is pooled.'] : [])] };
 }
-export { number };

@@ -60,26 +60,41 @@ function stacked(cycles, bins, { entry }, names, factor) {
   });
 }
 
+/** The greatest of some cycles whose labels do not meet. */
+function apart(rows, last, width) {
+  const chosen = [];
+  for (const row of [...rows].sort((a, b) => b.y2 - a.y2))
+    if (chosen.every((other) => Math.abs(other.cycle - row.cycle) / Math.max(last, 1) * width > 56)) chosen.push(row);
+  return chosen.slice(0, 4);
+}
+
 function stackPanel(rows, { theme, names, y, limit, unit }) {
   return ({ width, height }) => {
     const colours = phaseColours(theme);
     const top = names.at(-1);
     const beyond = limit === null ? [] : rows.filter((row) => row.phase === top && row.y2 > limit);
-    return { width, height, marginLeft: 44, marginTop: 24, marginBottom: 36, marginRight: 10,
+    return { width, height, marginLeft: 44, marginTop: limit === null ? 24 : 36, marginBottom: 36, marginRight: 10,
       x: { label: 'cycle', labelAnchor: 'right', labelArrow: 'right', tickFormat: (v) => String(v), ticks: Math.max(2, Math.floor(width / 80)) },
       y: { ...y, label: `time, ${unit}`, labelArrow: 'up' },
       marks: [Plot.gridY({ ticks: y.ticks, stroke: theme.grid, strokeOpacity: 1 }),
         ...names.map((name) => Plot.areaY(rows.filter((row) => row.phase === name),
           { x: 'cycle', y1: (row) => Math.min(row.y1, limit ?? Infinity), y2: (row) => Math.min(row.y2, limit ?? Infinity), fill: colours[name], className: `phase-${name}` })),
-        Plot.text(beyond.slice(0, 3), { x: 'cycle', y: limit ?? 0, text: (row) => `▲ ${number(row.y2)}`, textAnchor: (beyond[0]?.cycle ?? 0) < 3 ? 'start' : 'middle',
-          dy: -7, fill: theme.ink, fontSize: 10 }),
+        Plot.text(apart(beyond, rows.at(-1)?.cycle ?? 1, width), { x: 'cycle', y: limit ?? 0, text: (row) => `▲\u2009${number(row.y2)}`, dx: 3, dy: -7, fill: theme.ink, fontSize: 10 }),
         Plot.ruleY([0], { stroke: theme.muted })] };
   };
 }
 
+/** The bins up to the last one with a value. */
+function usedBins(cycles, chosen) {
+  const bins = cycles.bins ?? [];
+  const phases = Object.keys(cycles).filter((name) => !['points', 'of', 'bins'].includes(name));
+  const isUsed = (_, b) => chosen.some(({ entry }) => phases.some((name) => cycles[name]?.[entry]?.[b] != null));
+  return bins.slice(0, bins.findLastIndex(isUsed) + 1);
+}
+
 function describeStack(doc, view, { theme, width }, chosen) {
   const { cycles } = doc.raw;
-  const bins = cycles.bins ?? [];
+  const bins = usedBins(cycles, chosen);
   const names = parts.filter((name) => cycles[name]?.some((values) => values?.some((value) => value !== null)));
   const title = 'Phases of each cycle';
   if (names.length === 0) return { title, empty: 'The file has no times of single cycles.' };
@@ -100,7 +115,7 @@ function describeStack(doc, view, { theme, width }, chosen) {
   return { title, rows, panels, perRow, height: chosen.length === 1 ? 300 : chosen.length > 8 ? 150 : 200,
     columns: [{ key: 'place', label: 'point' }, { key: 'cycle', label: 'cycle', isNumber: true }, { key: 'phase', label: 'phase' }, { key: 'value', label: `time, ${unit}`, isNumber: true }],
     legend: names.map((name) => ({ label: name, colour: phaseColours(theme)[name], isArea: true })),
-    notes: limit === null ? [] : ['▲: a cycle beyond the scale, with its time.'] };
+    notes: limit === null ? [] : ['▲: beyond the scale, with its time.'] };
 }
 
 function describeLines(doc, view, { theme, width }, chosen) {
@@ -112,7 +127,7 @@ function describeLines(doc, view, { theme, width }, chosen) {
   const all = chosen.flatMap(({ entry }) => values[entry] ?? []);
   const { unit, factor } = timeUnit(extent(all)[1]);
   const y = scale(all.map((value) => (value === null ? null : value / factor)), view.yScale, { ratio: 8 });
-  const rows = chosen.flatMap((each) => (cycles.bins ?? []).map(([from, to], b) =>
+  const rows = chosen.flatMap((each) => usedBins(cycles, chosen).map(([from, to], b) =>
     ({ colour: each.colour, label: each.label, place: pointText(doc, each.point), cycle: (from + to - 1) / 2, value: values[each.entry]?.[b] == null ? null : values[each.entry][b] / factor })));
   const options = ({ width: w, height }) => ({ width: w, height, marginLeft: 46, marginTop: 24, marginBottom: 36, marginRight: 10,
     x: { label: 'cycle', labelAnchor: 'right', labelArrow: 'right', ticks: Math.max(2, Math.floor(width / 90)), tickFormat: (v) => String(v) },
@@ -132,7 +147,7 @@ export function describeCycles(doc, view, how) {
   const chosen = representatives(doc, view, available);
   const drawing = (view.cycles === 'phases' ? describeStack : describeLines)(doc, view, how, chosen);
   if (drawing.empty) return drawing;
-  const widest = Math.max(...(cycles.bins ?? []).map(([from, to]) => to - from), 1);
+  const widest = Math.max(...usedBins(cycles, chosen).map(([from, to]) => to - from), 1);
   const where = whereText(doc, view, chosen);
   const repeats = doc.raw.runs?.repeats ?? 1;
   return { ...drawing, notes: [`Each cycle: ${repeats > 1 ? 'median over the repeats' : 'one repeat'}${widest > 1 ? `, averaged over up to ${widest} cycles` : ''}.`,

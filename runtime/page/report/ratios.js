@@ -1,10 +1,10 @@
 // Rivals: the time of each detector over that of the baseline in the same place.
 import * as Plot from '@observablehq/plot';
-import { column, pointText, valueText } from './document.js';
+import { column, valueText } from './document.js';
 import { number, short } from './format.js';
 import { style } from './palette.js';
 import { pool, selected } from './pool.js';
-import { extent, fixedText, labelMargin, logTicks, rowLabel } from './scales.js';
+import { extent, fixedText, intervalText, labelMargin, logTicks, rowLabel } from './scales.js';
 
 const mostFacets = 6;
 const rowHeight = 22;
@@ -106,8 +106,7 @@ export function describeRatios(doc, view, { theme, width }) {
   return { title: `Rivals: ${phase} over that of ${short(ratios.baseline, 40)}`, columns, rows, panels, perRow: 1, legend: [],
     notes: [...(fixed ? [`At ${fixed}.`] : []), 'Paired: a time over the baseline’s in the same cell.',
       ...(means.length ? [`Geometric mean over ${mean.points ?? '–'} of ${mean.of ?? '–'} cells; dashed: the range over the cells.`] : []),
-      ...(kinds.has('given') || all.some((row) => row.facet === 'mean' && row.low !== null) ? [`Bars: ${doc.raw.interval?.name ?? 'interval'}. ${doc.raw.interval?.text ?? ''}`.trim()] : ['No intervals: one repeat.']),
+      ...(kinds.has('given') || all.some((row) => row.facet === 'mean' && row.low !== null) ? [intervalText(doc)] : ['No intervals: one repeat.']),
       ...(kinds.has('quadrature') ? ['Bars of pooled cells: half-widths in quadrature, in logarithms.'] : []), ...(kinds.has('range') ? ['Bars of pooled cells without intervals: the range over them.'] : []),
       ...(all.some((row) => !row.isMatched || row.isVoid) ? ['Hollow: not all detectors have this cell, sound and with the same omissions.'] : [])] };
 }
-export { pointText };

@@ -1,6 +1,6 @@
 // Scales and notes that the figures share.
 import { valueText } from './document.js';
-import { byteUnit, number, range, short, timeUnit } from './format.js';
+import { byteUnit, number, short, timeUnit } from './format.js';
 import { textWidth } from './compose.js';
 import { prefersLog } from './pool.js';
 
@@ -60,10 +60,19 @@ export function unitOf(quantity, most) {
   return { unit: '', factor: 1 };
 }
 
+/** Evenly spaced values, where neither scale shows all: those of many sizes that are not all positive. */
+function evenScale(values) {
+  const sorted = [...values].sort((a, b) => a - b);
+  const index = new Map(sorted.map((value, i) => [value, i]));
+  return { type: 'linear', domain: [-0.3, sorted.length - 0.7], ticks: sorted.map((_, i) => i), tickFormat: (i) => number(sorted[i], 4), place: (v) => index.get(v), isEven: true };
+}
+
 /** The x axis for values of an axis of numbers: a tick at each value that has room. */
 export function valueScale(values, wish, width) {
   const [low, high] = extent(values);
   const isLog = low > 0 && (wish === 'log' || (wish === 'auto' && values.length > 2 && high / low >= 8));
+  const sizes = values.map(Math.abs).filter((size) => size > 0);
+  if (low <= 0 && wish === 'auto' && values.length > 2 && extent(sizes)[1] / extent(sizes)[0] >= 50) return evenScale(values);
   const into = isLog ? Math.log : (v) => v;
   const pad = (into(high) - into(low)) * 0.04 || (isLog ? 0.2 : Math.abs(high) * 0.2 || 1);
   const out = isLog ? Math.exp : (v) => v;
@@ -77,7 +86,7 @@ export function valueScale(values, wish, width) {
     ticks.push(value);
     last = x + half;
   }
-  return { type: isLog ? 'log' : 'linear', domain, ticks, tickFormat: (v) => number(v, 6) };
+  return { type: isLog ? 'log' : 'linear', domain, ticks, tickFormat: (v) => number(v, 6), place: (v) => v };
 }
 
 /** Room for the labels of rows on the left. */
@@ -99,9 +108,16 @@ export function fixedText(doc, view) {
     .filter(Boolean).join(', ');
 }
 
+/** `Bars: 95 % interval, by bootstrap over the 9 repeats.` */
+export function intervalText(doc) {
+  const { name, text } = doc.raw.interval ?? {};
+  const how = text ? `, ${text[0].toLowerCase()}${text.slice(1)}` : '.';
+  return `Bars: ${name ?? 'interval'}${how}`;
+}
+
 const means = { arithmetic: 'mean', geometric: 'geometric mean' };
 /** Sentences on pooling and intervals for below a figure. */
-export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true, hasRepeatIntervals = true } = {}) {
+export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true } = {}) {
   const notes = [];
   const fixed = fixedText(doc, view);
   if (fixed) notes.push(`At ${fixed}.`);
@@ -110,13 +126,13 @@ export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true,
   if (pooledNames.length) {
     const counts = grouped.groups.map((group) => group.points.length);
     const [least, most] = extent(counts);
-    notes.push(`Pooled over ${pooledNames.join(', ')}: ${means[mean]} of ${least === most ? most : `${least} to ${most}`} points` +
+    notes.push(`Pooled over ${pooledNames.join(', ')}: ${means[mean]} of ${least === most ? most : `${least} to ${most}`} point${most === 1 ? '' : 's'}` +
       (grouped.isUnmatched ? '; no cell is common to all marks, so that each has its own points.'
         : grouped.groups.some((group) => group.points.length < group.own) ? ', the cells that all marks have.' : '.'));
   }
   if (hasIntervals) {
     if (kinds.has('given') && doc.raw.interval?.name)
-      notes.push(`Bars: ${doc.raw.interval.name}. ${hasRepeatIntervals ? doc.raw.interval.text ?? '' : ''}`.trim());
+      notes.push(intervalText(doc));
     if (kinds.has('quadrature')) notes.push('Bars of pooled marks: the half-widths of their points in quadrature, as the runs are independent.');
     if (kinds.has('range')) notes.push('Bars of pooled marks: the range over their points, which have no intervals.');
     if (kinds.size === 0) notes.push('No intervals: ' + (view.statistic === 'mean' || mean === 'geometric' ? 'one repeat.' : 'they are made for the mean only.'));
@@ -126,7 +142,7 @@ export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true,
     const words = [...new Set(rows.filter((row) => row.isVoid).map((row) => row.mark || 'void'))].slice(0, 5).join('; ');
     notes.push(`Hollow: the verdict voids the time (${short(words, 120)}); not joined, not pooled with sound points.`);
   }
-  if (marks.length) notes.push(`Diamonds in a ring: ${short(marks.slice(0, 5).join('; '), 120)}.`);
+  if (marks.length) notes.push(`In a ring: ${short(marks.slice(0, 5).join('; '), 120)}.`);
   return notes;
 }
 
@@ -135,5 +151,3 @@ export function describeRow(columns, row) {
   return columns.filter((column) => row[column.key] !== null && row[column.key] !== undefined && row[column.key] !== '')
     .map((column) => [column.label, typeof row[column.key] === 'number' ? number(row[column.key], 4) : String(row[column.key])]);
 }
-
-export { range };

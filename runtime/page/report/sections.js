@@ -10,7 +10,7 @@ export function sweepText(doc) {
   const parts = doc.axes.filter((axis) => axis.values.length > 1).map((axis) => `${axis.values.length} ${short(axis.name, 60)}`);
   if (runs.repeats > 1) parts.push(`${runs.repeats} repeats`);
   const cycles = [...new Set(doc.raw.points?.cycles === undefined ? [] : [].concat(doc.raw.points.cycles))].filter((value) => typeof value === 'number');
-  const length = cycles.length === 1 ? `, ${plural(cycles[0], 'cycle')} each` : cycles.length > 1 ? `, ${count(Math.min(...cycles))} to ${count(Math.max(...cycles))} cycles` : '';
+  const length = cycles.length === 1 ? `, ${plural(cycles[0], 'cycle')}${(runs.all ?? doc.count) > 1 ? ' each' : ''}` : cycles.length > 1 ? `, ${count(Math.min(...cycles))} to ${count(Math.max(...cycles))} cycles` : '';
   return `${plural(runs.all ?? doc.count, 'run')}${parts.length ? `: ${parts.join(' × ')}` : ''}${length}`;
 }
 
@@ -49,6 +49,8 @@ function valueNode(value) {
   if (value === null || value === undefined || value === '') return '–';
   if (Array.isArray(value)) return value.length > 12 ? `${value.slice(0, 12).map((each) => (typeof each === 'number' ? number(each) : String(each))).join(', ')}, …` : value.map((each) => (typeof each === 'number' ? number(each) : typeof each === 'object' ? JSON.stringify(each) : String(each))).join(', ');
   if (typeof value === 'object') return Object.entries(value).map(([key, each]) => `${words(key)} ${valueNode(each)}`).join('; ');
+  const kilobytes = /^(\d+) kB$/.exec(value);
+  if (kilobytes) return `${number(Number(kilobytes[1]) / 2 ** 20)} GiB`;
   return typeof value === 'number' ? count(value) : typeof value === 'boolean' ? (value ? 'yes' : 'no') : String(value);
 }
 
@@ -66,6 +68,14 @@ function longTexts(object) {
     h('details', { class: 'text' }, h('summary', {}, words(key)), h('pre', { tabindex: '0' }, bdi(value))));
 }
 
+/** What each phase is. */
+function phaseTexts(doc) {
+  const defined = doc.phases.filter((phase) => phase.definition);
+  if (defined.length === 0) return null;
+  return h('details', { class: 'text' }, h('summary', {}, 'phases of a cycle'),
+    h('dl', { class: 'facts' }, ...defined.flatMap((phase) => [h('dt', {}, phase.name), h('dd', {}, bdi(phase.definition))])));
+}
+
 const judgements = { quiet: 'The machine was quiet.', noisy: 'The machine was noisy.', unknown: 'Nothing was recorded of how quiet the machine was.' };
 
 export function machine(doc) {
@@ -74,13 +84,16 @@ export function machine(doc) {
   const lines = [].concat(noise.text ?? []).filter((line) => line && !said.has(line));
   const judgement = judgements[noise.judgement] ?? judgements.unknown;
   return [h('p', { class: `judgement ${noise.judgement in judgements ? noise.judgement : 'unknown'}` }, judgement, lines.length ? ' ' : '', bdi(lines.map((line) => String(line).trim()).join(' '))),
-    h('div', { class: 'columns' }, facts('Machine', host), facts('Build', build), facts('Run', provenance)), ...longTexts(provenance)];
+    h('div', { class: 'columns' }, facts('Machine', host), facts('Build', build), facts('Run', provenance)), phaseTexts(doc), ...longTexts(provenance)].filter(Boolean);
 }
 
 export function omissions(doc) {
   const list = doc.raw.omissions ?? [];
   if (list.length === 0) return [h('p', { class: 'note' }, 'Nothing was left out: every point ran all parts of the engine.')];
-  return [table([{ label: 'left out' }, { label: 'points', isNumber: true }, { label: 'why' }], list.map((row) => [row.parts, count(row.points), row.why]), 'What was left out')];
+  const points = (row) => (row.of ? `${count(row.points)} of ${count(row.of)}` : count(row.points));
+  const hasChanges = list.some((row) => row.changes);
+  return [table([{ label: 'left out' }, { label: 'points', isNumber: true }, { label: 'why' }, ...(hasChanges ? [{ label: 'what the figures are without' }] : [])],
+    list.map((row) => [row.parts, points(row), row.why, ...(hasChanges ? [row.changes ?? null] : [])]), 'What was left out')];
 }
 
 export function findings(doc) {

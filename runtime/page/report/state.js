@@ -44,6 +44,19 @@ export function defaultRoles(doc) {
   return roles;
 }
 
+/** Of a sound point, if there is one, with the greatest numbers and the first texts: the values at which figures of one point stand. */
+function defaultAt(doc) {
+  const order = doc.axes.map((_, a) => a).sort((a, b) => Number(doc.axes[a].isText) - Number(doc.axes[b].isText));
+  const isBetter = (p, q) => {
+    if (doc.isVoid[p] !== doc.isVoid[q]) return !doc.isVoid[p];
+    for (const a of order) if (doc.at[p][a] !== doc.at[q][a]) return doc.at[p][a] > doc.at[q][a] !== doc.axes[a].isText;
+    return false;
+  };
+  let best = 0;
+  for (let p = 1; p < doc.count; ++p) if (isBetter(p, best)) best = p;
+  return doc.count ? [...doc.at[best]] : doc.axes.map(() => 0);
+}
+
 /** For the map: the axis of numbers with the most values along x, the next one down. @param {import('./document.js').Doc} doc */
 function defaultMap(doc) {
   const free = doc.axes.map((_, i) => i).filter((i) => doc.axes[i].values.length > 1);
@@ -60,7 +73,7 @@ export function defaultView(doc) {
   const has = (id) => all.some((quantity) => quantity.id === id);
   return {
     roles: defaultRoles(doc),
-    at: doc.axes.map((axis) => (axis.isText ? 0 : axis.values.length - 1)),
+    at: defaultAt(doc),
     quantity: has('time:step') ? 'time:step' : has('time:detect') ? 'time:detect' : all[0]?.id ?? '',
     statistic: 'mean',
     xScale: 'auto',
