@@ -32,7 +32,7 @@ const hideTip = () => { tip.hidden = true; };
 
 /** Pointer and arrow keys choose a mark; Escape leaves it. */
 function listen(svg, drawing) {
-  const marks = [...svg.querySelectorAll('[data-row]')];
+  const marks = [...svg.querySelectorAll('[data-row]')].sort((a, b) => a.dataset.row - b.dataset.row);
   if (marks.length === 0) return;
   let chosen = -1;
   const choose = (i) => {

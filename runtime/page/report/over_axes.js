@@ -215,7 +215,11 @@ export function describePhases(doc, view, how) {
   if (phases.length < 2) return { title, empty: '' };
   if (view.roles.every((role) => role === 'fixed' || role === 'pooled')) return describePhaseRows(doc, view, how, phases);
   const own = { ...view, roles: view.roles.map((role) => (role === 'panel' ? 'pooled' : role)) };
-  const parts = phases.map((phase) => describeQuantity(doc, own, how, phase, { height: 210, isSmall: true })).filter((part) => !part.empty);
+  const x = doc.axes[own.roles.indexOf('x')];
+  const fit = Math.max(1, Math.min(3, Math.floor(how.width / (x && !x.isText ? 240 : 360))));
+  const perRow = Math.ceil(phases.length / Math.ceil(phases.length / fit));
+  const small = { ...how, width: (how.width - 22 * (perRow - 1)) / perRow };
+  const parts = phases.map((phase) => describeQuantity(doc, own, small, phase, { height: 210, isSmall: true })).filter((part) => !part.empty);
   if (parts.length === 0) return { title, empty: 'No point has a value here.' };
   const rows = [];
   const panels = parts.map((part, i) => {
@@ -230,6 +234,6 @@ export function describePhases(doc, view, how) {
     (['value', 'low', 'high'].includes(column.key) ? { ...column, label: column.key === 'value' ? 'time' : column.key } : column)), { key: 'unit', label: 'unit' }];
   const pooledPanel = view.roles.includes('panel');
   return { title: `${title}${parts[0].title.includes(' over ') ? ` over ${parts[0].title.split(' over ').at(-1)}` : ''}`, columns, rows,
-    panels, legend: parts[0].legend, height: 210, perRow: Math.max(1, Math.min(3, Math.floor(how.width / 240))),
+    panels, legend: parts[0].legend, height: 210, perRow,
     notes: [...parts[0].notes, ...(pooledPanel ? ['Here the axis of the panels is pooled.'] : [])] };
 }
