@@ -28,8 +28,9 @@ export async function openTab(browser, { width = 1360, height = 900, scheme = 'l
   tab.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url())) faults.push(`request ${request.url()}`); });
   await tab.evaluateOnNewDocument(() => addEventListener('securitypolicyviolation', (event) => console.error('policy', event.violatedDirective, event.blockedURI)));
   await tab.setViewport({ width, height, deviceScaleFactor: scale });
-  await tab.emulateMediaType(media);
-  await tab.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
+  // One undoes the other.
+  if (media === 'print') await tab.emulateMediaType(media);
+  else await tab.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
   return Object.assign(tab, { faults });
 }
 

@@ -53,8 +53,8 @@ export function controls(doc, view, change) {
   const list = statisticsOf(doc, phaseOf(doc, view));
   const isTime = view.quantity.startsWith('time:');
   return [
-    all.length > 1 && h('fieldset', {}, h('legend', {}, 'What'),
-      select({ name: 'quantity', label: 'quantity', value: view.quantity, options: all.map((each) => ({ value: each.id, label: each.label, group: each.group })), change: set('quantity') }),
+    all.length > 1 && h('fieldset', {}, h('legend', {}, 'Figure'),
+      select({ name: 'quantity', label: 'draw', value: view.quantity, options: all.map((each) => ({ value: each.id, label: each.label, group: each.group })), change: set('quantity') }),
       isTime && list.length > 1 && select({ name: 'statistic', label: 'statistic', value: view.statistic, options: list.map((name) => ({ value: name, label: statistics[name] })), change: set('statistic') })),
     free.length > 0 && h('fieldset', {}, h('legend', {}, 'Axes'), ...free.map((a) => axisControl(doc, view, a, change))),
     h('fieldset', {}, h('legend', {}, 'Scales'),
