@@ -45,6 +45,15 @@ function axisControl(doc, view, a, change) {
   return h('div', { class: 'axis' }, role, view.roles[a] === 'fixed' ? valueSelect(doc, view, a, change) : null);
 }
 
+/** One value of the axis of colours, before the others in grey. */
+function highlightSelect(doc, view, change) {
+  const axis = doc.axes[view.roles.indexOf('colour')];
+  if (!axis || axis.values.length < 3) return null;
+  return select({ name: 'highlight', label: 'highlight', value: String(view.highlight),
+    options: [{ value: '-1', label: 'all' }, ...axis.values.map((_, i) => ({ value: String(i), label: valueText(axis, i) }))],
+    change: (value) => change({ ...view, highlight: Number(value) }) });
+}
+
 /** @param {import('./document.js').Doc} doc @param {import('./state.js').View} view @param {Change} change */
 export function controls(doc, view, change) {
   const set = (key) => (value) => change({ ...view, [key]: value });
@@ -56,7 +65,7 @@ export function controls(doc, view, change) {
     all.length > 1 && h('fieldset', {}, h('legend', {}, 'Figure'),
       select({ name: 'quantity', label: 'draw', value: view.quantity, options: all.map((each) => ({ value: each.id, label: each.label, group: each.group })), change: set('quantity') }),
       isTime && list.length > 1 && select({ name: 'statistic', label: 'statistic', value: view.statistic, options: list.map((name) => ({ value: name, label: statistics[name] })), change: set('statistic') })),
-    free.length > 0 && h('fieldset', {}, h('legend', {}, 'Axes'), ...free.map((a) => axisControl(doc, view, a, change))),
+    free.length > 0 && h('fieldset', {}, h('legend', {}, 'Axes'), ...free.map((a) => axisControl(doc, view, a, change)), highlightSelect(doc, view, change)),
     h('fieldset', {}, h('legend', {}, 'Scales'),
       select({ name: 'xScale', label: 'x', value: view.xScale, options: same(['auto', 'linear', 'log']), change: set('xScale') }),
       select({ name: 'yScale', label: 'times', value: view.yScale, options: same(['auto', 'linear', 'log']), change: set('yScale') })),

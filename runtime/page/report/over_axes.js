@@ -1,8 +1,8 @@
 // A quantity over the axes: lines over numbers, dots in rows over texts (figures 4 and 5 of the paper).
 import * as Plot from '@observablehq/plot';
 import { axisTitle, quantities, valueText } from './document.js';
-import { short } from './format.js';
-import { style } from './palette.js';
+import { short, timeUnit } from './format.js';
+import { phaseColours, style } from './palette.js';
 import { group, pool, thin } from './pool.js';
 import { extent, labelMargin, poolNotes, rowLabel, scale, unitOf, valueScale } from './scales.js';
 import { statistics } from './document.js';
@@ -91,7 +91,8 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
     const at = (row) => scaleX.place(row.x);
     const marks = [Plot.gridY({ ticks: y.ticks, stroke: theme.grid, strokeOpacity: 1 })];
     const isThin = rows.length > mostMarks;
-    for (const series of seriesOf(rows)) {
+    const isLast = (i) => Number(i === theme.highlight);
+    for (const series of seriesOf(rows).sort((a, b) => isLast(a[0].colour) - isLast(b[0].colour))) {
       const { colour, dash } = style(theme, series[0].colour);
       const dx = aside(series[0].colour);
       const shown = series.length > mostMarks ? thin(series, mostMarks / 2) : series;
@@ -99,7 +100,7 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
       else marks.push(Plot.ruleX(series.filter((row) => row.low !== null), { x: at, y1: 'low', y2: 'high', dx, stroke: colour, strokeWidth: 1.3 }));
       if (series.length > 1) marks.push(Plot.line(shown, { x: at, y: 'value', dx, stroke: colour, strokeWidth: 1.6, strokeDasharray: dash ?? undefined }));
     }
-    if (!isThin) for (const i of colours)
+    if (!isThin) for (const i of [...colours].sort((a, b) => isLast(a) - isLast(b)))
       marks.push(...dots(rows.filter((row) => row.colour === i), theme, { x: at, y: 'value', dx: aside(i) }, `hot hot-${i + 1}`));
     return { width, height, marginLeft: 46, marginTop: 24, marginBottom: 38, marginRight: 12,
       x: { ...scaleX, label: scaleX.isEven ? `${xLabel}, evenly spaced` : xLabel, labelAnchor: 'right', labelArrow: 'right' },
@@ -165,7 +166,8 @@ const statisticText = (doc, view) => (view.statistic === 'mean' ? doc.raw.statis
   : `Drawn: ${statistics[view.statistic]} over the cycles; the time of a cycle is its median over the repeats.`);
 
 /** @param {import('./document.js').Quantity} quantity */
-export function describeQuantity(doc, view, how, quantity, { height = 340, isSmall = false } = {}) {
+export function describeQuantity(doc, view, plainHow, quantity, { height = 340, isSmall = false } = {}) {
+  const how = { ...plainHow, theme: { ...plainHow.theme, highlight: view.highlight } };
   const found = rowsOf(doc, view, quantity);
   const title = `${quantity.short[0].toUpperCase()}${quantity.short.slice(1)}${found.axes[0] ? ` over ${found.axes[0].name}` : ''}`;
   if (found.rows.length === 0) return { title, empty: 'No point has a value here.' };
@@ -208,6 +210,37 @@ function describePhaseRows(doc, view, how, phases) {
     notes: [statisticText(doc, view), ...poolNotes(doc, view, grouped, found, 'arithmetic')] };
 }
 
+const stackedPhases = ['broad', 'narrow', 'solve', 'integrate'];
+
+/** Texts down: a bar for each, of the phases that make up its step. */
+function describeStackedRows(doc, view, { theme, width }) {
+  const names = stackedPhases.filter((name) => doc.phases.some((phase) => phase.name === name));
+  const parts = names.map((name) => rowsOf(doc, view, quantities(doc).find((each) => each.id === `time:${name}`)));
+  const title = `Phases over ${parts[0]?.axes[0].name ?? 'the axis'}`;
+  const order = new Map();
+  const found = parts.flatMap(({ rows }, i) => rows.filter((row) => !row.isVoid).map((row) => {
+    const y1 = order.get(row.xIndex) ?? 0;
+    order.set(row.xIndex, y1 + row.value);
+    return { xIndex: row.xIndex, phase: names[i], value: row.value, y1, y2: y1 + row.value };
+  }));
+  if (found.length === 0) return { title, empty: 'No sound point has times of single phases.' };
+  const { unit, factor } = timeUnit(Math.max(...order.values()));
+  const axis = parts[0].axes[0];
+  const values = [...order.keys()].sort((a, b) => order.get(a) - order.get(b));
+  const margin = labelMargin(values.map((i) => valueText(axis, i)), width);
+  const rows = found.map((row) => ({ ...row, xText: valueText(axis, row.xIndex), value: row.value / factor, y1: row.y1 / factor, y2: row.y2 / factor }));
+  const scaleX = scale(rows.map((row) => row.y2), 'linear', { room: Math.max(3, Math.floor((width - margin) / 70)) });
+  const options = ({ width: w, height }) => ({ width: w, height, marginLeft: margin, marginRight: 14, marginTop: 6, marginBottom: 38,
+    x: { ...scaleX, label: `time of a cycle, ${unit}`, labelAnchor: 'right', labelArrow: 'right' },
+    y: { type: 'band', domain: values, padding: 0.3, tickFormat: (i) => rowLabel(valueText(axis, i), margin), label: null, tickSize: 0 },
+    marks: [Plot.gridX({ ticks: scaleX.ticks, stroke: theme.grid, strokeOpacity: 1 }),
+      Plot.barX(rows, { y: 'xIndex', x1: 'y1', x2: 'y2', fill: (row) => phaseColours(theme)[row.phase], className: 'hot' })] });
+  return { title, rows, legend: names.map((name) => ({ label: name, colour: phaseColours(theme)[name], isArea: true })),
+    columns: [{ key: 'xText', label: axis.name }, { key: 'phase', label: 'phase' }, { key: 'value', label: `time, ${unit}`, isNumber: true }],
+    panels: [{ title: '', height: values.length * 22 + 50, options, hot: { hot: rows.map((_, i) => i) } }],
+    notes: [statisticText(doc, view), ...poolNotes(doc, view, parts[0].grouped, [], 'arithmetic', { hasIntervals: false })] };
+}
+
 /** Every phase in a panel, with the axes of the view but its panels pooled away. */
 export function describePhases(doc, view, how) {
   const title = 'Every phase';
@@ -215,6 +248,7 @@ export function describePhases(doc, view, how) {
   if (phases.length < 2) return { title, empty: '' };
   if (view.roles.every((role) => role === 'fixed' || role === 'pooled')) return describePhaseRows(doc, view, how, phases);
   const own = { ...view, roles: view.roles.map((role) => (role === 'panel' ? 'pooled' : role)) };
+  if (doc.axes[own.roles.indexOf('x')]?.isText && !own.roles.includes('colour')) return describeStackedRows(doc, own, how);
   const x = doc.axes[own.roles.indexOf('x')];
   const fit = Math.max(1, Math.min(3, Math.floor(how.width / (x && !x.isText ? 240 : 360))));
   const perRow = Math.ceil(phases.length / Math.ceil(phases.length / fit));

@@ -118,7 +118,8 @@ function describeStack(doc, view, { theme, width }, chosen) {
     notes: limit === null ? [] : ['▲: beyond the scale, with its time.'] };
 }
 
-function describeLines(doc, view, { theme, width }, chosen) {
+function describeLines(doc, view, { theme: plain, width }, chosen) {
+  const theme = { ...plain, highlight: view.highlight };
   const { cycles } = doc.raw;
   const phase = phaseOf(doc, view);
   const title = `Time of ${phase} in each cycle`;

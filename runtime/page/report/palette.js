@@ -1,14 +1,14 @@
 // Colours, symbols and dashes that stay apart without colour vision (Okabe & Ito 2008), on light and on dark.
 
-/** @typedef {{name: string, ink: string, muted: string, grid: string, background: string, colours: string[]}} Theme */
+/** @typedef {{name: string, ink: string, muted: string, faint: string, grid: string, background: string, colours: string[], highlight?: number}} Theme  highlight: the only series with a colour */
 /** @type {Record<'light' | 'dark', Theme>} */
 export const themes = {
   light: {
-    name: 'light', ink: '#1b1e23', muted: '#5d6570', grid: '#dfe3e8', background: '#ffffff',
+    name: 'light', ink: '#1b1e23', muted: '#5d6570', faint: '#c3c9d0', grid: '#dfe3e8', background: '#ffffff',
     colours: ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#a87500', '#3fa7dc', '#333a44', '#8a6fd1'],
   },
   dark: {
-    name: 'dark', ink: '#e8eaed', muted: '#a2abb6', grid: '#343b44', background: '#15181c',
+    name: 'dark', ink: '#e8eaed', muted: '#a2abb6', faint: '#49515b', grid: '#343b44', background: '#15181c',
     colours: ['#56b4e9', '#ff8a3d', '#2ec79b', '#e59cc6', '#e6b422', '#9ad7ff', '#d0d5db', '#b39df0'],
   },
 };
@@ -20,7 +20,8 @@ const dashes = [null, '6 3', '2 3', '8 3 2 3'];
 /** The style of the series `i`: 56 differ in colour and symbol. @param {Theme} theme @param {number} i @returns {Style} */
 export function style(theme, i) {
   const n = Math.max(i, 0);
-  return { colour: theme.colours[n % theme.colours.length], symbol: symbols[n % symbols.length],
+  const isFaint = theme.highlight >= 0 && theme.highlight !== i;
+  return { colour: isFaint ? theme.faint : theme.colours[n % theme.colours.length], symbol: symbols[n % symbols.length],
     dash: dashes[Math.floor(n / theme.colours.length) % dashes.length] };
 }
 

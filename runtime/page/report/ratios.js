@@ -7,6 +7,7 @@ import { pool, selected } from './pool.js';
 import { extent, fixedText, intervalText, labelMargin, logTicks, rowLabel } from './scales.js';
 
 const mostFacets = 6;
+const mostRows = 60;
 const rowHeight = 22;
 
 const phaseOfRatios = (doc, view) => {
@@ -57,7 +58,7 @@ function panelOf(rows, names, { theme, margin, x, isLast, baseline, phase }) {
     x: { ...x, label: isLast ? `${phase} over that of ${short(baseline, 30)}   ← faster · slower` : null, labelAnchor: 'right', labelArrow: 'none', ...(isLast ? {} : { axis: null }) },
     y: { type: 'band', domain: rows.map((row) => row.detector), tickFormat: (i) => rowLabel(names[i], margin), label: null, tickSize: 0 },
     marks: [Plot.gridX({ ticks: x.ticks, stroke: theme.grid, strokeOpacity: 1 }), Plot.ruleX([1], { stroke: theme.ink, strokeWidth: 1 }),
-      Plot.ruleY(rows.filter((row) => row.least != null), { y: 'detector', x1: 'least', x2: 'most', stroke: theme.muted, strokeWidth: 1, strokeDasharray: '2 2' }),
+      Plot.ruleY(rows.filter((row) => row.least != null), { y: 'detector', x1: 'least', x2: 'most', filter: (row) => row.most > row.least, stroke: theme.muted, strokeWidth: 1, strokeDasharray: '2 2' }),
       Plot.ruleY(rows.filter((row) => row.low !== null), { y: 'detector', x1: 'low', x2: 'high', stroke: (row) => style(theme, row.detector).colour, strokeWidth: 2.4, strokeOpacity: 0.75 }),
       Plot.dot(rows, { y: 'detector', x: 'value', r: (row) => (row.facet === 'mean' ? 5 : 4), className: 'hot', symbol: (row) => style(theme, row.detector).symbol,
         stroke: (row) => style(theme, row.detector).colour, strokeWidth: 1.6, sort: null,
@@ -78,12 +79,14 @@ export function describeRatios(doc, view, { theme, width }) {
   const cells = facetRows(doc, view, ratio, facet);
   // One group, or means of the document that say the same.
   const groups = [];
-  if (facet >= 0 || means.length === 0) for (const value of new Set(cells.map((row) => row.facet))) groups.push([value, cells.filter((row) => row.facet === value)]);
+  const isShort = facet >= 0 && cells.length <= mostRows;
+  if (isShort || means.length === 0) for (const value of new Set(cells.map((row) => row.facet))) groups.push([value, cells.filter((row) => row.facet === value)]);
   if (means.length) groups.push(['mean', means]);
   const all = groups.flatMap(([, own]) => own);
   if (all.length === 0) return { title, empty: 'No two detectors have a time in the same place.' };
   const best = new Map((means.length ? means : cells).map((row) => [row.detector, row.value]));
   for (const [, own] of groups) own.sort((a, b) => (best.get(a.detector) ?? Infinity) - (best.get(b.detector) ?? Infinity) || a.detector - b.detector);
+  const isAlone = means.length > 0 && groups.length === 1 && means[0].of === 1; // no mean, but the only cell
   const rows = [];
   const [low, high] = extent(all.flatMap((row) => [row.value, row.low, row.high, row.least, row.most, 1]));
   const pad = Math.max((high / low) ** 0.05, 1.05);
@@ -92,7 +95,7 @@ export function describeRatios(doc, view, { theme, width }) {
   const x = { type: 'log', domain, ticks: logTicks(...domain, Math.max(3, Math.floor((width - margin) / 50))), tickFormat: (v) => number(v) };
   const panels = groups.map(([value, own], g) => {
     const first = rows.length;
-    const label = value === 'mean' ? 'geometric mean' : value < 0 ? '' : `${doc.axes[facet].name} ${valueText(doc.axes[facet], value)}`;
+    const label = value === 'mean' ? (isAlone ? '' : 'geometric mean') : value < 0 ? '' : `${doc.axes[facet].name} ${valueText(doc.axes[facet], value)}`;
     rows.push(...own.map((row) => ({ ...row, group: label, name: names[row.detector] })));
     const isLast = g === groups.length - 1;
     return { title: label, height: own.length * rowHeight + (isLast ? 46 : 14), hot: { hot: own.map((_, i) => first + i) },
@@ -105,7 +108,7 @@ export function describeRatios(doc, view, { theme, width }) {
   const [mean] = means;
   return { title: `Rivals: ${phase} over that of ${short(ratios.baseline, 40)}`, columns, rows, panels, perRow: 1, legend: [],
     notes: [...(fixed ? [`At ${fixed}.`] : []), 'Paired: a time over the baseline’s in the same cell.',
-      ...(means.length ? [`Geometric mean over ${mean.points ?? '–'} of ${mean.of ?? '–'} cells; dashed: the range over the cells.`] : []),
+      ...(means.length && !isAlone ? [`Geometric mean over ${mean.points ?? '–'} of ${mean.of ?? '–'} cells; dashed: the range over the cells.`] : []),
       ...(kinds.has('given') || all.some((row) => row.facet === 'mean' && row.low !== null) ? [intervalText(doc)] : ['No intervals: one repeat.']),
       ...(kinds.has('quadrature') ? ['Bars of pooled cells: half-widths in quadrature, in logarithms.'] : []), ...(kinds.has('range') ? ['Bars of pooled cells without intervals: the range over them.'] : []),
       ...(all.some((row) => !row.isMatched || row.isVoid) ? ['Hollow: not all detectors have this cell, sound and with the same omissions.'] : [])] };

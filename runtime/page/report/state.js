@@ -10,6 +10,7 @@ import { quantities, statisticsOf } from './document.js';
  * @property {string} statistic
  * @property {'auto' | 'linear' | 'log'} xScale
  * @property {'auto' | 'linear' | 'log'} yScale
+ * @property {number} highlight  the only value of the axis of colours that has a colour; -1 for all
  * @property {'phases' | 'points'} cycles  which figure over the cycles
  * @property {string} error
  * @property {number} mapX       axis of the stability map, -1 for none
@@ -78,6 +79,7 @@ export function defaultView(doc) {
     statistic: 'mean',
     xScale: 'auto',
     yScale: 'auto',
+    highlight: -1,
     cycles: 'phases',
     error: doc.raw.fronts?.[0]?.error ?? '',
     ...defaultMap(doc),
@@ -91,7 +93,7 @@ export function assign(view, axis, role) {
   const holder = single.has(role) ? roles.indexOf(role) : -1;
   if (holder >= 0 && holder !== axis) roles[holder] = roles[axis];
   roles[axis] = role;
-  return { ...view, roles };
+  return { ...view, roles, highlight: roles.indexOf('colour') === view.roles.indexOf('colour') ? view.highlight : -1 };
 }
 
 const choices = (doc) => ({
@@ -113,6 +115,7 @@ export function encode(doc, view) {
     if (view.at[i] !== base.at[i]) entries.append(`at.${axis.name}`, String(view.at[i]));
   });
   for (const key of texts) if (view[key] !== base[key]) entries.append(key, view[key]);
+  if (view.highlight >= 0) entries.append('highlight', String(view.highlight));
   for (const key of ['mapX', 'mapY']) if (view[key] !== base[key]) entries.append(key, doc.axes[view[key]]?.name ?? '');
   return entries.toString();
 }
@@ -135,6 +138,8 @@ export function decode(doc, text) {
     if (values.includes(entries.get(key))) view[key] = entries.get(key);
   for (const key of ['mapX', 'mapY'])
     if (entries.has(key)) view[key] = doc.axes.findIndex((axis) => axis.name === entries.get(key));
+  const highlight = entries.get('highlight');
+  if (/^\d+$/.test(highlight ?? '') && Number(highlight) < (doc.axes[view.roles.indexOf('colour')]?.values.length ?? 0)) view.highlight = Number(highlight);
   if (view.mapX === view.mapY) view.mapY = -1;
   if (/^[a-z-]{1,40}$/.test(entries.get('section') ?? '')) view.section = entries.get('section');
   return view;
