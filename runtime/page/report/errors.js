@@ -59,7 +59,7 @@ function panelOf(rows, { theme, x, y, unit, label }) {
         Plot.ruleX(rows.filter((row) => row.errorLow > 0), { x: 'speed', y1: 'errorLow', y2: 'errorHigh', stroke: ink, strokeWidth: 1.2 }),
         Plot.ruleY(rows.filter((row) => row.speedLow !== null), { y: 'error', x1: 'speedLow', x2: 'speedHigh', stroke: ink, strokeWidth: 1.2 }),
         Plot.dot(rows, { x: 'speed', y: 'error', className: 'hot', symbol: (row) => style(theme, row.colour).symbol, stroke: ink, strokeWidth: 1.7,
-          r: (row) => (row.onFront ? 5.4 : 3.6), fill: (row) => (row.isVoid ? theme.background : ink(row)), fillOpacity: (row) => (row.onFront ? 1 : row.isTie ? 0.55 : 0.15) }),
+          r: (row) => (row.onFront ? 5.4 : 3.6), fill: (row) => (row.isVoid ? theme.background : ink(row)), fillOpacity: (row) => (row.onFront ? 1 : row.isTie ? 0.65 : 0.35) }),
         ...corners.map(({ side, dy }) => Plot.text(named.filter((row) => row.side === side && row.dy === dy), { x: 'speed', y: 'error', text: 'label',
           textAnchor: side, dx: side === 'start' ? 4 : -4, dy, fill: theme.ink, fontSize: 10.5 }))] };
   };

@@ -5,13 +5,13 @@
 const superscripts = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 const superscript = (n) => (n < 0 ? '⁻' : '') + String(Math.abs(n)).replace(/\d/g, (d) => superscripts[d]);
 
-/** Up to `digits` significant digits; a dash for a missing number. @param {number | null | undefined} value */
-export function number(value, digits = 3) {
+/** Up to `digits` significant digits; a power of ten from `most` on; a dash for a missing number. @param {number | null | undefined} value */
+export function number(value, digits = 3, most = 1e6) {
   if (value === null || value === undefined || Number.isNaN(value)) return '–';
   if (!Number.isFinite(value)) return value > 0 ? '∞' : '−∞';
   if (value === 0) return '0';
   const size = Math.abs(value);
-  if (size >= 1e6 || size < 1e-3) {
+  if (size >= most || size < 1e-3) {
     const [mantissa, exponent] = value.toExponential(digits - 1).split('e');
     const short = String(Number(mantissa));
     const power = `10${superscript(Number(exponent))}`;

@@ -99,9 +99,10 @@ function show(index) {
   const contents = h('nav', { class: 'contents', 'aria-label': 'Contents' }, h('ol', {}, ...links.map(({ link }) => h('li', {}, link))));
   const hasFigures = doc.count > 0;
   const aside = h('aside', { 'aria-label': 'View' }, contents, hasFigures ? h('details', { open: true, class: 'view' }, h('summary', {}, 'View'), panel) : null);
+  const [above, below] = parts.conclusions(doc);
   const element = (each) => (each instanceof Node ? each : each?.element ?? null);
   const body = h('div', { class: 'body' }, parts.head(doc), parts.warnings(doc),
-    h('section', { id: 'summary', 'aria-label': 'Summary' }, parts.conclusions(doc), element(figures[key])),
+    h('section', { id: 'summary', 'aria-label': 'Summary' }, above, element(figures[key]), below),
     ...sections.map(([id, title, items]) => h('section', { id, 'aria-labelledby': `${id}-title`, tabindex: '-1' }, h('h2', { id: `${id}-title` }, title), ...items.map(element).filter(Boolean))),
     h('footer', {}, `Written by ${short(doc.raw.generator ?? 'cdb', 80)}. Figures by Observable Plot and D3; their licences are below.`));
   page.replaceChildren(...[tabs(index), h('div', { class: 'layout' }, aside, body)].filter(Boolean));

@@ -155,7 +155,8 @@ function lineDrawing(doc, view, { rows, axes, how, yLabel, height }) {
   const y = scale(rows.flatMap((row) => [row.value, row.low, row.high]), view.yScale);
   const colours = coloursOf(rows);
   const xOf = (width) => valueScale([...new Set(rows.map((row) => row.x))], view.xScale, width);
-  return { height, panels: [...new Set(rows.map((row) => row.panel))].sort((a, b) => a - b).map((i) => {
+  const panels = [...new Set(rows.map((row) => row.panel))].sort((a, b) => a - b);
+  return { height: panels.length > 3 ? Math.min(height, 240) : height, panels: panels.map((i) => {
     const own = rows.map((row, index) => ({ ...row, index })).filter((row) => row.panel === i);
     return { title: i < 0 ? '' : `${panel.name} ${valueText(panel, i)}`, hot: hotOf(own, colours),
       options: linePanel(own, { theme: how.theme, colours, x: xOf, y, xLabel: axisTitle(x), yLabel }) };

@@ -2,7 +2,8 @@
 import { bdi, h, table } from './dom.js';
 import { count, number, plural, short } from './format.js';
 
-const certainties = { clear: 'clear', tie: 'a tie', unknown: 'cannot tell' };
+const certainties = { clear: 'clear', tie: 'a tie', unknown: 'not certain' };
+const conclusionsAbove = 3; // of the first figure
 
 /** `4 detector × 2 quantity × 9 repeats, 300 cycles` */
 export function sweepText(doc) {
@@ -35,11 +36,14 @@ export function warnings(doc) {
     h('li', { class: `warning ${['debug', 'noise', 'repeats', 'unsound', 'failed', 'missed_pairs', 'unlike', 'partial', 'pooled'].includes(warning.kind) ? warning.kind : ''}` }, bdi(warning.text))));
 }
 
+const answers = (list) => h('dl', { class: 'conclusions' }, ...list.map((each) => h('div', { class: each.certainty in certainties ? each.certainty : 'unknown' },
+  h('dt', {}, bdi(each.question)), h('dd', {}, bdi(each.answer), ' ', h('span', { class: 'certainty' }, certainties[each.certainty] ?? short(each.certainty ?? '', 20))))));
+
+/** The answers for above the first figure, and for below it. */
 export function conclusions(doc) {
   const list = doc.raw.conclusions ?? [];
-  if (list.length === 0) return doc.count === 0 ? h('p', { class: 'note' }, 'The file has no run with results, and nothing can be concluded.') : null;
-  return h('dl', { class: 'conclusions' }, ...list.map((each) => h('div', { class: each.certainty in certainties ? each.certainty : 'unknown' },
-    h('dt', {}, bdi(each.question)), h('dd', {}, bdi(each.answer), ' ', h('span', { class: 'certainty' }, certainties[each.certainty] ?? short(each.certainty ?? '', 20))))));
+  if (list.length === 0) return [doc.count === 0 ? h('p', { class: 'note' }, 'The file has no run with results, and nothing can be concluded.') : null, null];
+  return [answers(list.slice(0, conclusionsAbove)), list.length > conclusionsAbove ? answers(list.slice(conclusionsAbove)) : null];
 }
 
 const words = (key) => short(key.replace(/_/g, ' '), 60);

@@ -1,7 +1,8 @@
 // The stability map: verdicts over two axes, with the first bad cycle.
 import * as Plot from '@observablehq/plot';
 import { valueText } from './document.js';
-import { short } from './format.js';
+import { number, short } from './format.js';
+import { textWidth } from './compose.js';
 import { inkOn, severity, verdicts } from './palette.js';
 import { labelMargin, rowLabel } from './scales.js';
 
@@ -47,11 +48,18 @@ function cellsOf(doc, view, parts) {
   return [...cells.values()].map((cell) => ({ ...cell, ...worst(doc, cell.points) }));
 }
 
+/** A value below a column; large numbers as powers, which are shorter. */
+function columnText(axis, i) {
+  const value = axis?.values[i];
+  return typeof value === 'number' && Math.abs(value) >= 1e4 ? number(value, 2, 1e4) : axis ? valueText(axis, i) : '';
+}
+
 function panelOf(rows, { doc, view, theme, xs, ys, margin }) {
   const text = (a, i) => (a < 0 ? '' : valueText(doc.axes[a], i));
   return ({ width, height }) => {
     const cell = (width - margin - 10) / xs.length;
-    const every = Math.ceil(34 / Math.max(cell, 1));
+    const labels = xs.map((i) => short(columnText(doc.axes[view.mapX], i), 24));
+    const every = Math.ceil((Math.max(...labels.map((label) => textWidth(label, 11))) + 8) / Math.max(cell, 1));
     const isWide = cell > 62;
     const fill = (row) => verdicts[row.level].colour;
     const ink = (row) => inkOn(fill(row));
@@ -64,7 +72,7 @@ function panelOf(rows, { doc, view, theme, xs, ys, margin }) {
     }
     return { width, height, marginLeft: margin, marginRight: 10, marginTop: 4, marginBottom: 36,
       x: { type: 'band', domain: xs, padding: 0, tickSize: 0, ticks: xs.filter((_, i) => i % every === 0),
-        tickFormat: (i) => short(text(view.mapX, i), Math.max(5, Math.floor((cell * every) / 6))), label: view.mapX < 0 ? null : doc.axes[view.mapX].name + (doc.axes[view.mapX].unit ? `, ${doc.axes[view.mapX].unit}` : ''), labelAnchor: 'right', labelArrow: 'right' },
+        tickFormat: (i) => labels[xs.indexOf(i)], label: view.mapX < 0 ? null : doc.axes[view.mapX].name + (doc.axes[view.mapX].unit ? `, ${doc.axes[view.mapX].unit}` : ''), labelAnchor: 'right', labelArrow: 'right' },
       y: { type: 'band', domain: ys, padding: 0, tickSize: 0, label: null, tickFormat: (i) => rowLabel(text(view.mapY, i), margin) }, marks };
   };
 }
