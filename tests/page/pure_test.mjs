@@ -8,7 +8,10 @@ import { assign, decode, defaultRoles, defaultView, encode } from '../../runtime
 import { documentOf, first, large, mixed, numbers, texts } from './fixtures.mjs';
 
 test('numbers have three digits, and exponents where they are far from one', () => {
-  assert.deepEqual([0, 1, 1234.5, 0.12345, 1e6, 2.5e-7, -3, null, NaN].map((v) => number(v)), ['0', '1', '1235', '0.123', '10⁶', '2.5 × 10⁻⁷', '−3', '–', '–']);
+  assert.deepEqual(
+    [0, 1, 1234.5, 0.12345, 1e6, 2.5e-7, -3, null, NaN].map((v) => number(v)),
+    ['0', '1', '1235', '0.123', '10⁶', '2.5 × 10⁻⁷', '−3', '–', '–'],
+  );
   assert.equal(count(1234567), '1\u202f234\u202f567');
 });
 
@@ -18,7 +21,16 @@ test('text of one line has no control characters and no changes of direction', (
 });
 
 test('CSV quotes commas, quotes and lines', () => {
-  assert.equal(csv([{ key: 'a', label: 'x,y' }, { key: 'b', label: 'b' }], [{ a: 'q"', b: null }]), '"x,y",b\r\n"q""",\r\n');
+  assert.equal(
+    csv(
+      [
+        { key: 'a', label: 'x,y' },
+        { key: 'b', label: 'b' },
+      ],
+      [{ a: 'q"', b: null }],
+    ),
+    '"x,y",b\r\n"q""",\r\n',
+  );
 });
 
 test('a column may be an array, one value, or words and indices', () => {
@@ -29,8 +41,23 @@ test('a column may be an array, one value, or words and indices', () => {
 });
 
 test('points may be runs of the grid, whose last axis is the fastest', () => {
-  const doc = openDocument({ axes: [numbers('a', [1, 2]), numbers('b', [1, 2, 3])], points: { at: { grid: [[0, 2], [4, 2]] } } });
-  assert.deepEqual(doc.at, [[0, 0], [0, 1], [1, 1], [1, 2]]);
+  const doc = openDocument({
+    axes: [numbers('a', [1, 2]), numbers('b', [1, 2, 3])],
+    points: {
+      at: {
+        grid: [
+          [0, 2],
+          [4, 2],
+        ],
+      },
+    },
+  });
+  assert.deepEqual(doc.at, [
+    [0, 0],
+    [0, 1],
+    [1, 1],
+    [1, 2],
+  ]);
 });
 
 test('by default the axis of numbers is along x and the detectors have colours', () => {
@@ -50,20 +77,36 @@ test('the address has what differs from the defaults, and reads back', () => {
   const doc = openDocument(mixed());
   const view = defaultView(doc);
   assert.equal(encode(doc, view), '');
-  const changed = { ...assign(view, 2, 'panel'), quantity: 'time:narrow', statistic: 'p95', yScale: 'log', mapX: 2, mapY: 1, at: [1, 0, 1] };
+  const changed = {
+    ...assign(view, 2, 'panel'),
+    quantity: 'time:narrow',
+    statistic: 'p95',
+    yScale: 'log',
+    mapX: 2,
+    mapY: 1,
+    at: [1, 0, 1],
+  };
   assert.deepEqual(decode(doc, encode(doc, changed)), changed);
 });
 
 test('an address that does not apply is as by default', () => {
   const doc = openDocument(first());
-  assert.deepEqual(decode(doc, 'role.detector=nonsense&at.quantity=99&quantity=<script>&statistic=&section=%3Cscript%3E&role.other=x'), defaultView(doc));
+  assert.deepEqual(
+    decode(doc, 'role.detector=nonsense&at.quantity=99&quantity=<script>&statistic=&section=%3Cscript%3E&role.other=x'),
+    defaultView(doc),
+  );
   const both = decode(doc, 'role.detector=x&role.quantity=x');
   assert.deepEqual(both.roles, ['x', 'pooled']);
 });
 
 test('an interval of several points is their half-widths in quadrature', () => {
   const pooled = pool([0, 1], { value: [10, 20], low: [7, 16], high: [14, 23] }, 'arithmetic');
-  assert.deepEqual(pooled, { value: 15, low: 15 - Math.hypot(3, 4) / 2, high: 15 + Math.hypot(4, 3) / 2, interval: 'quadrature' });
+  assert.deepEqual(pooled, {
+    value: 15,
+    low: 15 - Math.hypot(3, 4) / 2,
+    high: 15 + Math.hypot(4, 3) / 2,
+    interval: 'quadrature',
+  });
 });
 
 test('geometric means are of logarithms', () => {
@@ -73,7 +116,12 @@ test('geometric means are of logarithms', () => {
 });
 
 test('where a point has no interval, the range over the points', () => {
-  assert.deepEqual(pool([0, 1], { value: [10, 20], low: [7, null], high: [14, null] }, 'arithmetic'), { value: 15, low: 10, high: 20, interval: 'range' });
+  assert.deepEqual(pool([0, 1], { value: [10, 20], low: [7, null], high: [14, null] }, 'arithmetic'), {
+    value: 15,
+    low: 10,
+    high: 20,
+    interval: 'range',
+  });
   assert.deepEqual(pool([0], { value: [10] }, 'arithmetic'), { value: 10, low: null, high: null, interval: null });
   assert.equal(pool([0], { value: [null] }, 'arithmetic'), null);
 });
@@ -96,11 +144,17 @@ test('fixed axes select', () => {
   const doc = openDocument(first());
   const view = { ...defaultView(doc), roles: ['colour', 'fixed'], at: [0, 2] };
   const { groups } = group(doc, view, doc.times.step.mean);
-  assert.deepEqual(groups.map((each) => each.points.map((p) => pointText(doc, p))).flat(), ['simple', 'sap', 'sap32', 'dbvt'].map((name) => `detector ${name}, quantity 400`));
+  assert.deepEqual(
+    groups.map((each) => each.points.map((p) => pointText(doc, p))).flat(),
+    ['simple', 'sap', 'sap32', 'dbvt'].map((name) => `detector ${name}, quantity 400`),
+  );
 });
 
 test('long series are thinned to bins that keep their range', () => {
-  const bins = thin(Array.from({ length: 1000 }, (_, i) => ({ x: i, value: i, low: null, high: null })), 10);
+  const bins = thin(
+    Array.from({ length: 1000 }, (_, i) => ({ x: i, value: i, low: null, high: null })),
+    10,
+  );
   assert.equal(bins.length, 10);
   assert.deepEqual(bins[0], { x: 49.5, value: 49.5, count: 100, low: 0, high: 99 });
 });
@@ -113,5 +167,18 @@ test('10^5 points have groups', () => {
 });
 
 test('what can be drawn', () => {
-  assert.deepEqual(quantities(openDocument(first())).map((each) => each.id), ['time:broad', 'time:narrow', 'time:detect', 'time:solve', 'time:integrate', 'time:step', 'ratio:step', 'ratio:detect', 'count:pairs']);
+  assert.deepEqual(
+    quantities(openDocument(first())).map((each) => each.id),
+    [
+      'time:broad',
+      'time:narrow',
+      'time:detect',
+      'time:solve',
+      'time:integrate',
+      'time:step',
+      'ratio:step',
+      'ratio:detect',
+      'count:pairs',
+    ],
+  );
 });

@@ -1,7 +1,18 @@
 // The page of `cdb report` in a browser: what it draws against the numbers of its document, its controls, its cases.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { blemishes, folder, launch, marksOf, openTab, parseCsv, saveFile, settle, visit, writePage } from './browser.mjs';
+import {
+  blemishes,
+  folder,
+  launch,
+  marksOf,
+  openTab,
+  parseCsv,
+  saveFile,
+  settle,
+  visit,
+  writePage,
+} from './browser.mjs';
 import { accuracy, cases, first, hostile, large, mixed } from './fixtures.mjs';
 
 let browser;
@@ -25,7 +36,9 @@ function residual(pairs) {
   const n = pairs.length;
   const mean = (k) => pairs.reduce((sum, pair) => sum + pair[k], 0) / n;
   const [u, v] = [mean(0), mean(1)];
-  const slope = pairs.reduce((sum, pair) => sum + (pair[0] - u) * (pair[1] - v), 0) / pairs.reduce((sum, pair) => sum + (pair[0] - u) ** 2, 0);
+  const slope =
+    pairs.reduce((sum, pair) => sum + (pair[0] - u) * (pair[1] - v), 0) /
+    pairs.reduce((sum, pair) => sum + (pair[0] - u) ** 2, 0);
   return Math.max(...pairs.map((pair) => Math.abs(pair[1] - v - slope * (pair[0] - u))));
 }
 
@@ -46,8 +59,13 @@ test('marks stand where the document says', async () => {
   assert.deepEqual(rows[0], ['detector', 'quantity', 'time of step, ms', 'low, ms', 'high, ms']);
   assert.equal(rows.length - 1, document.points.at.length);
   for (const [detector, quantity, value, low] of rows.slice(1)) {
-    const point = document.points.at.findIndex(([d, q]) => document.axes[0].values[d] === detector && document.axes[1].values[q] === Number(quantity));
-    assert.ok(Math.abs(Number(value) * 1e6 - document.points.times.step.mean[point]) < 1e-6 * document.points.times.step.mean[point]);
+    const point = document.points.at.findIndex(
+      ([d, q]) => document.axes[0].values[d] === detector && document.axes[1].values[q] === Number(quantity),
+    );
+    assert.ok(
+      Math.abs(Number(value) * 1e6 - document.points.times.step.mean[point]) <
+        1e-6 * document.points.times.step.mean[point],
+    );
     assert.ok(Math.abs(Number(low) * 1e6 - document.points.times.step.low[point]) < 1);
   }
   const marks = await marksOf(tab, 'times');
@@ -137,18 +155,23 @@ test('ratios are those of the document', async () => {
   assert.ok(Math.abs(Number(mean[2]) - 1.4 / 4) < 1e-9);
   const marks = await marksOf(tab, 'rivals');
   assert.equal(marks.length, rows.length - 1);
-  const circles = marks.filter((mark) => rows[mark.row + 1][0] !== 'geometric mean' && rows[mark.row + 1][1] !== 'sap32');
+  const circles = marks.filter(
+    (mark) => rows[mark.row + 1][0] !== 'geometric mean' && rows[mark.row + 1][1] !== 'sap32',
+  );
   assert.ok(residual(circles.map((mark) => [Math.log(Number(rows[mark.row + 1][2])), mark.x])) < 1);
 });
 
 test('phases over the cycles stack up to the step', async () => {
   const rows = parseCsv(String(await saveFile(tab, 'cycles', 'CSV')));
   const at = rows.filter((row) => row.at(-3) === '50' && row.join().includes('sap32'));
-  assert.deepEqual(at.map((row) => row.at(-2)), ['broad', 'narrow', 'solve', 'integrate']);
+  assert.deepEqual(
+    at.map((row) => row.at(-2)),
+    ['broad', 'narrow', 'solve', 'integrate'],
+  );
   const document = first();
   const point = document.points.at.findIndex(([d, q]) => d === 2 && q === 3);
   const wanted = document.cycles.step[document.cycles.points.indexOf(point)][50];
-  assert.ok(Math.abs(at.reduce((sum, row) => sum + Number(row.at(-1)), 0) * 1e6 / wanted - 1) < 1e-9);
+  assert.ok(Math.abs((at.reduce((sum, row) => sum + Number(row.at(-1)), 0) * 1e6) / wanted - 1) < 1e-9);
   await tab.select('select[name=cycles]', 'points');
   await settle(tab);
   assert.match(await text('#cycles h3'), /Time of step in each cycle/);
@@ -158,14 +181,29 @@ test('phases over the cycles stack up to the step', async () => {
 test('errors stand against speed, small ones at the bottom and fast ones on the right', async () => {
   await open('accuracy', accuracy());
   const [header, ...rows] = parseCsv(String(await saveFile(tab, 'errors', 'CSV')));
-  const [speed, error, state] = ['speed, simulated s per s', 'position error', 'front'].map((name) => header.indexOf(name));
-  const marks = (await marksOf(tab, 'errors')).map((mark) => ({ ...mark, cells: rows[mark.row] })).filter(({ cells }) => cells[0].endsWith('iterations 20')).sort((a, b) => a.row - b.row);
-  assert.deepEqual(marks.map(({ cells }) => cells[0]), [60, 120, 240].map((hz) => `hz ${hz}, iterations 20`));
-  for (const mark of marks) assert.ok(Math.abs(Number(mark.cells[error]) * Number(/hz (\d+)/.exec(mark.cells[0])[1]) * 20 - 10) < 1e-9);
+  const [speed, error, state] = ['speed, simulated s per s', 'position error', 'front'].map((name) =>
+    header.indexOf(name),
+  );
+  const marks = (await marksOf(tab, 'errors'))
+    .map((mark) => ({ ...mark, cells: rows[mark.row] }))
+    .filter(({ cells }) => cells[0].endsWith('iterations 20'))
+    .sort((a, b) => a.row - b.row);
+  assert.deepEqual(
+    marks.map(({ cells }) => cells[0]),
+    [60, 120, 240].map((hz) => `hz ${hz}, iterations 20`),
+  );
+  for (const mark of marks)
+    assert.ok(Math.abs(Number(mark.cells[error]) * Number(/hz (\d+)/.exec(mark.cells[0])[1]) * 20 - 10) < 1e-9);
   marks.sort((a, b) => a.x - b.x);
   assert.ok(Number(marks[0].cells[speed]) < Number(marks[2].cells[speed]), 'fast ones are on the right');
-  assert.ok(marks[0].y > marks[2].y && Number(marks[0].cells[error]) < Number(marks[2].cells[error]), 'small errors are at the bottom');
-  assert.deepEqual(rows.map((cells) => cells[state]), ['front', '', 'front', 'front', 'front', 'front', 'void']);
+  assert.ok(
+    marks[0].y > marks[2].y && Number(marks[0].cells[error]) < Number(marks[2].cells[error]),
+    'small errors are at the bottom',
+  );
+  assert.deepEqual(
+    rows.map((cells) => cells[state]),
+    ['front', '', 'front', 'front', 'front', 'front', 'void'],
+  );
   assert.match(await text('#errors .note'), /lower right is best/);
   await tab.select('select[name=error]', 'energy');
   await settle(tab);
@@ -175,7 +213,10 @@ test('errors stand against speed, small ones at the bottom and fast ones on the 
 
 test('void points are hollow, apart and said; verdicts have names and cycles', async () => {
   await open('mixed', mixed());
-  const hollow = await tab.$$eval('#times [data-row]', (marks) => marks.filter((mark) => mark.getAttribute('fill') === '#ffffff').length);
+  const hollow = await tab.$$eval(
+    '#times [data-row]',
+    (marks) => marks.filter((mark) => mark.getAttribute('fill') === '#ffffff').length,
+  );
   assert.equal(hollow, 3);
   assert.match(await text('#times .note'), /Hollow: the verdict voids the time \(frozen\)/);
   assert.match(await text('#times .note'), /Pooled over seed/);
@@ -228,7 +269,11 @@ test('hostile text is text', async () => {
 });
 
 test('hostile addresses are not markup', async () => {
-  await visit(tab, `${folder}/first.html`, 'quantity=<img src=x onerror=hacked=1>&section=__proto__&at.quantity=-1&doc=9&role.detector=constructor');
+  await visit(
+    tab,
+    `${folder}/first.html`,
+    'quantity=<img src=x onerror=hacked=1>&section=__proto__&at.quantity=-1&doc=9&role.detector=constructor',
+  );
   assert.equal(await tab.evaluate(() => window.hacked), undefined);
   await clean();
 });
@@ -238,7 +283,15 @@ for (const [name, make] of Object.entries(cases))
     await open(name, make());
     await clean();
     assert.ok((await text('#page')).length > 10);
-    const blank = await tab.$$eval('figure', (figures) => figures.filter((figure) => !figure.querySelector('svg [data-row], svg path, svg rect') && figure.querySelector('.note').textContent.length < 5).map((figure) => figure.id));
+    const blank = await tab.$$eval('figure', (figures) =>
+      figures
+        .filter(
+          (figure) =>
+            !figure.querySelector('svg [data-row], svg path, svg rect') &&
+            figure.querySelector('.note').textContent.length < 5,
+        )
+        .map((figure) => figure.id),
+    );
     assert.deepEqual(blank, []);
     await tab.screenshot({ path: `${folder}/case-${name}.png`, fullPage: true });
   });
@@ -258,7 +311,12 @@ test('10^5 points are drawn as aggregates', async () => {
   await clean();
 });
 
-for (const [name, how] of Object.entries({ light: {}, dark: { scheme: 'dark' }, phone: { width: 360, height: 740, scale: 2 }, print: { media: 'print', width: 794 } }))
+for (const [name, how] of Object.entries({
+  light: {},
+  dark: { scheme: 'dark' },
+  phone: { width: 360, height: 740, scale: 2 },
+  print: { media: 'print', width: 794 },
+}))
   test(`screenshots: ${name}`, async () => {
     const other = await openTab(browser, how);
     for (const page of ['first', 'accuracy', 'mixed', 'many_detectors', 'hostile']) {

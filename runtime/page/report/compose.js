@@ -48,22 +48,45 @@ function wrap(text, width, size, isBold) {
   return [...lines, line];
 }
 
-const types = { circle: d3.symbolCircle, square: d3.symbolSquare, triangle: d3.symbolTriangle, diamond: d3.symbolDiamond,
-  star: d3.symbolStar, wye: d3.symbolWye, cross: d3.symbolCross };
+const types = {
+  circle: d3.symbolCircle,
+  square: d3.symbolSquare,
+  triangle: d3.symbolTriangle,
+  diamond: d3.symbolDiamond,
+  star: d3.symbolStar,
+  wye: d3.symbolWye,
+  cross: d3.symbolCross,
+};
 
 /** @param {Entry} entry @param {Theme} theme */
 function key(entry, theme) {
   const group = s('g');
   if (entry.isArea) {
     group.append(s('rect', { x: 0, y: -6, width: entry.code ? 20 : 12, height: 12, fill: entry.colour, rx: 1.5 }));
-    if (entry.code) group.append(s('text', { x: 10, y: 3.5, 'font-size': 9, 'text-anchor': 'middle', fill: entry.ink, 'font-weight': 600 }, entry.code));
+    if (entry.code)
+      group.append(
+        s(
+          'text',
+          { x: 10, y: 3.5, 'font-size': 9, 'text-anchor': 'middle', fill: entry.ink, 'font-weight': 600 },
+          entry.code,
+        ),
+      );
     return { group, width: entry.code ? 20 : 12 };
   }
   if (entry.dash !== undefined)
-    group.append(s('line', { x1: 0, x2: 22, stroke: entry.colour, 'stroke-width': 1.75, 'stroke-dasharray': entry.dash }));
+    group.append(
+      s('line', { x1: 0, x2: 22, stroke: entry.colour, 'stroke-width': 1.75, 'stroke-dasharray': entry.dash }),
+    );
   if (entry.symbol)
-    group.append(s('path', { d: d3.symbol(types[entry.symbol], 42)(), transform: `translate(${entry.dash !== undefined ? 11 : 6},0)`,
-      fill: entry.isHollow ? theme.background : entry.colour, stroke: entry.colour, 'stroke-width': 1.5 }));
+    group.append(
+      s('path', {
+        d: d3.symbol(types[entry.symbol], 42)(),
+        transform: `translate(${entry.dash !== undefined ? 11 : 6},0)`,
+        fill: entry.isHollow ? theme.background : entry.colour,
+        stroke: entry.colour,
+        'stroke-width': 1.5,
+      }),
+    );
   return { group, width: entry.dash !== undefined ? 22 : 12 };
 }
 
@@ -90,10 +113,15 @@ function legend(entries, width, theme) {
 /** A panel of Plot as a nested element, in a place and size of its own. */
 function panelElement(panel, x, y, width, height, theme) {
   const options = panel.options({ width, height });
-  const plot = Plot.plot({ ...options, width, height,
-    style: { fontFamily: font, fontSize: '11px', color: theme.ink, background: 'none', overflow: 'visible' } });
+  const plot = Plot.plot({
+    ...options,
+    width,
+    height,
+    style: { fontFamily: font, fontSize: '11px', color: theme.ink, background: 'none', overflow: 'visible' },
+  });
   const svg = plot.tagName.toLowerCase() === 'svg' ? plot : plot.querySelector('svg');
-  for (const [name, value] of Object.entries({ x, y, width, height, 'font-family': font, 'font-size': 11 })) svg.setAttribute(name, value);
+  for (const [name, value] of Object.entries({ x, y, width, height, 'font-family': font, 'font-size': 11 }))
+    svg.setAttribute(name, value);
   svg.removeAttribute('class');
   for (const rule of svg.querySelectorAll('style')) rule.remove();
   svg.setAttribute('style', `color:${theme.ink};overflow:visible;width:${width}px;height:${height}px`);
@@ -137,8 +165,14 @@ export function compose(drawing, { width: outer, theme, isWhole = false }) {
     const height = Math.max(...row.map((panel) => panel.height ?? drawing.height ?? 300));
     row.forEach((panel, k) => {
       const x = k * (each + gap);
-      if (titled) inner.append(s('text', { x, y: y + 13, 'font-size': 12, 'font-weight': 600, fill: theme.ink, class: 'panel-title' },
-        short(panel.title, Math.max(12, Math.floor(each / 7)))));
+      if (titled)
+        inner.append(
+          s(
+            'text',
+            { x, y: y + 13, 'font-size': 12, 'font-weight': 600, fill: theme.ink, class: 'panel-title' },
+            short(panel.title, Math.max(12, Math.floor(each / 7))),
+          ),
+        );
       inner.append(panelElement(panel, x, y + (titled ? 20 : 0), each, panel.height ?? height, theme));
     });
     y += height + (titled ? 20 : 0) + (i + perRow < drawing.panels.length ? 10 : 0);

@@ -66,9 +66,12 @@ export function openDocument(json) {
   const times = {};
   for (const [phase, statistics] of Object.entries(points.times ?? {}))
     times[phase] = Object.fromEntries(
-      Object.entries(statistics ?? {}).map(([name, values]) => [name, column(values, count)]));
+      Object.entries(statistics ?? {}).map(([name, values]) => [name, column(values, count)]),
+    );
   const known = (json.phases ?? []).map((phase) => ({
-    name: String(phase.name), label: String(phase.label || phase.name), definition: String(phase.definition ?? ''),
+    name: String(phase.name),
+    label: String(phase.label || phase.name),
+    definition: String(phase.definition ?? ''),
   }));
   for (const name of Object.keys(times))
     if (!known.some((phase) => phase.name === name)) known.push({ name, label: name, definition: '' });
@@ -91,7 +94,12 @@ export function openDocument(json) {
 /** @typedef {{value: (number|null)[], low?: (number|null)[], high?: (number|null)[]}} Estimates */
 
 export const statistics = {
-  mean: 'mean', median: 'median', p5: '5th percentile', p95: '95th percentile', min: 'least', max: 'greatest',
+  mean: 'mean',
+  median: 'median',
+  p5: '5th percentile',
+  p95: '95th percentile',
+  min: 'least',
+  max: 'greatest',
 };
 
 /** The statistics that the document has of a phase. @param {Doc} doc @param {string} phase */
@@ -114,22 +122,43 @@ export function phaseTimes(doc, phase, statistic) {
 export function quantities(doc) {
   const points = doc.raw.points ?? {};
   const found = doc.phases.map(({ name, label }) => ({
-    id: `time:${name}`, group: 'time of a cycle', label: label === name ? name : `${name}: ${label}`, short: `time of ${name}`,
-    mean: 'arithmetic', dimension: 'time', estimates: (statistic) => phaseTimes(doc, name, statistic),
+    id: `time:${name}`,
+    group: 'time of a cycle',
+    label: label === name ? name : `${name}: ${label}`,
+    short: `time of ${name}`,
+    mean: 'arithmetic',
+    dimension: 'time',
+    estimates: (statistic) => phaseTimes(doc, name, statistic),
   }));
   for (const [phase, ratio] of Object.entries(doc.raw.ratios?.phases ?? {})) {
     const columns = Object.fromEntries(['value', 'low', 'high'].map((name) => [name, column(ratio[name], doc.count)]));
     const label = `${phase} over that of ${doc.raw.ratios.baseline}`;
-    found.push({ id: `ratio:${phase}`, group: 'ratio', label, short: label, mean: 'geometric', dimension: 'ratio',
-      estimates: () => columns });
+    found.push({
+      id: `ratio:${phase}`,
+      group: 'ratio',
+      label,
+      short: label,
+      mean: 'geometric',
+      dimension: 'ratio',
+      estimates: () => columns,
+    });
   }
-  for (const [group, dimension, table] of
-    [['count', 'number', points.counts], ['memory', 'bytes', points.memory]])
+  for (const [group, dimension, table] of [
+    ['count', 'number', points.counts],
+    ['memory', 'bytes', points.memory],
+  ])
     for (const [name, values] of Object.entries(table ?? {})) {
       const value = column(values, doc.count);
       if (value.every((each) => each === null)) continue;
-      found.push({ id: `${group}:${name}`, group: group === 'count' ? 'mean of a cycle' : 'memory', label: name,
-        short: name.replace(/_/g, ' '), mean: 'arithmetic', dimension, estimates: () => ({ value }) });
+      found.push({
+        id: `${group}:${name}`,
+        group: group === 'count' ? 'mean of a cycle' : 'memory',
+        label: name,
+        short: name.replace(/_/g, ' '),
+        mean: 'arithmetic',
+        dimension,
+        estimates: () => ({ value }),
+      });
     }
   return found;
 }
@@ -137,16 +166,23 @@ export function quantities(doc) {
 /** A value of an axis as text. @param {Axis} axis @param {number} index */
 export const valueText = (axis, index) => {
   const value = axis.values[index];
-  return typeof value === 'number' ? (Math.abs(value) >= 1e6 ? number(value, 6) : String(value).replace('-', '−')) : String(value ?? '');
+  return typeof value === 'number'
+    ? Math.abs(value) >= 1e6
+      ? number(value, 6)
+      : String(value).replace('-', '−')
+    : String(value ?? '');
 };
 
 /** `quantity 400, detector sap`: a point on its axes of several values. @param {Doc} doc @param {number} point */
 export function pointText(doc, point) {
-  const parts = doc.axes.map((axis, a) => [axis, doc.at[point][a]])
-    .filter(([axis]) => axis.values.length > 1).map(([axis, i]) => `${axis.name} ${valueText(axis, i)}`);
+  const parts = doc.axes
+    .map((axis, a) => [axis, doc.at[point][a]])
+    .filter(([axis]) => axis.values.length > 1)
+    .map(([axis, i]) => `${axis.name} ${valueText(axis, i)}`);
   return parts.join(', ') || 'the only point';
 }
 
 /** @param {Axis} axis */
 export const axisTitle = (axis) =>
-  (axis.label === axis.name.replace(/_/g, ' ') ? axis.label : `${axis.name}: ${axis.label}`) + (axis.unit ? `, ${axis.unit}` : '');
+  (axis.label === axis.name.replace(/_/g, ' ') ? axis.label : `${axis.name}: ${axis.label}`) +
+  (axis.unit ? `, ${axis.unit}` : '');

@@ -8,9 +8,12 @@ export function h(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (typeof value === 'function') element.addEventListener(name, value);
-    else if (value !== null && value !== undefined && value !== false) element.setAttribute(name, value === true ? '' : String(value));
+    else if (value !== null && value !== undefined && value !== false)
+      element.setAttribute(name, value === true ? '' : String(value));
   }
-  for (const child of children) if (child !== null && child !== undefined && child !== false) element.append(child instanceof Node ? child : String(child));
+  for (const child of children)
+    if (child !== null && child !== undefined && child !== false)
+      element.append(child instanceof Node ? child : String(child));
   return element;
 }
 
@@ -33,8 +36,18 @@ export const bdi = (text) => h('bdi', {}, text);
 export function table(columns, rows, caption = null) {
   const style = (column) => ({ class: column.isNumber ? 'number' : null });
   const cell = (value, i) => h('td', style(columns[i]), value instanceof Node ? value : bdi(value ?? '–'));
-  return h('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': caption ?? 'Table' },
-    h('table', {},
-      h('thead', {}, h('tr', {}, ...columns.map((column) => h('th', { scope: 'col', ...style(column) }, column.label)))),
-      h('tbody', {}, ...rows.map((row) => h('tr', {}, ...row.map(cell))))));
+  return h(
+    'div',
+    { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': caption ?? 'Table' },
+    h(
+      'table',
+      {},
+      h(
+        'thead',
+        {},
+        h('tr', {}, ...columns.map((column) => h('th', { scope: 'col', ...style(column) }, column.label))),
+      ),
+      h('tbody', {}, ...rows.map((row) => h('tr', {}, ...row.map(cell)))),
+    ),
+  );
 }

@@ -12,14 +12,25 @@ const errorInfo = (doc, name) => doc.raw.points?.errors?.[name] ?? {};
 /** Axis of `at` that the colours show, and the one that the symbols show. */
 function styleAxes(doc, view, rows) {
   const names = [...new Set(rows.flatMap((row) => Object.keys(row.at ?? {})))];
-  const varied = doc.axes.map((axis, a) => ({ axis, a })).filter(({ axis }) => names.includes(axis.name) && new Set(rows.map((row) => row.at[axis.name])).size > 1);
-  const colour = varied.find(({ a }) => view.roles[a] === 'colour') ?? varied.find(({ a }) => a === doc.detectorAxis) ?? varied[0];
+  const varied = doc.axes
+    .map((axis, a) => ({ axis, a }))
+    .filter(({ axis }) => names.includes(axis.name) && new Set(rows.map((row) => row.at[axis.name])).size > 1);
+  const colour =
+    varied.find(({ a }) => view.roles[a] === 'colour') ?? varied.find(({ a }) => a === doc.detectorAxis) ?? varied[0];
   return { colour, varied };
 }
 
-const atText = (at) => Object.entries(at ?? {}).map(([name, value]) => `${name} ${short(value, 24)}`).join(', ');
+const atText = (at) =>
+  Object.entries(at ?? {})
+    .map(([name, value]) => `${name} ${short(value, 24)}`)
+    .join(', ');
 
-const corners = [{ side: 'start', dy: -9 }, { side: 'end', dy: -9 }, { side: 'start', dy: 14 }, { side: 'end', dy: 14 }];
+const corners = [
+  { side: 'start', dy: -9 },
+  { side: 'end', dy: -9 },
+  { side: 'start', dy: 14 },
+  { side: 'end', dy: 14 },
+];
 
 /** Text beside the front's marks, those that would cover another left out. */
 function labels(rows, x, y, width, height) {
@@ -34,7 +45,8 @@ function labels(rows, x, y, width, height) {
       const left = side === 'start' ? px + 4 : px - w - 4;
       const box = [left, py + dy - 10, left + w, py + dy + 3];
       if (left < 0 || box[2] > width + 10 || box[1] < 0 || box[3] > height) continue;
-      if (placed.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) continue;
+      if (placed.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1]))
+        continue;
       placed.push(box);
       out.push({ ...row, side, dy });
       break;
@@ -50,18 +62,86 @@ function panelOf(rows, { theme, x, y, unit, label }) {
     const ink = (row) => style(theme, row.colour).colour;
     const front = rows.filter((row) => row.onFront).sort((a, b) => a.speed - b.speed);
     const named = rows.length <= 40 ? labels(front.slice(0, mostLabels), x, y, width - 72, height - 66) : [];
-    return { width, height, ...margin,
-      x: { type: 'log', domain: x, ticks: logTicks(...x, Math.max(3, Math.floor(width / 90))), tickFormat: (v) => number(v), label: 'speed, simulated s per s', labelAnchor: 'right', labelArrow: 'right' },
-      y: { type: 'log', domain: y, ticks: logTicks(...y, 7), tickFormat: (v) => number(v), label: `${label}${unit ? `, ${unit}` : ''} (down is better)`, labelArrow: 'none' },
-      marks: [Plot.gridX({ stroke: theme.grid, strokeOpacity: 1, ticks: logTicks(...x, Math.max(3, Math.floor(width / 90))) }), Plot.gridY({ stroke: theme.grid, strokeOpacity: 1, ticks: logTicks(...y, 7) }),
-        Plot.text(['best: fast and accurate ↘'], { frameAnchor: 'bottom-right', dx: -4, dy: -6, fill: theme.muted, fontStyle: 'italic', text: (d) => d }),
-        Plot.line(front, { x: 'speed', y: 'error', curve: 'step-before', stroke: theme.muted, strokeWidth: 1.2, strokeDasharray: '4 3' }),
-        Plot.ruleX(rows.filter((row) => row.errorLow > 0), { x: 'speed', y1: 'errorLow', y2: 'errorHigh', stroke: ink, strokeWidth: 1.2 }),
-        Plot.ruleY(rows.filter((row) => row.speedLow !== null), { y: 'error', x1: 'speedLow', x2: 'speedHigh', stroke: ink, strokeWidth: 1.2 }),
-        Plot.dot(rows, { x: 'speed', y: 'error', className: 'hot', symbol: (row) => style(theme, row.colour).symbol, stroke: ink, strokeWidth: 1.7,
-          r: (row) => (row.onFront ? 5.4 : 3.6), fill: (row) => (row.isVoid ? theme.background : ink(row)), fillOpacity: (row) => (row.onFront ? 1 : row.isTie ? 0.65 : 0.35) }),
-        ...corners.map(({ side, dy }) => Plot.text(named.filter((row) => row.side === side && row.dy === dy), { x: 'speed', y: 'error', text: 'label',
-          textAnchor: side, dx: side === 'start' ? 4 : -4, dy, fill: theme.ink, fontSize: 10.5 }))] };
+    return {
+      width,
+      height,
+      ...margin,
+      x: {
+        type: 'log',
+        domain: x,
+        ticks: logTicks(...x, Math.max(3, Math.floor(width / 90))),
+        tickFormat: (v) => number(v),
+        label: 'speed, simulated s per s',
+        labelAnchor: 'right',
+        labelArrow: 'right',
+      },
+      y: {
+        type: 'log',
+        domain: y,
+        ticks: logTicks(...y, 7),
+        tickFormat: (v) => number(v),
+        label: `${label}${unit ? `, ${unit}` : ''} (down is better)`,
+        labelArrow: 'none',
+      },
+      marks: [
+        Plot.gridX({
+          stroke: theme.grid,
+          strokeOpacity: 1,
+          ticks: logTicks(...x, Math.max(3, Math.floor(width / 90))),
+        }),
+        Plot.gridY({ stroke: theme.grid, strokeOpacity: 1, ticks: logTicks(...y, 7) }),
+        Plot.text(['best: fast and accurate ↘'], {
+          frameAnchor: 'bottom-right',
+          dx: -4,
+          dy: -6,
+          fill: theme.muted,
+          fontStyle: 'italic',
+          text: (d) => d,
+        }),
+        Plot.line(front, {
+          x: 'speed',
+          y: 'error',
+          curve: 'step-before',
+          stroke: theme.muted,
+          strokeWidth: 1.2,
+          strokeDasharray: '4 3',
+        }),
+        Plot.ruleX(
+          rows.filter((row) => row.errorLow > 0),
+          { x: 'speed', y1: 'errorLow', y2: 'errorHigh', stroke: ink, strokeWidth: 1.2 },
+        ),
+        Plot.ruleY(
+          rows.filter((row) => row.speedLow !== null),
+          { y: 'error', x1: 'speedLow', x2: 'speedHigh', stroke: ink, strokeWidth: 1.2 },
+        ),
+        Plot.dot(rows, {
+          x: 'speed',
+          y: 'error',
+          className: 'hot',
+          symbol: (row) => style(theme, row.colour).symbol,
+          stroke: ink,
+          strokeWidth: 1.7,
+          r: (row) => (row.onFront ? 5.4 : 3.6),
+          fill: (row) => (row.isVoid ? theme.background : ink(row)),
+          fillOpacity: (row) => (row.onFront ? 1 : row.isTie ? 0.65 : 0.35),
+        }),
+        ...corners.map(({ side, dy }) =>
+          Plot.text(
+            named.filter((row) => row.side === side && row.dy === dy),
+            {
+              x: 'speed',
+              y: 'error',
+              text: 'label',
+              textAnchor: side,
+              dx: side === 'start' ? 4 : -4,
+              dy,
+              fill: theme.ink,
+              fontSize: 10.5,
+            },
+          ),
+        ),
+      ],
+    };
   };
 }
 
@@ -76,12 +156,29 @@ export function describeErrors(doc, view, { theme, width }) {
   const least = positive.length ? Math.min(...positive) : 1e-12;
   const rows = [];
   const panels = fronts.map((front) => {
-    const own = (front.rows ?? []).filter((row) => row.error !== null && row.ms_per_s > 0).map((row) => ({
-      configuration: atText(row.at) || 'the only configuration', label: short(varied.map(({ axis }) => String(row.at[axis.name])).join(' · '), 30),
-      each: atText(front.each), colour: colour ? colour.axis.values.indexOf(row.at[colour.axis.name]) : -1,
-      speed: 1000 / row.ms_per_s, speedLow: row.high > 0 && row.low > 0 ? 1000 / row.high : null, speedHigh: row.low > 0 ? 1000 / row.low : null,
-      msPerS: row.ms_per_s, low: row.low, high: row.high, given: row.error, error: row.error > 0 ? row.error : least / 2, errorLow: row.error_low ?? null, errorHigh: row.error_high ?? null, floor: row.floor ?? null,
-      onFront: Boolean(row.on_front), isTie: Boolean(row.is_tie), isVoid: Boolean(row.is_void), state: row.is_void ? 'void' : row.on_front ? 'front' : row.is_tie ? 'tie' : '' }));
+    const own = (front.rows ?? [])
+      .filter((row) => row.error !== null && row.ms_per_s > 0)
+      .map((row) => ({
+        configuration: atText(row.at) || 'the only configuration',
+        label: short(varied.map(({ axis }) => String(row.at[axis.name])).join(' · '), 30),
+        each: atText(front.each),
+        colour: colour ? colour.axis.values.indexOf(row.at[colour.axis.name]) : -1,
+        speed: 1000 / row.ms_per_s,
+        speedLow: row.high > 0 && row.low > 0 ? 1000 / row.high : null,
+        speedHigh: row.low > 0 ? 1000 / row.low : null,
+        msPerS: row.ms_per_s,
+        low: row.low,
+        high: row.high,
+        given: row.error,
+        error: row.error > 0 ? row.error : least / 2,
+        errorLow: row.error_low ?? null,
+        errorHigh: row.error_high ?? null,
+        floor: row.floor ?? null,
+        onFront: Boolean(row.on_front),
+        isTie: Boolean(row.is_tie),
+        isVoid: Boolean(row.is_void),
+        state: row.is_void ? 'void' : row.on_front ? 'front' : row.is_tie ? 'tie' : '',
+      }));
     const first = rows.length;
     rows.push(...own);
     return { own, first, title: atText(front.each) };
@@ -95,17 +192,54 @@ export function describeErrors(doc, view, { theme, width }) {
   const x = domainOf(rows.flatMap((row) => [row.speed, row.speedLow, row.speedHigh]));
   const y = domainOf(rows.flatMap((row) => [row.error, row.errorLow, row.errorHigh]));
   const zero = rows.some((row) => row.given <= 0);
-  const columns = [['each', 'group'], ['configuration', 'configuration'], ['msPerS', 'run time, ms per simulated s', true], ['low', 'low', true], ['high', 'high', true],
-    ['speed', 'speed, simulated s per s', true], ['given', `${view.error} error${info.unit ? `, ${info.unit}` : ''}`, true], ['errorLow', 'error low', true], ['errorHigh', 'error high', true], ['floor', 'noise floor', true], ['state', 'front']]
-    .map(([key, label, isNumber = false]) => ({ key, label, isNumber })).filter(({ key }) => rows.some((row) => row[key] !== null && row[key] !== ''));
+  const columns = [
+    ['each', 'group'],
+    ['configuration', 'configuration'],
+    ['msPerS', 'run time, ms per simulated s', true],
+    ['low', 'low', true],
+    ['high', 'high', true],
+    ['speed', 'speed, simulated s per s', true],
+    ['given', `${view.error} error${info.unit ? `, ${info.unit}` : ''}`, true],
+    ['errorLow', 'error low', true],
+    ['errorHigh', 'error high', true],
+    ['floor', 'noise floor', true],
+    ['state', 'front'],
+  ]
+    .map(([key, label, isNumber = false]) => ({ key, label, isNumber }))
+    .filter(({ key }) => rows.some((row) => row[key] !== null && row[key] !== ''));
   const label = info.label && String(info.label).length <= 40 ? String(info.label) : `error in ${view.error}`;
-  return { title: `Error in ${short(view.error, 40).replace(/_/g, ' ')} against speed`, columns, rows, perRow: panels.length > 1 ? Math.max(1, Math.min(panels.length, Math.floor(width / 340))) : 1, height: panels.length > 1 ? 300 : 400,
-    panels: panels.map(({ own, first, title: name }) => ({ title: name, hot: { hot: own.map((_, i) => first + i) }, options: panelOf(own, { theme, x, y, unit: info.unit, label }) })),
-    legend: colour ? colour.axis.values.map((value, i) => ({ value, i })).filter(({ i }) => rows.some((row) => row.colour === i))
-      .map(({ value, i }) => ({ label: `${colour.axis.name} ${value}`, colour: style(theme, i).colour, symbol: style(theme, i).symbol })) : [],
-    notes: ['The lower right is best: fast and accurate. Large and filled: on the front, no other configuration is both as fast and as accurate. Half filled: ties with the front within the intervals. Pale: behind it.',
+  return {
+    title: `Error in ${short(view.error, 40).replace(/_/g, ' ')} against speed`,
+    columns,
+    rows,
+    perRow: panels.length > 1 ? Math.max(1, Math.min(panels.length, Math.floor(width / 340))) : 1,
+    height: panels.length > 1 ? 300 : 400,
+    panels: panels.map(({ own, first, title: name }) => ({
+      title: name,
+      hot: { hot: own.map((_, i) => first + i) },
+      options: panelOf(own, { theme, x, y, unit: info.unit, label }),
+    })),
+    legend: colour
+      ? colour.axis.values
+          .map((value, i) => ({ value, i }))
+          .filter(({ i }) => rows.some((row) => row.colour === i))
+          .map(({ value, i }) => ({
+            label: `${colour.axis.name} ${value}`,
+            colour: style(theme, i).colour,
+            symbol: style(theme, i).symbol,
+          }))
+      : [],
+    notes: [
+      'The lower right is best: fast and accurate. Large and filled: on the front, no other configuration is both as fast and as accurate. Half filled: ties with the front within the intervals. Pale: behind it.',
       `Speed from ${doc.raw.statistic ? `${doc.raw.statistic.charAt(0).toLowerCase()}${doc.raw.statistic.slice(1).replace(/\.$/, '')}` : 'the mean time of a cycle'}, divided by the time step.`,
-      ...(doc.raw.interval?.name && rows.some((row) => row.speedLow !== null) ? [intervalText(doc)] : ['No intervals of the speed: one repeat.']),
-      ...(rows.some((row) => row.floor !== null && row.given < row.floor) ? ['An error below its noise floor is not a better one.'] : []),
-      ...(zero ? ['An error of 0 is drawn at the lower edge.'] : []), ...(rows.some((row) => row.isVoid) ? ['Hollow: the verdict voids the time.'] : [])] };
+      ...(doc.raw.interval?.name && rows.some((row) => row.speedLow !== null)
+        ? [intervalText(doc)]
+        : ['No intervals of the speed: one repeat.']),
+      ...(rows.some((row) => row.floor !== null && row.given < row.floor)
+        ? ['An error below its noise floor is not a better one.']
+        : []),
+      ...(zero ? ['An error of 0 is drawn at the lower edge.'] : []),
+      ...(rows.some((row) => row.isVoid) ? ['Hollow: the verdict voids the time.'] : []),
+    ],
+  };
 }

@@ -21,7 +21,11 @@ function download(blob, name) {
 export function svgText(describe) {
   const drawing = describe({ theme: themes.light, width: exportWidth - 40 });
   const svg = compose(drawing, { width: exportWidth, theme: themes.light, isWhole: true });
-  return { text: new XMLSerializer().serializeToString(svg), width: exportWidth, height: Number(svg.getAttribute('height')) };
+  return {
+    text: new XMLSerializer().serializeToString(svg),
+    width: exportWidth,
+    height: Number(svg.getAttribute('height')),
+  };
 }
 
 async function png(describe) {

@@ -18,8 +18,11 @@ const tip = h('div', { id: 'tip', role: 'status', 'aria-live': 'polite', hidden:
 function showTip(mark, drawing) {
   const row = drawing.rows[Number(mark.dataset.row)];
   if (!row) return;
-  tip.replaceChildren(...describeRow(drawing.columns, row).map(([label, text]) =>
-    h('div', {}, h('span', {}, `${short(label, 40)} `), h('b', {}, short(text, 80)))));
+  tip.replaceChildren(
+    ...describeRow(drawing.columns, row).map(([label, text]) =>
+      h('div', {}, h('span', {}, `${short(label, 40)} `), h('b', {}, short(text, 80))),
+    ),
+  );
   if (!tip.isConnected) document.body.append(tip);
   tip.hidden = false;
   const box = mark.getBoundingClientRect();
@@ -28,7 +31,9 @@ function showTip(mark, drawing) {
   tip.style.left = `${x + scrollX}px`;
   tip.style.top = `${(above > 4 ? above : box.bottom + 10) + scrollY}px`;
 }
-const hideTip = () => { tip.hidden = true; };
+const hideTip = () => {
+  tip.hidden = true;
+};
 
 /** Pointer and arrow keys choose a mark; Escape leaves it. */
 function listen(svg, drawing) {
@@ -67,10 +72,16 @@ function listen(svg, drawing) {
 
 function dataTable(drawing) {
   const shown = drawing.rows.slice(0, mostTableRows);
-  const element = table(drawing.columns, shown.map((row) => drawing.columns.map(({ key }) =>
-    (typeof row[key] === 'number' ? number(row[key], 5) : row[key] ?? null))), `Data of ${drawing.title}`);
+  const element = table(
+    drawing.columns,
+    shown.map((row) =>
+      drawing.columns.map(({ key }) => (typeof row[key] === 'number' ? number(row[key], 5) : (row[key] ?? null))),
+    ),
+    `Data of ${drawing.title}`,
+  );
   return drawing.rows.length > shown.length
-    ? [element, h('p', { class: 'note' }, `The first ${shown.length} of ${drawing.rows.length} rows; the CSV has all.`)] : [element];
+    ? [element, h('p', { class: 'note' }, `The first ${shown.length} of ${drawing.rows.length} rows; the CSV has all.`)]
+    : [element];
 }
 
 /**
@@ -98,15 +109,27 @@ export function createFigure({ id, describe, tools = () => [] }) {
   let view;
   let drawing;
   let drawnAt = '';
-  const button = (format) => h('button', { type: 'button', 'aria-label': `Save ${id} as ${format.toUpperCase()}`,
-    click: async () => {
-      try {
-        await save(format, `${short(doc.raw.sources?.[0]?.benchmark ?? 'cdb', 60).replace(/[^\w-]+/g, '_')}-${id}`, (how) => describe(doc, view, how));
-        message.textContent = '';
-      } catch (error) {
-        message.textContent = `Not saved: ${error.message}`;
-      }
-    } }, format.toUpperCase());
+  const button = (format) =>
+    h(
+      'button',
+      {
+        type: 'button',
+        'aria-label': `Save ${id} as ${format.toUpperCase()}`,
+        click: async () => {
+          try {
+            await save(
+              format,
+              `${short(doc.raw.sources?.[0]?.benchmark ?? 'cdb', 60).replace(/[^\w-]+/g, '_')}-${id}`,
+              (how) => describe(doc, view, how),
+            );
+            message.textContent = '';
+          } catch (error) {
+            message.textContent = `Not saved: ${error.message}`;
+          }
+        },
+      },
+      format.toUpperCase(),
+    );
   const actions = h('div', { class: 'actions' }, button('svg'), button('png'), button('csv'), message, data);
   element.append(actions);
   data.addEventListener('toggle', () => {
@@ -128,8 +151,12 @@ export function createFigure({ id, describe, tools = () => [] }) {
       return;
     }
     const svg = compose(drawing, { width, theme });
-    for (const [name, value] of Object.entries({ role: 'img', tabindex: '0',
-      'aria-label': `${drawing.title}. ${drawing.rows.length} values; the arrow keys visit them, and they are in the table below.` })) svg.setAttribute(name, value);
+    for (const [name, value] of Object.entries({
+      role: 'img',
+      tabindex: '0',
+      'aria-label': `${drawing.title}. ${drawing.rows.length} values; the arrow keys visit them, and they are in the table below.`,
+    }))
+      svg.setAttribute(name, value);
     plot.replaceChildren(svg);
     notes.textContent = drawing.notes.join(' ');
     listen(svg, drawing);

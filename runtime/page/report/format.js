@@ -15,7 +15,7 @@ export function number(value, digits = 3, most = 1e6) {
     const [mantissa, exponent] = value.toExponential(digits - 1).split('e');
     const short = String(Number(mantissa));
     const power = `10${superscript(Number(exponent))}`;
-    return (short === '1' ? power : short === '-1' ? `−${power}` : `${short.replace('-', '−')} × ${power}`);
+    return short === '1' ? power : short === '-1' ? `−${power}` : `${short.replace('-', '−')} × ${power}`;
   }
   const rounded = Number(value.toPrecision(Math.max(digits, size >= 1 ? Math.floor(Math.log10(size)) + 1 : 1)));
   return String(rounded).replace('-', '−');
@@ -29,7 +29,9 @@ export function count(value) {
 
 /** `a .. b` @param {number | null | undefined} low @param {number | null | undefined} high */
 export function range(low, high) {
-  return low === null || low === undefined || high === null || high === undefined ? '' : `${number(low)} .. ${number(high)}`;
+  return low === null || low === undefined || high === null || high === undefined
+    ? ''
+    : `${number(low)} .. ${number(high)}`;
 }
 
 /** The unit in which the largest of some times, in ns, is at least 1. @param {number} most @returns {Unit} */

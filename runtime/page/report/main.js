@@ -6,8 +6,9 @@ import { describeDistributions, describeRepeats } from './distributions.js';
 import { describeErrors } from './errors.js';
 import { createFigure } from './figure.js';
 import { short } from './format.js';
-import { describeOverAxes, describePhases } from './over_axes.js';
+import { describeOverAxes } from './over_axes.js';
 import { describeCycles } from './over_cycles.js';
+import { describePhases } from './phases.js';
 import { describeRatios } from './ratios.js';
 import * as parts from './sections.js';
 import { describeStability } from './stability.js';
@@ -46,10 +47,20 @@ function figuresOf(doc, change) {
     phases: () => createFigure({ id: 'phases', describe: describePhases }),
     rivals: () => createFigure({ id: 'rivals', describe: describeRatios }),
     cycles: () => createFigure({ id: 'cycles', describe: describeCycles, tools: tools(cycleTools) }),
-    distribution: () => createFigure({ id: 'distribution', describe: describeDistributions, tools: tools((d, v, c) => placeTools(d, v, c, doc.raw.distributions?.points)) }),
+    distribution: () =>
+      createFigure({
+        id: 'distribution',
+        describe: describeDistributions,
+        tools: tools((d, v, c) => placeTools(d, v, c, doc.raw.distributions?.points)),
+      }),
     repeats: () => createFigure({ id: 'repeats', describe: describeRepeats }),
     errors: () => createFigure({ id: 'errors', describe: describeErrors, tools: tools(errorTools) }),
-    stability: () => createFigure({ id: 'stability', describe: describeStability, tools: tools((d, v, c) => (has.unsound(d) ? mapTools(d, v, c) : [])) }),
+    stability: () =>
+      createFigure({
+        id: 'stability',
+        describe: describeStability,
+        tools: tools((d, v, c) => (has.unsound(d) ? mapTools(d, v, c) : [])),
+      }),
   };
   return Object.fromEntries(Object.entries(all).map(([name, make]) => [name, make()]));
 }
@@ -59,10 +70,18 @@ function sectionsOf(doc, figures, key) {
   const take = (...names) => names.filter((name) => name !== key).map((name) => figures[name]);
   return [
     ['machine', 'What ran, and where', parts.machine(doc)],
-    has.times(doc) && ['over-axes', isSingle(doc) ? 'Phases' : 'Over the axes', isSingle(doc) ? take('phases') : take('times', 'phases')],
+    has.times(doc) && [
+      'over-axes',
+      isSingle(doc) ? 'Phases' : 'Over the axes',
+      isSingle(doc) ? take('phases') : take('times', 'phases'),
+    ],
     has.ratios(doc) && ['paired', 'Rivals', take('rivals')],
     has.errors(doc) && ['accuracy', 'Error against run time', take('errors')],
-    (has.cycles(doc) || doc.raw.distributions) && ['over-cycles', 'Over the cycles', [...(has.cycles(doc) ? take('cycles') : []), ...(doc.raw.distributions ? take('distribution', 'repeats') : [])]],
+    (has.cycles(doc) || doc.raw.distributions) && [
+      'over-cycles',
+      'Over the cycles',
+      [...(has.cycles(doc) ? take('cycles') : []), ...(doc.raw.distributions ? take('distribution', 'repeats') : [])],
+    ],
     doc.count > 0 && ['soundness', 'Stability', take('stability')],
     parts.findings(doc) && ['findings', 'Pairs and contacts', parts.findings(doc)],
     parts.failures(doc) && ['failures', 'Failures', parts.failures(doc)],
@@ -82,38 +101,85 @@ const indexIn = (address) => {
 
 function tabs(index) {
   if (documents.length < 2) return null;
-  return h('nav', { class: 'tabs', 'aria-label': 'Results' }, ...documents.map((doc, i) =>
-    h('a', { href: i ? `#doc=${i}` : '#', 'aria-current': i === index ? 'page' : null }, bdi(short(doc.raw.sources?.map((source) => source.file || source.benchmark).join(', ') || doc.raw.title || `Results ${i + 1}`, 48)))));
+  return h(
+    'nav',
+    { class: 'tabs', 'aria-label': 'Results' },
+    ...documents.map((doc, i) =>
+      h(
+        'a',
+        { href: i ? `#doc=${i}` : '#', 'aria-current': i === index ? 'page' : null },
+        bdi(
+          short(
+            doc.raw.sources?.map((source) => source.file || source.benchmark).join(', ') ||
+              doc.raw.title ||
+              `Results ${i + 1}`,
+            48,
+          ),
+        ),
+      ),
+    ),
+  );
 }
 
 /** Builds the page of one document. */
 function show(index) {
   const doc = documents[index];
   let view = decode(doc, location.hash.slice(1));
-  const change = (next) => { location.hash = addressOf(index, doc, { ...next, section: '' }) || '!'; };
+  const change = (next) => {
+    location.hash = addressOf(index, doc, { ...next, section: '' }) || '!';
+  };
   const key = keyFigure(doc);
   const figures = figuresOf(doc, change);
   const sections = sectionsOf(doc, figures, key);
   const panel = h('form', { class: 'controls', submit: (event) => event.preventDefault() });
   const links = sections.map(([id, title]) => ({ id, link: h('a', {}, title) }));
-  const contents = h('nav', { class: 'contents', 'aria-label': 'Contents' }, h('ol', {}, ...links.map(({ link }) => h('li', {}, link))));
+  const contents = h(
+    'nav',
+    { class: 'contents', 'aria-label': 'Contents' },
+    h('ol', {}, ...links.map(({ link }) => h('li', {}, link))),
+  );
   const hasFigures = doc.count > 0;
-  const aside = h('aside', { 'aria-label': 'View' }, contents, hasFigures ? h('details', { open: true, class: 'view' }, h('summary', {}, 'View'), panel) : null);
+  const aside = h(
+    'aside',
+    { 'aria-label': 'View' },
+    contents,
+    hasFigures ? h('details', { open: true, class: 'view' }, h('summary', {}, 'View'), panel) : null,
+  );
   const [above, below] = parts.conclusions(doc);
-  const element = (each) => (each instanceof Node ? each : each?.element ?? null);
-  const body = h('div', { class: 'body' }, parts.head(doc), parts.warnings(doc),
+  const element = (each) => (each instanceof Node ? each : (each?.element ?? null));
+  const body = h(
+    'div',
+    { class: 'body' },
+    parts.head(doc),
+    parts.warnings(doc),
     h('section', { id: 'summary', 'aria-label': 'Summary' }, above, element(figures[key]), below),
-    ...sections.map(([id, title, items]) => h('section', { id, 'aria-labelledby': `${id}-title`, tabindex: '-1' }, h('h2', { id: `${id}-title` }, title), ...items.map(element).filter(Boolean))),
-    h('footer', {}, `Written by ${short(doc.raw.generator ?? 'cdb', 80)}. Figures by Observable Plot and D3; their licences are below.`));
+    ...sections.map(([id, title, items]) =>
+      h(
+        'section',
+        { id, 'aria-labelledby': `${id}-title`, tabindex: '-1' },
+        h('h2', { id: `${id}-title` }, title),
+        ...items.map(element).filter(Boolean),
+      ),
+    ),
+    h(
+      'footer',
+      {},
+      `Written by ${short(doc.raw.generator ?? 'cdb', 80)}. Figures by Observable Plot and D3; their licences are below.`,
+    ),
+  );
   page.replaceChildren(...[tabs(index), h('div', { class: 'layout' }, aside, body)].filter(Boolean));
   if (matchMedia('(max-width: 1099px)').matches) aside.querySelector('.view')?.removeAttribute('open');
   const drawn = Object.values(figures).filter((figure) => figure.element.isConnected);
   current = {
-    doc, index,
+    doc,
+    index,
     update(next) {
-      const isSame = panel.childElementCount > 0 && addressOf(index, doc, { ...next, section: '' }) === addressOf(index, doc, { ...view, section: '' });
+      const isSame =
+        panel.childElementCount > 0 &&
+        addressOf(index, doc, { ...next, section: '' }) === addressOf(index, doc, { ...view, section: '' });
       view = next;
-      for (const { id, link } of links) link.setAttribute('href', `#${addressOf(index, doc, { ...view, section: id })}`);
+      for (const { id, link } of links)
+        link.setAttribute('href', `#${addressOf(index, doc, { ...view, section: id })}`);
       if (!isSame) {
         const focused = panel.contains(document.activeElement) ? document.activeElement.name : '';
         panel.replaceChildren(...controls(doc, view, change));
@@ -148,7 +214,8 @@ function start() {
     cancelAnimationFrame(waiting);
     waiting = requestAnimationFrame(() => current?.redraw());
   }).observe(page);
-  for (const query of ['(prefers-color-scheme: dark)', 'print']) matchMedia(query).addEventListener('change', () => current?.redraw());
+  for (const query of ['(prefers-color-scheme: dark)', 'print'])
+    matchMedia(query).addEventListener('change', () => current?.redraw());
   document.documentElement.dataset.ready = 'yes';
 }
 

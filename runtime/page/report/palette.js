@@ -4,11 +4,21 @@
 /** @type {Record<'light' | 'dark', Theme>} */
 export const themes = {
   light: {
-    name: 'light', ink: '#1b1e23', muted: '#5d6570', faint: '#c3c9d0', grid: '#dfe3e8', background: '#ffffff',
+    name: 'light',
+    ink: '#1b1e23',
+    muted: '#5d6570',
+    faint: '#c3c9d0',
+    grid: '#dfe3e8',
+    background: '#ffffff',
     colours: ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#a87500', '#3fa7dc', '#333a44', '#8a6fd1'],
   },
   dark: {
-    name: 'dark', ink: '#e8eaed', muted: '#a2abb6', faint: '#49515b', grid: '#343b44', background: '#15181c',
+    name: 'dark',
+    ink: '#e8eaed',
+    muted: '#a2abb6',
+    faint: '#49515b',
+    grid: '#343b44',
+    background: '#15181c',
     colours: ['#56b4e9', '#ff8a3d', '#2ec79b', '#e59cc6', '#e6b422', '#9ad7ff', '#d0d5db', '#b39df0'],
   },
 };
@@ -21,14 +31,32 @@ const dashes = [null, '6 3', '2 3', '8 3 2 3'];
 export function style(theme, i) {
   const n = Math.max(i, 0);
   const isFaint = theme.highlight >= 0 && theme.highlight !== i;
-  return { colour: isFaint ? theme.faint : theme.colours[n % theme.colours.length], symbol: symbols[n % symbols.length],
-    dash: dashes[Math.floor(n / theme.colours.length) % dashes.length] };
+  return {
+    colour: isFaint ? theme.faint : theme.colours[n % theme.colours.length],
+    symbol: symbols[n % symbols.length],
+    dash: dashes[Math.floor(n / theme.colours.length) % dashes.length],
+  };
 }
 
 /** The phases that make up a step. @param {Theme} theme */
-export const phaseColours = (theme) => (theme.name === 'light'
-  ? { broad: '#0072b2', narrow: '#7cc0ea', solve: '#e08a2e', integrate: '#7a828c', detect: '#009e73', step: '#1b1e23' }
-  : { broad: '#3f97d4', narrow: '#a5d8f6', solve: '#f0a04b', integrate: '#79838f', detect: '#2ec79b', step: '#e8eaed' });
+export const phaseColours = (theme) =>
+  theme.name === 'light'
+    ? {
+        broad: '#0072b2',
+        narrow: '#7cc0ea',
+        solve: '#e08a2e',
+        integrate: '#7a828c',
+        detect: '#009e73',
+        step: '#1b1e23',
+      }
+    : {
+        broad: '#3f97d4',
+        narrow: '#a5d8f6',
+        solve: '#f0a04b',
+        integrate: '#79838f',
+        detect: '#2ec79b',
+        step: '#e8eaed',
+      };
 
 /** From the best to the worst; those from `frozen` on void the timings. */
 export const verdicts = [
@@ -47,7 +75,11 @@ export const verdicts = [
   { name: 'crashed', code: 'Cr', colour: '#16181b' },
 ];
 /** A verdict that the page does not know counts as the first. @param {string} name */
-export const severity = (name) => Math.max(verdicts.findIndex((verdict) => verdict.name === name), 0);
+export const severity = (name) =>
+  Math.max(
+    verdicts.findIndex((verdict) => verdict.name === name),
+    0,
+  );
 
 /** Black or white, whichever can be read on a colour. @param {string} colour `#rrggbb` */
 export function inkOn(colour) {

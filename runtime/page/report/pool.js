@@ -23,7 +23,10 @@ const roleAxis = (view, role) => view.roles.indexOf(role);
 
 /** Points at the fixed values. @param {Doc} doc @param {import('./state.js').View} view @returns {number[]} */
 export function selected(doc, view) {
-  const fixed = view.roles.map((role, a) => [role, a]).filter(([role]) => role === 'fixed').map(([, a]) => a);
+  const fixed = view.roles
+    .map((role, a) => [role, a])
+    .filter(([role]) => role === 'fixed')
+    .map(([, a]) => a);
   const points = [];
   for (let p = 0; p < doc.count; ++p) if (fixed.every((a) => doc.at[p][a] === view.at[a])) points.push(p);
   return points;
@@ -61,7 +64,8 @@ export function group(doc, view, values, points = selected(doc, view)) {
     const [x, colour, panel] = axes.map((a) => (a < 0 ? -1 : doc.at[p][a]));
     const key = `${x} ${colour} ${panel} ${doc.isVoid[p]} ${doc.mark[p]}`;
     let group = found.get(key);
-    if (!group) found.set(key, group = { x, colour, panel, mark: doc.mark[p], isVoid: doc.isVoid[p], points: [], own: 0 });
+    if (!group)
+      found.set(key, (group = { x, colour, panel, mark: doc.mark[p], isVoid: doc.isVoid[p], points: [], own: 0 }));
     group.points.push(p);
     ++group.own;
   }
@@ -88,14 +92,29 @@ export function pool(points, estimates, mean) {
   const hasAll = usable.every((p) => has(estimates.low, p) && has(estimates.high, p));
   if (n === 1) {
     const [p] = usable;
-    return { value: estimates.value[p], low: hasAll ? estimates.low[p] : null, high: hasAll ? estimates.high[p] : null,
-      interval: hasAll ? 'given' : null };
+    return {
+      value: estimates.value[p],
+      low: hasAll ? estimates.low[p] : null,
+      high: hasAll ? estimates.high[p] : null,
+      interval: hasAll ? 'given' : null,
+    };
   }
   const centre = value.reduce((sum, each) => sum + each, 0) / n;
-  if (!hasAll) return { value: out(centre), low: out(value.reduce((a, b) => Math.min(a, b))),
-    high: out(value.reduce((a, b) => Math.max(a, b))), interval: 'range' };
-  const width = (side) => Math.sqrt(usable.reduce((sum, p, i) => sum + (into(estimates[side][p]) - value[i]) ** 2, 0)) / n;
-  return { value: out(centre), low: out(centre - width('low')), high: out(centre + width('high')), interval: 'quadrature' };
+  if (!hasAll)
+    return {
+      value: out(centre),
+      low: out(value.reduce((a, b) => Math.min(a, b))),
+      high: out(value.reduce((a, b) => Math.max(a, b))),
+      interval: 'range',
+    };
+  const width = (side) =>
+    Math.sqrt(usable.reduce((sum, p, i) => sum + (into(estimates[side][p]) - value[i]) ** 2, 0)) / n;
+  return {
+    value: out(centre),
+    low: out(centre - width('low')),
+    high: out(centre + width('high')),
+    interval: 'quadrature',
+  };
 }
 
 /**
@@ -109,9 +128,13 @@ export function thin(rows, most) {
   for (let i = 0; i < rows.length; i += size) {
     const bin = rows.slice(i, i + size);
     const mean = (key) => bin.reduce((sum, row) => sum + row[key], 0) / bin.length;
-    bins.push({ x: mean('x'), value: mean('value'), count: bin.length,
+    bins.push({
+      x: mean('x'),
+      value: mean('value'),
+      count: bin.length,
       low: bin.reduce((least, row) => Math.min(least, row.low ?? row.value), Infinity),
-      high: bin.reduce((greatest, row) => Math.max(greatest, row.high ?? row.value), -Infinity) });
+      high: bin.reduce((greatest, row) => Math.max(greatest, row.high ?? row.value), -Infinity),
+    });
   }
   return bins;
 }

@@ -64,7 +64,14 @@ export function unitOf(quantity, most) {
 function evenScale(values) {
   const sorted = [...values].sort((a, b) => a - b);
   const index = new Map(sorted.map((value, i) => [value, i]));
-  return { type: 'linear', domain: [-0.3, sorted.length - 0.7], ticks: sorted.map((_, i) => i), tickFormat: (i) => number(sorted[i], 4), place: (v) => index.get(v), isEven: true };
+  return {
+    type: 'linear',
+    domain: [-0.3, sorted.length - 0.7],
+    ticks: sorted.map((_, i) => i),
+    tickFormat: (i) => number(sorted[i], 4),
+    place: (v) => index.get(v),
+    isEven: true,
+  };
 }
 
 /** The x axis for values of an axis of numbers: a tick at each value that has room. */
@@ -72,7 +79,8 @@ export function valueScale(values, wish, width) {
   const [low, high] = extent(values);
   const isLog = low > 0 && (wish === 'log' || (wish === 'auto' && values.length > 2 && high / low >= 8));
   const sizes = values.map(Math.abs).filter((size) => size > 0);
-  if (low <= 0 && wish === 'auto' && values.length > 2 && extent(sizes)[1] / extent(sizes)[0] >= 50) return evenScale(values);
+  if (low <= 0 && wish === 'auto' && values.length > 2 && extent(sizes)[1] / extent(sizes)[0] >= 50)
+    return evenScale(values);
   const into = isLog ? Math.log : (v) => v;
   const pad = (into(high) - into(low)) * 0.04 || (isLog ? 0.2 : Math.abs(high) * 0.2 || 1);
   const out = isLog ? Math.exp : (v) => v;
@@ -104,8 +112,14 @@ export const rowLabel = (label, margin) => {
 
 /** `quantity 400` for the fixed axes of several values. */
 export function fixedText(doc, view) {
-  return doc.axes.map((axis, a) => (view.roles[a] === 'fixed' && axis.values.length > 1 ? `${axis.name} ${short(valueText(axis, view.at[a]), 40)}` : ''))
-    .filter(Boolean).join(', ');
+  return doc.axes
+    .map((axis, a) =>
+      view.roles[a] === 'fixed' && axis.values.length > 1
+        ? `${axis.name} ${short(valueText(axis, view.at[a]), 40)}`
+        : '',
+    )
+    .filter(Boolean)
+    .join(', ');
 }
 
 /** `Bars: 95 % interval, by bootstrap over the 9 repeats.` */
@@ -126,20 +140,31 @@ export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true 
   if (pooledNames.length) {
     const counts = grouped.groups.map((group) => group.points.length);
     const [least, most] = extent(counts);
-    notes.push(`Pooled over ${pooledNames.join(', ')}: ${means[mean]} of ${least === most ? most : `${least} to ${most}`} point${most === 1 ? '' : 's'}` +
-      (grouped.isUnmatched ? '; no cell is common to all marks, so that each has its own points.'
-        : grouped.groups.some((group) => group.points.length < group.own) ? ', the cells that all marks have.' : '.'));
+    notes.push(
+      `Pooled over ${pooledNames.join(', ')}: ${means[mean]} of ${least === most ? most : `${least} to ${most}`} point${most === 1 ? '' : 's'}` +
+        (grouped.isUnmatched
+          ? '; no cell is common to all marks, so that each has its own points.'
+          : grouped.groups.some((group) => group.points.length < group.own)
+            ? ', the cells that all marks have.'
+            : '.'),
+    );
   }
   if (hasIntervals) {
-    if (kinds.has('given') && doc.raw.interval?.name)
-      notes.push(intervalText(doc));
-    if (kinds.has('quadrature')) notes.push('Bars of pooled marks: the half-widths of their points in quadrature, as the runs are independent.');
+    if (kinds.has('given') && doc.raw.interval?.name) notes.push(intervalText(doc));
+    if (kinds.has('quadrature'))
+      notes.push('Bars of pooled marks: the half-widths of their points in quadrature, as the runs are independent.');
     if (kinds.has('range')) notes.push('Bars of pooled marks: the range over their points, which have no intervals.');
-    if (kinds.size === 0) notes.push('No intervals: ' + (view.statistic === 'mean' || mean === 'geometric' ? 'one repeat.' : 'they are made for the mean only.'));
+    if (kinds.size === 0)
+      notes.push(
+        'No intervals: ' +
+          (view.statistic === 'mean' || mean === 'geometric' ? 'one repeat.' : 'they are made for the mean only.'),
+      );
   }
   const marks = [...new Set(rows.filter((row) => row.mark && !row.isVoid).map((row) => row.mark))];
   if (rows.some((row) => row.isVoid)) {
-    const words = [...new Set(rows.filter((row) => row.isVoid).map((row) => row.mark || 'void'))].slice(0, 5).join('; ');
+    const words = [...new Set(rows.filter((row) => row.isVoid).map((row) => row.mark || 'void'))]
+      .slice(0, 5)
+      .join('; ');
     notes.push(`Hollow: the verdict voids the time (${short(words, 120)}); not joined, not pooled with sound points.`);
   }
   if (marks.length) notes.push(`In a ring: ${short(marks.slice(0, 5).join('; '), 120)}.`);
@@ -148,6 +173,10 @@ export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true 
 
 /** A line of text for a row of a figure's table. @param {{key: string, label: string, isNumber?: boolean}[]} columns */
 export function describeRow(columns, row) {
-  return columns.filter((column) => row[column.key] !== null && row[column.key] !== undefined && row[column.key] !== '')
-    .map((column) => [column.label, typeof row[column.key] === 'number' ? number(row[column.key], 4) : String(row[column.key])]);
+  return columns
+    .filter((column) => row[column.key] !== null && row[column.key] !== undefined && row[column.key] !== '')
+    .map((column) => [
+      column.label,
+      typeof row[column.key] === 'number' ? number(row[column.key], 4) : String(row[column.key]),
+    ]);
 }

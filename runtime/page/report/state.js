@@ -22,7 +22,8 @@ const single = new Set(['x', 'colour', 'panel']);
 const mostPanels = 8;
 const mostColours = 30;
 
-const most = (axes, indices) => indices.reduce((best, i) => (best < 0 || axes[i].values.length > axes[best].values.length ? i : best), -1);
+const most = (axes, indices) =>
+  indices.reduce((best, i) => (best < 0 || axes[i].values.length > axes[best].values.length ? i : best), -1);
 
 /** @param {import('./document.js').Doc} doc @returns {Role[]} */
 export function defaultRoles(doc) {
@@ -36,7 +37,10 @@ export function defaultRoles(doc) {
   };
   const isSeed = (i) => axes[i].kind === 'seed' || axes[i].name === 'seed';
   const useful = () => free.filter((i) => !isSeed(i));
-  const x = most(axes, useful().filter((i) => !axes[i].isText));
+  const x = most(
+    axes,
+    useful().filter((i) => !axes[i].isText),
+  );
   take('x', x >= 0 ? x : most(axes, useful()));
   const few = (limit) => useful().filter((i) => axes[i].values.length <= limit);
   const detector = doc.detectorAxis;
@@ -61,7 +65,10 @@ function defaultAt(doc) {
 /** For the map: the axis of numbers with the most values along x, the next one down. @param {import('./document.js').Doc} doc */
 function defaultMap(doc) {
   const free = doc.axes.map((_, i) => i).filter((i) => doc.axes[i].values.length > 1);
-  const x = most(doc.axes, free.filter((i) => !doc.axes[i].isText));
+  const x = most(
+    doc.axes,
+    free.filter((i) => !doc.axes[i].isText),
+  );
   const mapX = x >= 0 ? x : most(doc.axes, free);
   const rest = free.filter((i) => i !== mapX);
   const mapY = rest.includes(doc.detectorAxis) ? doc.detectorAxis : most(doc.axes, rest);
@@ -75,7 +82,7 @@ export function defaultView(doc) {
   return {
     roles: defaultRoles(doc),
     at: defaultAt(doc),
-    quantity: has('time:step') ? 'time:step' : has('time:detect') ? 'time:detect' : all[0]?.id ?? '',
+    quantity: has('time:step') ? 'time:step' : has('time:detect') ? 'time:detect' : (all[0]?.id ?? ''),
     statistic: 'mean',
     xScale: 'auto',
     yScale: 'auto',
@@ -139,7 +146,8 @@ export function decode(doc, text) {
   for (const key of ['mapX', 'mapY'])
     if (entries.has(key)) view[key] = doc.axes.findIndex((axis) => axis.name === entries.get(key));
   const highlight = entries.get('highlight');
-  if (/^\d+$/.test(highlight ?? '') && Number(highlight) < (doc.axes[view.roles.indexOf('colour')]?.values.length ?? 0)) view.highlight = Number(highlight);
+  if (/^\d+$/.test(highlight ?? '') && Number(highlight) < (doc.axes[view.roles.indexOf('colour')]?.values.length ?? 0))
+    view.highlight = Number(highlight);
   if (view.mapX === view.mapY) view.mapY = -1;
   if (/^[a-z-]{1,40}$/.test(entries.get('section') ?? '')) view.section = entries.get('section');
   return view;
