@@ -172,6 +172,10 @@ test('phases over the cycles stack up to the step', async () => {
   const point = document.points.at.findIndex(([d, q]) => d === 2 && q === 3);
   const wanted = document.cycles.step[document.cycles.points.indexOf(point)][50];
   assert.ok(Math.abs((at.reduce((sum, row) => sum + Number(row.at(-1)), 0) * 1e6) / wanted - 1) < 1e-9);
+  await tab.select('select[name=cycles]', 'lines');
+  await settle(tab);
+  assert.match(await text('#cycles .legend'), /broadnarrowsolveintegratestep/);
+  await clean();
   await tab.select('select[name=cycles]', 'points');
   await settle(tab);
   assert.match(await text('#cycles h3'), /Time of step in each cycle/);

@@ -110,9 +110,24 @@ function legend(entries, width, theme) {
   return { group, height: entries.length ? y + 16 : 0 };
 }
 
+/** Axes with every tick labelled: of a logarithmic scale, D3 leaves out labels that it finds too many. */
+function labelTicks(options) {
+  const labelled = { ...options, marks: [...options.marks] };
+  for (const [name, axisMark] of [
+    ['x', Plot.axisX],
+    ['y', Plot.axisY],
+  ]) {
+    const { ticks, tickFormat, label, labelAnchor, labelArrow, axis, ...scale } = options[name];
+    if (scale.type !== 'log' || axis === null) continue;
+    labelled[name] = { ...scale, axis: null };
+    labelled.marks.push(axisMark(ticks, { text: tickFormat, label, labelAnchor, labelArrow }));
+  }
+  return labelled;
+}
+
 /** A panel of Plot as a nested element, in a place and size of its own. */
 function panelElement(panel, x, y, width, height, theme) {
-  const options = panel.options({ width, height });
+  const options = labelTicks(panel.options({ width, height }));
   const plot = Plot.plot({
     ...options,
     width,
@@ -122,6 +137,7 @@ function panelElement(panel, x, y, width, height, theme) {
   const svg = plot.tagName.toLowerCase() === 'svg' ? plot : plot.querySelector('svg');
   for (const [name, value] of Object.entries({ x, y, width, height, 'font-family': font, 'font-size': 11 }))
     svg.setAttribute(name, value);
+  svg.setAttribute('aria-hidden', 'true'); // the label of the whole figure says it
   svg.removeAttribute('class');
   for (const rule of svg.querySelectorAll('style')) rule.remove();
   svg.setAttribute('style', `color:${theme.ink};overflow:visible;width:${width}px;height:${height}px`);

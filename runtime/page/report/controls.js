@@ -2,7 +2,7 @@
 import { quantities, statistics, statisticsOf, valueText } from './document.js';
 import { h } from './dom.js';
 import { short } from './format.js';
-import { phaseOf } from './over_cycles.js';
+import { phaseOf } from './cycle_points.js';
 import { assign, defaultView, roleNames } from './state.js';
 
 /** @typedef {(view: import('./state.js').View) => void} Change */
@@ -151,6 +151,7 @@ export function cycleTools(doc, view, change) {
       value: view.cycles,
       options: [
         { value: 'phases', label: 'phases, stacked' },
+        { value: 'lines', label: 'phases as lines' },
         { value: 'points', label: `${phaseOf(doc, view)} as lines` },
       ],
       change: (value) => change({ ...view, cycles: value }),

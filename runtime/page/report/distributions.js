@@ -3,7 +3,7 @@ import * as Plot from '@observablehq/plot';
 import * as d3 from 'd3';
 import { pointText } from './document.js';
 import { short, timeUnit } from './format.js';
-import { phaseOf, representatives, whereText } from './over_cycles.js';
+import { phaseOf, representatives, whereText } from './cycle_points.js';
 import { style } from './palette.js';
 import { extent, labelMargin, rowLabel, scale } from './scales.js';
 

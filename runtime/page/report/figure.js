@@ -143,6 +143,7 @@ export function createFigure({ id, describe, tools = () => [] }) {
     drawnAt = `${width} ${theme.name}`;
     drawing = describe(doc, view, { theme, width });
     element.classList.toggle('empty', 'empty' in drawing);
+    element.hidden = drawing.empty === '';
     actions.hidden = 'empty' in drawing;
     heading.textContent = drawing.title ?? '';
     if ('empty' in drawing) {

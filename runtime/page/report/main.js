@@ -152,7 +152,14 @@ function show(index) {
     { class: 'body' },
     parts.head(doc),
     parts.warnings(doc),
-    h('section', { id: 'summary', 'aria-label': 'Summary' }, above, element(figures[key]), below),
+    h(
+      'section',
+      { id: 'summary', 'aria-label': 'Summary' },
+      h('h2', { class: 'unseen' }, 'Summary'),
+      above,
+      element(figures[key]),
+      below,
+    ),
     ...sections.map(([id, title, items]) =>
       h(
         'section',

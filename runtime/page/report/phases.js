@@ -82,6 +82,7 @@ function stackedPanel(rows, { theme, labels, margin, scaleX, unit }) {
 /** Texts down: a bar for each, of the phases that make up its step. */
 function describeStackedRows(doc, view, { theme, width }) {
   const names = stackedPhases.filter((name) => doc.phases.some((phase) => phase.name === name));
+  if (names.length < 2) return { title: 'Phases', empty: '' };
   const { rows: found, totals, axis, grouped } = stackedRows(doc, { ...view, statistic: 'mean' }, names);
   const title = `Phases over ${axis?.name ?? 'the axis'}`;
   if (found.length === 0) return { title, empty: 'No sound point has times of single phases.' };

@@ -290,7 +290,7 @@ export function failures(doc) {
     table(
       [{ label: 'run' }, { label: 'why' }, { label: 'replay' }],
       list.slice(0, mostFailures).map((row) => [row.place, row.why, row.command ? command(row.command) : null]),
-      'Failures',
+      'Failed runs',
     ),
     list.length > mostFailures
       ? h('p', { class: 'note' }, `The first ${mostFailures} of ${count(list.length)}.`)

@@ -11,7 +11,7 @@ import { quantities, statisticsOf } from './document.js';
  * @property {'auto' | 'linear' | 'log'} xScale
  * @property {'auto' | 'linear' | 'log'} yScale
  * @property {number} highlight  the only value of the axis of colours that has a colour; -1 for all
- * @property {'phases' | 'points'} cycles  which figure over the cycles
+ * @property {'phases' | 'lines' | 'points'} cycles  which figure over the cycles
  * @property {string} error
  * @property {number} mapX       axis of the stability map, -1 for none
  * @property {number} mapY
@@ -21,6 +21,7 @@ export const roleNames = /** @type {const} */ (['x', 'colour', 'panel', 'fixed',
 const single = new Set(['x', 'colour', 'panel']);
 const mostPanels = 8;
 const mostColours = 30;
+const widest = 15; // ratio of times on one linear scale
 
 const most = (axes, indices) =>
   indices.reduce((best, i) => (best < 0 || axes[i].values.length > axes[best].values.length ? i : best), -1);
@@ -62,6 +63,19 @@ function defaultAt(doc) {
   return doc.count ? [...doc.at[best]] : doc.axes.map(() => 0);
 }
 
+/** Whether the configurations that stand side by side over the cycles differ too much for one linear scale. */
+function isWide(doc, roles, at) {
+  const compared = roles.includes('colour')
+    ? roles.indexOf('colour')
+    : doc.axes.findIndex((axis, a) => roles[a] === 'x' && axis.isText);
+  const times = (doc.times.step ?? doc.times.detect)?.mean ?? [];
+  const beside = doc.at
+    .map((_, p) => p)
+    .filter((p) => times[p] > 0 && at.every((i, a) => a === compared || doc.at[p][a] === i));
+  const values = beside.map((p) => times[p]);
+  return values.length > 1 && Math.max(...values) > widest * Math.min(...values);
+}
+
 /** For the map: the axis of numbers with the most values along x, the next one down. @param {import('./document.js').Doc} doc */
 function defaultMap(doc) {
   const free = doc.axes.map((_, i) => i).filter((i) => doc.axes[i].values.length > 1);
@@ -77,17 +91,19 @@ function defaultMap(doc) {
 
 /** @param {import('./document.js').Doc} doc @returns {View} */
 export function defaultView(doc) {
+  const roles = defaultRoles(doc);
+  const at = defaultAt(doc);
   const all = quantities(doc);
   const has = (id) => all.some((quantity) => quantity.id === id);
   return {
-    roles: defaultRoles(doc),
-    at: defaultAt(doc),
+    roles,
+    at,
     quantity: has('time:step') ? 'time:step' : has('time:detect') ? 'time:detect' : (all[0]?.id ?? ''),
     statistic: 'mean',
     xScale: 'auto',
     yScale: 'auto',
     highlight: -1,
-    cycles: 'phases',
+    cycles: isWide(doc, roles, at) ? 'points' : 'phases',
     error: doc.raw.fronts?.[0]?.error ?? '',
     ...defaultMap(doc),
     section: '',
@@ -108,7 +124,7 @@ const choices = (doc) => ({
   statistic: doc.phases.length ? [...new Set(doc.phases.flatMap((phase) => statisticsOf(doc, phase.name)))] : ['mean'],
   xScale: ['auto', 'linear', 'log'],
   yScale: ['auto', 'linear', 'log'],
-  cycles: ['phases', 'points'],
+  cycles: ['phases', 'lines', 'points'],
   error: (doc.raw.fronts ?? []).map((front) => front.error),
 });
 const texts = ['quantity', 'statistic', 'xScale', 'yScale', 'cycles', 'error', 'section'];
