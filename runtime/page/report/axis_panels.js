@@ -63,50 +63,37 @@ const hotOf = (rows, colours) =>
 const asides = (colours) => (colour) =>
   (colours.indexOf(colour) - (colours.length - 1) / 2) * Math.min(4, 16 / colours.length);
 
+/** A series as a line with its intervals; a long one as its means and the range around them. */
+function seriesMarks(series, theme, { at, dx }) {
+  const { colour, dash } = style(theme, series[0].colour);
+  const isLong = series.length > mostMarks;
+  const shown = isLong ? thin(series, mostMarks / 2) : series;
+  const spread = isLong
+    ? Plot.areaY(shown, { x: at, y1: 'low', y2: 'high', fill: colour, fillOpacity: 0.2 })
+    : Plot.ruleX(
+        series.filter((row) => row.low !== null),
+        { x: at, y1: 'low', y2: 'high', dx, stroke: colour, strokeWidth: 1.3 },
+      );
+  const line = { x: at, y: 'value', dx, stroke: colour, strokeWidth: 1.6, strokeDasharray: dash ?? undefined };
+  return series.length > 1 ? [spread, Plot.line(shown, line)] : [spread];
+}
+
 /** Lines over an axis of numbers. */
 function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
   const aside = asides(colours);
+  const isLast = (i) => Number(i === theme.highlight);
+  const series = seriesOf(rows).sort((a, b) => isLast(a[0].colour) - isLast(b[0].colour));
+  const order = [...colours].sort((a, b) => isLast(a) - isLast(b));
   return ({ width, height }) => {
     const scaleX = x(width - 58);
     const at = (row) => scaleX.place(row.x);
-    const marks = [Plot.gridY({ ticks: y.ticks, stroke: theme.grid, strokeOpacity: 1 })];
-    const isThin = rows.length > mostMarks;
-    const isLast = (i) => Number(i === theme.highlight);
-    for (const series of seriesOf(rows).sort((a, b) => isLast(a[0].colour) - isLast(b[0].colour))) {
-      const { colour, dash } = style(theme, series[0].colour);
-      const dx = aside(series[0].colour);
-      const shown = series.length > mostMarks ? thin(series, mostMarks / 2) : series;
-      if (series.length > mostMarks)
-        marks.push(Plot.areaY(shown, { x: at, y1: 'low', y2: 'high', fill: colour, fillOpacity: 0.2 }));
-      else
-        marks.push(
-          Plot.ruleX(
-            series.filter((row) => row.low !== null),
-            { x: at, y1: 'low', y2: 'high', dx, stroke: colour, strokeWidth: 1.3 },
-          ),
-        );
-      if (series.length > 1)
-        marks.push(
-          Plot.line(shown, {
-            x: at,
-            y: 'value',
-            dx,
-            stroke: colour,
-            strokeWidth: 1.6,
-            strokeDasharray: dash ?? undefined,
-          }),
-        );
-    }
-    if (!isThin)
-      for (const i of [...colours].sort((a, b) => isLast(a) - isLast(b)))
-        marks.push(
-          ...dots(
-            rows.filter((row) => row.colour === i),
-            theme,
-            { x: at, y: 'value', dx: aside(i) },
-            `hot hot-${i + 1}`,
-          ),
-        );
+    const marks = series.flatMap((each) => seriesMarks(each, theme, { at, dx: aside(each[0].colour) }));
+    if (rows.length <= mostMarks)
+      for (const i of order) {
+        const own = rows.filter((row) => row.colour === i);
+        marks.push(...dots(own, theme, { x: at, y: 'value', dx: aside(i) }, `hot hot-${i + 1}`));
+      }
+    const label = scaleX.isEven ? `${xLabel}, evenly spaced` : xLabel;
     return {
       width,
       height,
@@ -114,14 +101,9 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
       marginTop: 24,
       marginBottom: 38,
       marginRight: 12,
-      x: {
-        ...scaleX,
-        label: scaleX.isEven ? `${xLabel}, evenly spaced` : xLabel,
-        labelAnchor: 'right',
-        labelArrow: 'right',
-      },
+      x: { ...scaleX, label, labelAnchor: 'right', labelArrow: 'right' },
       y: { ...y, label: yLabel, labelArrow: 'up' },
-      marks,
+      marks: [Plot.gridY({ ticks: y.ticks, stroke: theme.grid, strokeOpacity: 1 }), ...marks],
     };
   };
 }

@@ -26,6 +26,7 @@ import { short } from './format.js';
  */
 
 export const font = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, "DejaVu Sans", sans-serif';
+const gap = 22; // px between panels
 const context = document.createElement('canvas').getContext('2d');
 
 /** @param {string} text @param {number} size px @param {boolean} [isBold] */
@@ -149,58 +150,59 @@ function panelElement(panel, x, y, width, height, theme) {
   return svg;
 }
 
-/** @param {Drawing} drawing @param {{width: number, theme: Theme, isWhole?: boolean}} how  isWhole: with title, notes, background */
+/** The panels in rows of nearly the same length, below `top`. @returns {number}  where they end */
+function addPanels(parent, drawing, top, width, theme) {
+  const count = drawing.panels.length;
+  const fit = Math.max(1, Math.min(count, drawing.perRow ?? Math.floor(width / 300)));
+  const perRow = Math.ceil(count / Math.ceil(count / fit));
+  const each = (width - gap * (perRow - 1)) / perRow;
+  let y = top;
+  for (let i = 0; i < count; i += perRow) {
+    const row = drawing.panels.slice(i, i + perRow);
+    const titleHeight = row.some((panel) => panel.title) ? 20 : 0;
+    const heightOf = (panel) => panel.height ?? drawing.height ?? 300;
+    row.forEach((panel, k) => {
+      const x = k * (each + gap);
+      const title = short(panel.title, Math.max(12, Math.floor(each / 7)));
+      const look = { 'font-size': 12, 'font-weight': 600, fill: theme.ink, class: 'panel-title' };
+      if (titleHeight) parent.append(s('text', { x, y: y + 13, ...look }, title));
+      parent.append(panelElement(panel, x, y + titleHeight, each, heightOf(panel), theme));
+    });
+    y += Math.max(...row.map(heightOf)) + titleHeight + (i + perRow < count ? 10 : 0);
+  }
+  return y;
+}
+
+/** Text in lines below `top`. @returns {number}  where they end */
+function addLines(parent, text, top, { width, size, isBold = false, fill }) {
+  let y = top;
+  for (const line of wrap(text, width, size, isBold)) {
+    y += size * 1.35;
+    const look = { 'font-size': size, 'font-weight': isBold ? 600 : null, fill };
+    parent.append(s('text', { y: y - size * 0.3, ...look }, line));
+  }
+  return y;
+}
+
+/**
+ * @param {Drawing} drawing
+ * @param {{width: number, theme: Theme, isWhole?: boolean}} how  isWhole: with title, notes, background
+ */
 export function compose(drawing, { width: outer, theme, isWhole = false }) {
   const margin = isWhole ? 20 : 0;
   const width = outer - 2 * margin;
   const svg = s('svg', { xmlns: 'http://www.w3.org/2000/svg', 'font-family': font, fill: theme.ink, color: theme.ink });
   const inner = s('g', { transform: `translate(${margin},${margin})` });
   svg.append(inner);
-  let y = 0;
-  const lines = (text, size, isBold, fill) => {
-    for (const line of wrap(text, width, size, isBold)) {
-      y += size * 1.35;
-      inner.append(s('text', { y: y - size * 0.3, 'font-size': size, 'font-weight': isBold ? 600 : null, fill }, line));
-    }
-  };
-  if (isWhole) {
-    lines(drawing.title, 16, true, theme.ink);
-    y += 10;
-  }
+  let y = isWhole ? addLines(inner, drawing.title, 0, { width, size: 16, isBold: true, fill: theme.ink }) + 10 : 0;
   const keys = legend(drawing.legend, width, theme);
   keys.group.setAttribute('transform', `translate(0,${y})`);
   inner.append(keys.group);
-  y += keys.height;
-  const fit = Math.max(1, Math.min(drawing.panels.length, drawing.perRow ?? Math.floor(width / 300)));
-  const perRow = Math.ceil(drawing.panels.length / Math.ceil(drawing.panels.length / fit)); // rows of nearly the same length
-  const gap = 22;
-  const each = (width - gap * (perRow - 1)) / perRow;
-  for (let i = 0; i < drawing.panels.length; i += perRow) {
-    const row = drawing.panels.slice(i, i + perRow);
-    const titled = row.some((panel) => panel.title);
-    const height = Math.max(...row.map((panel) => panel.height ?? drawing.height ?? 300));
-    row.forEach((panel, k) => {
-      const x = k * (each + gap);
-      if (titled)
-        inner.append(
-          s(
-            'text',
-            { x, y: y + 13, 'font-size': 12, 'font-weight': 600, fill: theme.ink, class: 'panel-title' },
-            short(panel.title, Math.max(12, Math.floor(each / 7))),
-          ),
-        );
-      inner.append(panelElement(panel, x, y + (titled ? 20 : 0), each, panel.height ?? height, theme));
-    });
-    y += height + (titled ? 20 : 0) + (i + perRow < drawing.panels.length ? 10 : 0);
-  }
-  if (isWhole) {
-    y += 12;
-    for (const note of drawing.notes) lines(note, 11, false, theme.muted);
-  }
+  y = addPanels(inner, drawing, y + keys.height, width, theme);
+  if (isWhole) y = addLines(inner, drawing.notes.join(' '), y + 12, { width, size: 11, fill: theme.muted });
   const height = Math.ceil(y + 2 * margin);
   if (isWhole) svg.prepend(s('rect', { width: outer, height, fill: theme.background }));
-  svg.setAttribute('viewBox', `0 0 ${outer} ${height}`);
-  svg.setAttribute('width', String(outer));
-  svg.setAttribute('height', String(height));
+  for (const [name, value] of Object.entries({ viewBox: `0 0 ${outer} ${height}`, width: outer, height }))
+    svg.setAttribute(name, String(value));
   return svg;
 }

@@ -32,8 +32,6 @@ export function select({ name, label, value, options, change }) {
   );
 }
 
-const same = (list) => list.map((value) => ({ value, label: value }));
-
 /** Which value of an axis counts. @param {number[]} [allowed] */
 export function valueSelect(doc, view, a, change, allowed = doc.axes[a].values.map((_, i) => i), prefix = 'at') {
   const axis = doc.axes[a];
@@ -75,68 +73,43 @@ function highlightSelect(doc, view, change) {
   });
 }
 
+const group = (title, ...children) => h('fieldset', {}, h('legend', {}, title), ...children);
+
+/** What is drawn over the axes, and which statistic of it. */
+function quantitySelects(doc, view, change) {
+  const all = quantities(doc);
+  const list = view.quantity.startsWith('time:') ? statisticsOf(doc, phaseOf(doc, view)) : [];
+  const quantity = select({
+    name: 'quantity',
+    label: 'draw',
+    value: view.quantity,
+    options: all.map((each) => ({ value: each.id, label: each.label, group: each.group })),
+    change: (value) => change({ ...view, quantity: value }),
+  });
+  const statistic = select({
+    name: 'statistic',
+    label: 'statistic',
+    value: view.statistic,
+    options: list.map((name) => ({ value: name, label: statistics[name] })),
+    change: (value) => change({ ...view, statistic: value }),
+  });
+  return [all.length > 1 && quantity, list.length > 1 && statistic];
+}
+
+function scaleSelect(view, name, label, change) {
+  const options = ['auto', 'linear', 'log'].map((value) => ({ value, label: value }));
+  return select({ name, label, value: view[name], options, change: (value) => change({ ...view, [name]: value }) });
+}
+
 /** @param {import('./document.js').Doc} doc @param {import('./state.js').View} view @param {Change} change */
 export function controls(doc, view, change) {
-  const set = (key) => (value) => change({ ...view, [key]: value });
   const free = doc.axes.map((_, a) => a).filter((a) => doc.axes[a].values.length > 1);
-  const all = quantities(doc);
-  const list = statisticsOf(doc, phaseOf(doc, view));
-  const isTime = view.quantity.startsWith('time:');
+  const axes = free.map((a) => axisControl(doc, view, a, change));
   return [
-    all.length > 1 &&
-      h(
-        'fieldset',
-        {},
-        h('legend', {}, 'Figure'),
-        select({
-          name: 'quantity',
-          label: 'draw',
-          value: view.quantity,
-          options: all.map((each) => ({ value: each.id, label: each.label, group: each.group })),
-          change: set('quantity'),
-        }),
-        isTime &&
-          list.length > 1 &&
-          select({
-            name: 'statistic',
-            label: 'statistic',
-            value: view.statistic,
-            options: list.map((name) => ({ value: name, label: statistics[name] })),
-            change: set('statistic'),
-          }),
-      ),
-    free.length > 0 &&
-      h(
-        'fieldset',
-        {},
-        h('legend', {}, 'Axes'),
-        ...free.map((a) => axisControl(doc, view, a, change)),
-        highlightSelect(doc, view, change),
-      ),
-    h(
-      'fieldset',
-      {},
-      h('legend', {}, 'Scales'),
-      select({
-        name: 'xScale',
-        label: 'x',
-        value: view.xScale,
-        options: same(['auto', 'linear', 'log']),
-        change: set('xScale'),
-      }),
-      select({
-        name: 'yScale',
-        label: 'times',
-        value: view.yScale,
-        options: same(['auto', 'linear', 'log']),
-        change: set('yScale'),
-      }),
-    ),
-    h(
-      'button',
-      { type: 'button', name: 'reset', click: () => change({ ...defaultView(doc), section: '' }) },
-      'Defaults',
-    ),
+    quantities(doc).length > 1 && group('Figure', ...quantitySelects(doc, view, change)),
+    free.length > 0 && group('Axes', ...axes, highlightSelect(doc, view, change)),
+    group('Scales', scaleSelect(view, 'xScale', 'x', change), scaleSelect(view, 'yScale', 'times', change)),
+    h('button', { type: 'button', name: 'reset', click: () => change(defaultView(doc)) }, 'Defaults'),
   ].filter(Boolean);
 }
 

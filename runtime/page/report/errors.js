@@ -6,6 +6,9 @@ import { extent, intervalText, logTicks } from './scales.js';
 import { textWidth } from './compose.js';
 
 const mostLabels = 14;
+const mostNamed = 40; // configurations of a panel whose front has names
+const mostLabelLength = 40;
+const speedLabel = 'speed, simulated s per s';
 
 const errorInfo = (doc, name) => doc.raw.points?.errors?.[name] ?? {};
 
@@ -56,93 +59,163 @@ function labels(rows, x, y, width, height) {
   return out;
 }
 
-function panelOf(rows, { theme, x, y, unit, label }) {
+/** The front and the configurations with their intervals. */
+function marksOf(rows, theme) {
+  const ink = (row) => style(theme, row.colour).colour;
+  const front = rows.filter((row) => row.onFront).sort((a, b) => a.speed - b.speed);
+  const intervals = { stroke: ink, strokeWidth: 1.2 };
+  return [
+    Plot.line(front, {
+      x: 'speed',
+      y: 'error',
+      curve: 'step-before',
+      stroke: theme.muted,
+      strokeWidth: 1.2,
+      strokeDasharray: '4 3',
+    }),
+    Plot.ruleX(rows, { x: 'speed', y1: 'errorLow', y2: 'errorHigh', filter: (row) => row.errorLow > 0, ...intervals }),
+    Plot.ruleY(rows, { y: 'error', x1: 'speedLow', x2: 'speedHigh', filter: (row) => row.speedLow > 0, ...intervals }),
+    Plot.dot(rows, {
+      x: 'speed',
+      y: 'error',
+      className: 'hot',
+      symbol: (row) => style(theme, row.colour).symbol,
+      stroke: ink,
+      strokeWidth: 1.7,
+      r: (row) => (row.onFront ? 5.4 : 3.6),
+      fill: (row) => (row.isVoid ? theme.background : ink(row)),
+      fillOpacity: (row) => (row.onFront ? 1 : row.isTie ? 0.65 : 0.35),
+    }),
+  ];
+}
+
+/** Names of the configurations on the front. */
+function nameMarks(rows, { theme, x, y, width, height }) {
+  const front = rows.filter((row) => row.onFront).sort((a, b) => a.speed - b.speed);
+  const named = rows.length <= mostNamed ? labels(front.slice(0, mostLabels), x, y, width - 72, height - 66) : [];
+  return corners.map(({ side, dy }) =>
+    Plot.text(named, {
+      x: 'speed',
+      y: 'error',
+      text: 'label',
+      filter: (row) => row.side === side && row.dy === dy,
+      textAnchor: side,
+      dx: side === 'start' ? 4 : -4,
+      dy,
+      fill: theme.ink,
+      fontSize: 10.5,
+    }),
+  );
+}
+
+function panelOf(rows, { theme, x, y, label }) {
   return ({ width, height }) => {
-    const margin = { marginLeft: 58, marginRight: 14, marginTop: 26, marginBottom: 40 };
-    const ink = (row) => style(theme, row.colour).colour;
-    const front = rows.filter((row) => row.onFront).sort((a, b) => a.speed - b.speed);
-    const named = rows.length <= 40 ? labels(front.slice(0, mostLabels), x, y, width - 72, height - 66) : [];
+    const ticks = { x: logTicks(...x, Math.max(3, Math.floor(width / 90))), y: logTicks(...y, 7) };
+    const common = { type: 'log', tickFormat: (v) => number(v) };
+    const best = {
+      frameAnchor: 'bottom-right',
+      dx: -4,
+      dy: -6,
+      fill: theme.muted,
+      fontStyle: 'italic',
+      text: (d) => d,
+    };
     return {
       width,
       height,
-      ...margin,
-      x: {
-        type: 'log',
-        domain: x,
-        ticks: logTicks(...x, Math.max(3, Math.floor(width / 90))),
-        tickFormat: (v) => number(v),
-        label: 'speed, simulated s per s',
-        labelAnchor: 'right',
-        labelArrow: 'right',
-      },
-      y: {
-        type: 'log',
-        domain: y,
-        ticks: logTicks(...y, 7),
-        tickFormat: (v) => number(v),
-        label: `${label}${unit ? `, ${unit}` : ''} (down is better)`,
-        labelArrow: 'none',
-      },
+      marginLeft: 58,
+      marginRight: 14,
+      marginTop: 26,
+      marginBottom: 40,
+      x: { ...common, domain: x, ticks: ticks.x, label: speedLabel, labelAnchor: 'right', labelArrow: 'right' },
+      y: { ...common, domain: y, ticks: ticks.y, label: `${label} (down is better)`, labelArrow: 'none' },
       marks: [
-        Plot.gridX({
-          stroke: theme.grid,
-          strokeOpacity: 1,
-          ticks: logTicks(...x, Math.max(3, Math.floor(width / 90))),
-        }),
-        Plot.gridY({ stroke: theme.grid, strokeOpacity: 1, ticks: logTicks(...y, 7) }),
-        Plot.text(['best: fast and accurate ↘'], {
-          frameAnchor: 'bottom-right',
-          dx: -4,
-          dy: -6,
-          fill: theme.muted,
-          fontStyle: 'italic',
-          text: (d) => d,
-        }),
-        Plot.line(front, {
-          x: 'speed',
-          y: 'error',
-          curve: 'step-before',
-          stroke: theme.muted,
-          strokeWidth: 1.2,
-          strokeDasharray: '4 3',
-        }),
-        Plot.ruleX(
-          rows.filter((row) => row.errorLow > 0),
-          { x: 'speed', y1: 'errorLow', y2: 'errorHigh', stroke: ink, strokeWidth: 1.2 },
-        ),
-        Plot.ruleY(
-          rows.filter((row) => row.speedLow !== null),
-          { y: 'error', x1: 'speedLow', x2: 'speedHigh', stroke: ink, strokeWidth: 1.2 },
-        ),
-        Plot.dot(rows, {
-          x: 'speed',
-          y: 'error',
-          className: 'hot',
-          symbol: (row) => style(theme, row.colour).symbol,
-          stroke: ink,
-          strokeWidth: 1.7,
-          r: (row) => (row.onFront ? 5.4 : 3.6),
-          fill: (row) => (row.isVoid ? theme.background : ink(row)),
-          fillOpacity: (row) => (row.onFront ? 1 : row.isTie ? 0.65 : 0.35),
-        }),
-        ...corners.map(({ side, dy }) =>
-          Plot.text(
-            named.filter((row) => row.side === side && row.dy === dy),
-            {
-              x: 'speed',
-              y: 'error',
-              text: 'label',
-              textAnchor: side,
-              dx: side === 'start' ? 4 : -4,
-              dy,
-              fill: theme.ink,
-              fontSize: 10.5,
-            },
-          ),
-        ),
+        Plot.gridX({ stroke: theme.grid, strokeOpacity: 1, ticks: ticks.x }),
+        Plot.gridY({ stroke: theme.grid, strokeOpacity: 1, ticks: ticks.y }),
+        Plot.text(['best: fast and accurate ↘'], best),
+        ...marksOf(rows, theme),
+        ...nameMarks(rows, { theme, x, y, width, height }),
       ],
     };
   };
+}
+
+/** A row of the document for the figure. `least`: where an error of 0 is drawn. */
+function rowOf(row, { each, colour, varied, least }) {
+  const hasInterval = row.low > 0 && row.high > 0;
+  return {
+    configuration: atText(row.at) || 'the only configuration',
+    label: short(varied.map(({ axis }) => String(row.at[axis.name])).join(' · '), 30),
+    each: atText(each),
+    colour: colour ? colour.axis.values.indexOf(row.at[colour.axis.name]) : -1,
+    speed: 1000 / row.ms_per_s,
+    speedLow: hasInterval ? 1000 / row.high : null,
+    speedHigh: hasInterval ? 1000 / row.low : null,
+    msPerS: row.ms_per_s,
+    low: row.low,
+    high: row.high,
+    given: row.error,
+    error: row.error > 0 ? row.error : least,
+    errorLow: row.error_low ?? null,
+    errorHigh: row.error_high ?? null,
+    floor: row.floor ?? null,
+    onFront: Boolean(row.on_front),
+    isTie: Boolean(row.is_tie),
+    isVoid: Boolean(row.is_void),
+    state: row.is_void ? 'void' : row.on_front ? 'front' : row.is_tie ? 'tie' : '',
+  };
+}
+
+/** Columns that have a value. */
+function columnsOf(rows, name, unit) {
+  return [
+    ['each', 'group'],
+    ['configuration', 'configuration'],
+    ['msPerS', 'run time, ms per simulated s', true],
+    ['low', 'low', true],
+    ['high', 'high', true],
+    ['speed', speedLabel, true],
+    ['given', `${name} error${unit ? `, ${unit}` : ''}`, true],
+    ['errorLow', 'error low', true],
+    ['errorHigh', 'error high', true],
+    ['floor', 'noise floor', true],
+    ['state', 'front'],
+  ]
+    .map(([key, label, isNumber = false]) => ({ key, label, isNumber }))
+    .filter(({ key }) => rows.some((row) => row[key] !== null && row[key] !== ''));
+}
+
+function notesOf(doc, view, rows, info) {
+  const some = (test, note) => (rows.some(test) ? [note] : []);
+  const statistic = doc.raw.statistic?.replace(/\.$/, '') ?? 'the mean time of a cycle';
+  const isLong = info.label && info.label.length > mostLabelLength;
+  return [
+    ...(isLong ? [`${short(view.error, 40)}: ${short(info.label, 300)}.`] : []),
+    'The lower right is best: fast and accurate.',
+    'Large: on the front, where no other configuration is both as fast and as accurate.',
+    'Small: behind it, or darker if it ties with the front within the intervals.',
+    `Speed: ${statistic.charAt(0).toLowerCase()}${statistic.slice(1)}, divided by the time step.`,
+    rows.some((row) => row.speedLow !== null) ? intervalText(doc) : 'No intervals of the speed: one repeat.',
+    ...some((row) => row.errorLow !== null, 'Bars of errors: over the seeds.'),
+    ...some((row) => row.given < row.floor, 'An error below its noise floor is not a better one.'),
+    ...some((row) => row.given <= 0, 'An error of 0 is drawn at the lower edge.'),
+    ...some((row) => row.isVoid, 'Hollow: the verdict voids the time.'),
+  ];
+}
+
+function domainOf(values) {
+  const [low, high] = extent(values.filter((value) => value > 0));
+  const pad = Math.max((high / low) ** 0.08, 1.3);
+  return [low / pad, high * pad];
+}
+
+/** The values of the axis that has the colours. */
+function legendOf(rows, colour, theme) {
+  if (!colour) return [];
+  return colour.axis.values
+    .map((value, i) => ({ label: `${colour.axis.name} ${value}`, i }))
+    .filter(({ i }) => rows.some((row) => row.colour === i))
+    .map(({ label, i }) => ({ label, colour: style(theme, i).colour, symbol: style(theme, i).symbol }));
 }
 
 export function describeErrors(doc, view, { theme, width }) {
@@ -152,94 +225,31 @@ export function describeErrors(doc, view, { theme, width }) {
   const info = errorInfo(doc, view.error);
   const all = fronts.flatMap((front) => front.rows ?? []);
   const { colour, varied } = styleAxes(doc, view, all);
-  const positive = all.map((row) => row.error).filter((error) => error > 0);
-  const least = positive.length ? Math.min(...positive) : 1e-12;
+  const least = Math.min(...all.map((row) => row.error).filter((error) => error > 0), 1) / 2;
   const rows = [];
-  const panels = fronts.map((front) => {
-    const own = (front.rows ?? [])
-      .filter((row) => row.error !== null && row.ms_per_s > 0)
-      .map((row) => ({
-        configuration: atText(row.at) || 'the only configuration',
-        label: short(varied.map(({ axis }) => String(row.at[axis.name])).join(' · '), 30),
-        each: atText(front.each),
-        colour: colour ? colour.axis.values.indexOf(row.at[colour.axis.name]) : -1,
-        speed: 1000 / row.ms_per_s,
-        speedLow: row.high > 0 && row.low > 0 ? 1000 / row.high : null,
-        speedHigh: row.low > 0 ? 1000 / row.low : null,
-        msPerS: row.ms_per_s,
-        low: row.low,
-        high: row.high,
-        given: row.error,
-        error: row.error > 0 ? row.error : least / 2,
-        errorLow: row.error_low ?? null,
-        errorHigh: row.error_high ?? null,
-        floor: row.floor ?? null,
-        onFront: Boolean(row.on_front),
-        isTie: Boolean(row.is_tie),
-        isVoid: Boolean(row.is_void),
-        state: row.is_void ? 'void' : row.on_front ? 'front' : row.is_tie ? 'tie' : '',
-      }));
-    const first = rows.length;
+  const groups = fronts.map((front) => {
+    const usable = (front.rows ?? []).filter((row) => row.error !== null && row.ms_per_s > 0);
+    const own = usable.map((row) => rowOf(row, { each: front.each, colour, varied, least }));
     rows.push(...own);
-    return { own, first, title: atText(front.each) };
+    return { own, first: rows.length - own.length, title: atText(front.each) };
   });
   if (rows.length === 0) return { title, empty: 'No configuration has both an error and a time.' };
-  const domainOf = (values) => {
-    const [low, high] = extent(values.filter((value) => value > 0));
-    const pad = Math.max((high / low) ** 0.08, 1.3);
-    return [low / pad, high * pad];
-  };
   const x = domainOf(rows.flatMap((row) => [row.speed, row.speedLow, row.speedHigh]));
   const y = domainOf(rows.flatMap((row) => [row.error, row.errorLow, row.errorHigh]));
-  const zero = rows.some((row) => row.given <= 0);
-  const columns = [
-    ['each', 'group'],
-    ['configuration', 'configuration'],
-    ['msPerS', 'run time, ms per simulated s', true],
-    ['low', 'low', true],
-    ['high', 'high', true],
-    ['speed', 'speed, simulated s per s', true],
-    ['given', `${view.error} error${info.unit ? `, ${info.unit}` : ''}`, true],
-    ['errorLow', 'error low', true],
-    ['errorHigh', 'error high', true],
-    ['floor', 'noise floor', true],
-    ['state', 'front'],
-  ]
-    .map(([key, label, isNumber = false]) => ({ key, label, isNumber }))
-    .filter(({ key }) => rows.some((row) => row[key] !== null && row[key] !== ''));
-  const label = info.label && String(info.label).length <= 40 ? String(info.label) : `error in ${view.error}`;
+  const name = info.label && info.label.length <= mostLabelLength ? info.label : `error in ${view.error}`;
+  const label = `${name}${info.unit ? `, ${info.unit}` : ''}`;
   return {
     title: `Error in ${short(view.error, 40).replace(/_/g, ' ')} against speed`,
-    columns,
+    columns: columnsOf(rows, view.error, info.unit),
     rows,
-    perRow: panels.length > 1 ? Math.max(1, Math.min(panels.length, Math.floor(width / 340))) : 1,
-    height: panels.length > 1 ? 300 : 400,
-    panels: panels.map(({ own, first, title: name }) => ({
-      title: name,
+    perRow: Math.max(1, Math.floor(width / 340)),
+    height: groups.length > 1 ? 300 : 400,
+    panels: groups.map(({ own, first, title: each }) => ({
+      title: each,
       hot: { hot: own.map((_, i) => first + i) },
-      options: panelOf(own, { theme, x, y, unit: info.unit, label }),
+      options: panelOf(own, { theme, x, y, label }),
     })),
-    legend: colour
-      ? colour.axis.values
-          .map((value, i) => ({ value, i }))
-          .filter(({ i }) => rows.some((row) => row.colour === i))
-          .map(({ value, i }) => ({
-            label: `${colour.axis.name} ${value}`,
-            colour: style(theme, i).colour,
-            symbol: style(theme, i).symbol,
-          }))
-      : [],
-    notes: [
-      'The lower right is best: fast and accurate. Large and filled: on the front, no other configuration is both as fast and as accurate. Half filled: ties with the front within the intervals. Pale: behind it.',
-      `Speed from ${doc.raw.statistic ? `${doc.raw.statistic.charAt(0).toLowerCase()}${doc.raw.statistic.slice(1).replace(/\.$/, '')}` : 'the mean time of a cycle'}, divided by the time step.`,
-      ...(doc.raw.interval?.name && rows.some((row) => row.speedLow !== null)
-        ? [intervalText(doc)]
-        : ['No intervals of the speed: one repeat.']),
-      ...(rows.some((row) => row.floor !== null && row.given < row.floor)
-        ? ['An error below its noise floor is not a better one.']
-        : []),
-      ...(zero ? ['An error of 0 is drawn at the lower edge.'] : []),
-      ...(rows.some((row) => row.isVoid) ? ['Hollow: the verdict voids the time.'] : []),
-    ],
+    legend: legendOf(rows, colour, theme),
+    notes: notesOf(doc, view, rows, info),
   };
 }

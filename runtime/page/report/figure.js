@@ -90,6 +90,64 @@ function dataTable(drawing) {
  * @property {(doc: import('./document.js').Doc, view: import('./state.js').View) => void} update
  * @property {() => void} redraw
  */
+/** Saves the figure in a format; `message` says why it could not. */
+function saveButton(format, id, { getName, getDescribe, message }) {
+  const click = async () => {
+    try {
+      await save(format, getName(), getDescribe());
+      message.textContent = '';
+    } catch (error) {
+      message.textContent = `Not saved: ${error.message}`;
+    }
+  };
+  const label = format.toUpperCase();
+  return h('button', { type: 'button', 'aria-label': `Save ${id} as ${label}`, click }, label);
+}
+
+/** The elements of a figure; `data` has its table while it is open. */
+function elementsOf(id) {
+  const parts = {
+    heading: h('h3'),
+    toolbar: h('div', { class: 'tools' }),
+    plot: h('div', { class: 'plot' }),
+    notes: h('p', { class: 'note' }),
+    data: h('details', { class: 'data' }, h('summary', {}, 'Data')),
+    message: h('span', { role: 'status' }),
+    actions: h('div', { class: 'actions' }),
+  };
+  const { heading, toolbar, plot, notes, actions } = parts;
+  return { ...parts, element: h('figure', { id }, h('figcaption', {}, heading), toolbar, plot, notes, actions) };
+}
+
+/** The drawing in place of the old one. */
+function show(parts, drawing, how) {
+  const isEmpty = 'empty' in drawing;
+  parts.element.classList.toggle('empty', isEmpty);
+  parts.element.hidden = drawing.empty === '';
+  parts.actions.hidden = isEmpty;
+  parts.heading.textContent = drawing.title ?? '';
+  parts.notes.textContent = isEmpty ? drawing.empty : drawing.notes.join(' ');
+  if (isEmpty) return parts.plot.replaceChildren();
+  const svg = compose(drawing, how);
+  const values = `${drawing.rows.length} values; the arrow keys visit them, and they are in the table below.`;
+  for (const [name, value] of Object.entries({
+    role: 'img',
+    tabindex: '0',
+    'aria-label': `${drawing.title}. ${values}`,
+  }))
+    svg.setAttribute(name, value);
+  parts.plot.replaceChildren(svg);
+  listen(svg, drawing);
+  return parts.data.dispatchEvent(new Event('toggle'));
+}
+
+/** Replaces controls, and gives the focus to the one that had it. @param {HTMLElement} holder @param {Node[]} controls */
+export function replaceControls(holder, controls) {
+  const focused = holder.contains(document.activeElement) ? document.activeElement.name : '';
+  holder.replaceChildren(...controls);
+  if (focused) holder.querySelector(`[name="${CSS.escape(focused)}"]`)?.focus();
+}
+
 /**
  * @param {object} options
  * @param {string} options.id       of the element, and the name of exported files
@@ -98,81 +156,40 @@ function dataTable(drawing) {
  * @returns {Figure}
  */
 export function createFigure({ id, describe, tools = () => [] }) {
-  const heading = h('h3');
-  const toolbar = h('div', { class: 'tools' });
-  const plot = h('div', { class: 'plot' });
-  const notes = h('p', { class: 'note' });
-  const data = h('details', { class: 'data' }, h('summary', {}, 'Data'));
-  const message = h('span', { role: 'status' });
-  const element = h('figure', { id }, h('figcaption', {}, heading), toolbar, plot, notes);
+  const parts = elementsOf(id);
   let doc;
   let view;
   let drawing;
   let drawnAt = '';
-  const button = (format) =>
-    h(
-      'button',
-      {
-        type: 'button',
-        'aria-label': `Save ${id} as ${format.toUpperCase()}`,
-        click: async () => {
-          try {
-            await save(
-              format,
-              `${short(doc.raw.sources?.[0]?.benchmark ?? 'cdb', 60).replace(/[^\w-]+/g, '_')}-${id}`,
-              (how) => describe(doc, view, how),
-            );
-            message.textContent = '';
-          } catch (error) {
-            message.textContent = `Not saved: ${error.message}`;
-          }
-        },
-      },
-      format.toUpperCase(),
-    );
-  const actions = h('div', { class: 'actions' }, button('svg'), button('png'), button('csv'), message, data);
-  element.append(actions);
-  data.addEventListener('toggle', () => {
-    while (data.children.length > 1) data.lastChild.remove();
-    if (data.open && drawing?.rows) data.append(...dataTable(drawing));
+  const source = {
+    getName: () => `${short(doc.raw.sources?.[0]?.benchmark ?? 'cdb', 60).replace(/[^\w-]+/g, '_')}-${id}`,
+    getDescribe: () => (how) => describe(doc, view, how),
+    message: parts.message,
+  };
+  parts.actions.append(
+    ...['svg', 'png', 'csv'].map((format) => saveButton(format, id, source)),
+    parts.message,
+    parts.data,
+  );
+  parts.data.addEventListener('toggle', () => {
+    while (parts.data.children.length > 1) parts.data.lastChild.remove();
+    if (parts.data.open && drawing?.rows) parts.data.append(...dataTable(drawing));
   });
-
+  const size = () => ({ width: parts.plot.clientWidth || 720, theme: currentTheme() });
+  const key = ({ width, theme }) => `${width} ${theme.name}`;
   const redraw = () => {
-    const width = plot.clientWidth || 720;
-    const theme = currentTheme();
-    drawnAt = `${width} ${theme.name}`;
-    drawing = describe(doc, view, { theme, width });
-    element.classList.toggle('empty', 'empty' in drawing);
-    element.hidden = drawing.empty === '';
-    actions.hidden = 'empty' in drawing;
-    heading.textContent = drawing.title ?? '';
-    if ('empty' in drawing) {
-      plot.replaceChildren();
-      notes.textContent = drawing.empty;
-      return;
-    }
-    const svg = compose(drawing, { width, theme });
-    for (const [name, value] of Object.entries({
-      role: 'img',
-      tabindex: '0',
-      'aria-label': `${drawing.title}. ${drawing.rows.length} values; the arrow keys visit them, and they are in the table below.`,
-    }))
-      svg.setAttribute(name, value);
-    plot.replaceChildren(svg);
-    notes.textContent = drawing.notes.join(' ');
-    listen(svg, drawing);
-    data.dispatchEvent(new Event('toggle'));
+    const how = size();
+    drawnAt = key(how);
+    drawing = describe(doc, view, how);
+    show(parts, drawing, how);
   };
   return {
-    element,
+    element: parts.element,
     update(newDoc, newView) {
       [doc, view] = [newDoc, newView];
-      const own = tools(doc, view);
-      const focused = toolbar.contains(document.activeElement) ? document.activeElement.name : '';
-      toolbar.replaceChildren(...own);
-      if (focused) toolbar.querySelector(`[name="${CSS.escape(focused)}"]`)?.focus();
+      replaceControls(parts.toolbar, tools(doc, view));
       redraw();
     },
-    redraw: () => doc && drawnAt !== `${plot.clientWidth || 720} ${currentTheme().name}` && redraw(),
+    redraw: () => doc && drawnAt !== key(size()) && redraw(),
   };
 }

@@ -4,7 +4,7 @@ import { openDocument } from './document.js';
 import { bdi, h } from './dom.js';
 import { describeDistributions, describeRepeats } from './distributions.js';
 import { describeErrors } from './errors.js';
-import { createFigure } from './figure.js';
+import { createFigure, replaceControls } from './figure.js';
 import { short } from './format.js';
 import { describeOverAxes } from './over_axes.js';
 import { describeCycles } from './over_cycles.js';
@@ -99,25 +99,49 @@ const indexIn = (address) => {
   return Number.isInteger(index) && index >= 0 && index < documents.length ? index : 0;
 };
 
+function tabName(doc, i) {
+  const sources = (doc.raw.sources ?? []).map((source) => source.file || source.benchmark);
+  return short(sources.join(', ') || doc.raw.title || `Results ${i + 1}`, 48);
+}
+
 function tabs(index) {
   if (documents.length < 2) return null;
+  const links = documents.map((doc, i) =>
+    h('a', { href: i ? `#doc=${i}` : '#', 'aria-current': i === index ? 'page' : null }, bdi(tabName(doc, i))),
+  );
+  return h('nav', { class: 'tabs', 'aria-label': 'Results' }, ...links);
+}
+
+/** Beside the figures: the contents and the controls. */
+function asideOf(links, panel) {
+  const items = links.map(({ link }) => h('li', {}, link));
+  const contents = h('nav', { class: 'contents', 'aria-label': 'Contents' }, h('ol', {}, ...items));
+  const isWide = matchMedia('(min-width: 1100px)').matches;
+  const view = panel && h('details', { open: isWide, class: 'view' }, h('summary', {}, 'View'), panel);
+  return h('aside', { 'aria-label': 'View' }, contents, view);
+}
+
+const element = (each) => (each instanceof Node ? each : (each?.element ?? null));
+
+function bodyOf(doc, sections, keyElement) {
+  const [above, below] = parts.conclusions(doc);
+  const heading = h('h2', { class: 'unseen' }, 'Summary');
+  const generator = short(doc.raw.generator ?? 'cdb', 80);
   return h(
-    'nav',
-    { class: 'tabs', 'aria-label': 'Results' },
-    ...documents.map((doc, i) =>
+    'div',
+    { class: 'body' },
+    parts.head(doc),
+    parts.warnings(doc),
+    h('section', { id: 'summary', 'aria-label': 'Summary' }, heading, above, keyElement, below),
+    ...sections.map(([id, title, items]) =>
       h(
-        'a',
-        { href: i ? `#doc=${i}` : '#', 'aria-current': i === index ? 'page' : null },
-        bdi(
-          short(
-            doc.raw.sources?.map((source) => source.file || source.benchmark).join(', ') ||
-              doc.raw.title ||
-              `Results ${i + 1}`,
-            48,
-          ),
-        ),
+        'section',
+        { id, 'aria-labelledby': `${id}-title`, tabindex: '-1' },
+        h('h2', { id: `${id}-title` }, title),
+        ...items.map(element),
       ),
     ),
+    h('footer', {}, `Written by ${generator}. Figures by Observable Plot and D3; their licences are below.`),
   );
 }
 
@@ -131,66 +155,24 @@ function show(index) {
   const key = keyFigure(doc);
   const figures = figuresOf(doc, change);
   const sections = sectionsOf(doc, figures, key);
-  const panel = h('form', { class: 'controls', submit: (event) => event.preventDefault() });
   const links = sections.map(([id, title]) => ({ id, link: h('a', {}, title) }));
-  const contents = h(
-    'nav',
-    { class: 'contents', 'aria-label': 'Contents' },
-    h('ol', {}, ...links.map(({ link }) => h('li', {}, link))),
-  );
-  const hasFigures = doc.count > 0;
-  const aside = h(
-    'aside',
-    { 'aria-label': 'View' },
-    contents,
-    hasFigures ? h('details', { open: true, class: 'view' }, h('summary', {}, 'View'), panel) : null,
-  );
-  const [above, below] = parts.conclusions(doc);
-  const element = (each) => (each instanceof Node ? each : (each?.element ?? null));
-  const body = h(
-    'div',
-    { class: 'body' },
-    parts.head(doc),
-    parts.warnings(doc),
-    h(
-      'section',
-      { id: 'summary', 'aria-label': 'Summary' },
-      h('h2', { class: 'unseen' }, 'Summary'),
-      above,
-      element(figures[key]),
-      below,
-    ),
-    ...sections.map(([id, title, items]) =>
-      h(
-        'section',
-        { id, 'aria-labelledby': `${id}-title`, tabindex: '-1' },
-        h('h2', { id: `${id}-title` }, title),
-        ...items.map(element).filter(Boolean),
-      ),
-    ),
-    h(
-      'footer',
-      {},
-      `Written by ${short(doc.raw.generator ?? 'cdb', 80)}. Figures by Observable Plot and D3; their licences are below.`,
-    ),
-  );
-  page.replaceChildren(...[tabs(index), h('div', { class: 'layout' }, aside, body)].filter(Boolean));
-  if (matchMedia('(max-width: 1099px)').matches) aside.querySelector('.view')?.removeAttribute('open');
+  const panel = doc.count > 0 ? h('form', { class: 'controls', submit: (event) => event.preventDefault() }) : null;
+  const body = bodyOf(doc, sections, element(figures[key]));
+  page.replaceChildren(...[tabs(index), h('div', { class: 'layout' }, asideOf(links, panel), body)].filter(Boolean));
   const drawn = Object.values(figures).filter((figure) => figure.element.isConnected);
+  const plainAddress = (each) => addressOf(index, doc, { ...each, section: '' });
+  let isDrawn = false;
   current = {
     doc,
     index,
     update(next) {
-      const isSame =
-        panel.childElementCount > 0 &&
-        addressOf(index, doc, { ...next, section: '' }) === addressOf(index, doc, { ...view, section: '' });
+      const isSame = isDrawn && plainAddress(next) === plainAddress(view);
       view = next;
+      isDrawn = true;
       for (const { id, link } of links)
         link.setAttribute('href', `#${addressOf(index, doc, { ...view, section: id })}`);
       if (!isSame) {
-        const focused = panel.contains(document.activeElement) ? document.activeElement.name : '';
-        panel.replaceChildren(...controls(doc, view, change));
-        if (focused) panel.querySelector(`[name="${CSS.escape(focused)}"]`)?.focus();
+        if (panel) replaceControls(panel, controls(doc, view, change));
         for (const figure of drawn) figure.update(doc, view);
       }
       if (view.section) document.getElementById(view.section)?.scrollIntoView();

@@ -73,7 +73,37 @@ function meanRows(doc, view, phase) {
     .filter((row) => row.value !== null && row.detector >= 0);
 }
 
-function panelOf(rows, names, { theme, margin, x, isLast, baseline, phase }) {
+/** The columns of a ratio, which are arrays or constants. */
+const columnsOfRatio = (doc, ratio) =>
+  Object.fromEntries(['value', 'low', 'high', 'is_matched'].map((name) => [name, column(ratio[name], doc.count)]));
+
+function marksOf(rows, theme, ticks) {
+  const ink = (row) => style(theme, row.detector).colour;
+  const range = { stroke: theme.muted, strokeWidth: 1, strokeDasharray: '2 2' };
+  return [
+    Plot.gridX({ ticks, stroke: theme.grid, strokeOpacity: 1 }),
+    Plot.ruleX([1], { stroke: theme.ink, strokeWidth: 1 }),
+    Plot.ruleY(rows, { y: 'detector', x1: 'least', x2: 'most', filter: (row) => row.most > row.least, ...range }),
+    Plot.ruleY(
+      rows.filter((row) => row.low !== null),
+      { y: 'detector', x1: 'low', x2: 'high', stroke: ink, strokeWidth: 2.4, strokeOpacity: 0.75 },
+    ),
+    Plot.dot(rows, {
+      y: 'detector',
+      x: 'value',
+      r: (row) => (row.facet === 'mean' ? 5 : 4),
+      className: 'hot',
+      symbol: (row) => style(theme, row.detector).symbol,
+      stroke: ink,
+      strokeWidth: 1.6,
+      fill: (row) => (row.isVoid || !row.isMatched ? theme.background : ink(row)),
+    }),
+  ];
+}
+
+/** @param {{isLast: boolean}} how  the last panel has the axis of all */
+function panelOf(rows, names, { theme, margin, x, isLast, label }) {
+  const axis = isLast ? { label, labelAnchor: 'right', labelArrow: 'none' } : { axis: null };
   return ({ width, height }) => ({
     width,
     height,
@@ -81,13 +111,7 @@ function panelOf(rows, names, { theme, margin, x, isLast, baseline, phase }) {
     marginRight: 16,
     marginTop: 4,
     marginBottom: isLast ? 38 : 8,
-    x: {
-      ...x,
-      label: isLast ? `${phase} over that of ${short(baseline, 30)}   ← faster · slower` : null,
-      labelAnchor: 'right',
-      labelArrow: 'none',
-      ...(isLast ? {} : { axis: null }),
-    },
+    x: { ...x, ...axis },
     y: {
       type: 'band',
       domain: rows.map((row) => row.detector),
@@ -95,46 +119,57 @@ function panelOf(rows, names, { theme, margin, x, isLast, baseline, phase }) {
       label: null,
       tickSize: 0,
     },
-    marks: [
-      Plot.gridX({ ticks: x.ticks, stroke: theme.grid, strokeOpacity: 1 }),
-      Plot.ruleX([1], { stroke: theme.ink, strokeWidth: 1 }),
-      Plot.ruleY(
-        rows.filter((row) => row.least != null),
-        {
-          y: 'detector',
-          x1: 'least',
-          x2: 'most',
-          filter: (row) => row.most > row.least,
-          stroke: theme.muted,
-          strokeWidth: 1,
-          strokeDasharray: '2 2',
-        },
-      ),
-      Plot.ruleY(
-        rows.filter((row) => row.low !== null),
-        {
-          y: 'detector',
-          x1: 'low',
-          x2: 'high',
-          stroke: (row) => style(theme, row.detector).colour,
-          strokeWidth: 2.4,
-          strokeOpacity: 0.75,
-        },
-      ),
-      Plot.dot(rows, {
-        y: 'detector',
-        x: 'value',
-        r: (row) => (row.facet === 'mean' ? 5 : 4),
-        className: 'hot',
-        symbol: (row) => style(theme, row.detector).symbol,
-        stroke: (row) => style(theme, row.detector).colour,
-        strokeWidth: 1.6,
-        sort: null,
-        fill: (row) => (row.isVoid || !row.isMatched ? theme.background : style(theme, row.detector).colour),
-      }),
-    ],
+    marks: marksOf(rows, theme, x.ticks),
   });
 }
+
+/** Groups of rows from the top: one for each facet, and the means; the detectors of each in order of their means. */
+function groupsOf(cells, means, facet) {
+  const isShort = facet >= 0 && cells.length <= mostRows;
+  const facets = isShort || means.length === 0 ? [...new Set(cells.map((row) => row.facet))] : [];
+  const groups = facets.map((value) => [value, cells.filter((row) => row.facet === value)]);
+  if (means.length) groups.push(['mean', means]);
+  const best = new Map((means.length ? means : cells).map((row) => [row.detector, row.value]));
+  const rank = (row) => best.get(row.detector) ?? Infinity;
+  for (const [, own] of groups) own.sort((a, b) => rank(a) - rank(b) || a.detector - b.detector);
+  return groups;
+}
+
+function scaleOf(rows, width) {
+  const [low, high] = extent(rows.flatMap((row) => [row.value, row.low, row.high, row.least, row.most, 1]));
+  const pad = Math.max((high / low) ** 0.05, 1.05);
+  const domain = [low / pad, high * pad];
+  const ticks = logTicks(...domain, Math.max(3, Math.floor(width / 50)));
+  return { type: 'log', domain, ticks, tickFormat: (v) => number(v) };
+}
+
+function notesOf(doc, rows, { fixed, mean }) {
+  const kinds = new Set(rows.map((row) => row.interval));
+  const hasIntervals = kinds.has('given') || rows.some((row) => row.facet === 'mean' && row.low !== null);
+  const cells =
+    mean && `Geometric mean over ${mean.points ?? '–'} of ${mean.of ?? '–'} cells; dashed: the range over them.`;
+  return [
+    fixed && `At ${fixed}.`,
+    'Paired: a time over the baseline’s in the same cell.',
+    cells,
+    hasIntervals ? intervalText(doc) : 'No intervals: one repeat.',
+    kinds.has('quadrature') && 'Bars of pooled cells: half-widths in quadrature, in logarithms.',
+    kinds.has('range') && 'Bars of pooled cells without intervals: the range over them.',
+    rows.some((row) => !row.isMatched || row.isVoid) &&
+      'Hollow: not all detectors have this cell, sound and with the same omissions.',
+  ].filter(Boolean);
+}
+
+const columnsOf = (detector) => [
+  { key: 'group', label: 'group' },
+  { key: 'name', label: detector },
+  { key: 'value', label: 'ratio', isNumber: true },
+  { key: 'low', label: 'low', isNumber: true },
+  { key: 'high', label: 'high', isNumber: true },
+  { key: 'least', label: 'least', isNumber: true },
+  { key: 'most', label: 'greatest', isNumber: true },
+  { key: 'points', label: 'cells', isNumber: true },
+];
 
 export function describeRatios(doc, view, { theme, width }) {
   const { ratios } = doc.raw;
@@ -142,93 +177,40 @@ export function describeRatios(doc, view, { theme, width }) {
   if (!ratios || doc.detectorAxis < 0 || !Object.keys(ratios.phases ?? {}).length)
     return { title, empty: 'There are no ratios: the sweep has no axis of detectors.' };
   const phase = phaseOfRatios(doc, view);
-  const raw = ratios.phases[phase];
-  const ratio = Object.fromEntries(
-    ['value', 'low', 'high', 'is_matched'].map((name) => [name, column(raw[name], doc.count)]),
-  );
-  const names = doc.axes[doc.detectorAxis].values.map((_, i) => valueText(doc.axes[doc.detectorAxis], i));
+  const detectors = doc.axes[doc.detectorAxis];
+  const names = detectors.values.map((_, i) => valueText(detectors, i));
   const facet = facetAxis(doc, view);
   const fixed = fixedText(doc, view);
   const means = fixed ? [] : meanRows(doc, view, phase);
-  const cells = facetRows(doc, view, ratio, facet);
-  // One group, or means of the document that say the same.
-  const groups = [];
-  const isShort = facet >= 0 && cells.length <= mostRows;
-  if (isShort || means.length === 0)
-    for (const value of new Set(cells.map((row) => row.facet)))
-      groups.push([value, cells.filter((row) => row.facet === value)]);
-  if (means.length) groups.push(['mean', means]);
+  const groups = groupsOf(facetRows(doc, view, columnsOfRatio(doc, ratios.phases[phase]), facet), means, facet);
   const all = groups.flatMap(([, own]) => own);
   if (all.length === 0) return { title, empty: 'No two detectors have a time in the same place.' };
-  const best = new Map((means.length ? means : cells).map((row) => [row.detector, row.value]));
-  for (const [, own] of groups)
-    own.sort(
-      (a, b) => (best.get(a.detector) ?? Infinity) - (best.get(b.detector) ?? Infinity) || a.detector - b.detector,
-    );
   const isAlone = means.length > 0 && groups.length === 1 && means[0].of === 1; // no mean, but the only cell
-  const rows = [];
-  const [low, high] = extent(all.flatMap((row) => [row.value, row.low, row.high, row.least, row.most, 1]));
-  const pad = Math.max((high / low) ** 0.05, 1.05);
-  const margin = labelMargin(names, width);
-  const domain = [low / pad, high * pad];
-  const x = {
-    type: 'log',
-    domain,
-    ticks: logTicks(...domain, Math.max(3, Math.floor((width - margin) / 50))),
-    tickFormat: (v) => number(v),
+  const titleOf = (value) => {
+    if (value === 'mean') return isAlone ? '' : 'geometric mean';
+    return value < 0 ? '' : `${doc.axes[facet].name} ${valueText(doc.axes[facet], value)}`;
   };
+  const margin = labelMargin(names, width);
+  const x = scaleOf(all, width - margin);
+  const label = `${phase} over that of ${short(ratios.baseline, 30)}   ← faster · slower`;
+  const rows = [];
   const panels = groups.map(([value, own], g) => {
-    const first = rows.length;
-    const label =
-      value === 'mean'
-        ? isAlone
-          ? ''
-          : 'geometric mean'
-        : value < 0
-          ? ''
-          : `${doc.axes[facet].name} ${valueText(doc.axes[facet], value)}`;
-    rows.push(...own.map((row) => ({ ...row, group: label, name: names[row.detector] })));
     const isLast = g === groups.length - 1;
+    rows.push(...own.map((row) => ({ ...row, group: titleOf(value), name: names[row.detector] })));
     return {
-      title: label,
+      title: titleOf(value),
       height: own.length * rowHeight + (isLast ? 46 : 14),
-      hot: { hot: own.map((_, i) => first + i) },
-      options: panelOf(own, names, { theme, margin, x, isLast, baseline: ratios.baseline, phase }),
+      hot: { hot: own.map((_, i) => rows.length - own.length + i) },
+      options: panelOf(own, names, { theme, margin, x, isLast, label }),
     };
   });
-  const kinds = new Set(cells.map((row) => row.interval));
-  const columns = [
-    { key: 'group', label: 'group' },
-    { key: 'name', label: doc.axes[doc.detectorAxis].name },
-    { key: 'value', label: 'ratio', isNumber: true },
-    { key: 'low', label: 'low', isNumber: true },
-    { key: 'high', label: 'high', isNumber: true },
-    { key: 'least', label: 'least', isNumber: true },
-    { key: 'most', label: 'greatest', isNumber: true },
-    { key: 'points', label: 'cells', isNumber: true },
-  ];
-  const [mean] = means;
   return {
     title: `Rivals: ${phase} over that of ${short(ratios.baseline, 40)}`,
-    columns,
+    columns: columnsOf(detectors.name),
     rows,
     panels,
     perRow: 1,
     legend: [],
-    notes: [
-      ...(fixed ? [`At ${fixed}.`] : []),
-      'Paired: a time over the baseline’s in the same cell.',
-      ...(means.length && !isAlone
-        ? [`Geometric mean over ${mean.points ?? '–'} of ${mean.of ?? '–'} cells; dashed: the range over the cells.`]
-        : []),
-      ...(kinds.has('given') || all.some((row) => row.facet === 'mean' && row.low !== null)
-        ? [intervalText(doc)]
-        : ['No intervals: one repeat.']),
-      ...(kinds.has('quadrature') ? ['Bars of pooled cells: half-widths in quadrature, in logarithms.'] : []),
-      ...(kinds.has('range') ? ['Bars of pooled cells without intervals: the range over them.'] : []),
-      ...(all.some((row) => !row.isMatched || row.isVoid)
-        ? ['Hollow: not all detectors have this cell, sound and with the same omissions.']
-        : []),
-    ],
+    notes: notesOf(doc, all, { fixed, mean: isAlone ? null : means[0] }),
   };
 }

@@ -7,6 +7,11 @@ import { inkOn, severity, verdicts } from './palette.js';
 import { labelMargin, rowLabel } from './scales.js';
 
 const mostPanels = 12;
+const leastCell = 22; // px, for texts in it
+const wideCell = 62; // px, for whole names
+
+const plainName = (level) => verdicts[level].name.replace('_', ' ');
+const nameOf = (axis, i) => (axis ? valueText(axis, i) : '');
 
 /** The worst verdict of some points, and its earliest bad cycle. */
 export function worst(doc, points) {
@@ -62,52 +67,30 @@ function columnText(axis, i) {
   return typeof value === 'number' && Math.abs(value) >= 1e4 ? number(value, 2, 1e4) : axis ? valueText(axis, i) : '';
 }
 
-function panelOf(rows, { doc, view, theme, xs, ys, margin }) {
-  const text = (a, i) => (a < 0 ? '' : valueText(doc.axes[a], i));
+/** The verdict in each cell, and the cycle below it. */
+function cellTexts(rows, isWide) {
+  const ink = (row) => inkOn(verdicts[row.level].colour);
+  const at = { x: 'x', y: 'y', fill: ink };
+  const verdict = {
+    ...at,
+    text: (row) => (isWide ? plainName(row.level) : verdicts[row.level].code),
+    fontSize: isWide ? 10 : 9.5,
+    fontWeight: 600,
+  };
+  const hasCycle = (row) => row.cycle !== null;
+  return [
+    Plot.text(rows, { ...verdict, filter: (row) => !hasCycle(row) }),
+    Plot.text(rows, { ...verdict, dy: -5.5, filter: hasCycle }),
+    Plot.text(rows, { ...at, text: (row) => String(row.cycle), fontSize: 9, dy: 6.5, filter: hasCycle }),
+  ];
+}
+
+function panelOf(rows, { axisX, axisY, xs, ys, margin }) {
   return ({ width, height }) => {
     const cell = (width - margin - 10) / xs.length;
-    const labels = xs.map((i) => short(columnText(doc.axes[view.mapX], i), 24));
+    const labels = xs.map((i) => short(columnText(axisX, i), 24));
     const every = Math.ceil((Math.max(...labels.map((label) => textWidth(label, 11))) + 8) / Math.max(cell, 1));
-    const isWide = cell > 62;
     const fill = (row) => verdicts[row.level].colour;
-    const ink = (row) => inkOn(fill(row));
-    const marks = [Plot.cell(rows, { x: 'x', y: 'y', fill, inset: cell > 8 ? 0.75 : 0, rx: 2, className: 'hot' })];
-    if (cell > 22) {
-      marks.push(
-        Plot.text(rows, {
-          x: 'x',
-          y: 'y',
-          text: (row) => (isWide ? verdicts[row.level].name.replace('_', ' ') : verdicts[row.level].code),
-          fill: ink,
-          fontSize: isWide ? 10 : 9.5,
-          fontWeight: 600,
-          filter: (row) => row.cycle === null,
-        }),
-      );
-      marks.push(
-        Plot.text(rows, {
-          x: 'x',
-          y: 'y',
-          text: (row) => (isWide ? verdicts[row.level].name.replace('_', ' ') : verdicts[row.level].code),
-          fill: ink,
-          fontSize: isWide ? 10 : 9.5,
-          fontWeight: 600,
-          dy: -5.5,
-          filter: (row) => row.cycle !== null,
-        }),
-      );
-      marks.push(
-        Plot.text(rows, {
-          x: 'x',
-          y: 'y',
-          text: (row) => String(row.cycle),
-          fill: ink,
-          fontSize: 9,
-          dy: 6.5,
-          filter: (row) => row.cycle !== null,
-        }),
-      );
-    }
     return {
       width,
       height,
@@ -122,10 +105,7 @@ function panelOf(rows, { doc, view, theme, xs, ys, margin }) {
         tickSize: 0,
         ticks: xs.filter((_, i) => i % every === 0),
         tickFormat: (i) => labels[xs.indexOf(i)],
-        label:
-          view.mapX < 0
-            ? null
-            : doc.axes[view.mapX].name + (doc.axes[view.mapX].unit ? `, ${doc.axes[view.mapX].unit}` : ''),
+        label: axisX ? axisX.name + (axisX.unit ? `, ${axisX.unit}` : '') : null,
         labelAnchor: 'right',
         labelArrow: 'right',
       },
@@ -135,58 +115,91 @@ function panelOf(rows, { doc, view, theme, xs, ys, margin }) {
         padding: 0,
         tickSize: 0,
         label: null,
-        tickFormat: (i) => rowLabel(text(view.mapY, i), margin),
+        tickFormat: (i) => rowLabel(nameOf(axisY, i), margin),
       },
-      marks,
+      marks: [
+        Plot.cell(rows, { x: 'x', y: 'y', fill, inset: cell > 8 ? 0.75 : 0, rx: 2, className: 'hot' }),
+        ...(cell > leastCell ? cellTexts(rows, cell > wideCell) : []),
+      ],
     };
   };
 }
 
-export function describeStability(doc, view, { theme, width }) {
+/** The cells with their texts, in order of panels, rows, columns. */
+function rowsOf(doc, cells, { parts, axisX, axisY }) {
+  const panelText = (cell) =>
+    parts.panels.map((a, k) => `${doc.axes[a].name} ${valueText(doc.axes[a], cell.panelAt[k])}`).join(', ');
+  return cells
+    .map((cell) => ({
+      ...cell,
+      points: cell.points.length,
+      panelText: panelText(cell),
+      xText: nameOf(axisX, cell.x),
+      yText: nameOf(axisY, cell.y),
+      verdict: verdicts[cell.level].name,
+    }))
+    .sort((a, b) => a.panel.localeCompare(b.panel, undefined, { numeric: true }) || a.y - b.y || a.x - b.x);
+}
+
+function legendOf(rows) {
+  const levels = [...new Set(rows.map((row) => row.level))].sort((a, b) => a - b);
+  return levels.map((level) => ({
+    label: `${plainName(level)} (${rows.filter((row) => row.level === level).length})`,
+    colour: verdicts[level].colour,
+    isArea: true,
+    code: verdicts[level].code,
+    ink: inkOn(verdicts[level].colour),
+  }));
+}
+
+function columnsOf({ axisX, axisY, hasPanels }) {
+  return [
+    hasPanels && { key: 'panelText', label: 'panel' },
+    axisY && { key: 'yText', label: axisY.name },
+    axisX && { key: 'xText', label: axisX.name },
+    { key: 'verdict', label: 'verdict' },
+    { key: 'cycle', label: 'first bad cycle', isNumber: true },
+    { key: 'points', label: 'points', isNumber: true },
+  ].filter(Boolean);
+}
+
+function notesOf(doc, view, rows, parts) {
+  const fixed = parts.fixed.map((a) => `${doc.axes[a].name} ${short(valueText(doc.axes[a], view.at[a]), 40)}`);
+  return [
+    'The worst verdict over the repeats; below it the first cycle at which it applies.',
+    ...(fixed.length ? [`At ${fixed.join(', ')}.`] : []),
+    ...(parts.worstOver.length ? [`The worst over ${parts.worstOver.map((a) => doc.axes[a].name).join(', ')}.`] : []),
+    ...(rows.some((row) => row.level >= severity('frozen'))
+      ? ['From frozen on, bodies did not move as they were told, and times do not count.']
+      : []),
+  ];
+}
+
+/** Panels side by side, and the room for the labels of their rows. */
+function layout(count, columns, labels, width) {
+  const wanted = Math.max(300, Math.min(columns * 34 + 90, 520));
+  const perRow = Math.max(1, Math.min(count, Math.floor(width / wanted)));
+  const each = (width - 22 * (perRow - 1)) / perRow;
+  return { perRow, margin: labels.length ? labelMargin(labels, each) : 10 };
+}
+
+export function describeStability(doc, view, { width }) {
   const title = 'Where it stays sound';
   const known = doc.verdict.filter((name) => name !== 'unknown');
   if (known.length === 0) return { title, empty: 'No run has a verdict.' };
   if (known.length === doc.count && known.every((name) => name === 'stable'))
     return { title, empty: `All ${doc.count} points are stable.` };
   const parts = split(doc, view);
-  const cells = cellsOf(doc, view, parts);
-  const xs = [...new Set(cells.map((cell) => cell.x))].sort((a, b) => a - b);
-  const ys = [...new Set(cells.map((cell) => cell.y))].sort((a, b) => a - b);
-  const name = (a, i) => (a < 0 ? '' : valueText(doc.axes[a], i));
-  const panelText = (cell) => parts.panels.map((a, k) => `${doc.axes[a].name} ${name(a, cell.panelAt[k])}`).join(', ');
-  const rows = cells
-    .map((cell) => ({
-      ...cell,
-      points: cell.points.length,
-      panelText: panelText(cell),
-      xText: name(view.mapX, cell.x),
-      yText: name(view.mapY, cell.y),
-      verdict: verdicts[cell.level].name,
-    }))
-    .sort((a, b) => a.panel.localeCompare(b.panel, undefined, { numeric: true }) || a.y - b.y || a.x - b.x);
+  const [axisX, axisY] = [doc.axes[view.mapX], doc.axes[view.mapY]];
+  const rows = rowsOf(doc, cellsOf(doc, view, parts), { parts, axisX, axisY });
+  const xs = [...new Set(rows.map((row) => row.x))].sort((a, b) => a - b);
+  const ys = [...new Set(rows.map((row) => row.y))].sort((a, b) => a - b);
   const keys = [...new Set(rows.map((row) => row.panel))];
-  const labelsY = ys.map((i) => name(view.mapY, i));
-  const perRow = Math.max(
-    1,
-    Math.min(keys.length, Math.floor(width / Math.max(300, Math.min(xs.length * 34 + 90, 520)))),
-  );
-  const each = (width - 22 * (perRow - 1)) / perRow;
-  const margin = view.mapY < 0 ? 10 : labelMargin(labelsY, each);
-  const present = [...new Set(rows.map((row) => row.level))].sort((a, b) => a - b);
-  const columns = [
-    ['panelText', 'panel'],
-    ['yText', view.mapY < 0 ? '' : doc.axes[view.mapY].name],
-    ['xText', view.mapX < 0 ? '' : doc.axes[view.mapX].name],
-    ['verdict', 'verdict'],
-    ['cycle', 'first bad cycle', true],
-    ['points', 'points', true],
-  ]
-    .map(([key, label, isNumber = false]) => ({ key, label, isNumber }))
-    .filter(({ key, label }) => label && (key !== 'panelText' || parts.panels.length));
-  const fixed = parts.fixed.map((a) => `${doc.axes[a].name} ${short(name(a, view.at[a]), 40)}`).join(', ');
+  const { perRow, margin } = layout(keys.length, xs.length, axisY ? ys.map((i) => nameOf(axisY, i)) : [], width);
+  const over = [axisX, axisY].filter(Boolean).map((axis) => axis.name);
   return {
-    title: `${title}: verdict${view.mapX < 0 ? '' : ` over ${doc.axes[view.mapX].name}`}${view.mapY < 0 ? '' : ` and ${doc.axes[view.mapY].name}`}`,
-    columns,
+    title: `${title}: verdict${over.length ? ` over ${over.join(' and ')}` : ''}`,
+    columns: columnsOf({ axisX, axisY, hasPanels: parts.panels.length > 0 }),
     rows,
     perRow,
     panels: keys.map((key) => {
@@ -195,23 +208,10 @@ export function describeStability(doc, view, { theme, width }) {
         title: own[0].panelText,
         height: ys.length * 34 + 44,
         hot: { hot: own.map((row) => row.index) },
-        options: panelOf(own, { doc, view, theme, xs, ys, margin }),
+        options: panelOf(own, { axisX, axisY, xs, ys, margin }),
       };
     }),
-    legend: present.map((level) => ({
-      label: `${verdicts[level].name.replace('_', ' ')} (${rows.filter((row) => row.level === level).length})`,
-      colour: verdicts[level].colour,
-      isArea: true,
-      code: verdicts[level].code,
-      ink: inkOn(verdicts[level].colour),
-    })),
-    notes: [
-      'The worst verdict over the repeats; below it the first cycle at which it applies.',
-      ...(fixed ? [`At ${fixed}.`] : []),
-      ...(parts.worstOver.length ? [`The worst over ${parts.worstOver.map((a) => doc.axes[a].name).join(', ')}.`] : []),
-      ...(present.some((level) => level >= severity('frozen'))
-        ? ['From frozen on, bodies did not move as they were told, and times do not count.']
-        : []),
-    ],
+    legend: legendOf(rows),
+    notes: notesOf(doc, view, rows, parts),
   };
 }
