@@ -201,7 +201,7 @@ export function mixed() {
   return {
     ...document,
     failures: [{ place: 'detector sap, speed 1000', why: 'timed_out', command: 'cdb run test.cdb --only 0123' }],
-    omissions: [{ parts: 'walls', points: 12, why: 'no object can reach them' }],
+    omissions: [{ parts: 'walls', points: 2, of: 24, why: 'no object can reach them', at: [0, 1] }],
     findings: [
       {
         detector: 'sap',

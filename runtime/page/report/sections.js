@@ -1,4 +1,5 @@
 // The parts of the page that are text: the head, the machine, and the tables.
+import { pointText } from './document.js';
 import { bdi, h, table } from './dom.js';
 import { count, number, plural, short } from './format.js';
 
@@ -201,22 +202,33 @@ export function machine(doc) {
   ].filter(Boolean);
 }
 
+const mostPlaces = 500;
+
+/** Which points an omission is of, behind their number. */
+function places(doc, row) {
+  const text = row.of ? `${count(row.points)} of ${count(row.of)}` : count(row.points);
+  const points = (row.at ?? []).filter((p) => p < doc.count);
+  if (points.length === 0 || points.length === doc.count) return text;
+  const items = points.slice(0, mostPlaces).map((p) => h('li', {}, bdi(pointText(doc, p))));
+  return h('details', {}, h('summary', {}, text), h('ul', { class: 'places' }, ...items));
+}
+
 export function omissions(doc) {
   const list = doc.raw.omissions ?? [];
   if (list.length === 0)
     return [h('p', { class: 'note' }, 'Nothing was left out: every point ran all parts of the engine.')];
-  const points = (row) => (row.of ? `${count(row.points)} of ${count(row.of)}` : count(row.points));
-  const hasChanges = list.some((row) => row.changes);
+  const columns = [
+    'left out',
+    'points',
+    'why',
+    ...(list.some((row) => row.changes) ? ['what the figures are without'] : []),
+  ];
+  const rows = list.map((row) => [row.parts, places(doc, row), row.why, row.changes ?? null].slice(0, columns.length));
   return [
     table(
-      [
-        { label: 'left out' },
-        { label: 'points', isNumber: true },
-        { label: 'why' },
-        ...(hasChanges ? [{ label: 'what the figures are without' }] : []),
-      ],
-      list.map((row) => [row.parts, points(row), row.why, ...(hasChanges ? [row.changes ?? null] : [])]),
-      'What was left out',
+      columns.map((label) => ({ label })),
+      rows,
+      'Parts that were left out',
     ),
   ];
 }
