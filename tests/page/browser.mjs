@@ -67,7 +67,10 @@ export async function visit(tab, file, hash = '') {
 export const settle = (tab) =>
   tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
-/** What of a page could be seen to be wrong: marks without a place, tick labels that overlap, a page wider than the screen. */
+/**
+ * What of a page could be seen to be wrong: marks without a place, tick labels that overlap, a page wider than the
+ * screen.
+ */
 export async function blemishes(tab) {
   return tab.evaluate(() => {
     const found = [];

@@ -5,7 +5,10 @@ import { s } from './dom.js';
 import { short } from './format.js';
 
 /** @typedef {import('./palette.js').Theme} Theme */
-/** @typedef {{label: string, colour: string, symbol?: string | null, dash?: string | null, isHollow?: boolean, isArea?: boolean, code?: string, ink?: string}} Entry */
+/**
+ * @typedef {{label: string, colour: string, symbol?: string | null, dash?: string | null, isHollow?: boolean,
+ *   isArea?: boolean, code?: string, ink?: string}} Entry
+ */
 /**
  * @typedef {object} Panel
  * @property {string} title

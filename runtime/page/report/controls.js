@@ -11,7 +11,8 @@ const roleLabels = { x: 'along x', colour: 'colour', panel: 'panels', fixed: 'fi
 
 /**
  * A labelled choice.
- * @param {{name: string, label: string, value: string, options: {value: string, label: string, group?: string}[], change: (value: string) => void}} choice
+ * @param {{name: string, label: string, value: string, options: {value: string, label: string, group?: string}[],
+ *   change: (value: string) => void}} choice
  */
 export function select({ name, label, value, options, change }) {
   const option = (each) => {

@@ -19,7 +19,8 @@ const labelOf = (axis, i) => (axis.isText ? valueText(axis, i) : `${axis.name} $
 
 /**
  * Of the points that a part of the document has, one for each colour: the nearest to the values of the view.
- * @param {number[]} available @returns {{entry: number, point: number, colour: number}[]}  entry: position in `available`
+ * @param {number[]} available
+ * @returns {{entry: number, point: number, colour: number}[]}  entry: position in `available`
  */
 export function representatives(doc, view, available) {
   const colour =

@@ -33,7 +33,10 @@ export function column(value, count) {
   return new Array(count).fill(value ?? null);
 }
 
-/** The index of each point on each axis: as it is, or from runs [first, count] of the grid, whose last axis is the fastest. */
+/**
+ * The index of each point on each axis: as it is, or from runs [first, count] of the grid, whose last axis is the
+ * fastest.
+ */
 function places(at, axes) {
   if (Array.isArray(at)) return at;
   const sizes = axes.map((axis) => axis.values.length);

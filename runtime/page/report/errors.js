@@ -140,12 +140,19 @@ function panelOf(rows, { theme, x, y, label }) {
   };
 }
 
+/** What tells a configuration from those of the same colour: `hz 60`. */
+function nameOf(row, varied, colour) {
+  const others = varied.filter((each) => each !== colour);
+  const text = ({ axis }) => (axis.isText ? row.at[axis.name] : `${axis.name} ${row.at[axis.name]}`);
+  return (others.length ? others : varied).map(text).join(', ');
+}
+
 /** A row of the document for the figure. `least`: where an error of 0 is drawn. */
 function rowOf(row, { each, colour, varied, least }) {
   const hasInterval = row.low > 0 && row.high > 0;
   return {
     configuration: atText(row.at) || 'the only configuration',
-    label: short(varied.map(({ axis }) => String(row.at[axis.name])).join(' · '), 30),
+    label: short(nameOf(row, varied, colour), 30),
     each: atText(each),
     colour: colour ? colour.axis.values.indexOf(row.at[colour.axis.name]) : -1,
     speed: 1000 / row.ms_per_s,

@@ -141,7 +141,11 @@ function show(parts, drawing, how) {
   return parts.data.dispatchEvent(new Event('toggle'));
 }
 
-/** Replaces controls, and gives the focus to the one that had it. @param {HTMLElement} holder @param {Node[]} controls */
+/**
+ * Replaces controls, and gives the focus to the one that had it.
+ * @param {HTMLElement} holder
+ * @param {Node[]} controls
+ */
 export function replaceControls(holder, controls) {
   const focused = holder.contains(document.activeElement) ? document.activeElement.name : '';
   holder.replaceChildren(...controls);
@@ -151,7 +155,8 @@ export function replaceControls(holder, controls) {
 /**
  * @param {object} options
  * @param {string} options.id       of the element, and the name of exported files
- * @param {(doc, view, how: {theme: import('./palette.js').Theme, width: number}) => import('./compose.js').Drawing | {empty: string}} options.describe
+ * @param {(doc, view, how: {theme: import('./palette.js').Theme, width: number}) => import('./compose.js').Drawing
+ *   | {empty: string}} options.describe
  * @param {(doc, view) => Node[]} [options.tools]  its own controls
  * @returns {Figure}
  */

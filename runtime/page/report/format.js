@@ -5,7 +5,10 @@
 const superscripts = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 const superscript = (n) => (n < 0 ? '⁻' : '') + String(Math.abs(n)).replace(/\d/g, (d) => superscripts[d]);
 
-/** Up to `digits` significant digits; a power of ten from `most` on; a dash for a missing number. @param {number | null | undefined} value */
+/**
+ * Up to `digits` significant digits; a power of ten from `most` on; a dash for a missing number.
+ * @param {number | null | undefined} value
+ */
 export function number(value, digits = 3, most = 1e6) {
   if (value === null || value === undefined || Number.isNaN(value)) return '–';
   if (!Number.isFinite(value)) return value > 0 ? '∞' : '−∞';

@@ -89,7 +89,10 @@ function sectionsOf(doc, figures, key) {
   ].filter((section) => section && section[2].length);
 }
 
-/** @type {{doc: any, update: (view: any) => void, redraw: () => void, encode: (view: any) => string, decode: (text: string) => any} | null} */
+/**
+ * @type {{doc: any, update: (view: any) => void, redraw: () => void, encode: (view: any) => string, decode: (text:
+ *   string) => any} | null}
+ */
 let current = null;
 let documents = [];
 

@@ -15,7 +15,8 @@ export const statisticText = (doc, view) =>
 export function describeQuantity(doc, view, plainHow, quantity, { height = 340, isSmall = false } = {}) {
   const how = { ...plainHow, theme: { ...plainHow.theme, highlight: view.highlight } };
   const found = rowsOf(doc, view, quantity);
-  const title = `${quantity.short[0].toUpperCase()}${quantity.short.slice(1)}${found.axes[0] ? ` over ${found.axes[0].name}` : ''}`;
+  const over = found.axes[0] ? ` over ${found.axes[0].name}` : '';
+  const title = `${quantity.short[0].toUpperCase()}${quantity.short.slice(1)}${over}`;
   if (found.rows.length === 0) return { title, empty: 'No point has a value here.' };
   const unit = unitOf(quantity, extent(found.rows.map((row) => row.value))[1]);
   const { columns, rows } = tableOf(found.rows, found.axes, unit, quantity);

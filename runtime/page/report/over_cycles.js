@@ -15,11 +15,12 @@ export function describeCycles(doc, view, how) {
   if (drawing.empty) return drawing;
   const widest = Math.max(...usedBins(cycles, chosen).map(([from, to]) => to - from), 1);
   const where = whereText(doc, view, chosen);
-  const repeats = doc.raw.runs?.repeats ?? 1;
+  const repeats = (doc.raw.runs?.repeats ?? 1) > 1 ? 'median over the repeats' : 'one repeat';
+  const bins = widest > 1 ? `, averaged over up to ${widest} cycles` : '';
   return {
     ...drawing,
     notes: [
-      `Each cycle: ${repeats > 1 ? 'median over the repeats' : 'one repeat'}${widest > 1 ? `, averaged over up to ${widest} cycles` : ''}.`,
+      `Each cycle: ${repeats}${bins}.`,
       ...(where ? [`At ${where}.`] : []),
       ...drawing.notes,
       ...(available.length < doc.count

@@ -1,6 +1,9 @@
 // Colours, symbols and dashes that stay apart without colour vision (Okabe & Ito 2008), on light and on dark.
 
-/** @typedef {{name: string, ink: string, muted: string, faint: string, grid: string, background: string, colours: string[], highlight?: number}} Theme  highlight: the only series with a colour */
+/**
+ * @typedef {{name: string, ink: string, muted: string, faint: string, grid: string, background: string, colours:
+ *   string[], highlight?: number}} Theme  highlight: the only series with a colour
+ */
 /** @type {Record<'light' | 'dark', Theme>} */
 export const themes = {
   light: {
@@ -27,7 +30,12 @@ const symbols = ['circle', 'square', 'triangle', 'diamond', 'star', 'wye', 'cros
 const dashes = [null, '6 3', '2 3', '8 3 2 3'];
 
 /** @typedef {{colour: string, symbol: string, dash: string | null}} Style */
-/** The style of the series `i`: 56 differ in colour and symbol. @param {Theme} theme @param {number} i @returns {Style} */
+/**
+ * The style of the series `i`: 56 differ in colour and symbol.
+ * @param {Theme} theme
+ * @param {number} i
+ * @returns {Style}
+ */
 export function style(theme, i) {
   const n = Math.max(i, 0);
   const isFaint = theme.highlight >= 0 && theme.highlight !== i;

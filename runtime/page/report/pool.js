@@ -32,7 +32,12 @@ export function selected(doc, view) {
   return points;
 }
 
-/** Leaves in the groups of a kind the cells that all of them have. @param {Doc} doc @param {Group[]} groups @param {number[]} pooled */
+/**
+ * Leaves in the groups of a kind the cells that all of them have.
+ * @param {Doc} doc
+ * @param {Group[]} groups
+ * @param {number[]} pooled
+ */
 function match(doc, groups, pooled) {
   const cell = (point) => pooled.map((a) => doc.at[point][a]).join();
   const kinds = new Map();
@@ -74,12 +79,18 @@ export function group(doc, view, values, points = selected(doc, view)) {
   return { groups, pooled, isUnmatched };
 }
 
-/** @typedef {{value: number, low: number | null, high: number | null, interval: 'given' | 'quadrature' | 'range' | null}} Pooled */
+/**
+ * @typedef {{value: number, low: number | null, high: number | null, interval: 'given' | 'quadrature' | 'range' |
+ *   null}} Pooled
+ */
 
 /**
  * The mean over points. Its interval: of one point its own; of several their half-widths in quadrature, as the runs are
  * independent; where a point has none, the range over the points. Geometric means are taken in logarithms.
- * @param {number[]} points @param {Estimates} estimates @param {'arithmetic' | 'geometric'} mean @returns {Pooled | null}
+ * @param {number[]} points
+ * @param {Estimates} estimates
+ * @param {'arithmetic' | 'geometric'} mean
+ * @returns {Pooled | null}
  */
 export function pool(points, estimates, mean) {
   const has = (values, p) => values !== undefined && values[p] !== null && values[p] !== undefined;
@@ -118,7 +129,8 @@ export function pool(points, estimates, mean) {
 }
 
 /**
- * At most `most` bins of neighbours, for series that are longer than a figure is wide: means, and the range of what they hold.
+ * At most `most` bins of neighbours, for series that are longer than a figure is wide: means, and the range of
+ * what they hold.
  * @template T @param {T[]} rows in order of x @param {number} most
  * @returns {{x: number, value: number, low: number, high: number, count: number}[]}
  */

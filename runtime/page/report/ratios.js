@@ -16,7 +16,10 @@ const phaseOfRatios = (doc, view) => {
   return phases.includes(wanted) ? wanted : phases.includes('step') ? 'step' : phases[0];
 };
 
-/** The axis whose values make groups of rows: x, else that of the panels, if it is not the detectors' and has few values. */
+/**
+ * The axis whose values make groups of rows: x, else that of the panels, if it is not the detectors' and has few
+ * values.
+ */
 function facetAxis(doc, view) {
   for (const role of ['x', 'colour', 'panel']) {
     const a = view.roles.indexOf(role);

@@ -1,6 +1,6 @@
 // Scales and notes that the figures share.
 import { valueText } from './document.js';
-import { byteUnit, number, short, timeUnit } from './format.js';
+import { byteUnit, number, plural, short, timeUnit } from './format.js';
 import { textWidth } from './compose.js';
 import { prefersLog } from './pool.js';
 
@@ -38,7 +38,9 @@ function finer(low, high) {
 
 /**
  * A scale of Plot for values of a figure.
- * @param {number[]} values @param {'auto' | 'linear' | 'log'} wish @param {{room?: number, ratio?: number, fromZero?: boolean}} [options]
+ * @param {number[]} values
+ * @param {'auto' | 'linear' | 'log'} wish
+ * @param {{room?: number, ratio?: number, fromZero?: boolean}} [options]
  */
 export function scale(values, wish, { room = 7, ratio = 20, fromZero = true } = {}) {
   const [low, high] = extent(values);
@@ -141,7 +143,7 @@ export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true 
     const counts = grouped.groups.map((group) => group.points.length);
     const [least, most] = extent(counts);
     notes.push(
-      `Pooled over ${pooledNames.join(', ')}: ${means[mean]} of ${least === most ? most : `${least} to ${most}`} point${most === 1 ? '' : 's'}` +
+      `Pooled over ${pooledNames.join(', ')}: ${means[mean]} of ${least === most ? '' : `${least} to `}${plural(most, 'point')}` +
         (grouped.isUnmatched
           ? '; no cell is common to all marks, so that each has its own points.'
           : grouped.groups.some((group) => group.points.length < group.own)

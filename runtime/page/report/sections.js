@@ -66,7 +66,7 @@ export function warnings(doc) {
       h(
         'li',
         {
-          class: `warning ${['debug', 'noise', 'repeats', 'unsound', 'failed', 'missed_pairs', 'unlike', 'partial', 'pooled'].includes(warning.kind) ? warning.kind : ''}`,
+          class: 'warning',
         },
         bdi(warning.text),
       ),
@@ -262,7 +262,8 @@ export function findings(doc) {
     h(
       'p',
       { class: 'note' },
-      'Pairs of each cycle compared with exact ones. A detector that misses pairs does less work: its times do not compare.',
+      'Pairs of each cycle, compared with exact ones. ' +
+        'A detector that misses pairs does less work, so that its times do not compare.',
     ),
   ];
 }

@@ -50,7 +50,10 @@ export function defaultRoles(doc) {
   return roles;
 }
 
-/** Of a sound point, if there is one, with the greatest numbers and the first texts: the values at which figures of one point stand. */
+/**
+ * Of a sound point, if there is one, with the greatest numbers and the first texts: the values at which figures of
+ * one point stand.
+ */
 function defaultAt(doc) {
   const order = doc.axes.map((_, a) => a).sort((a, b) => Number(doc.axes[a].isText) - Number(doc.axes[b].isText));
   const isBetter = (p, q) => {
@@ -76,7 +79,10 @@ function isWide(doc, roles, at) {
   return values.length > 1 && Math.max(...values) > widest * Math.min(...values);
 }
 
-/** For the map: the axis of numbers with the most values along x, the next one down. @param {import('./document.js').Doc} doc */
+/**
+ * For the map: the axis of numbers with the most values along x, the next one down.
+ * @param {import('./document.js').Doc} doc
+ */
 function defaultMap(doc) {
   const free = doc.axes.map((_, i) => i).filter((i) => doc.axes[i].values.length > 1);
   const x = most(
@@ -129,7 +135,11 @@ const choices = (doc) => ({
 });
 const texts = ['quantity', 'statistic', 'xScale', 'yScale', 'cycles', 'error', 'section'];
 
-/** The differences from the defaults, as the address has them. @param {import('./document.js').Doc} doc @param {View} view */
+/**
+ * The differences from the defaults, as the address has them.
+ * @param {import('./document.js').Doc} doc
+ * @param {View} view
+ */
 export function encode(doc, view) {
   const base = defaultView(doc);
   const entries = new URLSearchParams();
