@@ -1,4 +1,5 @@
-// Writes a page of a document, for tests that have no results:  page_fixture report|view < document.json > page.html
+// Writes a page of a document, for tests that have no results:  page_fixture report|view <
+// document.json > page.html
 #include <cstdio>
 #include <iostream>
 #include <iterator>
