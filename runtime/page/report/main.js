@@ -1,5 +1,219 @@
-// The page of `cdb report`: figures of results.
-const data = JSON.parse(document.getElementById('data').textContent);
-const heading = document.createElement('h1');
-heading.textContent = data.title;
-document.getElementById('page').append(heading);
+// The page of `cdb report`: figures of results documents.
+import { controls, cycleTools, errorTools, mapTools, placeTools } from './controls.js';
+import { openDocument } from './document.js';
+import { bdi, h } from './dom.js';
+import { describeDistributions, describeRepeats } from './distributions.js';
+import { describeErrors } from './errors.js';
+import { createFigure, replaceControls } from './figure.js';
+import { short } from './format.js';
+import { describeOverAxes } from './over_axes.js';
+import { describeCycles } from './over_cycles.js';
+import { describePhases } from './phases.js';
+import { describeRatios } from './ratios.js';
+import * as parts from './sections.js';
+import { describeStability } from './stability.js';
+import { decode, encode } from './state.js';
+
+const page = document.getElementById('page');
+
+/** Whether an object of the document has something to draw. */
+const has = {
+  times: (doc) => doc.phases.length > 0,
+  ratios: (doc) => doc.raw.ratios && doc.detectorAxis >= 0 && doc.axes[doc.detectorAxis].values.length > 1,
+  errors: (doc) => (doc.raw.fronts ?? []).some((front) => front.rows?.length),
+  cycles: (doc) => doc.raw.cycles && (doc.raw.cycles.points?.length ?? doc.count) > 0,
+  unsound: (doc) => doc.verdict.some((name) => !['stable', 'unknown'].includes(name)),
+};
+
+const isSingle = (doc) => doc.axes.every((axis) => axis.values.length < 2);
+
+/** The figure of the first screen. @param {import('./document.js').Doc} doc */
+function keyFigure(doc) {
+  const kind = doc.raw.conclusions?.[0]?.kind;
+  if (kind === 'error' && has.errors(doc)) return 'errors';
+  if (kind === 'stability' && has.unsound(doc)) return 'stability';
+  if (has.errors(doc)) return 'errors';
+  const isTexts = doc.axes.every((axis) => axis.isText || axis.values.length < 2);
+  if (has.ratios(doc) && isTexts && doc.axes[doc.detectorAxis].values.length > 8) return 'rivals';
+  if (has.times(doc)) return isSingle(doc) ? (has.cycles(doc) ? 'cycles' : 'phases') : 'times';
+  return has.unsound(doc) ? 'stability' : '';
+}
+
+/** @param {import('./document.js').Doc} doc @param {(view: import('./state.js').View) => void} change */
+function figuresOf(doc, change) {
+  const tools = (own) => (_, view) => own(doc, view, change);
+  const all = {
+    times: () => createFigure({ id: 'times', describe: describeOverAxes }),
+    phases: () => createFigure({ id: 'phases', describe: describePhases }),
+    rivals: () => createFigure({ id: 'rivals', describe: describeRatios }),
+    cycles: () => createFigure({ id: 'cycles', describe: describeCycles, tools: tools(cycleTools) }),
+    distribution: () =>
+      createFigure({
+        id: 'distribution',
+        describe: describeDistributions,
+        tools: tools((d, v, c) => placeTools(d, v, c, doc.raw.distributions?.points)),
+      }),
+    repeats: () => createFigure({ id: 'repeats', describe: describeRepeats }),
+    errors: () => createFigure({ id: 'errors', describe: describeErrors, tools: tools(errorTools) }),
+    stability: () =>
+      createFigure({
+        id: 'stability',
+        describe: describeStability,
+        tools: tools((d, v, c) => (has.unsound(d) ? mapTools(d, v, c) : [])),
+      }),
+  };
+  return Object.fromEntries(Object.entries(all).map(([name, make]) => [name, make()]));
+}
+
+/** Sections in order: [id, heading, figures and elements]. */
+function sectionsOf(doc, figures, key) {
+  const take = (...names) => names.filter((name) => name !== key).map((name) => figures[name]);
+  return [
+    ['machine', 'What ran, and where', parts.machine(doc)],
+    has.times(doc) && [
+      'over-axes',
+      isSingle(doc) ? 'Phases' : 'Over the axes',
+      isSingle(doc) ? take('phases') : take('times', 'phases'),
+    ],
+    has.ratios(doc) && ['paired', 'Rivals', take('rivals')],
+    has.errors(doc) && ['accuracy', 'Error against run time', take('errors')],
+    (has.cycles(doc) || doc.raw.distributions) && [
+      'over-cycles',
+      'Over the cycles',
+      [...(has.cycles(doc) ? take('cycles') : []), ...(doc.raw.distributions ? take('distribution', 'repeats') : [])],
+    ],
+    doc.count > 0 && ['soundness', 'Stability', take('stability')],
+    parts.findings(doc) && ['findings', 'Pairs and contacts', parts.findings(doc)],
+    parts.failures(doc) && ['failures', 'Failures', parts.failures(doc)],
+    doc.count > 0 && ['left-out', 'What was left out', parts.omissions(doc)],
+  ].filter((section) => section && section[2].length);
+}
+
+/**
+ * @type {{doc: any, update: (view: any) => void, redraw: () => void, encode: (view: any) => string, decode: (text:
+ *   string) => any} | null}
+ */
+let current = null;
+let documents = [];
+
+const addressOf = (index, doc, view) => [index ? `doc=${index}` : '', encode(doc, view)].filter(Boolean).join('&');
+const indexIn = (address) => {
+  const index = Number(new URLSearchParams(address).get('doc') ?? 0);
+  return Number.isInteger(index) && index >= 0 && index < documents.length ? index : 0;
+};
+
+function tabName(doc, i) {
+  const sources = (doc.raw.sources ?? []).map((source) => source.file || source.benchmark);
+  return short(sources.join(', ') || doc.raw.title || `Results ${i + 1}`, 48);
+}
+
+function tabs(index) {
+  if (documents.length < 2) return null;
+  const links = documents.map((doc, i) =>
+    h('a', { href: i ? `#doc=${i}` : '#', 'aria-current': i === index ? 'page' : null }, bdi(tabName(doc, i))),
+  );
+  return h('nav', { class: 'tabs', 'aria-label': 'Results' }, ...links);
+}
+
+/** Beside the figures: the contents and the controls. */
+function asideOf(links, panel) {
+  const items = links.map(({ link }) => h('li', {}, link));
+  const contents = h('nav', { class: 'contents', 'aria-label': 'Contents' }, h('ol', {}, ...items));
+  const isWide = matchMedia('(min-width: 1100px)').matches;
+  const view = panel && h('details', { open: isWide, class: 'view' }, h('summary', {}, 'View'), panel);
+  return h('aside', { 'aria-label': 'View' }, contents, view);
+}
+
+const element = (each) => (each instanceof Node ? each : (each?.element ?? null));
+
+function bodyOf(doc, sections, keyElement) {
+  const [above, below] = parts.conclusions(doc);
+  const heading = h('h2', { class: 'unseen' }, 'Summary');
+  const generator = short(doc.raw.generator ?? 'cdb', 80);
+  return h(
+    'div',
+    { class: 'body' },
+    parts.head(doc),
+    parts.warnings(doc),
+    h('section', { id: 'summary', 'aria-label': 'Summary' }, heading, above, keyElement, below),
+    ...sections.map(([id, title, items]) =>
+      h(
+        'section',
+        { id, 'aria-labelledby': `${id}-title`, tabindex: '-1' },
+        h('h2', { id: `${id}-title` }, title),
+        ...items.map(element),
+      ),
+    ),
+    h('footer', {}, `Written by ${generator}. Figures by Observable Plot and D3; their licences are below.`),
+  );
+}
+
+/** Builds the page of one document. */
+function show(index) {
+  const doc = documents[index];
+  let view = decode(doc, location.hash.slice(1));
+  const change = (next) => {
+    location.hash = addressOf(index, doc, { ...next, section: '' }) || '!';
+  };
+  const key = keyFigure(doc);
+  const figures = figuresOf(doc, change);
+  const sections = sectionsOf(doc, figures, key);
+  const links = sections.map(([id, title]) => ({ id, link: h('a', {}, title) }));
+  const panel = doc.count > 0 ? h('form', { class: 'controls', submit: (event) => event.preventDefault() }) : null;
+  const body = bodyOf(doc, sections, element(figures[key]));
+  page.replaceChildren(...[tabs(index), h('div', { class: 'layout' }, asideOf(links, panel), body)].filter(Boolean));
+  const drawn = Object.values(figures).filter((figure) => figure.element.isConnected);
+  const plainAddress = (each) => addressOf(index, doc, { ...each, section: '' });
+  let isDrawn = false;
+  current = {
+    doc,
+    index,
+    update(next) {
+      const isSame = isDrawn && plainAddress(next) === plainAddress(view);
+      view = next;
+      isDrawn = true;
+      for (const { id, link } of links)
+        link.setAttribute('href', `#${addressOf(index, doc, { ...view, section: id })}`);
+      if (!isSame) {
+        if (panel) replaceControls(panel, controls(doc, view, change));
+        for (const figure of drawn) figure.update(doc, view);
+      }
+      if (view.section) document.getElementById(view.section)?.scrollIntoView();
+    },
+    redraw: () => drawn.forEach((figure) => figure.redraw()),
+  };
+  current.update(view);
+}
+
+function follow() {
+  const address = location.hash.slice(1);
+  const index = indexIn(address);
+  if (!current || index !== current.index) show(index);
+  else current.update(decode(current.doc, address));
+}
+
+function start() {
+  const data = JSON.parse(document.getElementById('data').textContent);
+  documents = (data.documents ?? []).map(openDocument);
+  if (documents.length === 0) {
+    page.replaceChildren(h('p', {}, 'This page has no results.'));
+    return;
+  }
+  follow();
+  addEventListener('hashchange', follow);
+  let waiting = 0;
+  new ResizeObserver(() => {
+    cancelAnimationFrame(waiting);
+    waiting = requestAnimationFrame(() => current?.redraw());
+  }).observe(page);
+  for (const query of ['(prefers-color-scheme: dark)', 'print'])
+    matchMedia(query).addEventListener('change', () => current?.redraw());
+  document.documentElement.dataset.ready = 'yes';
+}
+
+try {
+  start();
+} catch (error) {
+  page.replaceChildren(h('p', { class: 'warnings' }, `The page cannot be drawn: ${error.message}`));
+  throw error;
+}

@@ -1,0 +1,58 @@
+// A quantity over the axes (figures 4 and 5 of the paper).
+import { legendOf, lineDrawing, textDrawing } from './axis_panels.js';
+import { rowsOf, tableOf } from './axis_rows.js';
+import { quantities, statistics } from './document.js';
+import { short } from './format.js';
+import { extent, poolNotes, unitOf } from './scales.js';
+
+/** What the times of a figure are. */
+export const statisticText = (doc, view) =>
+  view.statistic === 'mean'
+    ? (doc.raw.statistic ?? '')
+    : `Drawn: ${statistics[view.statistic]} over the cycles; the time of a cycle is its median over the repeats.`;
+
+/** @param {import('./document.js').Quantity} quantity */
+export function describeQuantity(doc, view, plainHow, quantity, { height = 340, isSmall = false } = {}) {
+  const how = { ...plainHow, theme: { ...plainHow.theme, highlight: view.highlight } };
+  const found = rowsOf(doc, view, quantity);
+  const over = found.axes[0] ? ` over ${found.axes[0].name}` : '';
+  const title = `${quantity.short[0].toUpperCase()}${quantity.short.slice(1)}${over}`;
+  if (found.rows.length === 0) return { title, empty: 'No point has a value here.' };
+  const unit = unitOf(quantity, extent(found.rows.map((row) => row.value))[1]);
+  const { columns, rows } = tableOf(found.rows, found.axes, unit, quantity);
+  // Without an axis along x, the colours make the rows.
+  let axes = found.axes;
+  let drawn = rows;
+  if (!axes[0]) {
+    axes = [axes[1], undefined, axes[2]];
+    drawn = rows.map((row) => ({ ...row, xIndex: row.colour, colour: -1 }));
+  }
+  const isRows = !axes[0] || axes[0].isText;
+  const label = isSmall ? unit.unit : `${quantity.short}${unit.unit ? `, ${unit.unit}` : ''}`;
+  const drawing = (isRows ? textDrawing : lineDrawing)(doc, view, { rows: drawn, axes, how, yLabel: label, height });
+  const isTime = quantity.dimension === 'time';
+  const statistic = isTime
+    ? statisticText(doc, view)
+    : quantity.dimension === 'ratio'
+      ? `Paired: each point over the one of ${short(doc.raw.ratios.baseline, 40)} at the same place.`
+      : `Mean over the cycles.`;
+  return {
+    title,
+    columns,
+    rows,
+    legend: legendOf(drawn, axes[1], how.theme, isRows),
+    ...drawing,
+    notes: [
+      statistic,
+      ...poolNotes(doc, view, found.grouped, found.rows, quantity.mean, {
+        hasIntervals: isTime || quantity.dimension === 'ratio',
+      }),
+    ],
+  };
+}
+
+export function describeOverAxes(doc, view, how) {
+  const quantity = quantities(doc).find((each) => each.id === view.quantity);
+  if (!quantity) return { title: 'Over the axes', empty: 'There is nothing to draw: no run has times.' };
+  return describeQuantity(doc, view, how, quantity);
+}

@@ -1,0 +1,184 @@
+// Scales and notes that the figures share.
+import { valueText } from './document.js';
+import { byteUnit, number, plural, short, timeUnit } from './format.js';
+import { textWidth } from './compose.js';
+import { prefersLog } from './pool.js';
+
+/** @param {number[]} values @returns {[number, number]} */
+export function extent(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value === null || value === undefined || !Number.isFinite(value)) continue;
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  }
+  return low > high ? [0, 1] : [low, high];
+}
+
+/** Ticks of a logarithmic scale: powers of ten, with 2 and 5 between them where there is room. */
+export function logTicks(low, high, room = 8) {
+  const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
+  for (const steps of [[1, 2, 3, 5, 7], [1, 2, 5], [1, 3], [1]]) {
+    const ticks = [];
+    for (let power = first; power <= last; ++power) for (const step of steps) ticks.push(step * 10 ** power);
+    const inside = ticks.filter((tick) => tick >= low * 0.999 && tick <= high * 1.001);
+    if (inside.length <= room) return inside.length >= 2 ? inside : finer(low, high);
+  }
+  const stride = Math.ceil((last - first + 1) / room);
+  return Array.from({ length: Math.ceil((last - first + 1) / stride) }, (_, i) => 10 ** (first + i * stride));
+}
+
+function finer(low, high) {
+  const step = 10 ** Math.floor(Math.log10((high - low) / 2 || low));
+  const ticks = [];
+  for (let tick = Math.ceil(low / step) * step; tick <= high; tick += step) ticks.push(Number(tick.toPrecision(6)));
+  const stride = Math.max(1, Math.ceil(ticks.length / 5));
+  return ticks.filter((_, i) => i % stride === 0);
+}
+
+/**
+ * A scale of Plot for values of a figure.
+ * @param {number[]} values
+ * @param {'auto' | 'linear' | 'log'} wish
+ * @param {{room?: number, ratio?: number, fromZero?: boolean}} [options]
+ */
+export function scale(values, wish, { room = 7, ratio = 20, fromZero = true } = {}) {
+  const [low, high] = extent(values);
+  const isLog = low > 0 && (wish === 'log' || (wish === 'auto' && prefersLog([low, high], ratio)));
+  if (isLog) {
+    const pad = Math.max((high / low) ** 0.06, 1.03);
+    const domain = [low / pad, high * pad];
+    return { type: 'log', domain, ticks: logTicks(domain[0], domain[1], room), tickFormat: (v) => number(v) };
+  }
+  const span = high - (fromZero ? Math.min(low, 0) : low) || Math.abs(high) || 1;
+  const domain = [fromZero && low >= 0 ? 0 : low - 0.05 * span, high + 0.05 * span];
+  return { type: 'linear', domain, ticks: Math.min(room, 6), tickFormat: (v) => number(v) };
+}
+
+/** The unit of a quantity whose greatest value is `most`. @param {import('./document.js').Quantity} quantity */
+export function unitOf(quantity, most) {
+  if (quantity.dimension === 'time') return timeUnit(most);
+  if (quantity.dimension === 'bytes') return byteUnit(most);
+  return { unit: '', factor: 1 };
+}
+
+/** Evenly spaced values, where neither scale shows all: those of many sizes that are not all positive. */
+function evenScale(values) {
+  const sorted = [...values].sort((a, b) => a - b);
+  const index = new Map(sorted.map((value, i) => [value, i]));
+  return {
+    type: 'linear',
+    domain: [-0.3, sorted.length - 0.7],
+    ticks: sorted.map((_, i) => i),
+    tickFormat: (i) => number(sorted[i], 4),
+    place: (v) => index.get(v),
+    isEven: true,
+  };
+}
+
+/** The x axis for values of an axis of numbers: a tick at each value that has room. */
+export function valueScale(values, wish, width) {
+  const [low, high] = extent(values);
+  const isLog = low > 0 && (wish === 'log' || (wish === 'auto' && values.length > 2 && high / low >= 8));
+  const sizes = values.map(Math.abs).filter((size) => size > 0);
+  if (low <= 0 && wish === 'auto' && values.length > 2 && extent(sizes)[1] / extent(sizes)[0] >= 50)
+    return evenScale(values);
+  const into = isLog ? Math.log : (v) => v;
+  const pad = (into(high) - into(low)) * 0.04 || (isLog ? 0.2 : Math.abs(high) * 0.2 || 1);
+  const out = isLog ? Math.exp : (v) => v;
+  const domain = [out(into(low) - pad), out(into(high) + pad)];
+  const ticks = [];
+  let last = -Infinity;
+  for (const value of [...values].sort((a, b) => a - b)) {
+    const x = ((into(value) - into(domain[0])) / (into(domain[1]) - into(domain[0]))) * width;
+    const half = textWidth(number(value, 6), 11) / 2 + 5;
+    if (x - half < last) continue;
+    ticks.push(value);
+    last = x + half;
+  }
+  return { type: isLog ? 'log' : 'linear', domain, ticks, tickFormat: (v) => number(v, 6), place: (v) => v };
+}
+
+/** Room for the labels of rows on the left. */
+export function labelMargin(labels, width) {
+  const widest = labels.reduce((most, label) => Math.max(most, textWidth(short(label, 34), 11)), 20);
+  return Math.ceil(Math.min(widest + 14, Math.max(70, width * 0.38)));
+}
+
+/** Labels of rows, cut to the room. */
+export const rowLabel = (label, margin) => {
+  let most = 34;
+  while (most > 6 && textWidth(short(label, most), 11) > margin - 12) --most;
+  return short(label, most);
+};
+
+/** `quantity 400` for the fixed axes of several values. */
+export function fixedText(doc, view) {
+  return doc.axes
+    .map((axis, a) =>
+      view.roles[a] === 'fixed' && axis.values.length > 1
+        ? `${axis.name} ${short(valueText(axis, view.at[a]), 40)}`
+        : '',
+    )
+    .filter(Boolean)
+    .join(', ');
+}
+
+/** `Bars: 95 % interval, by bootstrap over the 9 repeats.` */
+export function intervalText(doc) {
+  const { name, text } = doc.raw.interval ?? {};
+  const how = text ? `, ${text[0].toLowerCase()}${text.slice(1)}` : '.';
+  return `Bars: ${name ?? 'interval'}${how}`;
+}
+
+const means = { arithmetic: 'mean', geometric: 'geometric mean' };
+/** Sentences on pooling and intervals for below a figure. */
+export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true } = {}) {
+  const notes = [];
+  const fixed = fixedText(doc, view);
+  if (fixed) notes.push(`At ${fixed}.`);
+  const kinds = new Set(rows.map((row) => row.interval).filter(Boolean));
+  const pooledNames = grouped.pooled.map((a) => doc.axes[a].name);
+  if (pooledNames.length) {
+    const counts = grouped.groups.map((group) => group.points.length);
+    const [least, most] = extent(counts);
+    notes.push(
+      `Pooled over ${pooledNames.join(', ')}: ${means[mean]} of ${least === most ? '' : `${least} to `}${plural(most, 'point')}` +
+        (grouped.isUnmatched
+          ? '; no cell is common to all marks, so that each has its own points.'
+          : grouped.groups.some((group) => group.points.length < group.own)
+            ? ', the cells that all marks have.'
+            : '.'),
+    );
+  }
+  if (hasIntervals) {
+    if (kinds.has('given') && doc.raw.interval?.name) notes.push(intervalText(doc));
+    if (kinds.has('quadrature'))
+      notes.push('Bars of pooled marks: the half-widths of their points in quadrature, as the runs are independent.');
+    if (kinds.has('range')) notes.push('Bars of pooled marks: the range over their points, which have no intervals.');
+    if (kinds.size === 0)
+      notes.push(
+        'No intervals: ' +
+          (view.statistic === 'mean' || mean === 'geometric' ? 'one repeat.' : 'they are made for the mean only.'),
+      );
+  }
+  const marks = [...new Set(rows.filter((row) => row.mark && !row.isVoid).map((row) => row.mark))];
+  if (rows.some((row) => row.isVoid)) {
+    const words = [...new Set(rows.filter((row) => row.isVoid).map((row) => row.mark || 'void'))]
+      .slice(0, 5)
+      .join('; ');
+    notes.push(`Hollow: the verdict voids the time (${short(words, 120)}); not joined, not pooled with sound points.`);
+  }
+  if (marks.length) notes.push(`In a ring: ${short(marks.slice(0, 5).join('; '), 120)}.`);
+  return notes;
+}
+
+/** A line of text for a row of a figure's table. @param {{key: string, label: string, isNumber?: boolean}[]} columns */
+export function describeRow(columns, row) {
+  return columns
+    .filter((column) => row[column.key] !== null && row[column.key] !== undefined && row[column.key] !== '')
+    .map((column) => [
+      column.label,
+      typeof row[column.key] === 'number' ? number(row[column.key], 4) : String(row[column.key]),
+    ]);
+}

@@ -1,0 +1,312 @@
+// The parts of the page that are text: the head, the machine, and the tables.
+import { pointText } from './document.js';
+import { bdi, h, table } from './dom.js';
+import { count, number, plural, short } from './format.js';
+
+const certainties = { clear: 'clear', tie: 'a tie', unknown: 'not certain' };
+const conclusionsAbove = 3; // of the first figure
+
+/** `4 detector × 2 quantity × 9 repeats, 300 cycles` */
+export function sweepText(doc) {
+  const { runs = {} } = doc.raw;
+  const parts = doc.axes
+    .filter((axis) => axis.values.length > 1)
+    .map((axis) => `${axis.values.length} ${short(axis.name, 60)}`);
+  if (runs.repeats > 1) parts.push(`${runs.repeats} repeats`);
+  const cycles = [...new Set(doc.raw.points?.cycles === undefined ? [] : [].concat(doc.raw.points.cycles))].filter(
+    (value) => typeof value === 'number',
+  );
+  const length =
+    cycles.length === 1
+      ? `, ${plural(cycles[0], 'cycle')}${(runs.all ?? doc.count) > 1 ? ' each' : ''}`
+      : cycles.length > 1
+        ? `, ${count(Math.min(...cycles))} to ${count(Math.max(...cycles))} cycles`
+        : '';
+  return `${plural(runs.all ?? doc.count, 'run')}${parts.length ? `: ${parts.join(' × ')}` : ''}${length}`;
+}
+
+function outcomes(doc) {
+  const { runs = {} } = doc.raw;
+  return [
+    ['good', 'sound'],
+    ['void', 'void'],
+    ['failed', 'failed'],
+    ['skipped', 'skipped'],
+    ['missing', 'missing'],
+  ]
+    .filter(([key]) => runs[key])
+    .map(([key, word]) => `${count(runs[key])} ${word}`)
+    .join(', ');
+}
+
+export function head(doc) {
+  const { raw } = doc;
+  const sources = (raw.sources ?? []).map((source) => source.file).filter(Boolean);
+  return h(
+    'header',
+    {},
+    h('p', { class: 'kind' }, 'Benchmark report', sources.length ? ' · ' : '', bdi(short(sources.join(', '), 200))),
+    h('h1', {}, bdi(raw.title || raw.sources?.[0]?.title || raw.sources?.[0]?.benchmark || 'Results')),
+    h(
+      'p',
+      { class: 'sweep' },
+      sweepText(doc),
+      outcomes(doc) ? h('span', { class: 'outcome' }, ` · ${outcomes(doc)}`) : null,
+    ),
+  );
+}
+
+export function warnings(doc) {
+  const list = doc.raw.warnings ?? [];
+  if (list.length === 0) return null;
+  return h(
+    'ul',
+    { class: 'warnings', 'aria-label': 'Warnings' },
+    ...list.map((warning) =>
+      h(
+        'li',
+        {
+          class: 'warning',
+        },
+        bdi(warning.text),
+      ),
+    ),
+  );
+}
+
+const answers = (list) =>
+  h(
+    'dl',
+    { class: 'conclusions' },
+    ...list.map((each) =>
+      h(
+        'div',
+        { class: each.certainty in certainties ? each.certainty : 'unknown' },
+        h('dt', {}, bdi(each.question)),
+        h(
+          'dd',
+          {},
+          bdi(each.answer),
+          ' ',
+          h('span', { class: 'certainty' }, certainties[each.certainty] ?? short(each.certainty ?? '', 20)),
+        ),
+      ),
+    ),
+  );
+
+/** The answers for above the first figure, and for below it. */
+export function conclusions(doc) {
+  const list = doc.raw.conclusions ?? [];
+  if (list.length === 0)
+    return [
+      doc.count === 0
+        ? h('p', { class: 'note' }, 'The file has no run with results, and nothing can be concluded.')
+        : null,
+      null,
+    ];
+  return [
+    answers(list.slice(0, conclusionsAbove)),
+    list.length > conclusionsAbove ? answers(list.slice(conclusionsAbove)) : null,
+  ];
+}
+
+const words = (key) => short(key.replace(/_/g, ' '), 60);
+
+/** A value of the provenance as text; bytes and lists included. */
+function valueNode(value) {
+  if (value === null || value === undefined || value === '') return '–';
+  if (Array.isArray(value))
+    return value.length > 12
+      ? `${value
+          .slice(0, 12)
+          .map((each) => (typeof each === 'number' ? number(each) : String(each)))
+          .join(', ')}, …`
+      : value
+          .map((each) =>
+            typeof each === 'number' ? number(each) : typeof each === 'object' ? JSON.stringify(each) : String(each),
+          )
+          .join(', ');
+  if (typeof value === 'object')
+    return Object.entries(value)
+      .map(([key, each]) => `${words(key)} ${valueNode(each)}`)
+      .join('; ');
+  const kilobytes = /^(\d+) kB$/.exec(value);
+  if (kilobytes) return `${number(Number(kilobytes[1]) / 2 ** 20)} GiB`;
+  return typeof value === 'number' ? count(value) : typeof value === 'boolean' ? (value ? 'yes' : 'no') : String(value);
+}
+
+function facts(title, object) {
+  const entries = Object.entries(object ?? {}).filter(([, value]) => value !== null && value !== '' && !isLong(value));
+  if (entries.length === 0) return null;
+  return h(
+    'div',
+    {},
+    h('h3', {}, title),
+    h(
+      'dl',
+      { class: 'facts' },
+      ...entries.flatMap(([key, value]) => [h('dt', {}, words(key)), h('dd', {}, bdi(valueNode(value)))]),
+    ),
+  );
+}
+
+const isLong = (value) => typeof value === 'string' && (value.includes('\n') || value.length > 400);
+
+/** Texts of several lines, such as the scenario. */
+function longTexts(object) {
+  return Object.entries(object ?? {})
+    .filter(([, value]) => isLong(value))
+    .map(([key, value]) =>
+      h('details', { class: 'text' }, h('summary', {}, words(key)), h('pre', { tabindex: '0' }, bdi(value))),
+    );
+}
+
+/** What each phase is. */
+function phaseTexts(doc) {
+  const defined = doc.phases.filter((phase) => phase.definition);
+  if (defined.length === 0) return null;
+  return h(
+    'details',
+    { class: 'text' },
+    h('summary', {}, 'phases of a cycle'),
+    h(
+      'dl',
+      { class: 'facts' },
+      ...defined.flatMap((phase) => [h('dt', {}, phase.name), h('dd', {}, bdi(phase.definition))]),
+    ),
+  );
+}
+
+const judgements = {
+  quiet: 'The machine was quiet.',
+  noisy: 'The machine was noisy.',
+  unknown: 'Nothing was recorded of how quiet the machine was.',
+};
+
+export function machine(doc) {
+  const { noise = {}, machine: host, build, provenance } = doc.raw;
+  const said = new Set((doc.raw.warnings ?? []).map((warning) => warning.text));
+  const lines = [].concat(noise.text ?? []).filter((line) => line && !said.has(line));
+  const judgement = judgements[noise.judgement] ?? judgements.unknown;
+  return [
+    h(
+      'p',
+      { class: `judgement ${noise.judgement in judgements ? noise.judgement : 'unknown'}` },
+      judgement,
+      lines.length ? ' ' : '',
+      bdi(lines.map((line) => String(line).trim()).join(' ')),
+    ),
+    h('div', { class: 'columns' }, facts('Machine', host), facts('Build', build), facts('Run', provenance)),
+    phaseTexts(doc),
+    ...longTexts(provenance),
+  ].filter(Boolean);
+}
+
+const mostPlaces = 500;
+
+/** Which points an omission is of, behind their number. */
+function places(doc, row) {
+  const text = row.of ? `${count(row.points)} of ${count(row.of)}` : count(row.points);
+  const points = (row.at ?? []).filter((p) => p < doc.count);
+  if (points.length === 0 || points.length === doc.count) return text;
+  const items = points.slice(0, mostPlaces).map((p) => h('li', {}, bdi(pointText(doc, p))));
+  return h('details', {}, h('summary', {}, text), h('ul', { class: 'places' }, ...items));
+}
+
+export function omissions(doc) {
+  const list = doc.raw.omissions ?? [];
+  if (list.length === 0)
+    return [h('p', { class: 'note' }, 'Nothing was left out: every point ran all parts of the engine.')];
+  const columns = [
+    'left out',
+    'points',
+    'why',
+    ...(list.some((row) => row.changes) ? ['what the figures are without'] : []),
+  ];
+  const rows = list.map((row) => [row.parts, places(doc, row), row.why, row.changes ?? null].slice(0, columns.length));
+  return [
+    table(
+      columns.map((label) => ({ label })),
+      rows,
+      'Parts that were left out',
+    ),
+  ];
+}
+
+export function findings(doc) {
+  const list = doc.raw.findings ?? [];
+  if (list.length === 0) return null;
+  const keys = [
+    'detector',
+    'cycles',
+    'exact',
+    'missed',
+    'false_positives',
+    'duplicate',
+    'missed_contacts',
+    'wrong_runs',
+  ].filter((key) => list.some((row) => row[key] !== undefined));
+  return [
+    table(
+      keys.map((key) => ({ label: key.replace(/_/g, ' '), isNumber: key !== 'detector' })),
+      list.map((row) =>
+        keys.map((key) => {
+          const text = typeof row[key] === 'number' ? count(row[key]) : (row[key] ?? null);
+          return ['missed', 'missed_contacts', 'duplicate', 'wrong_runs'].includes(key) && row[key] > 0
+            ? h('strong', {}, text)
+            : text;
+        }),
+      ),
+      'Pairs compared with exact ones',
+    ),
+    h(
+      'p',
+      { class: 'note' },
+      'Pairs of each cycle, compared with exact ones. ' +
+        'A detector that misses pairs does less work, so that its times do not compare.',
+    ),
+  ];
+}
+
+async function copy(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {
+    const area = h('textarea', { 'aria-hidden': 'true', class: 'copied' });
+    area.value = text;
+    document.body.append(area);
+    area.select();
+    const done = document.execCommand('copy');
+    area.remove();
+    return done;
+  }
+}
+
+function command(text) {
+  const button = h('button', { type: 'button', class: 'copy', 'aria-label': `Copy ${short(text, 80)}` }, 'Copy');
+  button.addEventListener('click', async () => {
+    button.textContent = (await copy(text)) ? 'Copied' : 'Select it';
+    setTimeout(() => {
+      button.textContent = 'Copy';
+    }, 1500);
+  });
+  return h('span', { class: 'command' }, h('code', {}, bdi(text)), button);
+}
+
+const mostFailures = 200;
+
+export function failures(doc) {
+  const list = doc.raw.failures ?? [];
+  if (list.length === 0) return null;
+  return [
+    table(
+      [{ label: 'run' }, { label: 'why' }, { label: 'replay' }],
+      list.slice(0, mostFailures).map((row) => [row.place, row.why, row.command ? command(row.command) : null]),
+      'Failed runs',
+    ),
+    list.length > mostFailures
+      ? h('p', { class: 'note' }, `The first ${mostFailures} of ${count(list.length)}.`)
+      : null,
+  ];
+}

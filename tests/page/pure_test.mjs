@@ -1,0 +1,184 @@
+// The parts of the page that need no browser: pooling, state, formats.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { column, openDocument, pointText, quantities } from '../../runtime/page/report/document.js';
+import { count, csv, number, short } from '../../runtime/page/report/format.js';
+import { group, pool, thin } from '../../runtime/page/report/pool.js';
+import { assign, decode, defaultRoles, defaultView, encode } from '../../runtime/page/report/state.js';
+import { documentOf, first, large, mixed, numbers, texts } from './fixtures.mjs';
+
+test('numbers have three digits, and exponents where they are far from one', () => {
+  assert.deepEqual(
+    [0, 1, 1234.5, 0.12345, 1e6, 2.5e-7, -3, null, NaN].map((v) => number(v)),
+    ['0', '1', '1235', '0.123', '10⁶', '2.5 × 10⁻⁷', '−3', '–', '–'],
+  );
+  assert.equal(count(1234567), '1\u202f234\u202f567');
+});
+
+test('text of one line has no control characters and no changes of direction', () => {
+  assert.equal(short('a\u202eb\nc'), 'a b c');
+  assert.equal([...short('x'.repeat(500), 20)].length, 20);
+});
+
+test('CSV quotes commas, quotes and lines', () => {
+  assert.equal(
+    csv(
+      [
+        { key: 'a', label: 'x,y' },
+        { key: 'b', label: 'b' },
+      ],
+      [{ a: 'q"', b: null }],
+    ),
+    '"x,y",b\r\n"q""",\r\n',
+  );
+});
+
+test('a column may be an array, one value, or words and indices', () => {
+  assert.deepEqual(column([1, 2], 2), [1, 2]);
+  assert.deepEqual(column(7, 2), [7, 7]);
+  assert.deepEqual(column({ constant: null }, 2), [null, null]);
+  assert.deepEqual(column({ words: ['', 'frozen'], index: [1, 0] }, 2), ['frozen', '']);
+});
+
+test('points may be runs of the grid, whose last axis is the fastest', () => {
+  const doc = openDocument({
+    axes: [numbers('a', [1, 2]), numbers('b', [1, 2, 3])],
+    points: {
+      at: {
+        grid: [
+          [0, 2],
+          [4, 2],
+        ],
+      },
+    },
+  });
+  assert.deepEqual(doc.at, [
+    [0, 0],
+    [0, 1],
+    [1, 1],
+    [1, 2],
+  ]);
+});
+
+test('by default the axis of numbers is along x and the detectors have colours', () => {
+  assert.deepEqual(defaultRoles(openDocument(first())), ['colour', 'x']);
+  assert.deepEqual(defaultRoles(openDocument(mixed())), ['colour', 'x', 'pooled']);
+  assert.deepEqual(defaultRoles(openDocument(documentOf([texts('detector', ['a', 'b'])], () => 1))), ['x']);
+  assert.deepEqual(defaultRoles(openDocument(documentOf([numbers('quantity', [5])], () => 1))), ['fixed']);
+});
+
+test('an axis that takes the role of another gives it the old one', () => {
+  const view = defaultView(openDocument(first()));
+  assert.deepEqual(assign(view, 0, 'x').roles, ['x', 'colour']);
+  assert.deepEqual(assign(view, 0, 'pooled').roles, ['pooled', 'x']);
+});
+
+test('the address has what differs from the defaults, and reads back', () => {
+  const doc = openDocument(mixed());
+  const view = defaultView(doc);
+  assert.equal(encode(doc, view), '');
+  const changed = {
+    ...assign(view, 2, 'panel'),
+    quantity: 'time:narrow',
+    statistic: 'p95',
+    yScale: 'log',
+    mapX: 2,
+    mapY: 1,
+    at: [1, 0, 1],
+  };
+  assert.deepEqual(decode(doc, encode(doc, changed)), changed);
+});
+
+test('an address that does not apply is as by default', () => {
+  const doc = openDocument(first());
+  assert.deepEqual(
+    decode(doc, 'role.detector=nonsense&at.quantity=99&quantity=<script>&statistic=&section=%3Cscript%3E&role.other=x'),
+    defaultView(doc),
+  );
+  const both = decode(doc, 'role.detector=x&role.quantity=x');
+  assert.deepEqual(both.roles, ['x', 'pooled']);
+});
+
+test('an interval of several points is their half-widths in quadrature', () => {
+  const pooled = pool([0, 1], { value: [10, 20], low: [7, 16], high: [14, 23] }, 'arithmetic');
+  assert.deepEqual(pooled, {
+    value: 15,
+    low: 15 - Math.hypot(3, 4) / 2,
+    high: 15 + Math.hypot(4, 3) / 2,
+    interval: 'quadrature',
+  });
+});
+
+test('geometric means are of logarithms', () => {
+  const pooled = pool([0, 1], { value: [0.5, 2], low: [0.25, 1], high: [1, 4] }, 'geometric');
+  assert.ok(Math.abs(pooled.value - 1) < 1e-12);
+  assert.ok(Math.abs(pooled.low - 2 ** -Math.SQRT1_2) < 1e-12);
+});
+
+test('where a point has no interval, the range over the points', () => {
+  assert.deepEqual(pool([0, 1], { value: [10, 20], low: [7, null], high: [14, null] }, 'arithmetic'), {
+    value: 15,
+    low: 10,
+    high: 20,
+    interval: 'range',
+  });
+  assert.deepEqual(pool([0], { value: [10] }, 'arithmetic'), { value: 10, low: null, high: null, interval: null });
+  assert.equal(pool([0], { value: [null] }, 'arithmetic'), null);
+});
+
+test('void points stand apart, and a hole leaves its cell out of every mark of its kind', () => {
+  const doc = openDocument(mixed());
+  const view = defaultView(doc);
+  const { groups, pooled, isUnmatched } = group(doc, view, doc.times.step.mean);
+  assert.deepEqual(pooled, [2]);
+  assert.equal(isUnmatched, false);
+  for (const each of groups) {
+    assert.ok(each.points.every((p) => doc.isVoid[p] === each.isVoid));
+    // Simple has no time at speed 10, seed 2: the sound marks have seed 1 alone.
+    assert.equal(each.points.length, each.isVoid ? 2 : 1);
+  }
+  assert.equal(groups.filter((each) => each.isVoid).length, 3);
+});
+
+test('fixed axes select', () => {
+  const doc = openDocument(first());
+  const view = { ...defaultView(doc), roles: ['colour', 'fixed'], at: [0, 2] };
+  const { groups } = group(doc, view, doc.times.step.mean);
+  assert.deepEqual(
+    groups.map((each) => each.points.map((p) => pointText(doc, p))).flat(),
+    ['simple', 'sap', 'sap32', 'dbvt'].map((name) => `detector ${name}, quantity 400`),
+  );
+});
+
+test('long series are thinned to bins that keep their range', () => {
+  const bins = thin(
+    Array.from({ length: 1000 }, (_, i) => ({ x: i, value: i, low: null, high: null })),
+    10,
+  );
+  assert.equal(bins.length, 10);
+  assert.deepEqual(bins[0], { x: 49.5, value: 49.5, count: 100, low: 0, high: 99 });
+});
+
+test('10^5 points have groups', () => {
+  const doc = openDocument(large());
+  const { groups } = group(doc, defaultView(doc), doc.times.step.mean);
+  assert.equal(groups.length, 1000);
+  assert.ok(groups.every((each) => each.points.length === 100));
+});
+
+test('what can be drawn', () => {
+  assert.deepEqual(
+    quantities(openDocument(first())).map((each) => each.id),
+    [
+      'time:broad',
+      'time:narrow',
+      'time:detect',
+      'time:solve',
+      'time:integrate',
+      'time:step',
+      'ratio:step',
+      'ratio:detect',
+      'count:pairs',
+    ],
+  );
+});
