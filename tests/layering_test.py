@@ -34,7 +34,7 @@ EXTERNAL = [
     (r"^(hacd|meshoptimizer)", ("library/meshes/decompose.cc",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
-    (r"^nlohmann/", ("runtime/report/", "runtime/cli/")),
+    (r"^nlohmann/", ("runtime/report/", "runtime/view/", "runtime/cli/")),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]
 

@@ -24,7 +24,6 @@ struct PlannedCommand {
 };
 constexpr PlannedCommand kPlannedCommands[] = {
     {"report", "a page of a results file"},
-    {"view", "a scene in the browser"},
     {"submit", "a sweep on a cluster"},
 };
 
@@ -42,6 +41,7 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddRunCommand(app, status);
   AddTraceCommand(app, status);
   AddShowCommand(app, status);
+  AddViewCommand(app, status);
   AddStabilityCommand(app, status);
   AddVerifyCommand(app, status);
   AddMergeCommand(app, status);

@@ -1,0 +1,185 @@
+// `cdb view`: a run, or the start of a scenario, as a page with bodies in 3-D.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/page/page.h"
+#include "runtime/report/console.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/store.h"
+#include "runtime/view/scene_document.h"
+#include "runtime/view/selection.h"
+
+namespace cdb::cli {
+namespace {
+
+struct ViewArguments {
+  std::vector<std::string> files;
+  std::optional<std::string> benchmark;
+  std::string out, cycles, every;
+  std::vector<std::string> select, beside;
+};
+
+using view::SceneRecording;
+using view::Selection;
+
+bool IsResults(const std::string& file) { return file.ends_with(".h5") || file.ends_with(".nc"); }
+
+std::vector<Selection> ParseAll(const std::vector<std::string>& words) {
+  std::vector<Selection> selections;
+  for (const std::string& word : words) selections.push_back(view::ParseSelection(word));
+  return selections;
+}
+
+/// What may stand before a cell: the axes that this sweep has. With two files, one may lack some.
+std::vector<Selection> Known(const std::vector<plan::Axis>& axes, std::vector<Selection> all,
+                             bool others_may_have_them) {
+  if (others_may_have_them)
+    std::erase_if(all, [&](const Selection& selection) {
+      return selection.axis != "rep" &&
+             std::ranges::find(axes, selection.axis, &plan::Axis::name) == axes.end();
+    });
+  return all;
+}
+
+view::FrameChoice FramesOf(const ViewArguments& arguments, std::size_t runs) {
+  view::FrameChoice choice;
+  choice.budget_bytes /= runs;
+  if (!arguments.cycles.empty()) view::ParseCycles(arguments.cycles, choice);
+  if (arguments.every.empty()) return choice;
+  std::uint64_t every = 0;
+  const char* end = arguments.every.data() + arguments.every.size();
+  const auto parsed = std::from_chars(arguments.every.data(), end, every);
+  if (parsed.ec != std::errc() || parsed.ptr != end || every == 0)
+    throw CommandError(
+        fmt::format("--every {}: a whole number of cycles, from 1", arguments.every));
+  choice.every = every;
+  return choice;
+}
+
+/// The runs of one results file: that which is selected, and the one beside it.
+void ViewResults(const std::string& name, const ViewArguments& arguments,
+                 const view::FrameChoice& choice, std::vector<SceneRecording>& recordings) {
+  try {
+    const store::ResultFile file(name);
+    store::ResultFile::Cell cell = view::DefaultCell(file);
+    view::Select(file.axes(), file.repeats(),
+                 Known(file.axes(), ParseAll(arguments.select), arguments.files.size() > 1), cell);
+    recordings.push_back(view::ReadRecording(file, cell, choice));
+    recordings.back().file = name;
+    if (arguments.beside.empty()) return;
+    view::Select(file.axes(), file.repeats(), ParseAll(arguments.beside), cell);
+    recordings.push_back(view::ReadRecording(file, cell, choice));
+    recordings.back().file = name;
+  } catch (const std::exception& error) {
+    const std::string what = error.what();
+    throw CommandError(what.starts_with(name) ? what : fmt::format("{}: {}", name, what));
+  }
+}
+
+const plan::Run& RunAt(const plan::Plan& plan, const std::vector<Selection>& selections) {
+  store::ResultFile::Cell cell{plan.runs.at(0).at, plan.runs[0].rep};
+  view::Select(plan.axes, plan.repeats, selections, cell);
+  for (const plan::Run& run : plan.runs)
+    if (run.at == cell.at && run.rep == cell.rep) return run;
+  throw CommandError(
+      fmt::format("`skip` leaves out {}", view::CellName(plan.axes, plan.repeats, cell)));
+}
+
+/// False after diagnostics were printed.
+bool ViewScenario(const std::string& name, const ViewArguments& arguments,
+                  std::vector<SceneRecording>& recordings) {
+  const std::vector<plan::Plan> plans = LoadPlans(name, arguments.benchmark);
+  if (plans.empty()) return false;
+  if (plans.size() > 1 && !arguments.benchmark) {
+    std::string names;
+    for (const plan::Plan& plan : plans) names += (names.empty() ? "" : ", ") + plan.benchmark;
+    report::Say(fmt::format("{} has the benchmarks {}: this is {}; -b names another\n", name, names,
+                            plans[0].benchmark));
+  }
+  try {
+    std::vector<Selection> selections = ParseAll(arguments.select);
+    recordings.push_back(view::StartOf(plans[0], RunAt(plans[0], selections)));
+    recordings.back().file = name;
+    if (arguments.beside.empty()) return true;
+    for (Selection& other : ParseAll(arguments.beside)) selections.push_back(std::move(other));
+    recordings.push_back(view::StartOf(plans[0], RunAt(plans[0], selections)));
+    recordings.back().file = name;
+  } catch (const CommandError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw CommandError(fmt::format("{}: {}", name, error.what()));
+  }
+  return true;
+}
+
+void CheckArguments(const ViewArguments& arguments) {
+  if (arguments.files.size() > 2)
+    throw CommandError("a page shows one run, or two side by side: name one or two files");
+  if (arguments.files.size() == 2 && !arguments.beside.empty())
+    throw CommandError("--beside is for two runs of one file; two files are already side by side");
+  const bool has_results = std::ranges::any_of(arguments.files, IsResults);
+  if (!has_results && !(arguments.cycles.empty() && arguments.every.empty()))
+    throw CommandError("--cycles and --every are for results; a scenario shows its start");
+  if (has_results && arguments.benchmark)
+    throw CommandError("-b is for a scenario; a results file has one benchmark");
+}
+
+std::string MegabytesText(std::size_t bytes) {
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+ExitStatus View(const ViewArguments& arguments) {
+  CheckArguments(arguments);
+  const view::FrameChoice choice =
+      FramesOf(arguments, arguments.files.size() + arguments.beside.size() > 1 ? 2 : 1);
+  std::vector<SceneRecording> recordings;
+  for (const std::string& file : arguments.files) {
+    if (IsResults(file)) {
+      ViewResults(file, arguments, choice, recordings);
+    } else if (!ViewScenario(file, arguments, recordings)) {
+      return ExitStatus::kScenario;
+    }
+  }
+  const SceneRecording& first = recordings[0];
+  const std::string title = first.title.empty() ? first.benchmark : first.title;
+  const std::string page = page::Assemble(page::ViewTemplate(), title + " (cdb view)",
+                                          view::SceneDocument(title, recordings));
+  const std::string out = arguments.out.empty() ? first.benchmark + ".scene.html" : arguments.out;
+  store::WriteWhole(page, out);
+  for (const SceneRecording& recording : recordings) {
+    report::Say(fmt::format("{}{}{}: {} objects, {} frames\n", recording.file,
+                            recording.name.empty() ? "" : ", ", recording.name,
+                            recording.ObjectCount(), recording.FrameCount()));
+    for (const std::string& notice : recording.notices) report::Say("  " + notice + "\n");
+  }
+  report::Say(fmt::format("{}: {}; open it in a browser\n", out, MegabytesText(page.size())));
+  return ExitStatus::kGood;
+}
+
+}  // namespace
+
+void AddViewCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<ViewArguments>();
+  Subcommand command(app, "view", "a run, or the start of a scenario, in 3-D as a page");
+  command.Required("FILE", arguments->files, "results file or scenario; two: side by side");
+  command.Benchmark(arguments->benchmark);
+  command.Out(arguments->out, "the page; default: BENCHMARK.scene.html");
+  command.Optional("--select", arguments->select,
+                   "AXIS=VALUE…: the run of a sweep; default: the first that ran");
+  command.Optional("--beside", arguments->beside,
+                   "AXIS=VALUE…: a second run of the file, which differs by this");
+  command.Optional("--cycles", arguments->cycles, "A..B: only these cycles, from 0");
+  command.Optional("--every", arguments->every, "only each N-th of them");
+  command.Action(status, [arguments] { return View(*arguments); });
+}
+
+}  // namespace cdb::cli
