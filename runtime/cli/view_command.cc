@@ -15,6 +15,7 @@
 #include "runtime/report/console.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/store.h"
+#include "runtime/view/glb.h"
 #include "runtime/view/scene_document.h"
 #include "runtime/view/selection.h"
 
@@ -24,7 +25,7 @@ namespace {
 struct ViewArguments {
   std::vector<std::string> files;
   std::optional<std::string> benchmark;
-  std::string out, cycles, every;
+  std::string out, gltf, cycles, every;
   std::vector<std::string> select, beside;
 };
 
@@ -122,6 +123,11 @@ bool ViewScenario(const std::string& name, const ViewArguments& arguments,
 }
 
 void CheckArguments(const ViewArguments& arguments) {
+  if (!arguments.gltf.empty() && (arguments.files.size() > 1 || !arguments.beside.empty()))
+    throw CommandError("--gltf writes one run: name one file, and no --beside");
+  if (!arguments.gltf.empty() && !arguments.gltf.ends_with(".glb"))
+    throw CommandError(fmt::format("--gltf {}: binary glTF is written, whose files end with .glb",
+                                   arguments.gltf));
   if (arguments.files.size() > 2)
     throw CommandError("a page shows one run, or two side by side: name one or two files");
   if (arguments.files.size() == 2 && !arguments.beside.empty())
@@ -133,8 +139,19 @@ void CheckArguments(const ViewArguments& arguments) {
     throw CommandError("-b is for a scenario; a results file has one benchmark");
 }
 
-std::string MegabytesText(std::size_t bytes) {
-  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+void Write(const std::string& file, const std::string& bytes, const char* use) {
+  store::WriteWhole(bytes, file);
+  report::Say(
+      fmt::format("{}: {:.1f} MB; {}\n", file, static_cast<double>(bytes.size()) / 1e6, use));
+}
+
+void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>& recordings) {
+  const SceneRecording& first = recordings[0];
+  const std::string title = first.title.empty() ? first.benchmark : first.title;
+  const std::string page = page::Assemble(page::ViewTemplate(), title + " (cdb view)",
+                                          view::SceneDocument(title, recordings));
+  Write(arguments.out.empty() ? first.benchmark + ".scene.html" : arguments.out, page,
+        "open it in a browser");
 }
 
 ExitStatus View(const ViewArguments& arguments) {
@@ -149,19 +166,15 @@ ExitStatus View(const ViewArguments& arguments) {
       return ExitStatus::kScenario;
     }
   }
-  const SceneRecording& first = recordings[0];
-  const std::string title = first.title.empty() ? first.benchmark : first.title;
-  const std::string page = page::Assemble(page::ViewTemplate(), title + " (cdb view)",
-                                          view::SceneDocument(title, recordings));
-  const std::string out = arguments.out.empty() ? first.benchmark + ".scene.html" : arguments.out;
-  store::WriteWhole(page, out);
   for (const SceneRecording& recording : recordings) {
     report::Say(fmt::format("{}{}{}: {} objects, {} frames\n", recording.file,
                             recording.name.empty() ? "" : ", ", recording.name,
                             recording.ObjectCount(), recording.FrameCount()));
     for (const std::string& notice : recording.notices) report::Say("  " + notice + "\n");
   }
-  report::Say(fmt::format("{}: {}; open it in a browser\n", out, MegabytesText(page.size())));
+  if (!arguments.gltf.empty())
+    Write(arguments.gltf, view::SceneGlb(recordings[0]), "open it in a program that reads glTF");
+  if (arguments.gltf.empty() || !arguments.out.empty()) WritePage(arguments, recordings);
   return ExitStatus::kGood;
 }
 
@@ -173,6 +186,8 @@ void AddViewCommand(CLI::App& app, ExitStatus& status) {
   command.Required("FILE", arguments->files, "results file or scenario; two: side by side");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "the page; default: BENCHMARK.scene.html");
+  command.Optional("--gltf", arguments->gltf,
+                   "OUT.glb: the scene with its motion as binary glTF 2.0; the page only with -o");
   command.Optional("--select", arguments->select,
                    "AXIS=VALUE…: the run of a sweep; default: the first that ran");
   command.Optional("--beside", arguments->beside,

@@ -131,7 +131,7 @@ constexpr const void* kBottomKey = &kShapeKeys[14];
 }  // namespace
 
 Tessellation::Tessellation(std::size_t bodies)
-    : segments_(bodies > 2000  ? 14
+    : segments_(bodies > 2000  ? 12
                 : bodies > 300 ? 20
                                : 36) {}
 

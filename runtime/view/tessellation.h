@@ -34,7 +34,7 @@ struct Part {
 class Tessellation {
  public:
   /// `bodies`: how many there will be; the more, the coarser are round meshes. The vertices lie on
-  /// the solid, and they reach at least 0.95 of its extent in every direction.
+  /// the solid, and they reach at least 0.93 of its extent in every direction.
   explicit Tessellation(std::size_t bodies);
 
   /// A capsule has three parts, any other solid one. Vertices of all parts are points of the

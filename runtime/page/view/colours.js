@@ -30,14 +30,17 @@ function sampledMaximum(recordings, valuesAt) {
   return quantile(values, 0.998) || quantile(values, 1) || 1;
 }
 
-// A number for each body, from `low` to `high`.
-function continuous(low, high, unit, valuesAt, note) {
+// A number for each body, from `low` to `high`. `power` 0.5: in proportion to the root, for values that
+// are mostly small.
+function continuous(low, high, unit, valuesAt, { note, power = 1 } = {}) {
+  const part = (value) => ((value - low) / (high - low || 1)) ** power;
+  const middle = low + (high - low) * 0.5 ** (1 / power);
   return {
     colour(recording, frame) {
       const values = valuesAt(recording, frame);
-      return (body) => ramp[Math.min(255, Math.max(0, Math.round((values[body] - low) / (high - low || 1) * 255)))];
+      return (body) => ramp[Math.min(255, Math.max(0, Math.round(part(Math.max(values[body], low)) * 255)))];
     },
-    legend: { low: number(low), high: number(high), unit, note },
+    legend: { ends: [number(low), number(middle), `${number(high)} ${unit}`], note },
   };
 }
 
@@ -97,7 +100,8 @@ export const kColourModes = [
   { id: 'speed', name: 'speed',
     why: (recordings) => recordings.every(({ frames }) => frames < 2) && 'needs poses of more than one cycle',
     make: (recordings) => continuous(0, sampledMaximum(recordings, (r, frame) => [...r.speeds(frame)]), 'm/s',
-      (recording, frame) => recording.speeds(frame), 'way from frame to frame over time') },
+      (recording, frame) => recording.speeds(frame),
+      { note: 'displacement between frames over time; root scale', power: 0.5 }) },
   { id: 'group', name: 'object group', why: () => false, make: groupColours },
   { id: 'shape', name: 'shape', why: () => false, make: shapeColours },
   { id: 'mass', name: 'mass',

@@ -81,12 +81,12 @@ export class Controls {
     this.body.value = state.picked?.body ?? '';
   }
 
-  setLegend({ low, high, unit, note, swatches }) {
+  setLegend({ ends, note, swatches }) {
     const made = swatches
       ? swatches.map(({ name, colour }) => element('span', { class: 'swatch' },
         element('i', { style: `background:${colour}` }), name))
       : [element('div', { class: 'ramp', style: `background:${rampGradient()}` }),
-        element('div', { class: 'ends' }, element('span', {}, low), element('span', {}, unit), element('span', {}, high))];
+        element('div', { class: 'ends' }, ...ends.map((end) => element('span', {}, end)))];
     this.legend.replaceChildren(...made, ...(note ? [element('small', {}, note)] : []));
   }
 
