@@ -29,6 +29,9 @@ struct ViewArguments {
   std::vector<std::string> select, beside;
 };
 
+/// A .glb file is shorter than 4 GB; its poses take less than twice the bytes of a page's.
+constexpr std::size_t kGltfBudget = 1'000'000'000;
+
 using view::SceneRecording;
 using view::Selection;
 
@@ -54,6 +57,8 @@ std::vector<Selection> Known(const std::vector<plan::Axis>& axes, std::vector<Se
 view::FrameChoice FramesOf(const ViewArguments& arguments, std::size_t runs) {
   view::FrameChoice choice;
   choice.budget_bytes /= runs;
+  const bool is_page = arguments.gltf.empty() || !arguments.out.empty();
+  if (!is_page) choice.budget_bytes = kGltfBudget;
   if (!arguments.cycles.empty()) view::ParseCycles(arguments.cycles, choice);
   if (arguments.every.empty()) return choice;
   std::uint64_t every = 0;
@@ -157,7 +162,7 @@ void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>
 ExitStatus View(const ViewArguments& arguments) {
   CheckArguments(arguments);
   const view::FrameChoice choice =
-      FramesOf(arguments, arguments.files.size() + arguments.beside.size() > 1 ? 2 : 1);
+      FramesOf(arguments, arguments.files.size() > 1 || !arguments.beside.empty() ? 2 : 1);
   std::vector<SceneRecording> recordings;
   for (const std::string& file : arguments.files) {
     if (IsResults(file)) {
@@ -167,9 +172,10 @@ ExitStatus View(const ViewArguments& arguments) {
     }
   }
   for (const SceneRecording& recording : recordings) {
-    report::Say(fmt::format("{}{}{}: {} objects, {} frames\n", recording.file,
-                            recording.name.empty() ? "" : ", ", recording.name,
-                            recording.ObjectCount(), recording.FrameCount()));
+    report::Say(fmt::format(
+        "{}{}{}: {} objects, {}\n", recording.file, recording.name.empty() ? "" : ", ",
+        recording.name, recording.ObjectCount(),
+        recording.cycles.empty() ? "the start" : fmt::format("{} frames", recording.FrameCount())));
     for (const std::string& notice : recording.notices) report::Say("  " + notice + "\n");
   }
   if (!arguments.gltf.empty())

@@ -16,7 +16,8 @@ class App {
     this.end = Math.max(...this.recordings.map(({ end }) => end));
     this.theme = this.readTheme();
     this.canvas = element('canvas', { id: 'scene', 'aria-label': 'the bodies in 3-D' });
-    this.stageBox = element('div', { id: 'stage' }, this.canvas, ...this.tags());
+    this.sizeTag = element('span', { class: 'tag low', hidden: true });
+    this.stageBox = element('div', { id: 'stage' }, this.canvas, ...this.tags(), this.sizeTag);
     this.controls = new Controls(this.recordings, this);
     this.player = new Player(this.recordings, this, () => this.theme);
     document.getElementById('page').append(makeHead(title, this.recordings), this.stageBox, this.controls.object,
@@ -81,6 +82,8 @@ class App {
       this.controls.setLegend(this.colours.legend);
     }
     this.controls.update(state);
+    this.sizeTag.hidden = state.magnify === 1;
+    this.sizeTag.textContent = `bodies are drawn at ${state.magnify} times their size`;
     this.player.update(state);
     this.frames = null; // everything is drawn anew
     this.refresh();

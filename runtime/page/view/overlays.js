@@ -1,7 +1,7 @@
 // Lines and points beside the bodies: walls, floor, boxes, pairs, contacts.
 import {
   BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Mesh,
-  PlaneGeometry, Points, PointsMaterial, ShadowMaterial,
+  PlaneGeometry, Points, PointsMaterial, ShadowMaterial, Sphere, Vector3,
 } from 'three';
 
 const kBoxEdges = [[0, 1], [1, 3], [3, 2], [2, 0], [4, 5], [5, 7], [7, 6], [6, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
@@ -13,6 +13,7 @@ const corner = (low, high, index) => [0, 1, 2].map((i) => (index >> i & 1 ? high
 class Lines {
   constructor(Kind, material) {
     this.object = new Kind(new BufferGeometry(), material);
+    this.object.geometry.boundingSphere = new Sphere(new Vector3(), Infinity); // never asked of the vertices
     this.object.frustumCulled = false;
     this.object.renderOrder = 2;
     this.object.visible = false;
@@ -52,7 +53,7 @@ export class Overlays {
     this.boxes = new Lines(LineSegments, new LineBasicMaterial({ transparent: true, opacity: 0.7 }));
     this.pairs = new Lines(LineSegments, new LineBasicMaterial({ ...over, opacity: 0.6 }));
     this.normals = new Lines(LineSegments, new LineBasicMaterial({ ...over, vertexColors: true }));
-    this.points = new Lines(Points, new PointsMaterial({ ...over, vertexColors: true, size: 5, sizeAttenuation: false }));
+    this.points = new Lines(Points, new PointsMaterial({ ...over, vertexColors: true, size: 4, sizeAttenuation: false }));
     for (const each of [this.boxes, this.pairs, this.normals, this.points]) this.object.add(each.object);
     this.reach = 0.6 * recording.radius.reduce((sum, value) => sum + value, 0) / (recording.count || 1);
     this.maxDepth = this.deepest();

@@ -20,7 +20,7 @@ export class Player {
     ...series.map((name) => element('option', { value: name }, name.replaceAll('_', ' '))));
     this.clock = element('output', { id: 'clock' });
     const isStill = recordings.every(({ frames }) => frames < 2);
-    this.object = element('footer', {},
+    this.object = element('footer', { class: recordings.length > 1 ? 'two' : '' },
       element('div', { class: 'bar' },
         ...(isStill ? [] : [button('home', '«', 'first frame (Home)', () => app.seek(0)),
           button('back', '‹', 'a frame back (←)', () => app.step(-1)), this.play,
