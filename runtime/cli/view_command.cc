@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -43,15 +44,21 @@ std::vector<Selection> ParseAll(const std::vector<std::string>& words) {
   return selections;
 }
 
-/// What may stand before a cell: the axes that this sweep has. With two files, one may lack some.
-std::vector<Selection> Known(const std::vector<plan::Axis>& axes, std::vector<Selection> all,
-                             bool others_may_have_them) {
-  if (others_may_have_them)
-    std::erase_if(all, [&](const Selection& selection) {
-      return selection.axis != "rep" &&
-             std::ranges::find(axes, selection.axis, &plan::Axis::name) == axes.end();
-    });
-  return all;
+bool HasAxis(const std::vector<plan::Axis>& axes, const Selection& selection) {
+  return selection.axis == "rep" ||
+         std::ranges::find(axes, selection.axis, &plan::Axis::name) != axes.end();
+}
+
+/// Of `selections` those for this sweep. With two files one of them may lack an axis; `used` gets
+/// the axes that were found.
+std::vector<Selection> ForSweep(const std::vector<plan::Axis>& axes,
+                                std::vector<Selection> selections, const ViewArguments& arguments,
+                                std::set<std::string>& used) {
+  if (arguments.files.size() > 1)
+    std::erase_if(selections,
+                  [&](const Selection& selection) { return !HasAxis(axes, selection); });
+  for (const Selection& selection : selections) used.insert(selection.axis);
+  return selections;
 }
 
 view::FrameChoice FramesOf(const ViewArguments& arguments, std::size_t runs) {
@@ -71,14 +78,21 @@ view::FrameChoice FramesOf(const ViewArguments& arguments, std::size_t runs) {
   return choice;
 }
 
+/// What the files of a command line gave.
+struct Viewed {
+  std::vector<SceneRecording> recordings;
+  std::set<std::string> axes;  ///< that --select named
+};
+
 /// The runs of one results file: that which is selected, and the one beside it.
 void ViewResults(const std::string& name, const ViewArguments& arguments,
-                 const view::FrameChoice& choice, std::vector<SceneRecording>& recordings) {
+                 const view::FrameChoice& choice, Viewed& viewed) {
+  std::vector<SceneRecording>& recordings = viewed.recordings;
   try {
     const store::ResultFile file(name);
     store::ResultFile::Cell cell = view::DefaultCell(file);
     view::Select(file.axes(), file.repeats(),
-                 Known(file.axes(), ParseAll(arguments.select), arguments.files.size() > 1), cell);
+                 ForSweep(file.axes(), ParseAll(arguments.select), arguments, viewed.axes), cell);
     recordings.push_back(view::ReadRecording(file, cell, choice));
     recordings.back().file = name;
     if (arguments.beside.empty()) return;
@@ -101,8 +115,8 @@ const plan::Run& RunAt(const plan::Plan& plan, const std::vector<Selection>& sel
 }
 
 /// False after diagnostics were printed.
-bool ViewScenario(const std::string& name, const ViewArguments& arguments,
-                  std::vector<SceneRecording>& recordings) {
+bool ViewScenario(const std::string& name, const ViewArguments& arguments, Viewed& viewed) {
+  std::vector<SceneRecording>& recordings = viewed.recordings;
   const std::vector<plan::Plan> plans = LoadPlans(name, arguments.benchmark);
   if (plans.empty()) return false;
   if (plans.size() > 1 && !arguments.benchmark) {
@@ -112,7 +126,8 @@ bool ViewScenario(const std::string& name, const ViewArguments& arguments,
                             plans[0].benchmark));
   }
   try {
-    std::vector<Selection> selections = ParseAll(arguments.select);
+    std::vector<Selection> selections =
+        ForSweep(plans[0].axes, ParseAll(arguments.select), arguments, viewed.axes);
     recordings.push_back(view::StartOf(plans[0], RunAt(plans[0], selections)));
     recordings.back().file = name;
     if (arguments.beside.empty()) return true;
@@ -163,14 +178,18 @@ ExitStatus View(const ViewArguments& arguments) {
   CheckArguments(arguments);
   const view::FrameChoice choice =
       FramesOf(arguments, arguments.files.size() > 1 || !arguments.beside.empty() ? 2 : 1);
-  std::vector<SceneRecording> recordings;
+  Viewed viewed;
   for (const std::string& file : arguments.files) {
     if (IsResults(file)) {
-      ViewResults(file, arguments, choice, recordings);
-    } else if (!ViewScenario(file, arguments, recordings)) {
+      ViewResults(file, arguments, choice, viewed);
+    } else if (!ViewScenario(file, arguments, viewed)) {
       return ExitStatus::kScenario;
     }
   }
+  for (const Selection& selection : ParseAll(arguments.select))
+    if (!viewed.axes.contains(selection.axis))
+      throw CommandError(fmt::format("no file has the axis '{}'", selection.axis));
+  const std::vector<SceneRecording>& recordings = viewed.recordings;
   for (const SceneRecording& recording : recordings) {
     report::Say(fmt::format(
         "{}{}{}: {} objects, {}\n", recording.file, recording.name.empty() ? "" : ", ",
