@@ -126,9 +126,9 @@ struct ResultFile::Impl {
 
   /// An array, opened once.
   hdf5::Dataset& Opened(std::string_view dataset) {
-    auto found = opened.find(dataset);
-    if (found == opened.end())
-      found = opened.emplace(dataset, file.OpenDataset(std::string(dataset))).first;
+    auto found = opened_arrays.find(dataset);
+    if (found == opened_arrays.end())
+      found = opened_arrays.emplace(dataset, file.OpenDataset(std::string(dataset))).first;
     return found->second;
   }
 
@@ -164,7 +164,7 @@ struct ResultFile::Impl {
   std::map<std::string, std::vector<double>, std::less<>> numbers;
   std::map<std::string, std::vector<std::string>, std::less<>> texts;
   std::map<std::string, Series, std::less<>> series;
-  std::map<std::string, hdf5::Dataset, std::less<>> opened;
+  std::map<std::string, hdf5::Dataset, std::less<>> opened_arrays;
 };
 
 ResultFile::ResultFile(const std::filesystem::path& file) {
@@ -252,6 +252,10 @@ std::vector<double> ResultFile::ReadDuration(measure::Phase phase, const Cell& c
     const auto begin = block.begin() + static_cast<long>(measure::IndexOf(phase) * impl_->cycles);
     return std::vector(begin, begin + static_cast<long>(impl_->CyclesOf(cell)));
   });
+}
+
+std::vector<double> ResultFile::ReadSamples(std::string_view dataset, const Cell& cell) const {
+  return impl_->Reading([&] { return impl_->Block(dataset, cell, 1); });
 }
 
 std::vector<double> ResultFile::ReadCycle(std::string_view dataset, const Cell& cell,

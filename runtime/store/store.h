@@ -158,6 +158,8 @@ class ResultFile {
   /// doubles.
   std::vector<double> ReadSeries(std::string_view dataset, const Cell& cell) const;
   std::vector<double> ReadDuration(measure::Phase phase, const Cell& cell) const;
+  /// One series of /accuracy (schema::ErrorInfo::series) of a cell, at each sample.
+  std::vector<double> ReadSamples(std::string_view dataset, const Cell& cell) const;
   /// One cycle of a series with several values in each (`poses`, `boxes`), last dimension fastest.
   /// The cycle must have run.
   std::vector<double> ReadCycle(std::string_view dataset, const Cell& cell,

@@ -104,8 +104,10 @@ Json ContactsOf(const SceneRecording& recording) {
 Json SeriesOf(const std::vector<CycleSeries>& all) {
   Json list = Json::array();
   for (const CycleSeries& series : all)
-    list.push_back(
-        {{"name", series.name}, {"unit", series.unit}, {"values", PackFloats(series.values)}});
+    list.push_back({{"name", series.name},
+                    {"unit", series.unit},
+                    {"interval", series.interval_s},
+                    {"values", PackFloats(series.values)}});
   return list;
 }
 

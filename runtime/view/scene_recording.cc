@@ -8,7 +8,9 @@
 #include <numeric>
 
 #include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"
+#include "compiler/schema/metrics.h"
 #include "library/layouts/exact_layouts.h"
 #include "runtime/report/cells.h"
 #include "runtime/view/selection.h"
@@ -154,6 +156,19 @@ void ReadAllSeries(const ResultFile& file, const ResultFile::Cell& cell,
   }
 }
 
+/// The errors of the run at its samples, where it is compared with a truth.
+void ReadErrors(const ResultFile& file, const ResultFile::Cell& cell, SceneRecording& recording) {
+  const auto sampling = plan::SamplingOf(recording.scene);
+  if (!sampling || recording.n_cycles == 0) return;
+  for (const schema::ErrorInfo& error : schema::Errors()) {
+    if (!file.Has(error.series)) continue;
+    CycleSeries series{fmt::format("error of {}", error.name), std::string(error.unit),
+                       file.ReadSamples(error.series, cell), sampling->interval_s};
+    if (std::ranges::any_of(series.values, [](double value) { return std::isfinite(value); }))
+      recording.series.push_back(std::move(series));
+  }
+}
+
 const plan::Run& FindRun(const plan::Plan& plan, const ResultFile::Cell& cell) {
   for (const plan::Run& run : plan.runs)
     if (run.at == cell.at && run.rep == cell.rep) return run;
@@ -215,6 +230,7 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
     recording.n_cycles = file.ReadCycleCount(cell);
   }
   ReadAllSeries(file, cell, recording);
+  ReadErrors(file, cell, recording);
   if (run.scene.world.Lists("record", "poses") && recording.n_cycles > 0) {
     ReadFrames(file, cell, choice, recording);
     return recording;

@@ -16,10 +16,12 @@
 
 namespace cdb::view {
 
-/// A series of the run, one value for each cycle that ran. NaN: none.
+/// A series of the run, one value for each cycle that ran, or, of an error, for each sample. NaN:
+/// none.
 struct CycleSeries {
   std::string name, unit;
   std::vector<double> values;
+  double interval_s = 0;  ///< from one sample to the next, the first at time 0; 0: of each cycle
 };
 
 struct SceneRecording {
@@ -43,7 +45,7 @@ struct SceneRecording {
   bool has_contacts = false;  ///< recorded
   std::vector<std::vector<measure::ContactRecord>> contacts;  ///< of each frame
   std::vector<CycleSeries> durations;                         ///< of the phases, ns
-  std::vector<CycleSeries> series;                            ///< every other one that is recorded
+  std::vector<CycleSeries> series;                            ///< every other one that is recorded, and errors
   std::vector<std::string> notices;  ///< what a viewer must know: what is missing, and why
 
   std::size_t FrameCount() const { return cycles.empty() ? 1 : cycles.size(); }

@@ -189,23 +189,40 @@ export class Recording {
     });
   }
 
-  // What the camera should see: the bodies of the first frame, and of the others what is not far from
-  // them, so that a body that flew away does not make the rest a dot.
+  // For each axis, where a coordinate is not far from most of the first frame.
+  usualRange() {
+    return [0, 1, 2].map((axis) => {
+      const values = Array.from({ length: this.count }, (_, body) => this.position[3 * body + axis])
+        .filter(Number.isFinite).sort((a, b) => a - b);
+      const at = (part) => values[Math.round(part * (values.length - 1))] ?? 0;
+      const span = at(0.9) - at(0.1);
+      return [at(0.1) - span, at(0.9) + span];
+    });
+  }
+
+  // What the camera should see: the bodies in the cube, and those not far from most others, so that
+  // one that flew away does not make the rest a dot.
   bounds() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    const grow = (frame, limit) => {
-      for (let body = 0; body < this.count; ++body)
-        for (let i = 0; i < 3; ++i) {
-          const value = this.position[3 * (frame * this.count + body) + i];
-          if (!Number.isFinite(value) || (limit && Math.abs(value - limit.centre[i]) > limit.reach)) continue;
-          low[i] = Math.min(low[i], value - this.radius[body]);
-          high[i] = Math.max(high[i], value + this.radius[body]);
-        }
+    const usual = this.usualRange();
+    const grow = (frame, isNear) => {
+      for (let body = 0; body < this.count; ++body) {
+        const at = this.positionOf(frame, body, [0, 0, 0]);
+        if (!at.every(isNear)) continue;
+        at.forEach((value, axis) => {
+          low[axis] = Math.min(low[axis], value - this.radius[body]);
+          high[axis] = Math.max(high[axis], value + this.radius[body]);
+        });
+      }
     };
-    grow(0, null);
-    const centre = low.map((value, i) => (value + high[i]) / 2);
-    const limit = { centre, reach: 1.5 * Math.max(...low.map((value, i) => high[i] - value)) };
-    for (let k = 1; k <= 24; ++k) grow(Math.floor((this.frames - 1) * k / 24), limit);
+    const isUsual = (value, axis) =>
+      Math.abs(value) <= 0.51 * this.run.side || (value >= usual[axis][0] && value <= usual[axis][1]);
+    grow(0, isUsual);
+    const centre = low.map((value, axis) => (value + high[axis]) / 2);
+    const reach = 1.5 * Math.max(...low.map((value, axis) => high[axis] - value));
+    for (let k = 1; k <= 24; ++k)
+      grow(Math.floor((this.frames - 1) * k / 24),
+        (value, axis) => isUsual(value, axis) && Math.abs(value - centre[axis]) <= reach);
     return low[0] < Infinity ? { low, high } : { low: [-1, -1, -1], high: [1, 1, 1] };
   }
 }

@@ -76,7 +76,7 @@ export class Timeline {
       const words = recording.durations.filter(({ name }) => name === 'step' || kPhases.includes(name))
         .map(({ name, values }) => `${name} ${duration(values[cycle])}`).reverse();
       const series = recording.series.find(({ name }) => name === this.series);
-      if (series) words.push(`${series.name} ${number(series.values[cycle])} ${series.unit}`);
+      if (series) words.push(`${series.name} ${number(series.values[series.interval ? Math.round(time / series.interval) : cycle])} ${series.unit}`);
       return `${this.recordings.length > 1 ? `${'AB'[run]} ` : ''}cycle ${cycle}: ${words.join(', ')}`;
     }).filter(Boolean);
     this.tip.replaceChildren(...lines.map((line) => element('div', {}, line)));
@@ -206,9 +206,10 @@ export class Timeline {
       pen.lineWidth = 1.3;
       pen.beginPath();
       let isOn = false;
-      series.values.forEach((value, cycle) => {
+      const timeOf = (at) => (series.interval ? at * series.interval : this.recordings[run].timeOfCycle(at));
+      series.values.forEach((value, at) => {
         if (!Number.isFinite(value)) { isOn = false; return; }
-        const x = this.x(this.recordings[run].timeOfCycle(cycle));
+        const x = this.x(timeOf(at));
         if (isOn) pen.lineTo(x, y(value)); else pen.moveTo(x, y(value));
         isOn = true;
       });

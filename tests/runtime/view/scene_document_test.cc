@@ -150,6 +150,28 @@ TEST_F(SceneDocumentTest, IsWrittenAsBinaryGltf) {
               static_cast<float>(recording.poses[(frame * 7 + 3) * measure::kPoseSize + 1]));
 }
 
+// The errors of a run are series over its samples.
+TEST(SceneDocument, HasTheErrorsOfARun) {
+  const Program program;
+  program.Write("flight.cdb", R"(benchmark flight {
+  cycles 20; timestep 1 / 20; world.side 500; world.walls none
+  record timing, counts, poses
+  objects { quantity 2; linear_velocity uniform(-20, 20) }
+  accuracy { metrics position; interval 1 / 4; closed_form flight }
+})");
+  const Finished run = program.Run({"run", "-q", "flight.cdb"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const store::ResultFile file(program.folder() / "flight.h5");
+  const view::SceneRecording recording = view::ReadRecording(file, {{}, 0}, {});
+  const auto error =
+      std::ranges::find(recording.series, "error of position", &view::CycleSeries::name);
+  ASSERT_NE(error, recording.series.end());
+  EXPECT_EQ(error->interval_s, 0.25);
+  ASSERT_EQ(error->values.size(), 5U);  // at 0, 1/4, ... 1 s
+  EXPECT_LT(error->values[0], 1e-6);    // float32
+  EXPECT_GT(error->values[4], error->values[0]);
+}
+
 // With CDB_UPDATE_GOLDEN=1 the file is written instead.
 TEST(SceneDocument, IsAsItWas) {
   const Program program;
