@@ -71,6 +71,12 @@ export class Controls {
     this.app.set({ picked: isThere ? { run, body } : null });
   }
 
+  // Where the panel scrolls by itself; the page does not move.
+  showBodyPanel() {
+    const { bodyPanel, object } = this;
+    object.scrollTop = Math.max(object.scrollTop, bodyPanel.offsetTop + bodyPanel.offsetHeight - object.clientHeight);
+  }
+
   shown() { return this.switches.filter(({ box }) => box.checked).map(({ id }) => id); }
 
   update(state) {

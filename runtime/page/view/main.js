@@ -205,6 +205,7 @@ class App {
       if (!down || event.button !== 0 || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
       const box = this.canvas.getBoundingClientRect();
       this.set({ picked: this.stage.pick(event.clientX - box.left, event.clientY - box.top) });
+      this.controls.showBodyPanel();
     });
   }
 

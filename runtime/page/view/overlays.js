@@ -96,7 +96,7 @@ export class Overlays {
     for (const x of steps(from[0], to[0])) lines.push(x, -half, from[1], x, -half, to[1]);
     for (const z of steps(from[1], to[1])) lines.push(from[0], -half, z, to[0], -half, z);
     this.grid.set(lines);
-    this.floor = new Mesh(new PlaneGeometry(to[0] - from[0], to[1] - from[1]), new ShadowMaterial({ opacity: 0.3 }));
+    this.floor = new Mesh(new PlaneGeometry(to[0] - from[0], to[1] - from[1]), new ShadowMaterial({ opacity: 0.3, depthWrite: false }));
     this.floor.rotation.x = -Math.PI / 2;
     this.floor.position.set((from[0] + to[0]) / 2, -half - size * 1e-4, (from[1] + to[1]) / 2);
     this.floor.receiveShadow = true;
