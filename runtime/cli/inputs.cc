@@ -85,18 +85,25 @@ std::string FindScenario(const std::string& file) {
       "cannot read '{}': {}; `cdb list scenarios` shows those that come with cdb", file, why));
 }
 
-compiler::Compilation CompileAndReport(const std::string& file,
-                                       const std::optional<std::string>& benchmark, LintText lints,
-                                       const std::vector<std::string>& plugins) {
+compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
+                                  const std::optional<std::string>& benchmark,
+                                  const std::vector<std::string>& plugins) {
   const auto describe = [](const std::string& path, std::string& why) {
     return process::ProbePlugin(process::FindAnyWorker(), path, why);
   };
-  compiler::Compilation result = compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
-                                                   {ScenarioLibrary(),
-                                                    benchmark,
-                                                    {plugins, describe},
-                                                    ReadTraceAt,
-                                                    closed_forms::FindSceneFault});
+  return compiler::Compile(file, read,
+                           {ScenarioLibrary(),
+                            benchmark,
+                            {plugins, describe},
+                            ReadTraceAt,
+                            closed_forms::FindSceneFault});
+}
+
+compiler::Compilation CompileAndReport(const std::string& file,
+                                       const std::optional<std::string>& benchmark, LintText lints,
+                                       const std::vector<std::string>& plugins) {
+  compiler::Compilation result =
+      CompileWith(FindScenario(file), compiler::ReadFromDisk, benchmark, plugins);
   dsl::RenderOptions options;
   options.color = isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
   dsl::Diagnostics shown;

@@ -23,6 +23,12 @@ std::string FindScenario(const std::string& file);
 /// How much is said of numbers that Bullet cannot follow (compiler/lints.h).
 enum class LintText { kNone, kOneLine, kWhole };
 
+/// Compiles `file` as `read` gives it, with the library of scenarios, plug-ins and traces. Throws
+/// ScheduleError.
+compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
+                                  const std::optional<std::string>& benchmark,
+                                  const std::vector<std::string>& plugins = {});
+
 /// Compiles the file that FindScenario finds, and prints every diagnostic on standard error.
 /// `plugins`: shared libraries with detectors, beside those that the file names. Throws
 /// CommandError, ScheduleError (no worker program to look into a library).

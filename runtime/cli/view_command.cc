@@ -11,6 +11,7 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
+#include "runtime/cli/serve_scenario.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/page/page.h"
 #include "runtime/report/console.h"
@@ -28,6 +29,7 @@ struct ViewArguments {
   std::optional<std::string> benchmark;
   std::string out, gltf, cycles, every;
   std::vector<std::string> select, beside;
+  bool serve = false;
 };
 
 /// A .glb file is shorter than 4 GB; its poses take less than twice the bytes of a page's.
@@ -174,8 +176,23 @@ void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>
         "open it in a browser");
 }
 
+/// `--serve` shows what the browser asks for.
+void CheckServe(const ViewArguments& arguments) {
+  if (arguments.files.size() != 1 || IsResults(arguments.files[0]))
+    throw CommandError("--serve edits one scenario file: name it");
+  for (const auto& [name, is_given] : {std::pair("-o", !arguments.out.empty()),
+                                       {"--gltf", !arguments.gltf.empty()},
+                                       {"--select", !arguments.select.empty()},
+                                       {"--beside", !arguments.beside.empty()}})
+    if (is_given) throw CommandError(fmt::format("{} is for a page in a file, not --serve", name));
+}
+
 ExitStatus View(const ViewArguments& arguments) {
   CheckArguments(arguments);
+  if (arguments.serve) {
+    CheckServe(arguments);
+    return ServeScenario(arguments.files[0], arguments.benchmark);
+  }
   const view::FrameChoice choice =
       FramesOf(arguments, arguments.files.size() > 1 || !arguments.beside.empty() ? 2 : 1);
   Viewed viewed;
@@ -219,6 +236,8 @@ void AddViewCommand(CLI::App& app, ExitStatus& status) {
                    "AXIS=VALUE…: a second run of the file, which differs by this");
   command.Optional("--cycles", arguments->cycles, "A..B: only these cycles, from 0");
   command.Optional("--every", arguments->every, "only each N-th of them");
+  command.Flag("--serve", arguments->serve,
+               "edit the scenario in a browser: values, text, scene and runs; until Ctrl-C");
   command.Action(status, [arguments] { return View(*arguments); });
 }
 

@@ -33,6 +33,7 @@ export class Player {
   // A speed at which the whole takes three seconds or more, and at most real time.
   suitableSpeed() {
     const span = Math.max(...this.recordings.map(({ begin, end }) => end - begin));
+    if (!(span > 0)) return 1;
     if (span > 60) return kSpeeds.find((speed) => span / speed <= 30) ?? kSpeeds.at(-1);
     return [...kSpeeds].reverse().find((speed) => speed <= 1 && span / speed >= 1.5) ?? kSpeeds[0];
   }

@@ -98,7 +98,10 @@ TEST(ViewCommand, RefusesByName) {
   EXPECT_THAT(error({"drop.h5", "-b", "drop"}), HasSubstr("-b is for a scenario"));
   EXPECT_THAT(error({"drop.h5", "--gltf", "a.gltf"}), HasSubstr("whose files end with .glb"));
   EXPECT_THAT(error({"drop.h5", "drop.h5", "drop.h5"}), HasSubstr("name one or two files"));
-  EXPECT_EQ(program.Run({"view", "drop.cdb", "--serve"}).status, 2);
+  EXPECT_THAT(error({"drop.h5", "--serve"}), HasSubstr("--serve edits one scenario file"));
+  EXPECT_THAT(error({"drop.cdb", "--serve", "-o", "a.html"}), HasSubstr("-o is for a page in a"));
+  EXPECT_THAT(error({"paper/experiment1", "--serve"}), HasSubstr("comes with cdb"));
+  EXPECT_THAT(error({"drop.cdb", "--serve", "-b", "rain"}), HasSubstr("no benchmark 'rain'"));
 }
 
 TEST(ViewCommand, ReportsErrorsOfTheScenario) {
