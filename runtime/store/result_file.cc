@@ -279,7 +279,9 @@ std::vector<measure::ContactRecord> ResultFile::ReadContacts(const Cell& cell, s
   std::vector<measure::ContactRecord> contacts(count);
   if (count == 0) return contacts;
   return impl_->Reading([&] {
-    const auto row = static_cast<std::uint64_t>(impl_->Number("contact_first", cell)) + first;
+    const double begin = impl_->Number("contact_first", cell);
+    if (!(begin >= 0)) throw hdf5::Error("contact_first has no row for a run with contacts");
+    const auto row = static_cast<std::uint64_t>(begin) + first;
     const auto rows = [&](std::string_view dataset) {
       hdf5::Dataset& array = impl_->Opened(dataset);
       hdf5::Shape start(array.shape().size(), 0), extent = array.shape();

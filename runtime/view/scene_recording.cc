@@ -79,7 +79,7 @@ class FrameReader {
     out_.poses.insert(out_.poses.end(), now.begin(),
                       now.begin() + static_cast<std::ptrdiff_t>(objects_ * kPose));
     if (has_boxes) {
-      const std::vector<double> boxes = file_.ReadCycle("boxes", cell_, cycle);
+      const std::vector<double> boxes = ReadCycle("boxes", kBox, cycle);
       out_.boxes.insert(out_.boxes.end(), boxes.begin(),
                         boxes.begin() + static_cast<std::ptrdiff_t>(objects_ * kBox));
     }
@@ -93,8 +93,17 @@ class FrameReader {
     for (auto& [known, poses] : last_)
       if (known == cycle) return poses;
     std::swap(last_[0], last_[1]);
-    last_[1] = {cycle, file_.ReadCycle("poses", cell_, cycle)};
+    last_[1] = {cycle, ReadCycle("poses", kPose, cycle)};
     return last_[1].second;
+  }
+
+  /// `width` values for each object, and maybe more.
+  std::vector<double> ReadCycle(const char* series, std::size_t width, std::uint64_t cycle) const {
+    std::vector<double> values = file_.ReadCycle(series, cell_, cycle);
+    if (values.size() < objects_ * width)
+      throw StoreError(
+          fmt::format("its {} are of fewer objects than its plan has: run it again", series));
+    return values;
   }
 
   const ResultFile& file_;
@@ -235,6 +244,10 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
     ReadFrames(file, cell, choice, recording);
     return recording;
   }
+  if (choice.first != 0 || choice.last || choice.every)
+    throw StoreError(
+        "it has no poses, and --cycles and --every choose among them: run it again with `record "
+        "timing, counts, poses`");
   recording.notices.push_back(
       recording.n_cycles == 0
           ? fmt::format("This run is {} and has no cycles: the start of its scene is shown.",

@@ -45,7 +45,7 @@ struct SceneRecording {
   bool has_contacts = false;  ///< recorded
   std::vector<std::vector<measure::ContactRecord>> contacts;  ///< of each frame
   std::vector<CycleSeries> durations;                         ///< of the phases, ns
-  std::vector<CycleSeries> series;                            ///< every other one that is recorded, and errors
+  std::vector<CycleSeries> series;   ///< every other one that is recorded, and errors
   std::vector<std::string> notices;  ///< what a viewer must know: what is missing, and why
 
   std::size_t FrameCount() const { return cycles.empty() ? 1 : cycles.size(); }

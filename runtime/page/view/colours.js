@@ -26,7 +26,7 @@ function quantile(values, part) {
 function sampledMaximum(recordings, valuesAt) {
   const values = [];
   for (const recording of recordings)
-    for (let k = 0; k < 30; ++k) values.push(...valuesAt(recording, Math.floor((recording.frames - 1) * k / 29)));
+    for (let k = 0; k < 30; ++k) for (const value of valuesAt(recording, Math.floor((recording.frames - 1) * k / 29))) values.push(value);
   return quantile(values, 0.998) || quantile(values, 1) || 1;
 }
 
@@ -82,7 +82,7 @@ function shapeColours(recordings) {
 
 function massColours(recordings) {
   const masses = recordings.flatMap(({ mass }) => [...mass].filter((value) => value > 0));
-  const low = Math.min(...masses), high = Math.max(...masses);
+  const low = masses.reduce((a, b) => Math.min(a, b)), high = masses.reduce((a, b) => Math.max(a, b));
   const scale = continuous(low, high, 'kg', (recording) => recording.mass);
   return {
     colour(recording, frame) {
@@ -99,7 +99,7 @@ const needs = (word) => `not recorded: add ${word} to record`;
 export const kColourModes = [
   { id: 'speed', name: 'speed',
     why: (recordings) => recordings.every(({ frames }) => frames < 2) && 'needs poses of more than one cycle',
-    make: (recordings) => continuous(0, sampledMaximum(recordings, (r, frame) => [...r.speeds(frame)]), 'm/s',
+    make: (recordings) => continuous(0, sampledMaximum(recordings, (r, frame) => r.speeds(frame)), 'm/s',
       (recording, frame) => recording.speeds(frame),
       { note: 'displacement between frames over time; root scale', power: 0.5 }) },
   { id: 'group', name: 'object group', why: () => false, make: groupColours },
@@ -112,7 +112,7 @@ export const kColourModes = [
     make: massColours },
   { id: 'contacts', name: 'number of contacts',
     why: (recordings) => recordings.some(({ contacts }) => !contacts) && needs('contacts'),
-    make: (recordings) => continuous(0, sampledMaximum(recordings, (r, frame) => [...r.contactCounts(frame)]),
+    make: (recordings) => continuous(0, sampledMaximum(recordings, (r, frame) => r.contactCounts(frame)),
       'contacts', (recording, frame) => recording.contactCounts(frame)) },
   { id: 'island', name: 'island',
     why: (recordings) => recordings.some(({ contacts }) => !contacts) && needs('contacts'),

@@ -64,6 +64,9 @@ TEST(ViewCommand, SaysThatPosesAreMissingAndShowsTheStart) {
   EXPECT_THAT(view.err, HasSubstr("1 objects, the start\n"));
   EXPECT_THAT(view.err, HasSubstr("This run has no poses"));
   EXPECT_THAT(view.err, HasSubstr("`record timing, counts, poses`"));
+  const Finished cycles = program.Run({"view", "start.h5", "--cycles", "1..2"});
+  EXPECT_EQ(cycles.status, 2);
+  EXPECT_THAT(cycles.err, HasSubstr("start.h5: it has no poses"));
 }
 
 TEST(ViewCommand, WritesGltfWithoutAPage) {
