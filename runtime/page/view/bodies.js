@@ -8,13 +8,29 @@ const kPlace = 8; // numbers for each part: scale, rotation, offset along y
 const kPicked = [1, 0, 0.6];
 
 // Sides that turn away are darker, so that bodies of one colour stand apart.
-function makeMaterial() {
+const kFacing = `
+  float facing = abs(dot(normalize(vViewPosition), normal));
+  outgoingLight *= mix(0.5, 1.0, smoothstep(0.0, 0.5, facing));`;
+
+// The edges of a unit cube are darker, so that boxes on each other do. Not where a box has few pixels.
+const kEdges = `
+  vec3 inward = 1.0 - 2.0 * abs(vLocal);
+  float toEdge = dot(inward, vec3(1.0)) - max(inward.x, max(inward.y, inward.z)) - min(inward.x, min(inward.y, inward.z));
+  float pixel = fwidth(toEdge);
+  float edge = (1.0 - smoothstep(0.5 * pixel, 1.6 * pixel, toEdge)) * (1.0 - smoothstep(0.05, 0.25, pixel));
+  outgoingLight *= 1.0 - 0.55 * edge;`;
+
+function makeMaterial(hasEdges) {
   const material = new MeshLambertMaterial({ color: 0xffffff });
+  material.customProgramCacheKey = () => `body${hasEdges}`;
   material.onBeforeCompile = (shader) => {
-    shader.fragmentShader = shader.fragmentShader.replace('#include <opaque_fragment>', `
-      float facing = abs(dot(normalize(vViewPosition), normal));
-      outgoingLight *= mix(0.5, 1.0, smoothstep(0.0, 0.5, facing));
-      #include <opaque_fragment>`);
+    if (hasEdges) {
+      shader.vertexShader = `varying vec3 vLocal;\n${shader.vertexShader}`.replace('#include <begin_vertex>',
+        '#include <begin_vertex>\nvLocal = position;');
+      shader.fragmentShader = `varying vec3 vLocal;\n${shader.fragmentShader}`;
+    }
+    shader.fragmentShader = shader.fragmentShader.replace('#include <opaque_fragment>',
+      `${kFacing}${hasEdges ? kEdges : ''}\n#include <opaque_fragment>`);
   };
   return material;
 }
@@ -33,11 +49,12 @@ export class Bodies {
     this.object = new Group();
     this.magnify = 1;
     this.picked = -1;
-    const material = makeMaterial();
+    const plain = makeMaterial(false), edged = makeMaterial(true);
     const partsOfMesh = recording.meshes.map(() => []);
     recording.parts.mesh.forEach((mesh, part) => partsOfMesh[mesh].push(part));
     this.meshes = recording.meshes.map((mesh, index) => {
-      const instances = new InstancedMesh(makeGeometry(mesh), material, partsOfMesh[index].length);
+      const instances = new InstancedMesh(makeGeometry(mesh), mesh.name === 'cuboid' ? edged : plain,
+        partsOfMesh[index].length);
       instances.instanceMatrix.setUsage(DynamicDrawUsage);
       instances.instanceColor = new InstancedBufferAttribute(new Float32Array(3 * instances.count), 3);
       instances.frustumCulled = false;
