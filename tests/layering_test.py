@@ -34,7 +34,8 @@ EXTERNAL = [
     (r"^(hacd|meshoptimizer)", ("library/meshes/decompose.cc",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
-    (r"^nlohmann/", ("runtime/report/", "runtime/cli/")),
+    (r"^nlohmann/", ("runtime/report/", "runtime/serve/", "runtime/view/", "runtime/cli/")),
+    (r"^httplib", ("runtime/serve/server.cc",)),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]
 

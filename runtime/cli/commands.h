@@ -25,6 +25,8 @@ void AddStabilityCommand(CLI::App& app, ExitStatus& status);
 /// Compares the pairs and contacts of detectors with exact ones in each cycle, and prints a table.
 /// Exit status 3 for a missed pair or a failed run.
 void AddVerifyCommand(CLI::App& app, ExitStatus& status);
+/// A page with the bodies of a run in 3-D, or those of a scenario at its start.
+void AddViewCommand(CLI::App& app, ExitStatus& status);
 void AddMergeCommand(CLI::App& app, ExitStatus& status);
 void AddFormatCommand(CLI::App& app, ExitStatus& status);
 void AddDocCommand(CLI::App& app, ExitStatus& status);

@@ -90,18 +90,25 @@ dsl::RenderOptions RenderOptionsForTerminal() {
   return {isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr, kMostShown};
 }
 
-compiler::Compilation CompileAndReport(const std::string& file,
-                                       const std::optional<std::string>& benchmark, LintText lints,
-                                       const std::vector<std::string>& plugins) {
+compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
+                                  const std::optional<std::string>& benchmark,
+                                  const std::vector<std::string>& plugins) {
   const auto describe = [](const std::string& path, std::string& why) {
     return process::ProbePlugin(process::FindAnyWorker(), path, why);
   };
-  compiler::Compilation result = compiler::Compile(FindScenario(file), compiler::ReadFromDisk,
-                                                   {ScenarioLibrary(),
-                                                    benchmark,
-                                                    {plugins, describe},
-                                                    ReadTraceAt,
-                                                    closed_forms::FindSceneFault});
+  return compiler::Compile(file, read,
+                           {ScenarioLibrary(),
+                            benchmark,
+                            {plugins, describe},
+                            ReadTraceAt,
+                            closed_forms::FindSceneFault});
+}
+
+compiler::Compilation CompileAndReport(const std::string& file,
+                                       const std::optional<std::string>& benchmark, LintText lints,
+                                       const std::vector<std::string>& plugins) {
+  compiler::Compilation result =
+      CompileWith(FindScenario(file), compiler::ReadFromDisk, benchmark, plugins);
   dsl::Diagnostics shown;
   for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
     if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))

@@ -27,6 +27,12 @@ enum class LintText { kNone, kOneLine, kWhole };
 /// In colour on a terminal, and at most 20 errors.
 dsl::RenderOptions RenderOptionsForTerminal();
 
+/// Compiles `file` as `read` gives it, with the library of scenarios, plug-ins and traces. Throws
+/// ScheduleError.
+compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
+                                  const std::optional<std::string>& benchmark,
+                                  const std::vector<std::string>& plugins = {});
+
 /// Compiles the file that FindScenario finds, and prints every diagnostic on standard error.
 /// `plugins`: shared libraries with detectors, beside those that the file names. Throws
 /// CommandError, ScheduleError (no worker program to look into a library).

@@ -23,7 +23,6 @@ struct PlannedCommand {
   const char* help;
 };
 constexpr PlannedCommand kPlannedCommands[] = {
-    {"view", "a scene in the browser"},
     {"submit", "a sweep on a cluster"},
 };
 
@@ -42,6 +41,7 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddTraceCommand(app, status);
   AddShowCommand(app, status);
   AddReportCommand(app, status);
+  AddViewCommand(app, status);
   AddStabilityCommand(app, status);
   AddVerifyCommand(app, status);
   AddMergeCommand(app, status);

@@ -128,6 +128,14 @@ struct ResultFile::Impl {
     return values;
   }
 
+  /// An array, opened once.
+  hdf5::Dataset& Opened(std::string_view dataset) {
+    auto found = opened_arrays.find(dataset);
+    if (found == opened_arrays.end())
+      found = opened_arrays.emplace(dataset, file.OpenDataset(std::string(dataset))).first;
+    return found->second;
+  }
+
   std::size_t CyclesOf(const Cell& cell) {
     return static_cast<std::size_t>(
         std::clamp(Number("n_cycles", cell), 0.0, static_cast<double>(cycles)));
@@ -161,6 +169,7 @@ struct ResultFile::Impl {
   std::map<std::string, std::vector<double>, std::less<>> numbers;
   std::map<std::string, std::vector<std::string>, std::less<>> texts;
   std::map<std::string, Series, std::less<>> series;
+  std::map<std::string, hdf5::Dataset, std::less<>> opened_arrays;
 };
 
 ResultFile::ResultFile(const std::filesystem::path& file) {
@@ -270,6 +279,55 @@ std::vector<double> ResultFile::ReadDuration(measure::Phase phase, const Cell& c
     const std::vector<double>& block = impl_->Block("duration", cell, 2);
     const auto begin = block.begin() + static_cast<long>(measure::IndexOf(phase) * impl_->cycles);
     return std::vector(begin, begin + static_cast<long>(impl_->CyclesOf(cell)));
+  });
+}
+
+std::vector<double> ResultFile::ReadSamples(std::string_view dataset, const Cell& cell) const {
+  return impl_->Reading([&] { return impl_->Block(dataset, cell, 1); });
+}
+
+std::vector<double> ResultFile::ReadCycle(std::string_view dataset, const Cell& cell,
+                                          std::uint64_t cycle) const {
+  return impl_->Reading([&] {
+    CDB_CHECK(cycle < impl_->CyclesOf(cell));
+    hdf5::Dataset& array = impl_->Opened(dataset);
+    const std::size_t n = impl_->grid.size();
+    if (array.shape().size() != n + 3 || array.shape()[n] != impl_->cycles)
+      throw hdf5::Error(fmt::format("{} is not a series of that kind", dataset));
+    hdf5::Shape start(cell.at.begin(), cell.at.end());
+    start.insert(start.end(), {cell.rep, cycle, 0, 0});
+    hdf5::Shape count(n + 1, 1);
+    count.insert(count.end(), array.shape().end() - 2, array.shape().end());
+    return array.Read(start, count);
+  });
+}
+
+std::vector<measure::ContactRecord> ResultFile::ReadContacts(const Cell& cell, std::uint64_t first,
+                                                             std::uint64_t count) const {
+  std::vector<measure::ContactRecord> contacts(count);
+  if (count == 0) return contacts;
+  return impl_->Reading([&] {
+    const double begin = impl_->Number("contact_first", cell);
+    if (!(begin >= 0)) throw hdf5::Error("contact_first has no row for a run with contacts");
+    const auto row = static_cast<std::uint64_t>(begin) + first;
+    const auto rows = [&](std::string_view dataset) {
+      hdf5::Dataset& array = impl_->Opened(dataset);
+      hdf5::Shape start(array.shape().size(), 0), extent = array.shape();
+      start[0] = row;
+      extent[0] = count;
+      return array.Read(start, extent);
+    };
+    const std::vector<double> bodies = rows("contact_body"), points = rows("contact_point"),
+                              normals = rows("contact_normal"),
+                              distances = rows("contact_distance");
+    for (std::size_t i = 0; i < count; ++i) {
+      contacts[i].body_a = bodies[2 * i];
+      contacts[i].body_b = bodies[2 * i + 1];
+      std::copy_n(&points[3 * i], 3, contacts[i].point);
+      std::copy_n(&normals[3 * i], 3, contacts[i].normal);
+      contacts[i].distance = distances[i];
+    }
+    return contacts;
   });
 }
 

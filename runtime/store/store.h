@@ -164,6 +164,16 @@ class ResultFile {
   /// doubles.
   std::vector<double> ReadSeries(std::string_view dataset, const Cell& cell) const;
   std::vector<double> ReadDuration(measure::Phase phase, const Cell& cell) const;
+  /// One series of /accuracy (schema::ErrorInfo::series) of a cell, at each sample.
+  std::vector<double> ReadSamples(std::string_view dataset, const Cell& cell) const;
+  /// One cycle of a series with several values in each (`poses`, `boxes`), last dimension fastest.
+  /// The cycle must have run.
+  std::vector<double> ReadCycle(std::string_view dataset, const Cell& cell,
+                                std::uint64_t cycle) const;
+  /// `count` contacts from the cell's own number `first` on; the series `contacts` says how many
+  /// each cycle has.
+  std::vector<measure::ContactRecord> ReadContacts(const Cell& cell, std::uint64_t first,
+                                                   std::uint64_t count) const;
   /// Why reference runs are of no use, a line each: `reference 0123…: crashed: …`. Empty where all
   /// ended well, or there are none.
   std::vector<std::string> ReadReferenceTroubles() const;

@@ -1,5 +1,12 @@
-// The page of `cdb view`: bodies in 3-D.
+// The page of `cdb view`: a scene, or, served by `cdb view --serve`, a scenario that is edited.
+import { App } from './app.js';
+import { Editor } from './editor.js';
+
 const data = JSON.parse(document.getElementById('data').textContent);
-const heading = document.createElement('h1');
-heading.textContent = data.title;
-document.getElementById('page').append(heading);
+const page = document.getElementById('page');
+if (data.editor) {
+  new Editor(data, page);
+} else {
+  page.className = 'app';
+  new App(data, page);
+}

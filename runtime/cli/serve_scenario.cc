@@ -1,0 +1,65 @@
+#include "runtime/cli/serve_scenario.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "dsl/render.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/process/stop.h"
+#include "runtime/report/console.h"
+#include "runtime/serve/server.h"
+
+namespace cdb::cli {
+namespace {
+
+/// The file as the editor holds it, and the others as they are on the disk.
+scenario::ReadFile ReadEdited(const std::string& file, const std::string& text) {
+  return [file, text](const std::string& path, std::string& why) -> std::optional<std::string> {
+    if (path == file) return text;
+    return compiler::ReadFromDisk(path, why);
+  };
+}
+
+std::string ChooseBenchmark(const std::string& file, const std::string& text,
+                            const std::optional<std::string>& wanted) {
+  const std::vector<std::string> names =
+      CompileWith(file, ReadEdited(file, text), std::nullopt).benchmarks;
+  if (names.empty())
+    throw CommandError(
+        fmt::format("{}: there is no benchmark to edit; `cdb check` says why", file));
+  if (!wanted) return names[0];
+  if (std::ranges::find(names, *wanted) == names.end())
+    throw CommandError(fmt::format("{} has no benchmark '{}'; there are {}", file, *wanted,
+                                   fmt::join(names, ", ")));
+  return *wanted;
+}
+
+}  // namespace
+
+ExitStatus ServeScenario(const std::string& file, const std::optional<std::string>& benchmark) {
+  if (FindScenario(file) != file)
+    throw CommandError(fmt::format(
+        "{} comes with cdb and is not edited: write a file that extends it, or copy it", file));
+  const std::string text = ReadText(file);
+  const auto check = [file](const std::string& edited) {
+    compiler::Compilation result = CompileWith(file, ReadEdited(file, edited), std::nullopt);
+    return serve::Checked{dsl::Render(result.diagnostics), std::move(result.plans)};
+  };
+  process::StopFlag stop;
+  const process::StopOnSignals on_signals(stop);
+  serve::Editor editor({file, ChooseBenchmark(file, text, benchmark), text, check},
+                       std::filesystem::read_symlink("/proc/self/exe"));
+  serve::Serve(editor, stop.fd(), [](const std::string& address) {
+    report::Print(fmt::format("{}\n", address));
+    std::fflush(stdout);  // a program may be waiting for it
+    report::Say("open this address in a browser on this machine; Ctrl-C ends\n");
+  });
+  return ExitStatus::kGood;
+}
+
+}  // namespace cdb::cli

@@ -1,0 +1,244 @@
+// `cdb view`: a run, or the start of a scenario, as a page with bodies in 3-D.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/serve_scenario.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/page/page.h"
+#include "runtime/report/console.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/store.h"
+#include "runtime/view/glb.h"
+#include "runtime/view/scene_document.h"
+#include "runtime/view/selection.h"
+
+namespace cdb::cli {
+namespace {
+
+struct ViewArguments {
+  std::vector<std::string> files;
+  std::optional<std::string> benchmark;
+  std::string out, gltf, cycles, every;
+  std::vector<std::string> select, beside;
+  bool serve = false;
+};
+
+/// A .glb file is shorter than 4 GB; its poses take less than twice the bytes of a page's.
+constexpr std::size_t kGltfBudget = 1'000'000'000;
+
+using view::SceneRecording;
+using view::Selection;
+
+bool IsResults(const std::string& file) { return file.ends_with(".h5") || file.ends_with(".nc"); }
+
+std::vector<Selection> ParseAll(const std::vector<std::string>& words) {
+  std::vector<Selection> selections;
+  for (const std::string& word : words) selections.push_back(view::ParseSelection(word));
+  return selections;
+}
+
+bool HasAxis(const std::vector<plan::Axis>& axes, const Selection& selection) {
+  return selection.axis == "rep" ||
+         std::ranges::find(axes, selection.axis, &plan::Axis::name) != axes.end();
+}
+
+/// Of `selections` those for this sweep. With two files one of them may lack an axis; `used` gets
+/// the axes that were found.
+std::vector<Selection> ForSweep(const std::vector<plan::Axis>& axes,
+                                std::vector<Selection> selections, const ViewArguments& arguments,
+                                std::set<std::string>& used) {
+  if (arguments.files.size() > 1)
+    std::erase_if(selections,
+                  [&](const Selection& selection) { return !HasAxis(axes, selection); });
+  for (const Selection& selection : selections) used.insert(selection.axis);
+  return selections;
+}
+
+view::FrameChoice FramesOf(const ViewArguments& arguments, std::size_t runs) {
+  view::FrameChoice choice;
+  choice.budget_bytes /= runs;
+  const bool is_page = arguments.gltf.empty() || !arguments.out.empty();
+  if (!is_page) choice.budget_bytes = kGltfBudget;
+  if (!arguments.cycles.empty()) view::ParseCycles(arguments.cycles, choice);
+  if (arguments.every.empty()) return choice;
+  std::uint64_t every = 0;
+  const char* end = arguments.every.data() + arguments.every.size();
+  const auto parsed = std::from_chars(arguments.every.data(), end, every);
+  if (parsed.ec != std::errc() || parsed.ptr != end || every == 0)
+    throw CommandError(
+        fmt::format("--every {}: a whole number of cycles, from 1", arguments.every));
+  choice.every = every;
+  return choice;
+}
+
+/// What the files of a command line gave.
+struct Viewed {
+  std::vector<SceneRecording> recordings;
+  std::set<std::string> axes;  ///< that --select named
+};
+
+/// The runs of one results file: that which is selected, and the one beside it.
+void ViewResults(const std::string& name, const ViewArguments& arguments,
+                 const view::FrameChoice& choice, Viewed& viewed) {
+  std::vector<SceneRecording>& recordings = viewed.recordings;
+  try {
+    const store::ResultFile file(name);
+    store::ResultFile::Cell cell = view::DefaultCell(file);
+    view::Select(file.axes(), file.repeats(),
+                 ForSweep(file.axes(), ParseAll(arguments.select), arguments, viewed.axes), cell);
+    recordings.push_back(view::ReadRecording(file, cell, choice));
+    recordings.back().file = name;
+    if (arguments.beside.empty()) return;
+    view::Select(file.axes(), file.repeats(), ParseAll(arguments.beside), cell);
+    recordings.push_back(view::ReadRecording(file, cell, choice));
+    recordings.back().file = name;
+  } catch (const std::exception& error) {
+    const std::string what = error.what();
+    throw CommandError(what.starts_with(name) ? what : fmt::format("{}: {}", name, what));
+  }
+}
+
+const plan::Run& RunAt(const plan::Plan& plan, const std::vector<Selection>& selections) {
+  store::ResultFile::Cell cell{plan.runs.at(0).at, plan.runs[0].rep};
+  view::Select(plan.axes, plan.repeats, selections, cell);
+  for (const plan::Run& run : plan.runs)
+    if (run.at == cell.at && run.rep == cell.rep) return run;
+  throw CommandError(
+      fmt::format("`skip` leaves out {}", view::CellName(plan.axes, plan.repeats, cell)));
+}
+
+/// False after diagnostics were printed.
+bool ViewScenario(const std::string& name, const ViewArguments& arguments, Viewed& viewed) {
+  std::vector<SceneRecording>& recordings = viewed.recordings;
+  const std::vector<plan::Plan> plans = LoadPlans(name, arguments.benchmark);
+  if (plans.empty()) return false;
+  if (plans.size() > 1 && !arguments.benchmark) {
+    std::string names;
+    for (const plan::Plan& plan : plans) names += (names.empty() ? "" : ", ") + plan.benchmark;
+    report::Say(fmt::format("{} has the benchmarks {}: this is {}; -b names another\n", name, names,
+                            plans[0].benchmark));
+  }
+  try {
+    std::vector<Selection> selections =
+        ForSweep(plans[0].axes, ParseAll(arguments.select), arguments, viewed.axes);
+    recordings.push_back(view::StartOf(plans[0], RunAt(plans[0], selections)));
+    recordings.back().file = name;
+    if (arguments.beside.empty()) return true;
+    for (Selection& other : ParseAll(arguments.beside)) selections.push_back(std::move(other));
+    recordings.push_back(view::StartOf(plans[0], RunAt(plans[0], selections)));
+    recordings.back().file = name;
+  } catch (const CommandError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw CommandError(fmt::format("{}: {}", name, error.what()));
+  }
+  return true;
+}
+
+void CheckArguments(const ViewArguments& arguments) {
+  if (!arguments.gltf.empty() && (arguments.files.size() > 1 || !arguments.beside.empty()))
+    throw CommandError("--gltf writes one run: name one file, and no --beside");
+  if (!arguments.gltf.empty() && !arguments.gltf.ends_with(".glb"))
+    throw CommandError(fmt::format("--gltf {}: binary glTF is written, whose files end with .glb",
+                                   arguments.gltf));
+  if (arguments.files.size() > 2)
+    throw CommandError("a page shows one run, or two side by side: name one or two files");
+  if (arguments.files.size() == 2 && !arguments.beside.empty())
+    throw CommandError("--beside is for two runs of one file; two files are already side by side");
+  const bool has_results = std::ranges::any_of(arguments.files, IsResults);
+  if (!has_results && !(arguments.cycles.empty() && arguments.every.empty()))
+    throw CommandError("--cycles and --every are for results; a scenario shows its start");
+  if (has_results && arguments.benchmark)
+    throw CommandError("-b is for a scenario; a results file has one benchmark");
+}
+
+void Write(const std::string& file, const std::string& bytes, const char* use) {
+  store::WriteWhole(bytes, file);
+  report::Say(
+      fmt::format("{}: {:.1f} MB; {}\n", file, static_cast<double>(bytes.size()) / 1e6, use));
+}
+
+void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>& recordings) {
+  const SceneRecording& first = recordings[0];
+  const std::string title = first.title.empty() ? first.benchmark : first.title;
+  const std::string page = page::Assemble(page::ViewTemplate(), title + " (cdb view)",
+                                          view::SceneDocument(title, recordings));
+  Write(arguments.out.empty() ? first.benchmark + ".scene.html" : arguments.out, page,
+        "open it in a browser");
+}
+
+/// `--serve` shows what the browser asks for.
+void CheckServe(const ViewArguments& arguments) {
+  if (arguments.files.size() != 1 || IsResults(arguments.files[0]))
+    throw CommandError("--serve edits one scenario file: name it");
+  for (const auto& [name, is_given] : {std::pair("-o", !arguments.out.empty()),
+                                       {"--gltf", !arguments.gltf.empty()},
+                                       {"--select", !arguments.select.empty()},
+                                       {"--beside", !arguments.beside.empty()}})
+    if (is_given) throw CommandError(fmt::format("{} is for a page in a file, not --serve", name));
+}
+
+ExitStatus View(const ViewArguments& arguments) {
+  CheckArguments(arguments);
+  if (arguments.serve) {
+    CheckServe(arguments);
+    return ServeScenario(arguments.files[0], arguments.benchmark);
+  }
+  const view::FrameChoice choice =
+      FramesOf(arguments, arguments.files.size() > 1 || !arguments.beside.empty() ? 2 : 1);
+  Viewed viewed;
+  for (const std::string& file : arguments.files) {
+    if (IsResults(file)) {
+      ViewResults(file, arguments, choice, viewed);
+    } else if (!ViewScenario(file, arguments, viewed)) {
+      return ExitStatus::kScenario;
+    }
+  }
+  for (const Selection& selection : ParseAll(arguments.select))
+    if (!viewed.axes.contains(selection.axis))
+      throw CommandError(fmt::format("no file has the axis '{}'", selection.axis));
+  const std::vector<SceneRecording>& recordings = viewed.recordings;
+  for (const SceneRecording& recording : recordings) {
+    report::Say(fmt::format(
+        "{}{}{}: {} objects, {}\n", recording.file, recording.name.empty() ? "" : ", ",
+        recording.name, recording.ObjectCount(),
+        recording.cycles.empty() ? "the start" : fmt::format("{} frames", recording.FrameCount())));
+    for (const std::string& notice : recording.notices) report::Say("  " + notice + "\n");
+  }
+  if (!arguments.gltf.empty())
+    Write(arguments.gltf, view::SceneGlb(recordings[0]), "open it in a program that reads glTF");
+  if (arguments.gltf.empty() || !arguments.out.empty()) WritePage(arguments, recordings);
+  return ExitStatus::kGood;
+}
+
+}  // namespace
+
+void AddViewCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<ViewArguments>();
+  Subcommand command(app, "view", "a run, or the start of a scenario, in 3-D as a page");
+  command.Required("FILE", arguments->files, "results file or scenario; two: side by side");
+  command.Benchmark(arguments->benchmark);
+  command.Out(arguments->out, "the page; default: BENCHMARK.scene.html");
+  command.Optional("--gltf", arguments->gltf,
+                   "OUT.glb: the scene with its motion as binary glTF 2.0; the page only with -o");
+  command.Optional("--select", arguments->select,
+                   "AXIS=VALUE…: the run of a sweep; default: the first that ran");
+  command.Optional("--beside", arguments->beside,
+                   "AXIS=VALUE…: a second run of the file, which differs by this");
+  command.Optional("--cycles", arguments->cycles, "A..B: only these cycles, from 0");
+  command.Optional("--every", arguments->every, "only each N-th of them");
+  command.Flag("--serve", arguments->serve,
+               "edit the scenario in a browser: values, text, scene and runs; until Ctrl-C");
+  command.Action(status, [arguments] { return View(*arguments); });
+}
+
+}  // namespace cdb::cli

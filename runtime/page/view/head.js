@@ -1,0 +1,29 @@
+// The first lines of the page: what is shown, and what a viewer must know.
+import { element } from './text.js';
+
+const kSound = { stable: true, unknown: null };
+
+function chip(run) {
+  if (!run.is_run) return element('span', { class: 'chip' }, 'not run');
+  if (run.status !== 'done') return element('span', { class: 'chip bad' }, run.status);
+  if (run.verdict === 'unknown') return element('span', { class: 'chip' }, 'no verdict: record has no stability');
+  const from = run.first_bad_cycle >= 0 ? ` from cycle ${run.first_bad_cycle}` : '';
+  return element('span', { class: `chip ${kSound[run.verdict] ? 'good' : 'bad'}` },
+    `${kSound[run.verdict] ? '✓' : '✗'} ${run.verdict}${from}`);
+}
+
+function lineOf(recording, index, isOne) {
+  const { run } = recording;
+  const facts = [run.name, `${recording.count} objects`, run.name.includes('detector') ? '' : `detector ${run.detector}`,
+    run.cycles ? `${run.cycles} cycles of ${Number((run.timestep * 1000).toPrecision(4))} ms` : ''];
+  return element('p', { class: 'run' }, ...(isOne ? [] : [element('b', { class: `run${index}` }, `${'AB'[index]} `)]),
+    chip(run), ` ${facts.filter(Boolean).join(' · ')} · ${run.file}`,
+    ...(run.message ? [element('br'), element('span', { class: 'message' }, run.message)] : []));
+}
+
+export function makeHead(title, recordings) {
+  const notices = new Set(recordings.flatMap(({ run }) => run.notices));
+  return element('header', {}, element('h1', {}, title),
+    ...recordings.map((recording, i) => lineOf(recording, i, recordings.length === 1)),
+    ...[...notices].map((notice) => element('p', { class: 'notice' }, notice)));
+}

@@ -1,0 +1,44 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
+
+namespace cdb::tests {
+namespace {
+
+// A cycle of the poses and the contacts of a cell, in a file where neighbours have others.
+TEST(ResultFile, ReadsSingleCyclesAndContacts) {
+  const plan::Plan plan =
+      MakePlan({NumberAxis("size", {1, 2})}, 2,
+               {.cycles = 5, .objects = 3, .record = {"timing", "counts", "contacts", "poses"}});
+  const TemporaryFolder folder;
+  for (const plan::Run& run : plan.runs)
+    store::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+  store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
+  const measure::Series& poses = *measure::FindSeries("poses");
+  for (const plan::Run& run : plan.runs) {
+    const store::ResultFile::Cell cell{run.at, run.rep};
+    std::uint64_t row = 0;
+    for (std::uint64_t cycle = 0; cycle < 5; ++cycle) {
+      const std::vector<double> read = file.ReadCycle("poses", cell, cycle);
+      ASSERT_EQ(read.size(), 3 * measure::kPoseSize);
+      for (std::size_t i = 0; i < read.size(); ++i)
+        EXPECT_EQ(read[i], ValueAt(run, poses, cycle * read.size() + i));
+      const auto count = static_cast<std::uint64_t>(ContactsIn(run, cycle));
+      for (const measure::ContactRecord& contact : file.ReadContacts(cell, row, count)) {
+        const measure::ContactRecord expected = ContactAt(run, row++);
+        EXPECT_EQ(contact.body_a, expected.body_a);
+        EXPECT_EQ(contact.body_b, expected.body_b);
+        EXPECT_TRUE(std::ranges::equal(contact.point, expected.point));
+        EXPECT_TRUE(std::ranges::equal(contact.normal, expected.normal));
+        EXPECT_EQ(contact.distance, expected.distance);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests
