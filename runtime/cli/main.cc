@@ -42,6 +42,7 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddRunCommand(app, status);
   AddTraceCommand(app, status);
   AddShowCommand(app, status);
+  AddCompareCommand(app, status);
   AddStabilityCommand(app, status);
   AddVerifyCommand(app, status);
   AddMergeCommand(app, status);

@@ -31,6 +31,11 @@ void Subcommand::List(const std::string& name, std::vector<std::string>& values,
   command_.add_option(name, values, help)->delimiter(',');
 }
 
+void Subcommand::ShortList(const std::string& name, std::vector<std::string>& values,
+                           const std::string& help) {
+  command_.add_option(name, values, help)->delimiter(',')->allow_extra_args(false);
+}
+
 void Subcommand::Flag(const std::string& name, bool& value, const std::string& help) {
   command_.add_flag(name, value, help);
 }
