@@ -17,7 +17,8 @@ void AddRunCommand(CLI::App& app, ExitStatus& status);
 /// finished traces are skipped.
 void AddTraceCommand(CLI::App& app, ExitStatus& status);
 void AddShowCommand(CLI::App& app, ExitStatus& status);
-/// What changed between results files. Exit status 4 if something is worse by more than --fail-above.
+/// What changed between results files. Exit status 4 if something is worse by more than
+/// --fail-above.
 void AddCompareCommand(CLI::App& app, ExitStatus& status);
 /// Runs the suite and prints the map. Safe to rerun: finished runs are skipped. Failed runs are
 /// expected here: exit status 0.

@@ -100,8 +100,8 @@ std::string PercentRange(double low, double high) {
   return fmt::format("{:+.1f} .. {:+.1f} %", 100 * (low - 1), 100 * (high - 1));
 }
 
-std::string TimeText(double ns) {
-  const TimeUnit unit = TimeUnit::For(ns);
+std::string TimeText(double ns, double like_ns) {
+  const TimeUnit unit = TimeUnit::For(like_ns);
   return fmt::format("{} {}", FourDigits(ns / unit.ns), unit.name);
 }
 

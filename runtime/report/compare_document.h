@@ -32,7 +32,7 @@ std::string FourDigits(double value);
 std::string PercentText(double ratio);
 /// `+4.6 .. +5.8 %`.
 std::string PercentRange(double low, double high);
-/// `25.12 us`.
-std::string TimeText(double ns);
+/// `25.12 us`, in the unit that `like_ns` is read most easily in.
+std::string TimeText(double ns, double like_ns);
 
 }  // namespace cdb::report

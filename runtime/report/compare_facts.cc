@@ -21,6 +21,9 @@ namespace {
 using Cell = store::ResultFile::Cell;
 using Kind = FactComparison::Kind;
 
+/// Of the peak memory of a process, where there are too few repeats to know it.
+constexpr double kSpreadOfFew = 0.05;
+
 std::vector<Cell> CellsAt(const store::ResultFile& file, const Point& at) {
   std::vector<Cell> cells;
   for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
@@ -97,7 +100,8 @@ struct NumberFact {
   std::string name;
   std::string unit = {};
   bool less_is_better = true;
-  double scale = 1;  ///< of the unit
+  bool varies = false;  ///< between repeats: a difference up to the floor is none
+  double scale = 1;     ///< of the unit
   std::function<double(const ComparedFile&, const Point&)> value = {};
   /// Differences up to it say nothing.
   std::function<double(const ComparedFile&, const Point&)> floor = {};
@@ -124,7 +128,7 @@ FactComparison CompareNumbers(const ComparedFile& a, const ComparedFile& b, cons
         of.floor
             ? std::fmax(of.floor(a, match.points[i].a), of.floor(b, match.points[i].b)) * of.scale
             : 0;
-    if (of.kind == Kind::kMemory && std::fabs(value_b - value_a) <= floor) continue;
+    if (of.varies && std::fabs(value_b - value_a) <= floor) continue;
     Direction direction = Direction::kOther;
     // A missing value is the worst.
     const bool is_worse = std::isnan(value_b) || value_b > value_a;
@@ -166,11 +170,12 @@ std::vector<double> PeaksAt(const ComparedFile& of, const Point& at) {
   return peaks;
 }
 
-/// The spread of the repeats, and what any other build changes.
+/// The spread of the repeats, and what any other run changes: a few say little about it.
 double PeakSpread(const ComparedFile& of, const Point& at) {
   const std::vector<double> peaks = PeaksAt(of, at);
   if (peaks.empty()) return 0;
-  return std::fmax(peaks.back() - peaks.front(), kNegligible * Percentile(peaks, 0.5));
+  const double least = peaks.size() < Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
+  return std::fmax(peaks.back() - peaks.front(), least * Percentile(peaks, 0.5));
 }
 
 void AddErrorFacts(std::vector<NumberFact>& facts) {
@@ -210,18 +215,26 @@ void AddCountFacts(std::vector<NumberFact>& facts) {
 }
 
 void AddMemoryFacts(std::vector<NumberFact>& facts) {
-  facts.push_back(
-      {.kind = Kind::kMemory,
-       .name = "heap",
-       .unit = "MB",
-       .scale = 1e-6,
-       .value = [](const ComparedFile& of, const Point& at) { return LargestOf(of, "heap", at); }});
+  const auto heap = [](const ComparedFile& of, const Point& at) {
+    return LargestOf(of, "heap", at);
+  };
+  const auto peak = [](const ComparedFile& of, const Point& at) {
+    return Percentile(PeaksAt(of, at), 0.5);
+  };
+  facts.push_back({.kind = Kind::kMemory,
+                   .name = "heap",
+                   .unit = "MB",
+                   .scale = 1e-6,
+                   .value = heap,
+                   .floor = [heap](const ComparedFile& of, const Point& at) {
+                     return kNegligible * heap(of, at);
+                   }});
   facts.push_back({.kind = Kind::kMemory,
                    .name = "peak_rss",
                    .unit = "MB",
+                   .varies = true,
                    .scale = 1e-6,
-                   .value = [](const ComparedFile& of,
-                               const Point& at) { return Percentile(PeaksAt(of, at), 0.5); },
+                   .value = peak,
                    .floor = PeakSpread});
 }
 

@@ -24,7 +24,7 @@ const Comparison& ToFirst(const BenchmarkHistory& benchmark, std::size_t file) {
   return file == 1 ? benchmark.steps[0] : benchmark.to_first[file - 2];
 }
 
-/// Where the group became faster or slower: `c.h5: +5.2 % (+4.6 .. +5.8 %)`.
+/// Where the group became faster or slower: `c.h5 +5.2 %`.
 std::string StepsText(const BenchmarkHistory& benchmark, const std::string& group,
                       const CompareOptions& options) {
   std::string text;
@@ -35,9 +35,8 @@ std::string StepsText(const BenchmarkHistory& benchmark, const std::string& grou
     const JudgedChange& judged = JudgementOf(*change, options);
     is_known = is_known || judged.tested.IsTested();
     if (judged.verdict <= ChangeVerdict::kSame) continue;
-    text += fmt::format("{}{}: {} ({})", text.empty() ? "" : "; ", step.b->name,
-                        PercentText(judged.tested.ratio),
-                        PercentRange(judged.tested.interval.low, judged.tested.interval.high));
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", step.b->name,
+                        PercentText(judged.tested.ratio));
   }
   if (!text.empty()) return text;
   return is_known ? "none found" : "cannot tell";
@@ -55,6 +54,24 @@ std::vector<std::string> GroupRow(const BenchmarkHistory& benchmark, const std::
   row.push_back(Sparkline(ratios));
   row.push_back(StepsText(benchmark, group, options));
   return row;
+}
+
+/// The same with intervals, a line for each file and group.
+void AddSteps(const BenchmarkHistory& benchmark, const CompareOptions& options,
+              std::vector<std::string>& lines) {
+  for (const Comparison& step : benchmark.steps)
+    for (const TimedGroup& group : step.times.groups) {
+      const TimeChange* change = FindChange(step, group.name);
+      if (change == nullptr) continue;
+      const JudgedChange& judged = JudgementOf(*change, options);
+      if (judged.verdict <= ChangeVerdict::kSame) continue;
+      lines.push_back(
+          fmt::format("{}: {}, from {} to {}: {} {} ({})",
+                      judged.verdict == ChangeVerdict::kSlower ? "SLOWER" : "FASTER",
+                      benchmark.files[0]->file.benchmark(), step.a->name, step.b->name, group.name,
+                      PercentText(judged.tested.ratio),
+                      PercentRange(judged.tested.interval.low, judged.tested.interval.high)));
+    }
 }
 
 /// What differs from each file to the next, and which facts changed.
@@ -110,6 +127,7 @@ Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
     for (std::string& line : StepLines(benchmark)) setups.lines.push_back(std::move(line));
     for (const TimedGroup& group : benchmark.steps[0].times.groups)
       table.table.rows.push_back(GroupRow(benchmark, group.name, options));
+    AddSteps(benchmark, options, table.lines);
     is_worse = is_worse || IsWorse(benchmark.Whole(), options);
   }
   if (setups.lines.empty()) setups.lines = {"Nothing but times differs"};

@@ -89,6 +89,7 @@ class ComparisonText {
     for (const ComparedFile* file : {of_.a, of_.b}) {
       std::string noise = NoiseText(file->file, AllCells(file->file));
       noise.erase(0, noise.find_first_not_of(' '));
+      noise.erase(noise.find_last_not_of('\n') + 1);
       if (!noise.empty()) head.notes.push_back(file->name + ": " + noise);
     }
     return head;
@@ -151,8 +152,9 @@ class ComparisonText {
         Margin(), 100 * bound);
     if (bound == 0) why = "repeats are missing or void";
     if (!of_.times.has_intervals)
-      why = fmt::format("{} repeat{}, and an interval takes {} in each file", least,
-                        least == 1 ? "" : "s", Bootstrap::kLeastForInterval);
+      why = fmt::format(
+          "there {} {} repeat{}, and an interval takes {} in each file (facts below are exact)",
+          least == 1 ? "is" : "are", least, least == 1 ? "" : "s", Bootstrap::kLeastForInterval);
     lines.push_back(fmt::format("Cannot tell, as {}: {}", why, PlacesText(groups)));
   }
 
@@ -204,7 +206,9 @@ class ComparisonText {
         faster += change.absolute.verdict == ChangeVerdict::kFaster ? 1 : 0;
       }
     if (tests > 0)
-      lines.push_back(fmt::format("Single points: {} slower and {} faster, of {} tests (points times phases)", slower, faster, tests));
+      lines.push_back(
+          fmt::format("Single points: {} slower and {} faster, of {} tests (points times phases)",
+                      slower, faster, tests));
   }
 
   void AddStates(std::vector<std::string>& lines) const {
@@ -292,8 +296,8 @@ class ComparisonText {
   static std::vector<std::string> TimeCells(const TimeChange& change) {
     const TestedChange& tested = change.absolute.tested;
     return {PhaseName(change.phase),
-            TimeText(change.a_ns),
-            TimeText(change.b_ns),
+            TimeText(change.a_ns, change.a_ns),
+            TimeText(change.b_ns, change.a_ns),
             FourDigits(tested.ratio),
             tested.IsTested() ? fmt::format("{} .. {}", FourDigits(tested.interval.low),
                                             FourDigits(tested.interval.high))
@@ -333,9 +337,12 @@ class ComparisonText {
 
   std::vector<std::string> StatisticNotes() const {
     const std::uint64_t n_a = of_.a->file.repeats(), n_b = of_.b->file.repeats();
-    std::vector<std::string> notes = {fmt::format(
-        "Median over {} and {} repeats per cycle, then mean over cycles. Below 1: {} is faster.",
-        n_a, n_b, b_)};
+    const std::string statistic =
+        n_a == 1 && n_b == 1
+            ? "Mean"
+            : fmt::format("Median over {} and {} repeats per cycle, then mean", n_a, n_b);
+    std::vector<std::string> notes = {
+        fmt::format("{} over cycles. Below 1: {} is faster.", statistic, b_)};
     if (of_.times.has_intervals)
       notes.push_back(fmt::format(
           "Intervals by bootstrap over the repeats of each file by itself. Slower, faster: by more "

@@ -55,8 +55,9 @@ compare.
 
 Facts. The last state, verdicts, errors, counts of pairs and the heap are the same in every repeat,
 and compared exactly. If the last states are the same to the bit, the physics is. An error that
-changed within its noise floor is neither better nor worse. The peak memory of a process varies: it
-changed if it did by more than the range of its repeats, and by more than 1 %.
+changed within its noise floor is neither better nor worse, and so is a heap that changed by less
+than 1 %. The peak memory of a process varies: it changed if it did by more than the range of its
+repeats, and by more than 1 % (5 % with fewer than 5 repeats).
 
 Times. The ratio b / a of the time above, at each point and in each phase; for a group, which is a
 detector (or a value of the first axis of texts), the geometric mean over its points. The repeats of

@@ -1,108 +1,26 @@
 // Comparisons of results files whose times, states, verdicts and errors are made up.
 #include "runtime/report/compare.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "compiler/compile.h"
-#include "library/distributions/stream.h"
 #include "runtime/report/compare_history.h"
 #include "runtime/report/compare_json.h"
 #include "runtime/report/compare_text.h"
-#include "tests/runtime/store/store_fixture.h"
-#include "tests/support/compile_text.h"
+#include "tests/runtime/report/compared_results.h"
+#include "tests/support/files.h"
 
 namespace cdb::tests {
 namespace {
 
 using report::ChangeVerdict;
 using report::CompareOptions;
-
-constexpr std::uint64_t kComparedCycles = 6;
-
-/// What a run recorded, beside noise.
-struct ComparedRun {
-  double factor = 1;  ///< of all times
-  std::string state = "0123456789abcdef";
-  measure::Verdict verdict = measure::Verdict::kStable;
-  double error = 0.5, floor = 0;
-  double peak_bytes = 5e6;
-  std::int32_t missed = 0;
-  std::string omitted = {};
-};
-using ComparedScene = std::function<void(const plan::Run&, ComparedRun&)>;
-
-struct ComparedResult {
-  plan::Plan plan;
-  ComparedScene change = [](const plan::Run&, ComparedRun&) {};
-  double noise = 0.005;  ///< between runs
-  std::uint64_t seed = 1;
-  store::Provenance provenance = {{"build_type", "Release"}, {"cpu", "a µ-processor"}};
-  double started = 0;  ///< s
-};
-
-/// Of a benchmark with `more` settings; `detectors`: empty for a sweep of quantities alone.
-plan::Plan ComparedPlan(std::uint64_t repeats,
-                        const std::vector<std::string>& quantities = {"10", "20"},
-                        const std::vector<std::string>& detectors = {"simple", "dbvt", "sap",
-                                                                     "grid"},
-                        const std::string& more = "") {
-  const std::string detector =
-      detectors.empty() ? "" : fmt::format("detector sweep({})", fmt::join(detectors, ", "));
-  const compiler::Compilation compiled = CompileText(fmt::format(
-      "benchmark fixture \"A comparison\" {{\n  cycles {}\n  repeats {}\n"
-      "  record timing, pairs\n  accuracy {{ metrics position }}\n  world.side 1000\n  {}\n"
-      "  {}\n  objects {{ quantity sweep({}) }}\n}}\n",
-      kComparedCycles, repeats, more, detector, fmt::join(quantities, ", ")));
-  if (compiled.plans.size() != 1) throw std::runtime_error("the fixture has errors");
-  return compiled.plans[0];
-}
-
-void WriteCompared(const ComparedResult& of, const std::filesystem::path& out) {
-  const TemporaryFolder shards;
-  distributions::Stream stream(of.seed);
-  for (const plan::Run& run : of.plan.runs) {
-    ComparedRun made;
-    of.change(run, made);
-    FakeResult fake(run);
-    const double of_run = made.factor * std::exp(of.noise * stream.Normal());
-    std::vector<double> durations;
-    for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
-      for (std::size_t cycle = 0; cycle < kComparedCycles; ++cycle)
-        durations.push_back(1000 * of_run * std::exp(of.noise * stream.Normal()));
-    const std::vector<std::int32_t> zeros(kComparedCycles, 0), hundreds(kComparedCycles, 100),
-        missed(kComparedCycles, made.missed);
-    fake.result.series = {
-        {measure::FindSeries("duration"), std::as_bytes(std::span(durations))},
-        {measure::FindSeries("exact_pairs"), std::as_bytes(std::span(hundreds))},
-        {measure::FindSeries("missed_pairs"), std::as_bytes(std::span(missed))},
-        {measure::FindSeries("phantom_pairs"), std::as_bytes(std::span(zeros))},
-        {measure::FindSeries("duplicate_pairs"), std::as_bytes(std::span(zeros))}};
-    fake.result.judgement.verdict = made.verdict;
-    fake.result.judgement.first_bad_cycle = made.verdict == measure::Verdict::kStable ? -1 : 3;
-    fake.result.state_hash = made.state;
-    fake.result.omitted = made.omitted;
-    fake.result.decisions = made.omitted.empty() ? "solver: kept: a test\n" : "";
-    fake.result.message = "";
-    fake.result.started_s = 1.7e9 + of.started + static_cast<double>(run.rep);
-    fake.result.scalars.peak_rss_bytes = made.peak_bytes;
-    fake.result.scalars.harness_ns = 40 * std::exp(of.noise * stream.Normal());
-    fake.result.errors.values["position"] = {made.error};
-    fake.result.errors.values["position_floor"] = {made.floor};
-    store::WriteShard(of.plan, run, fake.result, of.provenance, shards.path());
-  }
-  store::Merge(of.plan, of.provenance, shards.path(), out);
-}
 
 /// A command's worth of files, judged.
 class Compared {
@@ -137,13 +55,6 @@ class Compared {
   std::vector<report::BenchmarkHistory> histories_;
 };
 
-/// `detector` is slower by `factor`.
-ComparedScene Slower(std::size_t detector, double factor) {
-  return [=](const plan::Run& run, ComparedRun& made) {
-    if (run.at[0] == detector) made.factor = factor;
-  };
-}
-
 /// One space between words, and lines joined.
 std::string Words(const std::string& text) {
   std::string words;
@@ -170,7 +81,7 @@ std::string RefusalOf(const std::vector<ComparedResult>& results, CompareOptions
 
 TEST(Compare, FindsOneSlowerDetectorAndNothingElse) {
   const Compared compared(
-      {{ComparedPlan(9)}, {.plan = ComparedPlan(9), .change = Slower(2, 1.05), .seed = 2}});
+      {{ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}});
   EXPECT_EQ(compared.Group("sap").absolute.verdict, ChangeVerdict::kSlower);
   EXPECT_NEAR(compared.Group("sap").absolute.tested.ratio, 1.05, 0.01);
   EXPECT_NEAR(compared.Group("sap").relative.tested.ratio, 1.05, 0.01);
@@ -191,7 +102,7 @@ TEST(Compare, FindsOneSlowerDetectorAndNothingElse) {
 
 TEST(Compare, FailsWhereTheWholeIntervalIsAbove) {
   const std::vector<ComparedResult> results = {
-      {ComparedPlan(9)}, {.plan = ComparedPlan(9), .change = Slower(2, 1.05), .seed = 2}};
+      {ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}};
   EXPECT_TRUE(Compared(results, {.margin = 0.03}).IsWorse());
   ExpectSays(Compared(results, {.margin = 0.03}).Text(), "WORSE by more than 3 %: exit status 4");
   EXPECT_FALSE(Compared({results[1], results[0]}, {.margin = 0.03}).IsWorse());
@@ -203,7 +114,7 @@ TEST(Compare, NamesWhatAllHaveInCommon) {
     made.factor = run.at[0] == 3 ? 1.10 * 1.05 : 1.05;
   };
   const std::vector<ComparedResult> results = {
-      {ComparedPlan(9)}, {.plan = ComparedPlan(9), .change = machine, .seed = 2}};
+      {ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = machine, .seed = 2}};
   const Compared compared(results);
   EXPECT_TRUE(compared.comparison().times.HasCommonShift());
   EXPECT_EQ(compared.Group("simple").absolute.verdict, ChangeVerdict::kSlower);
@@ -215,7 +126,7 @@ TEST(Compare, NamesWhatAllHaveInCommon) {
   const std::string relative = Compared(results, {.is_relative = true}).Text();
   ExpectSays(relative, "SLOWER: grid: broad +");
   ExpectSaysNot(relative, "SLOWER: simple");
-  EXPECT_NE(RefusalOf({{ComparedPlan(9, {"10"}, {"sap"})}, {ComparedPlan(9, {"10"}, {"sap"})}},
+  EXPECT_NE(RefusalOf({{ComparedPlan(6, {"10"}, {"sap"})}, {ComparedPlan(6, {"10"}, {"sap"})}},
                       {.is_relative = true})
                 .find("--relative takes 3 detectors or more"),
             std::string::npos);
@@ -226,13 +137,15 @@ TEST(Compare, CannotTellFromOneRepeat) {
       {{ComparedPlan(1)}, {.plan = ComparedPlan(1), .change = Slower(2, 1.5), .seed = 2}});
   EXPECT_EQ(compared.Group("sap").absolute.verdict, ChangeVerdict::kCannotTell);
   EXPECT_FALSE(compared.IsWorse());
-  ExpectSays(compared.Text(), "Cannot tell, as 1 repeat, and an interval takes 5 in each file:");
+  ExpectSays(compared.Text(),
+             "Cannot tell, as there is 1 repeat, and an interval takes 5 in each file (facts below "
+             "are exact): simple; dbvt; sap; grid");
 }
 
 TEST(Compare, CannotTellWhereNoiseIsLarger) {
   const Compared compared(
-      {{.plan = ComparedPlan(9), .noise = 0.2},
-       {.plan = ComparedPlan(9), .change = Slower(2, 1.05), .noise = 0.2, .seed = 2}});
+      {{.plan = ComparedPlan(6), .noise = 0.2},
+       {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .noise = 0.2, .seed = 2}});
   for (const char* name : {"simple", "dbvt", "sap", "grid"})
     EXPECT_EQ(compared.Group(name).absolute.verdict, ChangeVerdict::kCannotTell) << name;
   ExpectSays(compared.Text(), "Cannot tell, as the noise is larger than 5 %");
@@ -373,7 +286,7 @@ TEST(Compare, SaysFirstWhatDiffers) {
 
 TEST(Compare, PrintsMarkdownAndJson) {
   const Compared compared(
-      {{ComparedPlan(9)}, {.plan = ComparedPlan(9), .change = Slower(2, 1.05), .seed = 2}},
+      {{ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}},
       {.phase = measure::Phase::kStep});
   const std::string markdown = report::MarkdownText(compared.document());
   EXPECT_NE(markdown.find("\n- SLOWER: sap: step +"), std::string::npos) << markdown;
@@ -396,14 +309,14 @@ TEST(Compare, PrintsMarkdownAndJson) {
 TEST(Compare, ShowsAHistoryWithItsSteps) {
   std::vector<ComparedResult> results;
   for (std::uint64_t i = 0; i < 4; ++i)
-    results.push_back({.plan = ComparedPlan(9),
+    results.push_back({.plan = ComparedPlan(6),
                        .change = i >= 2 ? Slower(2, 1.08) : ComparedResult().change,
                        .seed = i + 1});
   const Compared compared(results, {.phase = measure::Phase::kStep});
   const std::string text =
       report::TerminalText(report::HistoryDocument(compared.histories(), compared.options()));
-  ExpectSays(text, "fixture sap 1.000 0.9989 1.07");
-  ExpectSays(text, "▁▁██ c.h5: +7.");
+  ExpectSays(text, "fixture sap 1.000 0.9994 1.079 1.081 ▁▁██ c.h5 +8.0 %");
+  ExpectSays(text, "SLOWER: fixture, from b.h5 to c.h5: sap +8.0 % (+7.5 .. +8.4 %)");
   ExpectSays(text, "▄▄▄▄ none found");
   ExpectSays(text, "WORSE: the last file relative to the first, by more than 5 %: exit status 4");
   EXPECT_EQ(report::Sparkline({1, NAN, 2}), "▁ █");
