@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace cdb::report {
 
 Comparison Compare(ComparedFile& a, ComparedFile& b, const CompareOptions& options) {
@@ -30,18 +28,27 @@ const JudgedChange& JudgementOf(const TimeChange& change, const CompareOptions& 
   return options.is_relative ? change.relative : change.absolute;
 }
 
-bool IsWorse(const Comparison& comparison, const CompareOptions& options) {
-  if (std::ranges::any_of(comparison.facts,
-                          [&](const FactComparison& fact) { return fact.IsWorse(options.margin); }))
-    return true;
+std::vector<std::string> WorseThings(const Comparison& comparison, const CompareOptions& options) {
+  std::vector<std::string> worse;
+  const auto add = [&](const std::string& place, measure::Phase phase) {
+    worse.push_back(fmt::format("{} {}", place, measure::PhaseNames()[measure::IndexOf(phase)]));
+  };
+  for (const FactComparison& fact : comparison.facts)
+    if (fact.IsWorse(options.margin)) worse.push_back(fact.name);
   for (const TimedGroup& group : comparison.times.groups)
     for (const TimeChange& change : group.phases)
-      if (JudgementOf(change, options).IsSlowerThan(options.margin)) return true;
-  if (options.is_relative) return false;
+      if (JudgementOf(change, options).IsSlowerThan(options.margin)) add(group.name, change.phase);
+  if (options.is_relative || comparison.times.points.size() == comparison.times.groups.size())
+    return worse;
   for (const TimedPoint& point : comparison.times.points)
     for (const TimeChange& change : point.phases)
-      if (change.absolute.IsSlowerThan(options.margin)) return true;
-  return false;
+      if (change.absolute.IsSlowerThan(options.margin))
+        add(comparison.match.points[point.point].PlaceText(comparison.match.axes), change.phase);
+  return worse;
+}
+
+bool IsWorse(const Comparison& comparison, const CompareOptions& options) {
+  return !WorseThings(comparison, options).empty();
 }
 
 }  // namespace cdb::report

@@ -41,7 +41,8 @@ void JudgeAll(const std::vector<Comparison*>& comparisons, const CompareOptions&
 
 /// The judgement that counts.
 const JudgedChange& JudgementOf(const TimeChange& change, const CompareOptions& options);
-/// Some group or point is slower, or some fact worse, by more than the margin.
+/// Groups, facts and points that are slower or worse by more than the margin: `sap step`.
+std::vector<std::string> WorseThings(const Comparison& comparison, const CompareOptions& options);
 bool IsWorse(const Comparison& comparison, const CompareOptions& options);
 
 }  // namespace cdb::report

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/report/compare_text.h"
+#include "runtime/report/compare_result.h"
 
 namespace cdb::report {
 namespace {
@@ -122,13 +122,14 @@ Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
   for (const auto& file : benchmarks[0].files) table.table.columns.emplace_back(file->name, true);
   table.table.columns.emplace_back("", false);
   table.table.columns.emplace_back("steps", false);
-  bool is_worse = false;
+  std::vector<std::string> worse;
   for (const BenchmarkHistory& benchmark : benchmarks) {
     for (std::string& line : StepLines(benchmark)) setups.lines.push_back(std::move(line));
     for (const TimedGroup& group : benchmark.steps[0].times.groups)
       table.table.rows.push_back(GroupRow(benchmark, group.name, options));
     AddSteps(benchmark, options, table.lines);
-    is_worse = is_worse || IsWorse(benchmark.Whole(), options);
+    for (const std::string& thing : WorseThings(benchmark.Whole(), options))
+      worse.push_back(benchmark.files[0]->file.benchmark() + " " + thing);
   }
   if (setups.lines.empty()) setups.lines = {"Nothing but times differs"};
   const measure::Phase phase = benchmarks[0].steps[0].times.common_phase;
@@ -138,14 +139,13 @@ Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
                   measure::PhaseNames()[measure::IndexOf(phase)]),
       "Steps: files that are slower or faster than the one before, by Holm's correction for all of "
       "them (5 %)."};
+  const std::string margin = fmt::format("{:g} %", 100 * options.margin);
   table.notes.push_back(
-      is_worse
-          ? fmt::format("WORSE: the last file relative to the first, by more than {:g} %: exit "
-                        "status 4",
-                        100 * options.margin)
-          : fmt::format("Nothing is surely worse in the last file than in the first, by more "
-                        "than {:g} %",
-                        100 * options.margin));
+      worse.empty()
+          ? "Nothing is surely worse in the last file than in the first, by more than " + margin
+          : fmt::format("WORSE: the last file relative to the first, by more than {}, exit status "
+                        "4: {}",
+                        margin, PlacesText(worse)));
   return {setups, table};
 }
 

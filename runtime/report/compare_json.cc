@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime/report/compare_text.h"
+#include "runtime/report/compare_result.h"
 
 namespace cdb::report {
 namespace {

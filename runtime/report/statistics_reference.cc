@@ -54,28 +54,28 @@ accuracy. A point whose runs were void, or omitted a part in one file alone, has
 compare.
 
 Facts. The last state, verdicts, errors, counts of pairs and the heap are the same in every repeat,
-and compared exactly. If the last states are the same to the bit, the physics is. An error that
-changed within its noise floor is neither better nor worse, and so is a heap that changed by less
-than 1 %. The peak memory of a process varies: it changed if it did by more than the range of its
+and compared exactly. Equal last states mean that the physics is the same to the bit. An error that
+changed within its noise floor is neither better nor worse, nor is a heap that changed by less than
+1 %. The peak memory of a process varies: it changed if it did by more than the range of its
 repeats, and by more than 1 % (5 % with fewer than 5 repeats).
 
 Times. The ratio b / a of the time above, at each point and in each phase; for a group, which is a
 detector (or a value of the first axis of texts), the geometric mean over its points. The repeats of
 two files are independent, so that the logarithm of a ratio has the variance of both, each by the
 bootstrap over the repeats of its file. Interval and test are of Student's t, with the degrees of
-freedom of Welch 1947. Both files need 5 repeats; with fewer, nothing is told.
+freedom of Welch 1947. Both files need 5 repeats; with fewer, the verdict is `cannot tell`.
 
 Verdicts. The test is whether the change is more than 1 %, either way: another build moves code and
 data in memory, which alone changes times by about that (Mytkowicz et al. 2009).
   faster, SLOWER         the corrected p is at most 5 %
   same within 1.2 %      it is not, and the interval reaches this far from 1, which is less than
                          --fail-above (5 %)
-  cannot tell            the interval is wider: the noise is larger than what is asked for
+  cannot tell            the interval reaches farther: the noise is larger than the effect
 
-Many comparisons. Groups decide the verdict, and a false alarm among them costs somebody a day.
-Their tests, in all phases and benchmarks of a command, are corrected by Holm 1979: the chance of
-any false alarm is at most 5 %, however the tests depend on each other, and phases do. Points are
-for looking closer. They are corrected by Benjamini and Hochberg 1995: of the changes found, at most
+Many comparisons. Groups are the result, and a false alarm among them is expensive. Their tests, in
+all phases and benchmarks of a command, are corrected by Holm 1979: the chance of any false alarm is
+at most 5 %, however the tests depend on each other (`step` contains the other phases). Points show
+where a change is. They are corrected by Benjamini and Hochberg 1995: of the changes found, at most
 5 % are expected to be false. On made-up runs with a planted change of 5 % in one of 4 detectors (3
 points each; 0.5 % between repeats, 1.5 % between runs, 3 % between cycles, 1 % stalls; 100 cases):
   repeats                          5       6       9      15
@@ -85,8 +85,9 @@ points each; 0.5 % between repeats, 1.5 % between runs, 3 % between cycles, 1 % 
 
 The machine. If the median over 3 groups or more changed, everything did: the machine, or code that
 all groups have in common. The column `relative` then has each group over that median, and
---relative judges by it. The harness, cdb's own overhead, is of no detector: if it moved too,
-suspect the machine. Better, interleave the runs of two builds, so that a change of the machine is in both:
+--relative judges by it. The harness, cdb's own overhead, does not depend on the detector: if it
+moved too, suspect the machine. Better, interleave the runs of two builds, so that a change of the
+machine affects both:
   for k in $(seq 9); do
     before/cdb run scene.cdb --shard $k/9 -o a.h5
     after/cdb  run scene.cdb --shard $k/9 -o b.h5

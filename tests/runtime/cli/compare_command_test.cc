@@ -27,7 +27,7 @@ TEST(CompareCommand, ExitsByWhatIsWorse) {
   WriteFactor(program, "b.h5", 1.08, 2);
   const Finished worse = program.Run({"compare", "a.h5", "b.h5"});
   EXPECT_EQ(worse.status, 4) << worse.err;
-  EXPECT_NE(worse.out.find("\n  WORSE by more than 5 %: exit status 4\n"), std::string::npos);
+  EXPECT_NE(worse.out.find("\n  WORSE by more than 5 %, exit status 4: sap "), std::string::npos);
   EXPECT_EQ(program.Run({"compare", "b.h5", "a.h5"}).status, 0);
   EXPECT_EQ(program.Run({"compare", "a.h5", "b.h5", "--fail-above", "9 %"}).status, 0);
   EXPECT_EQ(program.Run({"compare", "--select", "detector=simple", "a.h5", "b.h5"}).status, 0);
@@ -53,7 +53,7 @@ Result
   Physics: the same last state to the bit at 2 of 2 points
   Unchanged: verdicts, position error, missed pairs, false positive pairs, duplicate pairs, peak
       memory
-  WORSE by more than 5 %: exit status 4
+  WORSE by more than 5 %, exit status 4: sap step
 
 Mean of a cycle
   detector  phase      a.h5      b.h5  ratio    95 % interval  verdict

@@ -104,7 +104,8 @@ TEST(Compare, FailsWhereTheWholeIntervalIsAbove) {
   const std::vector<ComparedResult> results = {
       {ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}};
   EXPECT_TRUE(Compared(results, {.margin = 0.03}).IsWorse());
-  ExpectSays(Compared(results, {.margin = 0.03}).Text(), "WORSE by more than 3 %: exit status 4");
+  ExpectSays(Compared(results, {.margin = 0.03}).Text(),
+             "WORSE by more than 3 %, exit status 4: sap broad; sap ");
   EXPECT_FALSE(Compared({results[1], results[0]}, {.margin = 0.03}).IsWorse());
   ExpectSays(Compared({results[1], results[0]}).Text(), "FASTER: sap: broad -4.");
 }
@@ -318,7 +319,9 @@ TEST(Compare, ShowsAHistoryWithItsSteps) {
   ExpectSays(text, "fixture sap 1.000 0.9994 1.079 1.081 ▁▁██ c.h5 +8.0 %");
   ExpectSays(text, "SLOWER: fixture, from b.h5 to c.h5: sap +8.0 % (+7.5 .. +8.4 %)");
   ExpectSays(text, "▄▄▄▄ none found");
-  ExpectSays(text, "WORSE: the last file relative to the first, by more than 5 %: exit status 4");
+  ExpectSays(text,
+             "WORSE: the last file relative to the first, by more than 5 %, exit status 4: fixture "
+             "sap step");
   EXPECT_EQ(report::Sparkline({1, NAN, 2}), "▁ █");
 }
 
