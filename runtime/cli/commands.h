@@ -19,6 +19,9 @@ void AddTraceCommand(CLI::App& app, ExitStatus& status);
 void AddShowCommand(CLI::App& app, ExitStatus& status);
 /// Writes one page of all files. Exit status 3 if a run failed, or its timings do not count.
 void AddReportCommand(CLI::App& app, ExitStatus& status);
+/// What changed between results files. Exit status 4 if something is worse by more than
+/// --fail-above.
+void AddCompareCommand(CLI::App& app, ExitStatus& status);
 /// Runs the suite and prints the map. Safe to rerun: finished runs are skipped. Failed runs are
 /// expected here: exit status 0.
 void AddStabilityCommand(CLI::App& app, ExitStatus& status);

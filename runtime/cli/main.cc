@@ -42,6 +42,7 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddShowCommand(app, status);
   AddReportCommand(app, status);
   AddViewCommand(app, status);
+  AddCompareCommand(app, status);
   AddStabilityCommand(app, status);
   AddVerifyCommand(app, status);
   AddMergeCommand(app, status);

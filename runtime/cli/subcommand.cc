@@ -36,6 +36,11 @@ void Subcommand::Repeated(const std::string& name, std::vector<std::string>& val
   command_.add_option(name, values, help)->allow_extra_args(false);
 }
 
+void Subcommand::ShortList(const std::string& name, std::vector<std::string>& values,
+                           const std::string& help) {
+  command_.add_option(name, values, help)->delimiter(',')->allow_extra_args(false);
+}
+
 void Subcommand::Flag(const std::string& name, bool& value, const std::string& help) {
   command_.add_flag(name, value, help);
 }

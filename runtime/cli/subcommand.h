@@ -31,6 +31,9 @@ class Subcommand {
   void List(const std::string& name, std::vector<std::string>& values, const std::string& help);
   /// Given once for each value.
   void Repeated(const std::string& name, std::vector<std::string>& values, const std::string& help);
+  /// `a,b,c` in one argument: what follows it may be files. May be there several times.
+  void ShortList(const std::string& name, std::vector<std::string>& values,
+                 const std::string& help);
   void Flag(const std::string& name, bool& value, const std::string& help);
 
   // Options of several commands.

@@ -151,7 +151,7 @@ constexpr Topic kTopics[] = {
      [] { return std::string(report::kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",
      [] { return std::string(report::kResultsReference) + AllStatuses() + AllSeriesText(); }},
-    {"statistics", "how cdb show makes its figures and intervals",
+    {"statistics", "how cdb show and cdb compare make their figures and intervals",
      [] { return std::string(report::kStatisticsReference); }},
     {"document", "the JSON of cdb show --json and of pages",
      [] { return std::string(report::kDocumentReference); }},

@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "runtime/report/figures.h"
 #include "runtime/report/numbers.h"
 #include "runtime/report/table.h"
 
@@ -50,6 +51,13 @@ Estimate MeanOf(const std::vector<Estimate>& parts) { return Combined(parts, Mea
 
 Estimate GeometricMeanOf(const std::vector<Estimate>& parts) {
   return Combined(parts, GeometricMean);
+}
+
+Estimate MedianOf(const std::vector<Estimate>& parts) {
+  return Combined(parts, [](std::vector<double> values) {
+    std::ranges::sort(values);
+    return Percentile(values, 0.5);
+  });
 }
 
 Estimate RatioOf(const Estimate& above, const Estimate& below) {
@@ -128,6 +136,19 @@ Interval Bootstrap::IntervalOf(const Estimate& estimate) const {
   };
   return {std::min(estimate.value, reach(weighted.begin(), weighted.end())),
           std::max(estimate.value, reach(weighted.rbegin(), weighted.rend()))};
+}
+
+double Bootstrap::LogVariance(const Estimate& estimate) const {
+  if (kind() == IntervalKind::kNone || estimate.things < n_) return kNone;
+  double mean = 0, square = 0;
+  for (std::size_t i = 0; i < draws_.size(); ++i)
+    mean += draws_[i].weight * std::log(estimate.drawn[i]);
+  for (std::size_t i = 0; i < draws_.size(); ++i) {
+    const double distance = std::log(estimate.drawn[i]) - mean;
+    square += draws_[i].weight * distance * distance;
+  }
+  const auto n = static_cast<double>(n_);
+  return square * n / (n - 1);
 }
 
 std::string IntervalText(const Interval& interval) {

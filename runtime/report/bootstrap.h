@@ -37,6 +37,7 @@ struct Estimate {
 /// Draw by draw. `parts` is not empty, and all of them are of the same Bootstrap.
 Estimate MeanOf(const std::vector<Estimate>& parts);
 Estimate GeometricMeanOf(const std::vector<Estimate>& parts);
+Estimate MedianOf(const std::vector<Estimate>& parts);
 Estimate RatioOf(const Estimate& above, const Estimate& below);
 Estimate Scaled(Estimate estimate, double factor);
 
@@ -66,6 +67,9 @@ class Bootstrap {
   Estimate MeanEstimate(const std::vector<double>& values) const;
   /// NaN for a figure that is of fewer than `size()` things, or of one.
   Interval IntervalOf(const Estimate& estimate) const;
+  /// Of the logarithm of the figure: the variance over the draws, times n / (n - 1), as draws vary
+  /// less than samples do (Hesterberg 2015). NaN where IntervalOf has none.
+  double LogVariance(const Estimate& estimate) const;
 
  private:
   void AddDraws(std::size_t thing, std::size_t left, Draw& draw);

@@ -2,7 +2,7 @@
 
 namespace cdb::report {
 
-const std::string_view kStatisticsReference = R"reference(THE FIGURES OF cdb show
+const std::string_view kStatisticsReference = R"reference(THE FIGURES OF cdb show AND cdb compare
 
 Times. Runs are repeatable to the last bit, so that a cycle does the same work in every repeat. The
 time of a cycle is its median over the repeats: a stall in one repeat does not count. The time of a
@@ -45,6 +45,66 @@ The front of `show --error`: no other configuration is both as fast and as accur
 configuration off the front is a tie if each that is as fast and as accurate lies within the
 intervals, in time and in error; an error without an interval is known within its floor. Void runs
 are not on the front.
+
+COMPARING FILES: cdb compare
+
+`cdb compare a.h5 b.h5` says what changed from a to b: two builds, two machines, two versions of a
+plug-in. Points are matched by the names and values of their axes. What differs between the files
+is said first. Parameters that make another scene must not differ; those of how it is run may:
+detector, narrow_phase, pair_order, threads, precision, solver, omit, record, repeats, timeout,
+accuracy. A point whose runs were void, or omitted a part in one file alone, has no times to
+compare.
+
+Facts. The last state, verdicts, errors, counts of pairs and the heap are the same in every repeat,
+and compared exactly. Equal last states mean that the physics is the same to the bit. An error that
+changed within its noise floor is neither better nor worse, nor is a heap that changed by less than
+1 %. The peak memory of a process varies: it changed if it did by more than the range of its
+repeats, and by more than 1 % (5 % with fewer than 5 repeats).
+
+Times. The ratio b / a of the time above, at each point and in each phase; for a group, which is a
+detector (or a value of the first axis of texts), the geometric mean over its points. The repeats of
+two files are independent, so that the logarithm of a ratio has the variance of both, each by the
+bootstrap over the repeats of its file. Interval and test are of Student's t, with the degrees of
+freedom of Welch 1947. Both files need 5 repeats; with fewer, the verdict is `cannot tell`.
+
+Verdicts. The test is whether the change is more than 1 %, either way: another build moves code and
+data in memory, which alone changes times by about that (Mytkowicz et al. 2009).
+  faster, SLOWER         the corrected p is at most 5 %
+  same within 1.2 %      it is not, and the interval reaches this far from 1, which is less than
+                         --fail-above (5 %)
+  cannot tell            the interval reaches farther: the noise is larger than the effect
+
+Many comparisons. Groups are the result, and a false alarm among them is expensive. Their tests, in
+all phases and benchmarks of a command, are corrected by Holm 1979: the chance of any false alarm is
+at most 5 %, however the tests depend on each other (`step` contains the other phases). Points show
+where a change is. They are corrected by Benjamini and Hochberg 1995: of the changes found, at most
+5 % are expected to be false. On made-up runs with a planted change of 5 % in one of 4 detectors (3
+points each; 0.5 % between repeats, 1.5 % between runs, 3 % between cycles, 1 % stalls; 100 cases):
+  repeats                          5       6       9      15
+  change found                    74      96      98     100 % of the cases
+  any false alarm of a group       0       1       0       0 % of the cases
+  interval covers the truth       99      98      97      96 % of the groups
+
+The machine. If the median over 3 groups or more changed, everything did: the machine, or code that
+all groups have in common. The column `relative` then has each group over that median, and
+--relative judges by it. The harness, cdb's own overhead, does not depend on the detector: if it
+moved too, suspect the machine. Better, interleave the runs of two builds, so that a change of the
+machine affects both:
+  for k in $(seq 9); do
+    before/cdb run scene.cdb --shard $k/9 -o a.h5
+    after/cdb  run scene.cdb --shard $k/9 -o b.h5
+  done
+  cdb merge -o a.h5 a.runs; cdb merge -o b.h5 b.runs
+
+Exit status. 4 if a group or a point is slower and its whole interval is above --fail-above, an
+error or the memory is worse by more, a verdict is worse, or a pair is missed that was not; else 0.
+
+Several files, `cdb compare a.h5 b.h5 c.h5`, are a history: the ratio of each group to the first
+file, and the files at which it changed. The exit status is that of the last file relative to the
+first. Folders are compared file by file, by name.
+
+--json has every number: benchmarks[].comparisons[] with differs, states, facts, and times: groups
+and points, each with phases: ratio, interval, p, adjusted_p, verdict. NaN is null.
 
 )reference";
 

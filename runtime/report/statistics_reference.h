@@ -1,4 +1,4 @@
-// How `cdb show` makes its figures, for `cdb doc statistics`.
+// How `cdb show` and `cdb compare` make their figures, for `cdb doc statistics`.
 #pragma once
 
 #include <string_view>

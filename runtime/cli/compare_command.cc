@@ -1,0 +1,198 @@
+// `cdb compare`: two results files of one benchmark side by side, or several in order.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/measure/series.h"
+#include "runtime/report/compare_history.h"
+#include "runtime/report/compare_json.h"
+#include "runtime/report/compare_text.h"
+#include "runtime/report/console.h"
+
+namespace cdb::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CompareArguments {
+  std::vector<std::string> files;  ///< results files, or folders of them
+  std::string fail_above = "5%";
+  std::string phase;  ///< empty: all
+  std::vector<std::string> select;
+  bool is_markdown = false, is_json = false, is_relative = false, lists_all = false;
+};
+
+/// `5%`, `5 %` or `5`. Throws CommandError.
+double ParsePercent(std::string text) {
+  const std::string given = text;
+  if (text.ends_with('%')) text.pop_back();
+  text.erase(text.find_last_not_of(' ') + 1);
+  double percent = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), percent);
+  if (error != std::errc() || end != text.data() + text.size() || !(percent >= 0))
+    throw CommandError(
+        fmt::format("--fail-above {}: is not a percentage of 0 or more, as in 5%", given));
+  return percent / 100;
+}
+
+std::optional<measure::Phase> ParsePhase(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  const auto names = measure::PhaseNames();
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end())
+    throw CommandError(fmt::format("--phase {}: there is no such phase; there are {}", name,
+                                   fmt::join(names, ", ")));
+  return static_cast<measure::Phase>(found - names.begin());
+}
+
+report::CompareOptions OptionsOf(const CompareArguments& arguments) {
+  if (arguments.files.size() < 2)
+    throw CommandError("compare takes two results files or more, or two folders of them or more");
+  if (arguments.is_markdown && arguments.is_json)
+    throw CommandError("--markdown and --json are two forms of the same: choose one");
+  return {arguments.select, ParsePhase(arguments.phase), ParsePercent(arguments.fail_above),
+          arguments.is_relative, arguments.lists_all};
+}
+
+/// The shortest ends of the paths that tell them apart: `a.h5`, `before/first.h5`.
+std::vector<std::string> NamesOf(const std::vector<std::string>& paths) {
+  std::vector<std::string> names;
+  for (std::size_t parts = 1;; ++parts) {
+    names.clear();
+    bool is_whole = true;
+    for (const std::string& path : paths) {
+      const fs::path whole = fs::path(path).lexically_normal();
+      std::vector<fs::path> all(whole.begin(), whole.end());
+      is_whole = is_whole && all.size() <= parts;
+      fs::path name;
+      for (std::size_t i = all.size() - std::min(parts, all.size()); i < all.size(); ++i)
+        name /= all[i];
+      names.push_back(name.string());
+    }
+    if (is_whole || std::set(names.begin(), names.end()).size() == names.size()) return names;
+  }
+}
+
+/// The results files of a folder, by their names.
+std::set<std::string> ResultsIn(const std::string& folder) {
+  std::set<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".h5" && !entry.path().stem().string().ends_with(".trace"))
+      names.insert(entry.path().filename().string());
+  return names;
+}
+
+/// The files of each benchmark, in the order of the arguments; `unmatched` gets what only some
+/// folders have.
+std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& arguments,
+                                              std::vector<std::string>& unmatched) {
+  std::error_code error;
+  const auto folders = std::ranges::count_if(
+      arguments, [&](const std::string& path) { return fs::is_directory(path, error); });
+  if (folders == 0) return {arguments};
+  if (folders < static_cast<std::ptrdiff_t>(arguments.size()))
+    throw CommandError("compare takes files or folders, not both: name the file in each folder");
+  std::set<std::string> all;
+  std::vector<std::set<std::string>> of_folders;
+  for (const std::string& folder : arguments) {
+    of_folders.push_back(ResultsIn(folder));
+    all.insert(of_folders.back().begin(), of_folders.back().end());
+  }
+  std::vector<std::vector<std::string>> files;
+  for (const std::string& name : all) {
+    std::vector<std::string> paths;
+    for (std::size_t i = 0; i < arguments.size(); ++i)
+      if (of_folders[i].contains(name)) paths.push_back((fs::path(arguments[i]) / name).string());
+    if (paths.size() == arguments.size()) {
+      files.push_back(std::move(paths));
+    } else {
+      unmatched.insert(unmatched.end(), paths.begin(), paths.end());
+    }
+  }
+  if (files.empty())
+    throw CommandError(
+        fmt::format("no .h5 file is in all of the folders {}", fmt::join(arguments, ", ")));
+  return files;
+}
+
+/// Throws StoreError.
+std::vector<report::BenchmarkHistory> ReadAll(const std::vector<std::vector<std::string>>& files,
+                                              const report::CompareOptions& options) {
+  std::vector<report::BenchmarkHistory> benchmarks;
+  for (const std::vector<std::string>& paths : files) {
+    const std::vector<std::string> names = NamesOf(paths);
+    std::vector<std::unique_ptr<report::ComparedFile>> opened;
+    for (std::size_t i = 0; i < paths.size(); ++i)
+      opened.push_back(std::make_unique<report::ComparedFile>(paths[i], names[i]));
+    benchmarks.push_back(report::MakeHistory(std::move(opened), options));
+  }
+  report::JudgeHistories(benchmarks, options);
+  return benchmarks;
+}
+
+report::Document DocumentOf(const std::vector<report::BenchmarkHistory>& benchmarks,
+                            const std::vector<std::string>& unmatched,
+                            const report::CompareOptions& options) {
+  report::Document document;
+  if (!unmatched.empty())
+    document.push_back({"Not in all folders, and not compared", unmatched, {}, {}});
+  if (benchmarks[0].files.size() > 2) {
+    report::Document history = report::HistoryDocument(benchmarks, options);
+    std::ranges::move(history, std::back_inserter(document));
+    return document;
+  }
+  for (const report::BenchmarkHistory& benchmark : benchmarks) {
+    report::Document sections = report::CompareDocument(benchmark.steps[0], options);
+    std::ranges::move(sections, std::back_inserter(document));
+  }
+  return document;
+}
+
+ExitStatus CompareResults(const CompareArguments& arguments) {
+  const report::CompareOptions options = OptionsOf(arguments);
+  std::vector<std::string> unmatched;
+  const auto files = FilesOf(arguments.files, unmatched);
+  const auto benchmarks = ReadAll(files, options);
+  if (arguments.is_json) {
+    report::Print(report::CompareJson(benchmarks, unmatched, options));
+  } else {
+    const report::Document document = DocumentOf(benchmarks, unmatched, options);
+    report::Print(arguments.is_markdown ? report::MarkdownText(document)
+                                        : report::TerminalText(document));
+  }
+  const bool is_worse = std::ranges::any_of(benchmarks, [&](const auto& benchmark) {
+    return report::IsWorse(benchmark.Whole(), options);
+  });
+  return is_worse ? ExitStatus::kWorse : ExitStatus::kGood;
+}
+
+}  // namespace
+
+void AddCompareCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<CompareArguments>();
+  Subcommand command(app, "compare", "what changed from one results file to another");
+  command.Required("FILES", arguments->files,
+                   "two results files of one benchmark, several in order, or folders of them");
+  command.Optional("--fail-above", arguments->fail_above,
+                   "exit status 4 if something is worse by more (5%)");
+  command.Optional("--phase", arguments->phase, "only this phase (detect)");
+  command.ShortList("--select", arguments->select, "only points with this value (detector=sap)");
+  command.Flag("--relative", arguments->is_relative,
+               "judge each detector relative to the median of all");
+  command.Flag("--all", arguments->lists_all, "list every point, also where nothing changed");
+  command.Flag("--markdown", arguments->is_markdown, "for a pull request");
+  command.Flag("--json", arguments->is_json, "for scripts");
+  command.Action(status, [arguments] { return CompareResults(*arguments); });
+}
+
+}  // namespace cdb::cli

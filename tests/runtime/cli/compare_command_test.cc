@@ -1,0 +1,129 @@
+// `cdb compare` through the program: files, folders, refusals and exit statuses.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/runtime/report/compared_results.h"
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+/// Results of 5 repeats, whose second detector takes `factor` times as long.
+void WriteFactor(const Program& program, const std::string& name, double factor,
+                 std::uint64_t seed) {
+  std::filesystem::create_directories((program.folder() / name).parent_path());
+  WriteCompared({.plan = ComparedPlan(5, {"10"}, {"simple", "sap"}),
+                 .change = Slower(1, factor),
+                 .noise = 0.001,
+                 .seed = seed},
+                program.folder() / name);
+}
+
+TEST(CompareCommand, ExitsByWhatIsWorse) {
+  const Program program;
+  WriteFactor(program, "a.h5", 1, 1);
+  WriteFactor(program, "b.h5", 1.08, 2);
+  const Finished worse = program.Run({"compare", "a.h5", "b.h5"});
+  EXPECT_EQ(worse.status, 4) << worse.err;
+  EXPECT_NE(worse.out.find("\n  WORSE by more than 5 %, exit status 4: sap "), std::string::npos);
+  EXPECT_EQ(program.Run({"compare", "b.h5", "a.h5"}).status, 0);
+  EXPECT_EQ(program.Run({"compare", "a.h5", "b.h5", "--fail-above", "9 %"}).status, 0);
+  EXPECT_EQ(program.Run({"compare", "--select", "detector=simple", "a.h5", "b.h5"}).status, 0);
+  EXPECT_EQ(program.Run({"compare", "a.h5", "b.h5", "--select", "detector=sap"}).status, 4);
+  EXPECT_EQ(program.Run({"compare", "a.h5", "a.h5", "b.h5", "--phase", "step"}).status, 4);
+  EXPECT_EQ(program.Run({"compare", "a.h5", "b.h5", "a.h5", "--phase", "step"}).status, 0);
+}
+
+TEST(CompareCommand, PrintsAllOfIt) {
+  const Program program;
+  WriteFactor(program, "a.h5", 1, 1);
+  WriteFactor(program, "b.h5", 1.08, 2);
+  const Finished compared = program.Run({"compare", "a.h5", "b.h5", "--phase", "step"});
+  EXPECT_EQ(compared.out,
+            R"(A comparison: from a.h5 to b.h5
+  The same machine, versions and kind of build
+  2 points in both files
+  The runs of both files were interleaved in time
+
+Result
+  SLOWER: sap: step +8.0 % (+7.7 .. +8.3 %)
+  Same within 0.3 %: simple
+  Physics: the same last state to the bit at 2 of 2 points
+  Unchanged: verdicts, position error, missed pairs, false positive pairs, duplicate pairs, peak
+      memory
+  WORSE by more than 5 %, exit status 4: sap step
+
+Mean of a cycle
+  detector  phase      a.h5      b.h5  ratio    95 % interval  verdict
+  ------------------------------------------------------------------------------
+  simple    step   999.1 ns   1001 ns  1.001  0.9994 .. 1.003  same within 0.3 %
+  sap       step   1.000 us  1.080 us  1.080   1.077 .. 1.083  SLOWER
+  Median over 5 and 5 repeats per cycle, then mean over cycles. Below 1: b.h5 is faster.
+  Intervals by bootstrap over the repeats of each file by itself. Slower, faster: by more than 1 %,
+      with Holm's correction for all groups and phases (5 %): cdb doc statistics.
+)");
+}
+
+TEST(CompareCommand, ComparesFoldersFileByFile) {
+  const Program program;
+  for (const char* name : {"one.h5", "two.h5"}) {
+    WriteFactor(program, std::string("before/") + name, 1, 1);
+    WriteFactor(program, std::string("after/") + name, name[0] == 't' ? 1.08 : 1, 2);
+  }
+  WriteFactor(program, "after/three.h5", 1, 3);
+  const Finished compared = program.Run({"compare", "before", "after", "--phase", "step"});
+  EXPECT_EQ(compared.status, 4) << compared.err;
+  EXPECT_NE(compared.out.find("Not in all folders, and not compared\n  after/three.h5\n"),
+            std::string::npos)
+      << compared.out;
+  EXPECT_NE(compared.out.find("A comparison: from before/one.h5 to after/one.h5\n"),
+            std::string::npos);
+  EXPECT_NE(compared.out.find("A comparison: from before/two.h5 to after/two.h5\n"),
+            std::string::npos);
+  const Finished json = program.Run({"compare", "before", "after", "--json"});
+  EXPECT_EQ(json.status, 4);
+  const auto parsed = nlohmann::json::parse(json.out);
+  EXPECT_TRUE(parsed["is_worse"]);
+  EXPECT_EQ(parsed["unmatched"], nlohmann::json({"after/three.h5"}));
+  EXPECT_FALSE(parsed["benchmarks"][0]["comparisons"][0]["is_worse"]);
+  EXPECT_TRUE(parsed["benchmarks"][1]["comparisons"][0]["is_worse"]);
+}
+
+TEST(CompareCommand, RefusesByName) {
+  const Program program;
+  WriteFactor(program, "a.h5", 1, 1);
+  WriteCompared({ComparedPlan(1, {"10"}, {"simple", "sap"}, "warmup 3")},
+                program.folder() / "other.h5");
+  std::filesystem::create_directories(program.folder() / "empty");
+  program.Write("text.h5", "no HDF5");
+  const struct {
+    std::vector<std::string> arguments;
+    const char* why;
+  } kRefusals[] = {
+      {{"a.h5"}, "compare takes two results files or more, or two folders of them or more"},
+      {{"a.h5", "b.h5"}, "b.h5: there is no such file; `cdb run` makes one"},
+      {{"a.h5", "text.h5"}, "text.h5: is not a whole result of cdb"},
+      {{"a.h5", "empty"}, "compare takes files or folders, not both: name the file in each folder"},
+      {{"empty", "empty"}, "no .h5 file is in all of the folders empty, empty"},
+      {{"a.h5", "other.h5"}, "unlike scenes: warmup (0 in a.h5, 3 in other.h5)"},
+      {{"a.h5", "a.h5", "--phase", "brod"},
+       "--phase brod: there is no such phase; there are broad"},
+      {{"a.h5", "a.h5", "--fail-above", "-1"}, "--fail-above -1: is not a percentage"},
+      {{"a.h5", "a.h5", "--fail-above", "some"}, "--fail-above some: is not a percentage"},
+      {{"a.h5", "a.h5", "--json", "--markdown"}, "--markdown and --json are two forms of the same"},
+      {{"a.h5", "a.h5", "--relative"}, "--relative takes 3 detectors or more"},
+  };
+  for (const auto& [arguments, why] : kRefusals) {
+    std::vector<std::string> command = {"compare"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const Finished refused = program.Run(command);
+    EXPECT_EQ(refused.status, 2) << why;
+    EXPECT_EQ(refused.out, "") << why;
+    EXPECT_NE(refused.err.find(why), std::string::npos) << refused.err;
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests

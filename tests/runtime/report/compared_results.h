@@ -1,0 +1,51 @@
+// Results files for tests of comparisons: real plans, and made-up times with known noise.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/measure/verdict.h"
+#include "runtime/store/store.h"
+
+namespace cdb::tests {
+
+inline constexpr std::uint64_t kComparedCycles = 6;
+
+/// What a run recorded, beside noise.
+struct ComparedRun {
+  double factor = 1;  ///< of all times
+  std::string state = "0123456789abcdef";
+  measure::Verdict verdict = measure::Verdict::kStable;
+  double error = 0.5, floor = 0;
+  double peak_bytes = 5e6;
+  std::int32_t missed = 0;
+  std::string omitted = {};
+};
+using ComparedScene = std::function<void(const plan::Run&, ComparedRun&)>;
+
+struct ComparedResult {
+  plan::Plan plan;
+  ComparedScene change = [](const plan::Run&, ComparedRun&) {};
+  double noise = 0.005;  ///< between runs
+  std::uint64_t seed = 1;
+  store::Provenance provenance = {{"build_type", "Release"}, {"cpu", "a µ-processor"}};
+  double started = 0;  ///< s
+};
+
+/// Of a benchmark with `more` settings; `detectors`: empty for a sweep of quantities alone.
+plan::Plan ComparedPlan(std::uint64_t repeats,
+                        const std::vector<std::string>& quantities = {"10", "20"},
+                        const std::vector<std::string>& detectors = {"simple", "dbvt", "sap",
+                                                                     "grid"},
+                        const std::string& more = "");
+
+void WriteCompared(const ComparedResult& of, const std::filesystem::path& out);
+
+/// `detector` is slower by `factor`.
+ComparedScene Slower(std::size_t detector, double factor);
+
+}  // namespace cdb::tests
