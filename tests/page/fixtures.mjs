@@ -200,6 +200,10 @@ export function mixed() {
   });
   return {
     ...document,
+    conclusions: [
+      { question: 'Which takes the least memory?', answer: 'None.', kind: 'memory', certainty: 'tie' },
+      { question: 'Which is the fastest?', answer: 'sap32.', kind: 'fastest', certainty: 'clear' },
+    ],
     failures: [{ place: 'detector sap, speed 1000', why: 'timed_out', command: 'cdb run test.cdb --only 0123' }],
     omissions: [{ parts: 'walls', points: 2, of: 24, why: 'no object can reach them', at: [0, 1] }],
     findings: [

@@ -227,6 +227,7 @@ test('void points are hollow, apart and said; verdicts have names and cycles', a
   assert.match(await text('#stability svg'), /frozen/);
   const map = parseCsv(String(await saveFile(tab, 'stability', 'CSV')));
   assert.ok(map.some((row) => row.join().includes('sap32,1000,frozen,9')));
+  assert.match(await text('.conclusions dt'), /fastest/); // which the first figure shows
   assert.match(await text('#failures'), /cdb run test.cdb --only 0123/);
   assert.match(await text('#left-out'), /no object can reach them/);
   assert.match(
