@@ -194,9 +194,10 @@ export function mixed() {
   );
   const { points } = document;
   points.at.forEach(([d, s, seed], i) => {
-    if (s === 3) points.mark[i] = 'frozen';
-    if (s === 3) [points.is_void[i], points.verdict[i], points.first_bad_cycle[i]] = [true, 'frozen', 7 + d];
-    if (s === 2 && seed === 1) [points.verdict[i], points.first_bad_cycle[i]] = ['tunnelled', 17];
+    const isFrozen = s === 3 || (d === 1 && s === 2 && seed === 1); // one of two points that would be pooled
+    if (isFrozen) points.mark[i] = 'frozen';
+    if (isFrozen) [points.is_void[i], points.verdict[i], points.first_bad_cycle[i]] = [true, 'frozen', 7 + d];
+    else if (s === 2 && seed === 1) [points.verdict[i], points.first_bad_cycle[i]] = ['tunnelled', 17];
   });
   return {
     ...document,

@@ -221,7 +221,7 @@ test('void points are hollow, apart and said; verdicts have names and cycles', a
     '#times [data-row]',
     (marks) => marks.filter((mark) => mark.getAttribute('fill') === '#ffffff').length,
   );
-  assert.equal(hollow, 3);
+  assert.equal(hollow, 4);
   assert.match(await text('#times .note'), /Hollow: the verdict voids the time \(frozen\)/);
   assert.match(await text('#times .note'), /Pooled over seed/);
   assert.match(await text('#stability svg'), /frozen/);
