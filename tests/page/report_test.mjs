@@ -323,7 +323,7 @@ test('10^5 points are drawn as aggregates', async () => {
 const looks = {
   light: [{}, ['first', 'accuracy', 'mixed', 'many_detectors']],
   dark: [{ scheme: 'dark' }, ['first', 'mixed', 'hostile']],
-  phone: [{ width: 360, height: 740, scale: 2 }, ['first', 'accuracy', 'mixed', 'many_detectors']],
+  phone: [{ width: 360, height: 740 }, ['first', 'accuracy', 'mixed', 'many_detectors']],
   print: [{ media: 'print', width: 794 }, ['first', 'accuracy', 'mixed']],
 };
 for (const [name, [how, pages]] of Object.entries(looks))
