@@ -28,7 +28,7 @@ export const launch = () =>
 /** A tab whose `faults` are errors, violations of the policy, and requests beyond the page itself. */
 export async function openTab(
   browser,
-  { width = 1360, height = 900, scheme = 'light', media = 'screen', scale = 1 } = {},
+  { width = 1360, height = 900, scheme = 'light', media = 'screen' } = {},
 ) {
   const tab = await browser.newPage();
   const faults = [];
@@ -48,7 +48,7 @@ export async function openTab(
       console.error('policy', event.violatedDirective, event.blockedURI),
     ),
   );
-  await tab.setViewport({ width, height, deviceScaleFactor: scale });
+  await tab.setViewport({ width, height });
   // One undoes the other.
   if (media === 'print') await tab.emulateMediaType(media);
   else await tab.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);

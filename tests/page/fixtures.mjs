@@ -194,12 +194,17 @@ export function mixed() {
   );
   const { points } = document;
   points.at.forEach(([d, s, seed], i) => {
-    if (s === 3) points.mark[i] = 'frozen';
-    if (s === 3) [points.is_void[i], points.verdict[i], points.first_bad_cycle[i]] = [true, 'frozen', 7 + d];
-    if (s === 2 && seed === 1) [points.verdict[i], points.first_bad_cycle[i]] = ['tunnelled', 17];
+    const isFrozen = s === 3 || (d === 1 && s === 2 && seed === 1); // one of two points that would be pooled
+    if (isFrozen) points.mark[i] = 'frozen';
+    if (isFrozen) [points.is_void[i], points.verdict[i], points.first_bad_cycle[i]] = [true, 'frozen', 7 + d];
+    else if (s === 2 && seed === 1) [points.verdict[i], points.first_bad_cycle[i]] = ['tunnelled', 17];
   });
   return {
     ...document,
+    conclusions: [
+      { question: 'Which takes the least memory?', answer: 'None.', kind: 'memory', certainty: 'tie' },
+      { question: 'Which is the fastest?', answer: 'sap32.', kind: 'fastest', certainty: 'clear' },
+    ],
     failures: [{ place: 'detector sap, speed 1000', why: 'timed_out', command: 'cdb run test.cdb --only 0123' }],
     omissions: [{ parts: 'walls', points: 2, of: 24, why: 'no object can reach them', at: [0, 1] }],
     findings: [

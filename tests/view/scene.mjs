@@ -35,6 +35,7 @@ const browser = await puppeteer.launch({
 // A page whose every message on the console is an error of the test.
 async function open(name, hash = '', { width = 1100, height = 800, scheme = 'light' } = {}) {
   const page = await browser.newPage();
+  page.setDefaultTimeout(180_000); // a busy machine is no error
   const troubles = [];
   page.on('console', (message) => {
     // Of software rendering, which the browser remarks on.
@@ -114,7 +115,7 @@ async function keepsItsStateInTheAddress() {
   await page.click('#show-pairs');
   const clock = await text(page, 'clock');
   ok(/cycle (1|2)\d of/.test(clock), clock);
-  await page.waitForFunction(() => location.hash.includes('island'));
+  await page.waitForFunction(() => /island.*contacts|contacts.*island/.test(location.hash) && /boxes.*pairs|pairs.*boxes/.test(location.hash));
   const { page: other, troubles } = await open('scene.html', await page.evaluate(() => location.hash));
   equal(await text(other, 'clock'), clock);
   equal(await other.$eval('#colour', (select) => select.value), 'island');

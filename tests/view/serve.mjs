@@ -36,6 +36,7 @@ const browser = await puppeteer.launch({
 });
 try {
   const page = await browser.newPage();
+  page.setDefaultTimeout(180_000); // a busy machine is no error
   const troubles = [];
   page.on('console', (message) => {
     if (!/GPU stall|swiftshader|software WebGL/i.test(message.text())) troubles.push(message.text());

@@ -23,7 +23,7 @@ function frame({ theme, width, height, chosen, x, label }, marks) {
     width,
     height,
     marginLeft: margin,
-    marginRight: 16,
+    marginRight: 20,
     marginTop: 6,
     marginBottom: 38,
     x: { ...x, label, labelAnchor: 'right', labelArrow: 'right' },

@@ -124,10 +124,13 @@ function asideOf(links, panel) {
   return h('aside', { 'aria-label': 'View' }, contents, view);
 }
 
+/** The kind of conclusion that a figure shows. */
+const answeredBy = { times: 'fastest', rivals: 'fastest', errors: 'error', stability: 'stability' };
+
 const element = (each) => (each instanceof Node ? each : (each?.element ?? null));
 
-function bodyOf(doc, sections, keyElement) {
-  const [above, below] = parts.conclusions(doc);
+function bodyOf(doc, sections, key, keyElement) {
+  const [above, below] = parts.conclusions(doc, answeredBy[key]);
   const heading = h('h2', { class: 'unseen' }, 'Summary');
   const generator = short(doc.raw.generator ?? 'cdb', 80);
   return h(
@@ -160,7 +163,7 @@ function show(index) {
   const sections = sectionsOf(doc, figures, key);
   const links = sections.map(([id, title]) => ({ id, link: h('a', {}, title) }));
   const panel = doc.count > 0 ? h('form', { class: 'controls', submit: (event) => event.preventDefault() }) : null;
-  const body = bodyOf(doc, sections, element(figures[key]));
+  const body = bodyOf(doc, sections, key, element(figures[key]));
   page.replaceChildren(...[tabs(index), h('div', { class: 'layout' }, asideOf(links, panel), body)].filter(Boolean));
   const drawn = Object.values(figures).filter((figure) => figure.element.isConnected);
   const plainAddress = (each) => addressOf(index, doc, { ...each, section: '' });

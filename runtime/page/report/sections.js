@@ -94,9 +94,11 @@ const answers = (list) =>
     ),
   );
 
-/** The answers for above the first figure, and for below it. */
-export function conclusions(doc) {
-  const list = doc.raw.conclusions ?? [];
+/** The answers for above the first figure, and for below it; the one that the figure shows is first. */
+export function conclusions(doc, kind) {
+  const given = doc.raw.conclusions ?? [];
+  const shown = given.find((each) => each.kind === kind);
+  const list = shown ? [shown, ...given.filter((each) => each !== shown)] : given;
   if (list.length === 0)
     return [
       doc.count === 0
