@@ -37,19 +37,23 @@ class DetectorConclusions {
       if (!IsHonest(i)) left_out_.insert(i);
   }
 
-  std::vector<Conclusion> All() {
-    if (!comparison_.is_void && comparison_.MatchedCount() == 0)
+  std::vector<Conclusion> Times() {
+    AddPairs();
+    if (!file_.Has("duration") || comparison_.is_void) return std::move(all_);
+    if (comparison_.MatchedCount() == 0)
       Add({"Which detector is the fastest?",
            "The file does not say: no cell has a sound run of every detector without omissions "
            "that others lack.",
            "fastest", Certainty::kUnknown});
-    if (!comparison_.is_void && file_.Has("duration")) {
-      AddTimes();
-      AddWorstCycle();
-    }
-    if (!comparison_.is_void) AddMemory();
-    AddPairs();
+    AddTimes();
     AddGrowth();
+    return std::move(all_);
+  }
+
+  std::vector<Conclusion> Limits() {
+    if (!file_.Has("duration") || comparison_.is_void) return {};
+    AddWorstCycle();
+    AddMemory();
     return std::move(all_);
   }
 
@@ -198,7 +202,6 @@ class DetectorConclusions {
   }
 
   void AddGrowth() {
-    if (!file_.Has("duration") || comparison_.is_void) return;
     const auto growth = GrowthByRow(file_, parts_.points, {axis_}, parts_.times);
     if (!growth || !growth->is_matched) return;
     std::vector<std::pair<double, std::size_t>> exponents;
@@ -229,12 +232,27 @@ class DetectorConclusions {
   std::vector<Conclusion> all_;
 };
 
+/// The axis of detectors, if there are several.
+std::optional<std::size_t> ComparedDetectors(const ConclusionParts& parts) {
+  const auto axis = DetectorAxis(parts.file);
+  if (!axis || parts.file.axes()[*axis].values.size() < 2 || parts.points.empty())
+    return std::nullopt;
+  return axis;
+}
+
 }  // namespace
 
 void ConcludeDetectors(const ConclusionParts& parts, std::vector<Conclusion>& all) {
-  const auto axis = DetectorAxis(parts.file);
-  if (!axis || parts.file.axes()[*axis].values.size() < 2 || parts.points.empty()) return;
-  for (Conclusion& conclusion : DetectorConclusions(parts, *axis).All())
+  const auto axis = ComparedDetectors(parts);
+  if (!axis) return;
+  for (Conclusion& conclusion : DetectorConclusions(parts, *axis).Times())
+    all.push_back(std::move(conclusion));
+}
+
+void ConcludeDetectorLimits(const ConclusionParts& parts, std::vector<Conclusion>& all) {
+  const auto axis = ComparedDetectors(parts);
+  if (!axis) return;
+  for (Conclusion& conclusion : DetectorConclusions(parts, *axis).Limits())
     all.push_back(std::move(conclusion));
 }
 

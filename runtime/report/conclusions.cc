@@ -13,11 +13,12 @@ std::string_view CertaintyName(Certainty certainty) {
 
 std::vector<Conclusion> Conclusions(const ConclusionParts& parts) {
   std::vector<Conclusion> all;
-  ConcludeStep(parts, all);
   ConcludeErrors(parts, all);
+  ConcludeStep(parts, all);
   ConcludeDetectors(parts, all);
   ConcludeVerdicts(parts, all);
   ConcludeAxes(parts, all);
+  ConcludeDetectorLimits(parts, all);
   return all;
 }
 

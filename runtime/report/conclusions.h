@@ -39,8 +39,10 @@ struct ConclusionParts {
 std::vector<Conclusion> Conclusions(const ConclusionParts& parts);
 
 // The parts of it, each for one kind of sweep.
-/// Of the axis of detectors: time of a step and of detect, worst cycle, memory, missed pairs.
+/// Of the axis of detectors: missed pairs, time of a step and of detect, growth.
 void ConcludeDetectors(const ConclusionParts& parts, std::vector<Conclusion>& all);
+/// Of the axis of detectors: worst cycle and memory.
+void ConcludeDetectorLimits(const ConclusionParts& parts, std::vector<Conclusion>& all);
 /// How the time of a step changes along the other axes, and growth with the number of objects.
 void ConcludeAxes(const ConclusionParts& parts, std::vector<Conclusion>& all);
 /// Of each error: the most accurate configuration within real time, and the fastest of the front.

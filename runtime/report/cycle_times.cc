@@ -71,24 +71,28 @@ constexpr std::string_view kStatisticHeads[] = {
 
 /// Of the times of the cycles. NaN where one is: a draw without the repeat that went on longest.
 double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
-  if (std::ranges::any_of(cycles, [](double time) { return std::isnan(time); })) return kNone;
-  std::ranges::sort(cycles);
+  if (cycles.empty() || std::ranges::any_of(cycles, [](double time) { return std::isnan(time); }))
+    return kNone;
+  const auto percentile = [&cycles](double p) {
+    std::ranges::sort(cycles);
+    return Percentile(cycles, p);
+  };
   switch (statistic) {
     case CycleStatistic::kMean:
       return Mean(cycles);
     case CycleStatistic::kMedian:
-      return Percentile(cycles, 0.5);
+      return percentile(0.5);
     case CycleStatistic::kP5:
-      return Percentile(cycles, 0.05);
+      return percentile(0.05);
     case CycleStatistic::kP95:
-      return Percentile(cycles, 0.95);
+      return percentile(0.95);
     case CycleStatistic::kMin:
-      return Percentile(cycles, 0);
+      return std::ranges::min(cycles);
     case CycleStatistic::kMax:
     case CycleStatistic::kWorst:
       break;
   }
-  return Percentile(cycles, 1);
+  return std::ranges::max(cycles);
 }
 
 /// The longest cycle of the repeats, and of those in each draw.
@@ -175,7 +179,7 @@ std::string CycleTimes::Statistic(bool pools) const {
   if (statistic_ == CycleStatistic::kWorst)
     return fmt::format(
         "  Longest cycle of {}, disturbances included{}",
-        bootstrap_.size() > 1 ? fmt::format("all {} repeats", bootstrap_.size()) : "the run",
+        bootstrap_.size() > 1 ? fmt::format("any of {} repeats", bootstrap_.size()) : "the run",
         pools ? ", then mean over cells" : "");
   std::string over = std::string(StatisticName()) + " over cycles";
   if (statistic_ == CycleStatistic::kMean && pools) over += " and cells";

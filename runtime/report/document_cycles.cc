@@ -83,7 +83,12 @@ Json RepeatMeans(const store::ResultFile& file, const MeasuredPoint& point, Phas
 Json DocumentCycles(const DocumentSource& source) {
   if (!source.HasTimes() || source.IsLarge()) return nullptr;
   const std::vector<std::size_t> chosen = ChooseTimelines(source);
-  const auto bins = BinsOf(source.file().cycles());
+  // Those that ran: a file has room for more.
+  std::size_t cycles = 0;
+  for (const std::size_t i : chosen)
+    cycles = std::max(cycles,
+                      source.times().Of(*source.points()[i].measured, Phase::kStep).cycles.size());
+  const auto bins = BinsOf(cycles);
   Json all = {{"points", chosen}, {"of", source.measured().size()}, {"bins", bins}};
   for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
     all[std::string(measure::PhaseNames()[phase])] = JsonColumn(chosen.size(), [&](std::size_t i) {

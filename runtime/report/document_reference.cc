@@ -4,14 +4,15 @@ namespace cdb::report {
 
 const std::string_view kDocumentReference = R"reference(THE RESULTS DOCUMENT
 
-`cdb show --json out.h5` prints one JSON document: the figures of `cdb show`, for scripts. The page of
-`cdb report` holds the same document, and the modules in examples/read/python and
-examples/read/figures.R read it. All statistics are computed by cdb (`cdb doc statistics`). Times are
-in ns; numbers have six digits; a missing one is null.
+`cdb show --json out.h5` prints one JSON document: the figures of `cdb show`, for scripts. The page
+of `cdb report` holds the same document, and examples/read/python and examples/read/figures.R read
+it. All statistics are computed by cdb (`cdb doc statistics`). Times are in ns; numbers have six
+digits; a missing one is null.
 
   document, generator     the version of this format, 1, and the cdb that made the results
   sources, title          the file, its benchmark and its title
-  runs                    how many there are: all, good, void, failed, skipped, missing; repeats, cycles
+  runs                    how many there are: all, good, void, failed, skipped, missing; repeats,
+                          cycles
   warnings                what to know before quoting a figure, the worst first: kind, text
   conclusions             question, answer, kind, certainty: clear (the 95 % interval of the ratio
                           excludes 1), tie (it does not), unknown (too few repeats)
@@ -42,10 +43,10 @@ in ns; numbers have six digits; a missing one is null.
   failures                place, why, and the command that runs it by itself
   noise, machine, build, provenance
 
-Of more than 5000 points, the document has the mean of step and detect alone, with four digits; `at` is
-{"grid": [[first, count], ...]}, runs of places in the grid (the last axis fastest), and a column that
-says one thing throughout is {"constant": value}. More than 100,000 points are refused: --select takes
-a part.
+Of more than 5000 points, the document has the mean of step and detect alone, with four digits; `at`
+is {"grid": [[first, count], ...]}, runs of places in the grid (the last axis fastest), and a column
+with the same value throughout is {"constant": value}. More than 100,000 points are refused: --select
+takes a part.
 
 )reference";
 

@@ -10,9 +10,10 @@ point is the mean over its cycles, which is its total work; in `show --error`, d
 step, it is what a simulated second takes. Both commands use this statistic in all tables. With one
 repeat, it is the mean of the run, stalls included. Pairs and contacts are means over the cycles.
 The 5th and 95th percentile are over the cycles of a point; they show how the scene changes, and
-are not an interval. `--stat` takes another statistic than the mean over the cycles: median, p5, p95,
-min, max, or worst, which is the longest cycle of any repeat, disturbances included. Its intervals are
-made in the same way. `--error` takes the mean alone, as a simulated second takes all of its cycles.
+are not an interval. `--stat` takes another statistic than the mean over the cycles: median, p5,
+p95, min, max, or worst, which is the longest cycle of any repeat, disturbances included. Its
+intervals are made in the same way. `--error` takes the mean alone, as a simulated second takes all
+of its cycles.
 
 Intervals. With 5 repeats or more, an interval of 95 %: the repeats are drawn with replacement, as
 many as there are, and the statistic is computed from each draw. Whole runs are drawn, so that the

@@ -58,6 +58,22 @@ TEST(Conclusions, NameTheFastestDetectorWithItsInterval) {
   EXPECT_EQ(step.certainty, Certainty::kClear);
 }
 
+TEST(Conclusions, BeginWithWhatTheSweepAsks) {
+  const auto kinds = [](const plan::Plan& plan) {
+    std::string text;
+    for (const Conclusion& of : ConclusionsOf(plan, [](const plan::Run& run) {
+           return FactorTimes(run, {2, 1, 1.2});
+         }))
+      text += std::string(of.kind) + " ";
+    return text;
+  };
+  EXPECT_EQ(kinds(DetectorPlan(5)), "fastest detect stability scaling worst_cycle memory ");
+  plan::Plan with_errors =
+      MakePlan({TextAxis("detector", {"simple", "dbvt", "sap"}), NumberAxis("quantity", {10, 20})},
+               5, {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
+  EXPECT_TRUE(kinds(with_errors).starts_with("error error fastest detect "));
+}
+
 TEST(Conclusions, CallWhatCannotBeToldApartATie) {
   const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
     MadeUp made = FactorTimes(run, {2, 1, 1.001});

@@ -9,6 +9,7 @@
 
 #include "runtime/report/json_numbers.h"
 #include "tests/runtime/report/made_up_file.h"
+#include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {
@@ -125,6 +126,58 @@ TEST(ResultsDocument, IsThereWithoutAxes) {
   EXPECT_EQ(document["points"]["at"], json::array({json::array()}));
   EXPECT_EQ(document["axes"], json::array());
   EXPECT_EQ(document["points"]["times"]["step"]["mean"], json({1000}));
+}
+
+TEST(ResultsDocument, IsThereWhereNothingRanYet) {
+  const plan::Plan plan = DocumentPlan(1);
+  const TemporaryFolder folder;
+  store::Merge(plan, {{"build_type", "Release"}}, std::vector<std::filesystem::path>{},
+               folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
+  const json document =
+      json::parse(report::ResultsDocument(file, {.file = "x", .for_page = true}).json);
+  EXPECT_EQ(document["points"]["at"], json::array());
+  EXPECT_EQ(document["runs"]["missing"], 6);
+  EXPECT_EQ(document["warnings"][0]["kind"], "partial");
+  EXPECT_EQ(document["conclusions"], json::array());
+}
+
+TEST(ResultsDocument, HasBinsForTheCyclesThatRan) {
+  const json document = DocumentOf(
+      DocumentPlan(1),
+      [](const plan::Run&) {
+        return MadeUp{.verdict = measure::Verdict::kTimedOut,
+                      .status = store::Status::kTimedOut,
+                      .cycles = 2};
+      },
+      true);
+  EXPECT_EQ(document["cycles"]["bins"].size(), 2u);
+}
+
+TEST(ReportCommand, WritesOnePageOfAllFiles) {
+  const Program program;
+  const TemporaryFolder shards;
+  const plan::Plan plan = DocumentPlan(1);
+  for (const plan::Run& run : plan.runs) WriteMadeUp(plan, run, MadeUpTimes(run), shards.path());
+  store::Merge(plan, {{"build_type", "Release"}}, shards.path(), program.folder() / "out.h5");
+  const Finished written = program.Run({"report", "out.h5", "out.h5"});
+  if (written.status == 2 && written.err.find("without pages") != std::string::npos)
+    GTEST_SKIP() << written.err;
+  EXPECT_EQ(written.status, 0) << written.err;
+  EXPECT_TRUE(written.out.starts_with("out.html: ")) << written.out;
+  const std::string page = program.Read("out.html");
+  EXPECT_NE(page.find("<title>A plan for tests"), std::string::npos);
+  const std::size_t at = page.find("{\"documents\":[");
+  ASSERT_NE(at, std::string::npos);
+  const json data = json::parse(page.substr(at, page.find("</script>", at) - at));
+  ASSERT_EQ(data["documents"].size(), 2u);
+  EXPECT_EQ(data["documents"][1]["points"]["times"]["step"]["mean"][0], 1000);
+  const std::string results = program.Read("out.h5");
+  const Finished refused = program.Run({"report", "out.h5", "-o", "out.h5"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_EQ(refused.err,
+            "cdb: out.h5 is the results file; name another file for the page with -o\n");
+  EXPECT_EQ(program.Read("out.h5"), results);
 }
 
 /// Runs that are alike share a shard.

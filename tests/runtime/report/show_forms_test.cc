@@ -113,6 +113,20 @@ TEST(Select, NamesAxesAndValuesOfTheFile) {
             "--select names the axis 'x' twice: list its values in one, as x=A,B");
 }
 
+TEST(Select, ReadsTheValuesOfTheWholeFile) {
+  WithMadeUpFile(FormPlan(2), FormTimes, [&](store::ResultFile file) {
+    const auto duration = file.ReadDuration(measure::Phase::kStep, {{1, 2}, 1});
+    const double host_number = file.ReadReal("load_average", {{1, 2}, 1});
+    report::SelectPart(file, {"detector=dbvt"});
+    report::SelectPart(file, {"x=2,30"});
+    EXPECT_EQ(file.ReadDuration(measure::Phase::kStep, {{0, 1}, 1}), duration);
+    EXPECT_EQ(file.ReadReal("load_average", {{0, 1}, 1}), host_number);
+    EXPECT_EQ(file.SelectedPoint({1, 2}), (std::vector<std::size_t>{0, 1}));
+    EXPECT_EQ(file.SelectedPoint({0, 2}), std::nullopt);
+    return 0;
+  });
+}
+
 TEST(Select, MakesTablesOfThePart) {
   const std::string text =
       WithForm({"x=2"}, [](const store::ResultFile& file) { return report::Show(file).text; });
