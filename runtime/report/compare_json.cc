@@ -92,7 +92,8 @@ Json StatesJson(const PointMatch& match, const StateComparison& states) {
   Json other = Json::array(), unsettled = Json::array();
   for (const std::size_t point : states.other) other.push_back(PlaceJson(match, point));
   for (const std::size_t point : states.unsettled) unsettled.push_back(PlaceJson(match, point));
-  return {{"same", states.same},
+  return {{"of_pairs", states.of_pairs},
+          {"same", states.same},
           {"other", std::move(other)},
           {"not_repeatable", std::move(unsettled)},
           {"unknown", states.unknown}};
