@@ -128,6 +128,7 @@ Json ComparisonJson(const Comparison& of, const CompareOptions& options) {
           {"result", ResultLines(of, options)},
           {"differs", std::move(differs)},
           {"notes", notes},
+          {"is_interleaved", of.setup.is_interleaved},
           {"points", of.match.points.size()},
           {"only_a", of.match.only_a},
           {"only_b", of.match.only_b},
