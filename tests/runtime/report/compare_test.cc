@@ -14,6 +14,7 @@
 #include "runtime/report/compare_json.h"
 #include "runtime/report/compare_text.h"
 #include "tests/runtime/report/compared_results.h"
+#include "tests/support/compile_text.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {
@@ -256,6 +257,22 @@ TEST(Compare, IgnoresAnAxisOfOneValueAndRefusesOneOfSeveral) {
                 .find("a.h5 and b.h5 have no point in common: a.h5 has detector simple, quantity "
                       "10, …; b.h5 has detector simple, quantity 30, …"),
             std::string::npos);
+}
+
+TEST(Compare, ComparesThePairsOfDetectorsOnTraces) {
+  const auto compiled = CompileText(
+      "benchmark replayed { trace \"crowd.trace.h5\"; record timing, pairs\n"
+      "  detector sweep(sap, grid) }");
+  ASSERT_EQ(compiled.plans.size(), 1u);
+  const plan::Plan& plan = compiled.plans[0];
+  ExpectSays(Compared({{plan}, {plan}}).Text(),
+             "Pairs: the same in the last cycle at 2 of 2 points");
+  const auto other = [](const plan::Run& run, ComparedRun& made) {
+    if (run.at[0] == 1) made.state = "another";
+  };
+  ExpectSays(Compared({{plan}, {.plan = plan, .change = other}}).Text(),
+             "PAIRS DIFFER: others in the last cycle at 1 of 2 points, whose times are of other "
+             "pairs: detector grid");
 }
 
 TEST(Compare, SaysThatBenchmarksDiffer) {
