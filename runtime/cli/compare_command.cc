@@ -140,14 +140,16 @@ std::vector<report::BenchmarkHistory> ReadAll(const std::vector<std::vector<std:
   return benchmarks;
 }
 
+/// `names`: of the files or folders of the command.
 report::Document DocumentOf(const std::vector<report::BenchmarkHistory>& benchmarks,
+                            const std::vector<std::string>& names,
                             const std::vector<std::string>& unmatched,
                             const report::CompareOptions& options) {
   report::Document document;
   if (!unmatched.empty())
     document.push_back({"Not in all folders, and not compared", unmatched, {}, {}});
   if (benchmarks[0].files.size() > 2) {
-    report::Document history = report::HistoryDocument(benchmarks, options);
+    report::Document history = report::HistoryDocument(benchmarks, names, options);
     std::ranges::move(history, std::back_inserter(document));
     return document;
   }
@@ -166,7 +168,8 @@ ExitStatus CompareResults(const CompareArguments& arguments) {
   if (arguments.is_json) {
     report::Print(report::CompareJson(benchmarks, unmatched, options));
   } else {
-    const report::Document document = DocumentOf(benchmarks, unmatched, options);
+    const report::Document document =
+        DocumentOf(benchmarks, NamesOf(arguments.files), unmatched, options);
     report::Print(arguments.is_markdown ? report::MarkdownText(document)
                                         : report::TerminalText(document));
   }

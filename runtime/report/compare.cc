@@ -4,8 +4,26 @@
 
 namespace cdb::report {
 
+namespace {
+
+/// Throws StoreError as MatchPoints does; if these are different benchmarks, it says so first.
+PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b,
+                           const CompareOptions& options) {
+  const auto selections = ParseSelections(options.select);
+  try {
+    return MatchPoints(a, b, selections);
+  } catch (const store::StoreError& error) {
+    if (a.file.benchmark() == b.file.benchmark()) throw;
+    throw store::StoreError(fmt::format("{} is of the benchmark '{}', {} of '{}': {}", a.name,
+                                        a.file.benchmark(), b.name, b.file.benchmark(),
+                                        error.what()));
+  }
+}
+
+}  // namespace
+
 Comparison Compare(ComparedFile& a, ComparedFile& b, const CompareOptions& options) {
-  Comparison made = {&a, &b, MatchPoints(a, b, ParseSelections(options.select)), {}, {}, {}, {}};
+  Comparison made = {&a, &b, MatchBenchmarks(a, b, options), {}, {}, {}, {}};
   made.setup = CompareSetups(a, b, made.match);
   made.states = CompareStates(a, b, made.match);
   made.facts = CompareFacts(a, b, made.match);

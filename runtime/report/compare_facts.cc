@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "compiler/plan/trace.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/report/cells.h"
 #include "runtime/report/compare_statistics.h"
@@ -271,6 +272,9 @@ bool FactComparison::IsWorse(double margin) const {
 StateComparison CompareStates(const ComparedFile& a, const ComparedFile& b,
                               const PointMatch& match) {
   StateComparison states;
+  states.of_pairs = a.plan && std::ranges::all_of(a.plan->runs, [](const plan::Run& run) {
+                      return plan::TraceOf(run.scene).has_value();
+                    });
   const bool has_both = a.file.Has("state_hash") && b.file.Has("state_hash");
   for (std::size_t i = 0; i < match.points.size(); ++i) {
     const auto of_a = has_both ? StatesAt(a.file, match.points[i].a) : std::set<std::string>();

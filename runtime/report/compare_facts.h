@@ -12,8 +12,10 @@
 
 namespace cdb::report {
 
-/// Whether the physics is the same to the last bit.
+/// Whether the physics is the same to the last bit; of detectors on traces, the pairs that they
+/// list in the last cycle.
 struct StateComparison {
+  bool of_pairs = false;  ///< every run is on a trace
   std::size_t same = 0;
   std::vector<std::size_t> other;      ///< matched points with another last state
   std::vector<std::size_t> unsettled;  ///< those whose repeats differ in one file: not repeatable

@@ -24,25 +24,31 @@ const Comparison& ToFirst(const BenchmarkHistory& benchmark, std::size_t file) {
   return file == 1 ? benchmark.steps[0] : benchmark.to_first[file - 2];
 }
 
-/// Where the group became faster or slower: `c.h5 +5.2 %`.
-std::string StepsText(const BenchmarkHistory& benchmark, const std::string& group,
-                      const CompareOptions& options) {
-  std::string text;
-  bool is_known = false;
-  for (const Comparison& step : benchmark.steps) {
-    const TimeChange* change = FindChange(step, group);
-    if (change == nullptr) continue;
-    const JudgedChange& judged = JudgementOf(*change, options);
-    is_known = is_known || judged.tested.IsTested();
-    if (judged.verdict <= ChangeVerdict::kSame) continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", step.b->name,
-                        PercentText(judged.tested.ratio));
-  }
-  if (!text.empty()) return text;
-  return is_known ? "none found" : "cannot tell";
+/// The step to file `i`, of a group; null where that was not timed.
+const JudgedChange* FindStep(const BenchmarkHistory& benchmark, std::size_t i,
+                             const std::string& group, const CompareOptions& options) {
+  const TimeChange* change = FindChange(benchmark.steps[i - 1], group);
+  return change == nullptr ? nullptr : &JudgementOf(*change, options);
 }
 
-std::vector<std::string> GroupRow(const BenchmarkHistory& benchmark, const std::string& group,
+/// Where the group became faster or slower: `c.h5 +5.2 %`.
+std::string StepsText(const BenchmarkHistory& benchmark, const std::vector<std::string>& names,
+                      const std::string& group, const CompareOptions& options) {
+  std::string text;
+  bool is_known = true;
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const JudgedChange* judged = FindStep(benchmark, i, group, options);
+    is_known = is_known && judged != nullptr && judged->verdict != ChangeVerdict::kCannotTell;
+    if (judged != nullptr && judged->verdict > ChangeVerdict::kSame)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", names[i],
+                          PercentText(judged->tested.ratio));
+  }
+  if (!text.empty()) return text;
+  return is_known ? "none" : "cannot tell";
+}
+
+std::vector<std::string> GroupRow(const BenchmarkHistory& benchmark,
+                                  const std::vector<std::string>& names, const std::string& group,
                                   const CompareOptions& options) {
   std::vector<std::string> row = {benchmark.files[0]->file.benchmark(), group, FourDigits(1)};
   std::vector<double> ratios = {1};
@@ -52,25 +58,23 @@ std::vector<std::string> GroupRow(const BenchmarkHistory& benchmark, const std::
     row.push_back(FourDigits(ratios.back()));
   }
   row.push_back(Sparkline(ratios));
-  row.push_back(StepsText(benchmark, group, options));
+  row.push_back(StepsText(benchmark, names, group, options));
   return row;
 }
 
 /// The same with intervals, a line for each file and group.
-void AddSteps(const BenchmarkHistory& benchmark, const CompareOptions& options,
-              std::vector<std::string>& lines) {
-  for (const Comparison& step : benchmark.steps)
-    for (const TimedGroup& group : step.times.groups) {
-      const TimeChange* change = FindChange(step, group.name);
-      if (change == nullptr) continue;
-      const JudgedChange& judged = JudgementOf(*change, options);
-      if (judged.verdict <= ChangeVerdict::kSame) continue;
+void AddSteps(const BenchmarkHistory& benchmark, const std::vector<std::string>& names,
+              const CompareOptions& options, std::vector<std::string>& lines) {
+  for (std::size_t i = 1; i < names.size(); ++i)
+    for (const TimedGroup& group : benchmark.steps[i - 1].times.groups) {
+      const JudgedChange* judged = FindStep(benchmark, i, group.name, options);
+      if (judged == nullptr || judged->verdict <= ChangeVerdict::kSame) continue;
       lines.push_back(
           fmt::format("{}: {}, from {} to {}: {} {} ({})",
-                      judged.verdict == ChangeVerdict::kSlower ? "SLOWER" : "FASTER",
-                      benchmark.files[0]->file.benchmark(), step.a->name, step.b->name, group.name,
-                      PercentText(judged.tested.ratio),
-                      PercentRange(judged.tested.interval.low, judged.tested.interval.high)));
+                      judged->verdict == ChangeVerdict::kSlower ? "SLOWER" : "FASTER",
+                      benchmark.files[0]->file.benchmark(), names[i - 1], names[i], group.name,
+                      PercentText(judged->tested.ratio),
+                      PercentRange(judged->tested.interval.low, judged->tested.interval.high)));
     }
 }
 
@@ -116,22 +120,22 @@ void JudgeHistories(std::vector<BenchmarkHistory>& benchmarks, const CompareOpti
 }
 
 Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
-                         const CompareOptions& options) {
+                         const std::vector<std::string>& names, const CompareOptions& options) {
   DocumentSection setups = {"From file to file"}, table = {"History"};
   table.table.columns = {{"benchmark", false}, {"", false}};
-  for (const auto& file : benchmarks[0].files) table.table.columns.emplace_back(file->name, true);
+  for (const std::string& name : names) table.table.columns.emplace_back(name, true);
   table.table.columns.emplace_back("", false);
   table.table.columns.emplace_back("steps", false);
   std::vector<std::string> worse;
   for (const BenchmarkHistory& benchmark : benchmarks) {
     for (std::string& line : StepLines(benchmark)) setups.lines.push_back(std::move(line));
     for (const TimedGroup& group : benchmark.steps[0].times.groups)
-      table.table.rows.push_back(GroupRow(benchmark, group.name, options));
-    AddSteps(benchmark, options, table.lines);
+      table.table.rows.push_back(GroupRow(benchmark, names, group.name, options));
+    AddSteps(benchmark, names, options, table.lines);
     for (const std::string& thing : WorseThings(benchmark.Whole(), options))
       worse.push_back(benchmark.files[0]->file.benchmark() + " " + thing);
   }
-  if (setups.lines.empty()) setups.lines = {"Nothing but times differs"};
+  if (setups.lines.empty()) setups.lines = {"The same machine, versions and facts"};
   const measure::Phase phase = benchmarks[0].steps[0].times.common_phase;
   table.notes = {
       fmt::format("Mean {} of a cycle over that of the first file, geometric mean over the points "

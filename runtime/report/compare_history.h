@@ -25,9 +25,10 @@ BenchmarkHistory MakeHistory(std::vector<std::unique_ptr<ComparedFile>> files,
 void JudgeHistories(std::vector<BenchmarkHistory>& benchmarks, const CompareOptions& options);
 
 /// For several files: what differs from one to the next, then a line for each group, with its ratio
-/// to the first file and the steps at which it changed.
+/// to the first file and the steps at which it changed. `names`: of the files, or of the folders
+/// that they are in.
 Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
-                         const CompareOptions& options);
+                         const std::vector<std::string>& names, const CompareOptions& options);
 
 /// A character for each value, `▁` for the least and `█` for the greatest; a blank for NaN. Values
 /// within 1 % of each other are on one level.

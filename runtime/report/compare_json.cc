@@ -92,7 +92,8 @@ Json StatesJson(const PointMatch& match, const StateComparison& states) {
   Json other = Json::array(), unsettled = Json::array();
   for (const std::size_t point : states.other) other.push_back(PlaceJson(match, point));
   for (const std::size_t point : states.unsettled) unsettled.push_back(PlaceJson(match, point));
-  return {{"same", states.same},
+  return {{"of_pairs", states.of_pairs},
+          {"same", states.same},
           {"other", std::move(other)},
           {"not_repeatable", std::move(unsettled)},
           {"unknown", states.unknown}};
@@ -127,6 +128,7 @@ Json ComparisonJson(const Comparison& of, const CompareOptions& options) {
           {"result", ResultLines(of, options)},
           {"differs", std::move(differs)},
           {"notes", notes},
+          {"is_interleaved", of.setup.is_interleaved},
           {"points", of.match.points.size()},
           {"only_a", of.match.only_a},
           {"only_b", of.match.only_b},

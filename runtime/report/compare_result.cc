@@ -166,17 +166,24 @@ class ResultText {
     const std::size_t known = of_.match.points.size() - states.unknown;
     if (known == 0) return;
     if (states.same == known) {
-      lines.push_back(fmt::format("Physics: the same last state to the bit at {} of {}",
-                                  states.same, Counted(of_.match.points.size(), "point")));
+      lines.push_back(
+          fmt::format("{} at {} of {}{}",
+                      states.of_pairs ? "Pairs: the same in the last cycle"
+                                      : "Physics: the same last state to the bit",
+                      states.same, Counted(of_.match.points.size(), "point"),
+                      states.unknown > 0 ? "; at the others, a run did not get to its end" : ""));
       return;
     }
     std::vector<std::string> other, unsettled;
     for (const std::size_t point : states.other) other.push_back(PlaceOf(point));
     for (const std::size_t point : states.unsettled) unsettled.push_back(PlaceOf(point));
     if (!other.empty())
-      lines.push_back(fmt::format(
-          "PHYSICS DIFFERS: another last state at {} of {}, whose times are of another motion: {}",
-          other.size(), Counted(known, "point"), PlacesText(other)));
+      lines.push_back(fmt::format("{} at {} of {}, whose times are of {}: {}",
+                                  states.of_pairs ? "PAIRS DIFFER: others in the last cycle"
+                                                  : "PHYSICS DIFFERS: another last state",
+                                  other.size(), Counted(known, "point"),
+                                  states.of_pairs ? "other pairs" : "another motion",
+                                  PlacesText(other)));
     if (!unsettled.empty())
       lines.push_back(fmt::format("NOT REPEATABLE: repeats in one file end in other states: {}",
                                   PlacesText(unsettled)));

@@ -162,25 +162,26 @@ std::vector<double> StartsOf(const ComparedFile& of) {
   return starts;
 }
 
-/// Whether the machine may have changed between the files. Empty for two machines, and where nobody
-/// knows.
-std::string OccasionNote(const ComparedFile& a, const ComparedFile& b) {
-  if (a.file.ReadProvenance("host") != b.file.ReadProvenance("host")) return {};
+/// Whether the machine may have changed between the files: a note if it may. Nothing for two
+/// machines, and where nobody knows.
+void CompareOccasions(const ComparedFile& a, const ComparedFile& b, SetupComparison& setup) {
+  if (a.file.ReadProvenance("host") != b.file.ReadProvenance("host")) return;
   const std::vector<double> of_a = StartsOf(a), of_b = StartsOf(b);
-  if (of_a.empty() || of_b.empty()) return {};
+  if (of_a.empty() || of_b.empty()) return;
   const double both = std::fmin(of_a.back(), of_b.back()) - std::fmax(of_a[0], of_b[0]);
   const double shorter = std::fmin(of_a.back() - of_a[0], of_b.back() - of_b[0]);
-  if (both > shorter / 2) return "The runs of both files were interleaved in time";
+  setup.is_interleaved = both > shorter / 2;
+  if (setup.is_interleaved) return;
   const bool a_first = of_a[0] < of_b[0];
   const double gap = a_first ? of_b[0] - of_a.back() : of_a[0] - of_b.back();
-  return fmt::format(
+  setup.notes.push_back(fmt::format(
       "{} ran after {}, {} later: a change of the machine in between is in every ratio. Interleave "
       "the runs (cdb doc statistics)",
       a_first ? b.name : a.name, a_first ? a.name : b.name,
       gap < 120    ? fmt::format("{:.0f} s", std::fmax(0, gap))
       : gap < 7200 ? fmt::format("{:.0f} min", gap / 60)
       : gap < 2e5  ? fmt::format("{:.0f} h", gap / 3600)
-                   : fmt::format("{:.0f} days", gap / 86400));
+                   : fmt::format("{:.0f} days", gap / 86400)));
 }
 
 }  // namespace
@@ -202,7 +203,7 @@ SetupComparison CompareSetups(const ComparedFile& a, const ComparedFile& b,
       setup.notes.push_back(
           fmt::format("{} was timed with a {} build of cdb: these are not timings to quote",
                       of->name, build.empty() ? "unknown" : build));
-  if (const std::string note = OccasionNote(a, b); !note.empty()) setup.notes.push_back(note);
+  CompareOccasions(a, b, setup);
   return setup;
 }
 

@@ -18,7 +18,8 @@ struct SetupDifference {
 struct SetupComparison {
   std::vector<SetupDifference> machine;     ///< machine, build and versions
   std::vector<SetupDifference> parameters;  ///< of the runs, and plug-ins
-  std::vector<std::string> notes;           ///< sentences: builds and occasions to be wary of
+  std::vector<std::string> notes;           ///< sentences about builds and occasions to be wary of
+  bool is_interleaved = false;              ///< the runs of both files, in time
 };
 /// Compares the provenance of two files, and the scenes of their matched points. Throws StoreError
 /// if parameters that make another scene differ, with what to do.

@@ -49,6 +49,8 @@ class ComparisonText {
         points += fmt::format("; {} only in {}: {}", places.size(), name, PlacesText(places));
     head.notes.push_back(points);
     for (const std::string& note : of_.setup.notes) head.notes.push_back(note);
+    if (of_.setup.is_interleaved)
+      head.notes.push_back("The runs of both files were interleaved in time");
     for (const ComparedFile* file : {of_.a, of_.b}) {
       std::string noise = NoiseText(file->file, AllCells(file->file));
       noise.erase(0, noise.find_first_not_of(' '));

@@ -57,10 +57,11 @@ accuracy. A point whose runs were void, or omitted a part in one file alone, has
 compare.
 
 Facts. The last state, verdicts, errors, counts of pairs and the heap are the same in every repeat,
-and compared exactly. Equal last states mean that the physics is the same to the bit. An error that
-changed within its noise floor is neither better nor worse, nor is a heap that changed by less than
-1 %. The peak memory of a process varies: it changed if it did by more than the range of its
-repeats, and by more than 1 % (5 % with fewer than 5 repeats).
+and compared exactly. Equal last states mean that the physics is the same to the bit; of detectors
+on traces, which have no physics, the pairs of the last cycle are compared. An error that changed
+within its noise floor is neither better nor worse, nor is a heap that changed by less than 1 %. The
+peak memory of a process varies: it changed if it did by more than the range of its repeats, and by
+more than 1 % (5 % with fewer than 5 repeats).
 
 Times. The ratio b / a of the time above, at each point and in each phase; for a group, which is a
 detector (or a value of the first axis of texts), the geometric mean over its points. The repeats of

@@ -82,6 +82,9 @@ TEST(CompareCommand, ComparesFoldersFileByFile) {
             std::string::npos);
   EXPECT_NE(compared.out.find("A comparison: from before/two.h5 to after/two.h5\n"),
             std::string::npos);
+  const Finished history = program.Run({"compare", "before", "after", "before", "--phase", "step"});
+  EXPECT_NE(history.out.find("\n  benchmark          before   after  before  "), std::string::npos)
+      << history.out;
   const Finished json = program.Run({"compare", "before", "after", "--json"});
   EXPECT_EQ(json.status, 4);
   const auto parsed = nlohmann::json::parse(json.out);

@@ -14,6 +14,7 @@
 #include "runtime/report/compare_json.h"
 #include "runtime/report/compare_text.h"
 #include "tests/runtime/report/compared_results.h"
+#include "tests/support/compile_text.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {
@@ -258,6 +259,31 @@ TEST(Compare, IgnoresAnAxisOfOneValueAndRefusesOneOfSeveral) {
             std::string::npos);
 }
 
+TEST(Compare, ComparesThePairsOfDetectorsOnTraces) {
+  const auto compiled = CompileText(
+      "benchmark replayed { trace \"crowd.trace.h5\"; record timing, pairs\n"
+      "  detector sweep(sap, grid) }");
+  ASSERT_EQ(compiled.plans.size(), 1u);
+  const plan::Plan& plan = compiled.plans[0];
+  ExpectSays(Compared({{plan}, {plan}}).Text(),
+             "Pairs: the same in the last cycle at 2 of 2 points");
+  const auto other = [](const plan::Run& run, ComparedRun& made) {
+    if (run.at[0] == 1) made.state = "another";
+  };
+  ExpectSays(Compared({{plan}, {.plan = plan, .change = other}}).Text(),
+             "PAIRS DIFFER: others in the last cycle at 1 of 2 points, whose times are of other "
+             "pairs: detector grid");
+}
+
+TEST(Compare, SaysThatBenchmarksDiffer) {
+  plan::Plan other = ComparedPlan(1, {"30"});
+  other.benchmark = "another";
+  EXPECT_EQ(RefusalOf({{ComparedPlan(1, {"10", "20"})}, {other}})
+                .find("a.h5 is of the benchmark 'fixture', b.h5 of 'another': a.h5 and b.h5 have "
+                      "no point in common"),
+            0u);
+}
+
 TEST(Compare, RefusesUnlikeScenes) {
   const plan::Plan other =
       ComparedPlan(1, {"10", "20"}, {"simple", "dbvt", "sap", "grid"}, "warmup 7");
@@ -314,11 +340,12 @@ TEST(Compare, ShowsAHistoryWithItsSteps) {
                        .change = i >= 2 ? Slower(2, 1.08) : ComparedResult().change,
                        .seed = i + 1});
   const Compared compared(results, {.phase = measure::Phase::kStep});
-  const std::string text =
-      report::TerminalText(report::HistoryDocument(compared.histories(), compared.options()));
+  const std::string text = report::TerminalText(report::HistoryDocument(
+      compared.histories(), {"a.h5", "b.h5", "c.h5", "d.h5"}, compared.options()));
+  ExpectSays(text, "From file to file The same machine, versions and facts");
   ExpectSays(text, "fixture sap 1.000 0.9994 1.079 1.081 ▁▁██ c.h5 +8.0 %");
   ExpectSays(text, "SLOWER: fixture, from b.h5 to c.h5: sap +8.0 % (+7.5 .. +8.4 %)");
-  ExpectSays(text, "▄▄▄▄ none found");
+  ExpectSays(text, "▄▄▄▄ none");
   ExpectSays(text,
              "WORSE: the last file relative to the first, by more than 5 %, exit status 4: fixture "
              "sap step");

@@ -34,13 +34,14 @@ void WriteCompared(const ComparedResult& of, const std::filesystem::path& out) {
     ComparedRun made;
     of.change(run, made);
     FakeResult fake(run);
+    const std::uint64_t cycles = run.scene.world.Count("cycles");
     const double of_run = made.factor * std::exp(of.noise * stream.Normal());
     std::vector<double> durations;
     for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
-      for (std::size_t cycle = 0; cycle < kComparedCycles; ++cycle)
+      for (std::size_t cycle = 0; cycle < cycles; ++cycle)
         durations.push_back(1000 * of_run * std::exp(of.noise * stream.Normal()));
-    const std::vector<std::int32_t> zeros(kComparedCycles, 0), hundreds(kComparedCycles, 100),
-        missed(kComparedCycles, made.missed);
+    const std::vector<std::int32_t> zeros(cycles, 0), hundreds(cycles, 100),
+        missed(cycles, made.missed);
     fake.result.series = {
         {measure::FindSeries("duration"), std::as_bytes(std::span(durations))},
         {measure::FindSeries("exact_pairs"), std::as_bytes(std::span(hundreds))},
