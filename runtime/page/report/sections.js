@@ -28,7 +28,7 @@ export function sweepText(doc) {
 function outcomes(doc) {
   const { runs = {} } = doc.raw;
   return [
-    ['good', 'sound'],
+    ['good', 'with valid times'],
     ['void', 'void'],
     ['failed', 'failed'],
     ['skipped', 'skipped'],
