@@ -7,8 +7,8 @@
 
 namespace cdb::layouts {
 
-/// Draws for one object, and for all together, before the search is given up. Voxels that are looked
-/// at count as draws.
+/// Draws for one object, and for all together, before the search is given up. Voxels that are
+/// looked at count as draws.
 inline constexpr std::uint64_t kMaxTriesOfOne = 100000;
 inline constexpr std::uint64_t kMinTriesOfAll = 1000000;
 inline constexpr std::uint64_t kMeanTriesOfAll = 1000;  ///< times the objects
@@ -20,9 +20,9 @@ inline constexpr double kMaxPlainFill = 0.25;
 inline constexpr std::uint64_t kMissesBeforeVoxels = 1000;
 
 /// Packing fractions of equal solids at which random sequential addition ends: a little above .3841
-/// for balls (Zhang and Torquato 2013) and .4227 for aligned cubes, the densest of the other shapes.
-/// They hold for many objects that are small against the cube: then a group that needs more is
-/// refused before the first draw.
+/// for balls (Zhang and Torquato 2013) and .4227 for aligned cubes, the densest of the other
+/// shapes. They hold for many objects that are small against the cube: then a group that needs more
+/// is refused before the first draw.
 inline constexpr double kMaxFillOfBalls = 0.40;
 inline constexpr double kMaxFillOfOthers = 0.45;
 inline constexpr std::uint64_t kManyObjects = 1000;

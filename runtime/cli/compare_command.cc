@@ -12,10 +12,10 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/subcommand.h"
+#include "runtime/compare/history.h"
+#include "runtime/compare/json.h"
+#include "runtime/compare/text.h"
 #include "runtime/measure/series.h"
-#include "runtime/report/compare_history.h"
-#include "runtime/report/compare_json.h"
-#include "runtime/report/compare_text.h"
 #include "runtime/report/console.h"
 
 namespace cdb::cli {
@@ -54,7 +54,7 @@ std::optional<measure::Phase> ParsePhase(const std::string& name) {
   return static_cast<measure::Phase>(found - names.begin());
 }
 
-report::CompareOptions OptionsOf(const CompareArguments& arguments) {
+compare::CompareOptions OptionsOf(const CompareArguments& arguments) {
   if (arguments.files.size() < 2)
     throw CommandError("compare takes two results files or more, or two folders of them or more");
   if (arguments.is_markdown && arguments.is_json)
@@ -126,55 +126,55 @@ std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& ar
 }
 
 /// Throws StoreError.
-std::vector<report::BenchmarkHistory> ReadAll(const std::vector<std::vector<std::string>>& files,
-                                              const report::CompareOptions& options) {
-  std::vector<report::BenchmarkHistory> benchmarks;
+std::vector<compare::BenchmarkHistory> ReadAll(const std::vector<std::vector<std::string>>& files,
+                                               const compare::CompareOptions& options) {
+  std::vector<compare::BenchmarkHistory> benchmarks;
   for (const std::vector<std::string>& paths : files) {
     const std::vector<std::string> names = NamesOf(paths);
-    std::vector<std::unique_ptr<report::ComparedFile>> opened;
+    std::vector<std::unique_ptr<compare::ComparedFile>> opened;
     for (std::size_t i = 0; i < paths.size(); ++i)
-      opened.push_back(std::make_unique<report::ComparedFile>(paths[i], names[i]));
-    benchmarks.push_back(report::MakeHistory(std::move(opened), options));
+      opened.push_back(std::make_unique<compare::ComparedFile>(paths[i], names[i]));
+    benchmarks.push_back(compare::MakeHistory(std::move(opened), options));
   }
-  report::JudgeHistories(benchmarks, options);
+  compare::JudgeHistories(benchmarks, options);
   return benchmarks;
 }
 
 /// `names`: of the files or folders of the command.
-report::Document DocumentOf(const std::vector<report::BenchmarkHistory>& benchmarks,
-                            const std::vector<std::string>& names,
-                            const std::vector<std::string>& unmatched,
-                            const report::CompareOptions& options) {
-  report::Document document;
+compare::Document DocumentOf(const std::vector<compare::BenchmarkHistory>& benchmarks,
+                             const std::vector<std::string>& names,
+                             const std::vector<std::string>& unmatched,
+                             const compare::CompareOptions& options) {
+  compare::Document document;
   if (!unmatched.empty())
     document.push_back({"Not in all folders, and not compared", unmatched, {}, {}});
   if (benchmarks[0].files.size() > 2) {
-    report::Document history = report::HistoryDocument(benchmarks, names, options);
+    compare::Document history = compare::HistoryDocument(benchmarks, names, options);
     std::ranges::move(history, std::back_inserter(document));
     return document;
   }
-  for (const report::BenchmarkHistory& benchmark : benchmarks) {
-    report::Document sections = report::CompareDocument(benchmark.steps[0], options);
+  for (const compare::BenchmarkHistory& benchmark : benchmarks) {
+    compare::Document sections = compare::CompareDocument(benchmark.steps[0], options);
     std::ranges::move(sections, std::back_inserter(document));
   }
   return document;
 }
 
 ExitStatus CompareResults(const CompareArguments& arguments) {
-  const report::CompareOptions options = OptionsOf(arguments);
+  const compare::CompareOptions options = OptionsOf(arguments);
   std::vector<std::string> unmatched;
   const auto files = FilesOf(arguments.files, unmatched);
   const auto benchmarks = ReadAll(files, options);
   if (arguments.is_json) {
-    report::Print(report::CompareJson(benchmarks, unmatched, options));
+    report::Print(compare::CompareJson(benchmarks, unmatched, options));
   } else {
-    const report::Document document =
+    const compare::Document document =
         DocumentOf(benchmarks, NamesOf(arguments.files), unmatched, options);
-    report::Print(arguments.is_markdown ? report::MarkdownText(document)
-                                        : report::TerminalText(document));
+    report::Print(arguments.is_markdown ? compare::MarkdownText(document)
+                                        : compare::TerminalText(document));
   }
   const bool is_worse = std::ranges::any_of(benchmarks, [&](const auto& benchmark) {
-    return report::IsWorse(benchmark.Whole(), options);
+    return compare::IsWorse(benchmark.Whole(), options);
   });
   return is_worse ? ExitStatus::kWorse : ExitStatus::kGood;
 }

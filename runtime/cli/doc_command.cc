@@ -12,9 +12,9 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/cli/topics.h"
+#include "runtime/manual/word.h"
 #include "runtime/report/console.h"
 #include "runtime/report/table.h"
-#include "runtime/report/word_reference.h"
 
 namespace cdb::cli {
 namespace {
@@ -47,9 +47,9 @@ std::string ReferenceOf(const std::string& name) {
   for (const Topic& topic : Topics())
     if (name == topic.name) text += topic.text();
   for (const Parameter& parameter : schema::Schema())
-    if (Names(name, parameter)) text += report::ParameterReference(parameter);
+    if (Names(name, parameter)) text += manual::ParameterReference(parameter);
   for (const ParametrisedWord& word : schema::ParametrisedWords())
-    if (name == word.name) text += report::WordReference(word);
+    if (name == word.name) text += manual::WordReference(word);
   return text;
 }
 

@@ -8,8 +8,8 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/cli/topics.h"
+#include "runtime/manual/detector.h"
 #include "runtime/report/console.h"
-#include "runtime/report/detector_reference.h"
 
 namespace cdb::cli {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view kKinds[] = {"objects", "detectors", "layouts", "schedules", "scenarios"};
 
 std::string TextOf(std::string_view kind) {
-  if (kind == "detectors") return report::DetectorTables();
+  if (kind == "detectors") return manual::DetectorTables();
   std::string text;
   for (const Topic& topic : Topics())
     if (topic.name == kind) text += topic.text();

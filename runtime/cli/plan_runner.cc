@@ -106,7 +106,8 @@ void MakeResultsFolder(const fs::path& folder) {
                                    folder.string(), error.message()));
 }
 
-/// Only on a terminal, where somebody can wait for a quiet machine. The results record the load anyway.
+/// Only on a terminal, where somebody can wait for a quiet machine. The results record the load
+/// anyway.
 void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
   const double load = measure::LoadAverage(), processors = measure::ProcessorCount();
   if (options_.is_quiet || isatty(STDERR_FILENO) == 0 || !plan.Records("timing") ||

@@ -8,9 +8,9 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/subcommand.h"
+#include "runtime/document/results_document.h"
 #include "runtime/page/page.h"
 #include "runtime/report/console.h"
-#include "runtime/report/results_document.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/store.h"
 
@@ -45,11 +45,11 @@ ExitStatus WriteReport(const ReportArguments& arguments) {
   std::size_t bad_cells = 0;
   for (const std::string& name : arguments.files) {
     const store::ResultFile file(name);
-    const report::DocumentText document =
-        report::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
-                                       .baseline = arguments.baseline,
-                                       .only_sound = arguments.only_sound,
-                                       .for_page = true});
+    const document::DocumentText document =
+        document::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
+                                         .baseline = arguments.baseline,
+                                         .only_sound = arguments.only_sound,
+                                         .for_page = true});
     if (!title.empty()) title += ", ";
     title += file.title().empty() ? file.benchmark() : file.title();
     if (!documents.empty()) documents += ',';

@@ -13,9 +13,9 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/subcommand.h"
+#include "runtime/document/csv.h"
+#include "runtime/document/results_document.h"
 #include "runtime/report/console.h"
-#include "runtime/report/csv.h"
-#include "runtime/report/results_document.h"
 #include "runtime/report/selection.h"
 #include "runtime/report/show.h"
 #include "runtime/report/show_error.h"
@@ -103,7 +103,7 @@ report::CycleStatistic StatisticOf(const ShowArguments& arguments) {
 
 report::ShowText TextOf(const store::ResultFile& file, const ShowArguments& arguments) {
   if (arguments.json) {
-    const report::DocumentText document = report::ResultsDocument(
+    const document::DocumentText document = document::ResultsDocument(
         file, {.file = std::filesystem::path(arguments.file).filename().string(),
                .baseline = arguments.baseline,
                .only_sound = arguments.only_sound});
@@ -114,7 +114,7 @@ report::ShowText TextOf(const store::ResultFile& file, const ShowArguments& argu
                              {arguments.error, arguments.by, arguments.each, arguments.only_sound});
   const std::vector<measure::Phase> phases = PhasesOf(arguments);
   const report::CycleStatistic statistic = StatisticOf(arguments);
-  if (arguments.csv) return report::CsvText(file, {phases, statistic, arguments.only_sound});
+  if (arguments.csv) return document::CsvText(file, {phases, statistic, arguments.only_sound});
   return report::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
                              statistic, arguments.plots});
 }

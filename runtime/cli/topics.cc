@@ -15,14 +15,14 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
 #include "runtime/cli/inputs.h"
+#include "runtime/manual/detector.h"
+#include "runtime/manual/document.h"
+#include "runtime/manual/language.h"
+#include "runtime/manual/statistics.h"
+#include "runtime/manual/word.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
-#include "runtime/report/detector_reference.h"
-#include "runtime/report/document_reference.h"
-#include "runtime/report/language_reference.h"
-#include "runtime/report/statistics_reference.h"
 #include "runtime/report/table.h"
-#include "runtime/report/word_reference.h"
 #include "runtime/store/store.h"
 
 namespace cdb::cli {
@@ -82,7 +82,7 @@ std::string AllVerdicts() {
   for (auto row = rows.rbegin(); row != rows.rend(); ++row)
     table.AddRow({fmt::format("{}", static_cast<int>(row->verdict)), std::string(row->name),
                   std::string(row->doc)});
-  return std::string(report::kVerdictsReference) + table.Text();
+  return std::string(manual::kVerdictsReference) + table.Text();
 }
 
 std::string AllLints() {
@@ -141,29 +141,29 @@ std::string Scenarios() {
 
 constexpr Topic kTopics[] = {
     {"language", "how a .cdb file is written",
-     [] { return std::string(report::kLanguageReference); }},
+     [] { return std::string(manual::kLanguageReference); }},
     {"parameters", "every parameter with its default", AllParameters},
     {"omit", "what a run leaves out, and when",
-     [] { return std::string(report::kOmitReference) + AllComponents() + "\n"; }},
+     [] { return std::string(manual::kOmitReference) + AllComponents() + "\n"; }},
     {"lints", "numbers that Bullet cannot follow, before anything runs",
-     [] { return std::string(report::kLintsReference) + AllLints() + "\n"; }},
+     [] { return std::string(manual::kLintsReference) + AllLints() + "\n"; }},
     {"accuracy", "errors, and the truth that runs are compared with",
-     [] { return std::string(report::kAccuracyReference) + AllErrors(); }},
+     [] { return std::string(manual::kAccuracyReference) + AllErrors(); }},
     {"results", "what a results file holds",
-     [] { return std::string(report::kResultsReference) + AllStatuses() + AllSeriesText(); }},
+     [] { return std::string(manual::kResultsReference) + AllStatuses() + AllSeriesText(); }},
     {"statistics", "how cdb show and cdb compare make their figures and intervals",
-     [] { return std::string(report::kStatisticsReference); }},
+     [] { return std::string(manual::kStatisticsReference); }},
     {"document", "the JSON of cdb show --json and of pages",
-     [] { return std::string(report::kDocumentReference); }},
+     [] { return std::string(manual::kDocumentReference); }},
     {"traces", "recorded boxes, and detectors that are run on them",
-     [] { return std::string(report::kTracesReference); }},
+     [] { return std::string(manual::kTracesReference); }},
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},
     {"noise", "whether a run had the machine to itself",
-     [] { return std::string(report::kNoiseReference); }},
-    {"objects", "what can be placed", report::ObjectReference},
-    {"detectors", "what can be timed, and how", report::DetectorReference},
-    {"layouts", "how objects can be placed", report::LayoutReference},
-    {"schedules", "how a vector changes while a run goes on", report::ScheduleReference},
+     [] { return std::string(manual::kNoiseReference); }},
+    {"objects", "what can be placed", manual::ObjectReference},
+    {"detectors", "what can be timed, and how", manual::DetectorReference},
+    {"layouts", "how objects can be placed", manual::LayoutReference},
+    {"schedules", "how a vector changes while a run goes on", manual::ScheduleReference},
     {"scenarios", "what comes with cdb, for `cdb run` and for `use`", Scenarios},
 };
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/csv.h"
-#include "runtime/report/results_document.h"
+#include "runtime/document/csv.h"
+#include "runtime/document/results_document.h"
 #include "runtime/report/selection.h"
 #include "runtime/report/show.h"
 #include "runtime/report/show_plots.h"
@@ -37,15 +37,15 @@ auto WithForm(const std::vector<std::string>& selections, Use use) {
 
 std::string CsvOf(const std::vector<std::string>& selections, report::CycleStatistic statistic) {
   return WithForm(selections, [&](const store::ResultFile& file) {
-    return report::CsvText(file, {{measure::Phase::kStep}, statistic, false}).text;
+    return document::CsvText(file, {{measure::Phase::kStep}, statistic, false}).text;
   });
 }
 
 TEST(Csv, QuotesFields) {
-  EXPECT_EQ(report::CsvField("plain text"), "plain text");
-  EXPECT_EQ(report::CsvField("a,b"), "\"a,b\"");
-  EXPECT_EQ(report::CsvField("say \"it\""), "\"say \"\"it\"\"\"");
-  EXPECT_EQ(report::CsvField("two\nlines"), "\"two\nlines\"");
+  EXPECT_EQ(document::CsvField("plain text"), "plain text");
+  EXPECT_EQ(document::CsvField("a,b"), "\"a,b\"");
+  EXPECT_EQ(document::CsvField("say \"it\""), "\"say \"\"it\"\"\"");
+  EXPECT_EQ(document::CsvField("two\nlines"), "\"two\nlines\"");
 }
 
 TEST(Csv, HasALineForEachPoint) {

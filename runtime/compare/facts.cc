@@ -1,0 +1,313 @@
+#include "runtime/compare/facts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "compiler/plan/trace.h"
+#include "compiler/schema/metrics.h"
+#include "runtime/compare/statistics.h"
+#include "runtime/report/cells.h"
+#include "runtime/report/figures.h"
+#include "runtime/report/table.h"
+
+namespace cdb::compare {
+namespace {
+
+using Cell = store::ResultFile::Cell;
+using Kind = FactComparison::Kind;
+
+/// Of the peak memory of a process, where there are too few repeats to know it.
+constexpr double kSpreadOfFew = 0.05;
+
+std::vector<Cell> CellsAt(const store::ResultFile& file, const report::Point& at) {
+  std::vector<Cell> cells;
+  for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
+    const store::Status status = file.ReadStatus({at, rep});
+    if (status != store::Status::kSkipped && status != store::Status::kMissing)
+      cells.push_back({at, rep});
+  }
+  return cells;
+}
+
+/// Nothing for a run that failed before its last cycle.
+std::set<std::string> StatesAt(const store::ResultFile& file, const report::Point& at) {
+  std::set<std::string> states;
+  for (const Cell& cell : CellsAt(file, at))
+    if (std::string state = file.ReadText("state_hash", cell); !state.empty())
+      states.insert(std::move(state));
+  return states;
+}
+
+/// How the repeats of a point ended: the worst of them.
+struct Ending {
+  int rank = -1;
+  std::string name;
+  std::int64_t first_bad_cycle = -1;
+  bool is_known = false;
+};
+
+Ending EndingAt(const store::ResultFile& file, const report::Point& at) {
+  Ending worst;
+  for (const Cell& cell : CellsAt(file, at)) {
+    const store::Status status = file.ReadStatus(cell);
+    const measure::Judgement judgement = file.ReadJudgement(cell);
+    Ending ending = {static_cast<int>(judgement.verdict), report::FaultOf(file, cell),
+                     judgement.first_bad_cycle, true};
+    if (status == store::Status::kDone) {
+      ending.is_known = judgement.verdict != measure::Verdict::kUnknown;
+    } else {
+      // Without a verdict it did not get to its first cycle.
+      ending.rank = std::max(ending.rank, static_cast<int>(measure::Verdict::kTimedOut));
+      if (judgement.verdict == measure::Verdict::kUnknown)
+        ending.rank = static_cast<int>(measure::Verdict::kCrashed) + 1;
+    }
+    if (ending.rank > worst.rank) worst = ending;
+  }
+  return worst;
+}
+
+std::string EndingText(const Ending& ending) {
+  return ending.first_bad_cycle < 0
+             ? ending.name
+             : fmt::format("{} from cycle {} on", ending.name, ending.first_bad_cycle);
+}
+
+FactComparison CompareVerdicts(const ComparedFile& a, const ComparedFile& b,
+                               const PointMatch& match) {
+  FactComparison fact = {Kind::kVerdict, "verdicts", 0, {}};
+  for (std::size_t i = 0; i < match.points.size(); ++i) {
+    const Ending of_a = EndingAt(a.file, match.points[i].a),
+                 of_b = EndingAt(b.file, match.points[i].b);
+    if (!of_a.is_known || !of_b.is_known) continue;
+    ++fact.points;
+    if (of_a.rank == of_b.rank && of_a.first_bad_cycle == of_b.first_bad_cycle) continue;
+    const bool is_worse = of_a.rank != of_b.rank ? of_b.rank > of_a.rank
+                                                 : of_b.first_bad_cycle < of_a.first_bad_cycle;
+    fact.changes.push_back({i, is_worse ? Direction::kWorse : Direction::kBetter, report::kNone,
+                            report::kNone, EndingText(of_a), EndingText(of_b)});
+  }
+  return fact;
+}
+
+/// A value of a point, and how it is compared.
+struct NumberFact {
+  Kind kind;
+  std::string name;
+  std::string unit = {};
+  bool less_is_better = true;
+  bool varies = false;  ///< between repeats: a difference up to the floor is none
+  double scale = 1;     ///< of the unit
+  std::function<double(const ComparedFile&, const report::Point&)> value = {};
+  /// Differences up to it say nothing.
+  std::function<double(const ComparedFile&, const report::Point&)> floor = {};
+};
+
+std::string NumberText(double value, const std::string& unit) {
+  if (std::isnan(value)) return "no value";
+  const std::string number = value == std::round(value) && std::fabs(value) < 1e7
+                                 ? fmt::format("{:.0f}", value)
+                                 : fmt::format("{:#.4g}", value);
+  return unit.empty() ? number : number + " " + unit;
+}
+
+FactComparison CompareNumbers(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
+                              const NumberFact& of) {
+  FactComparison fact = {of.kind, of.name, 0, {}};
+  for (std::size_t i = 0; i < match.points.size(); ++i) {
+    const double value_a = of.value(a, match.points[i].a) * of.scale,
+                 value_b = of.value(b, match.points[i].b) * of.scale;
+    if (std::isnan(value_a) && std::isnan(value_b)) continue;
+    ++fact.points;
+    if (value_a == value_b) continue;
+    const double floor =
+        of.floor
+            ? std::fmax(of.floor(a, match.points[i].a), of.floor(b, match.points[i].b)) * of.scale
+            : 0;
+    if (of.varies && std::fabs(value_b - value_a) <= floor) continue;
+    Direction direction = Direction::kOther;
+    // A missing value is the worst.
+    const bool is_worse = std::isnan(value_b) || value_b > value_a;
+    if (of.less_is_better && !(std::fabs(value_b - value_a) <= floor))
+      direction = is_worse ? Direction::kWorse : Direction::kBetter;
+    fact.changes.push_back({i, direction, value_a, value_b, NumberText(value_a, of.unit),
+                            NumberText(value_b, of.unit)});
+  }
+  std::ranges::stable_sort(fact.changes, std::greater(), [](const FactChange& change) {
+    return std::fabs(change.RelativeChange());
+  });
+  return fact;
+}
+
+/// Over the cycles that have a value; NaN where none has.
+double SumOf(const ComparedFile& of, const char* series, const report::Point& at) {
+  double sum = report::kNone;
+  const std::vector<Cell> cells = CellsAt(of.file, at);
+  if (cells.empty()) return sum;
+  for (const double value : of.file.ReadSeries(series, cells[0]))
+    if (value >= 0) sum = (std::isnan(sum) ? 0 : sum) + value;
+  return sum;
+}
+
+double LargestOf(const ComparedFile& of, const char* series, const report::Point& at) {
+  double most = report::kNone;
+  for (const Cell& cell : CellsAt(of.file, at))
+    for (const double value : of.file.ReadSeries(series, cell)) most = std::fmax(most, value);
+  return most;
+}
+
+/// Of the repeats, sorted.
+std::vector<double> PeaksAt(const ComparedFile& of, const report::Point& at) {
+  std::vector<double> peaks;
+  for (const Cell& cell : CellsAt(of.file, at))
+    if (const double bytes = of.file.ReadReal("peak_rss", cell); std::isfinite(bytes))
+      peaks.push_back(bytes);
+  std::ranges::sort(peaks);
+  return peaks;
+}
+
+/// The spread of the repeats, and what any other run changes: a few say little about it.
+double PeakSpread(const ComparedFile& of, const report::Point& at) {
+  const std::vector<double> peaks = PeaksAt(of, at);
+  if (peaks.empty()) return 0;
+  const double least =
+      peaks.size() < report::Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
+  return std::fmax(peaks.back() - peaks.front(), least * report::Percentile(peaks, 0.5));
+}
+
+void AddErrorFacts(std::vector<NumberFact>& facts) {
+  for (const schema::ErrorInfo& error : schema::Errors()) {
+    const std::string dataset = fmt::format("accuracy/{}", error.name);
+    const auto read = [](const std::string& name) {
+      return [name](const ComparedFile& of, const report::Point& at) {
+        const std::vector<Cell> cells = CellsAt(of.file, at);
+        return cells.empty() || !of.file.Has(name) ? report::kNone
+                                                   : of.file.ReadReal(name, cells[0]);
+      };
+    };
+    facts.push_back({.kind = Kind::kError,
+                     .name = dataset,
+                     .unit = std::string(error.unit),
+                     .value = read(dataset),
+                     .floor = [floor = read(dataset + "_floor")](const ComparedFile& of,
+                                                                 const report::Point& at) {
+                       const double value = floor(of, at);
+                       return std::isnan(value) ? 0 : value;
+                     }});
+  }
+}
+
+void AddCountFacts(std::vector<NumberFact>& facts) {
+  const auto add = [&facts](Kind kind, const char* series, bool less_is_better) {
+    facts.push_back({.kind = kind,
+                     .name = series,
+                     .less_is_better = less_is_better,
+                     .value = [series](const ComparedFile& of, const report::Point& at) {
+                       return SumOf(of, series, at);
+                     }});
+  };
+  add(Kind::kPairs, "missed_pairs", true);
+  add(Kind::kPairs, "missed_contacts", true);
+  for (const char* series : {"phantom_pairs", "duplicate_pairs", "pairs", "contacts"})
+    add(Kind::kCount, series, false);
+}
+
+void AddMemoryFacts(std::vector<NumberFact>& facts) {
+  const auto heap = [](const ComparedFile& of, const report::Point& at) {
+    return LargestOf(of, "heap", at);
+  };
+  const auto peak = [](const ComparedFile& of, const report::Point& at) {
+    return report::Percentile(PeaksAt(of, at), 0.5);
+  };
+  facts.push_back({.kind = Kind::kMemory,
+                   .name = "heap",
+                   .unit = "MB",
+                   .scale = 1e-6,
+                   .value = heap,
+                   .floor = [heap](const ComparedFile& of, const report::Point& at) {
+                     return kNegligible * heap(of, at);
+                   }});
+  facts.push_back({.kind = Kind::kMemory,
+                   .name = "peak_rss",
+                   .unit = "MB",
+                   .varies = true,
+                   .scale = 1e-6,
+                   .value = peak,
+                   .floor = PeakSpread});
+}
+
+/// The name of a fact for people.
+std::string TitleOf(const NumberFact& fact) {
+  std::string title =
+      fact.kind == Kind::kError ? fact.name.substr(std::string("accuracy/").size()) : fact.name;
+  std::ranges::replace(title, '_', ' ');
+  if (fact.name == "phantom_pairs") return "false positive pairs";
+  if (fact.name == "peak_rss") return "peak memory";
+  if (fact.name == "heap") return "heap memory";
+  return fact.kind == Kind::kError ? title + " error" : title;
+}
+
+}  // namespace
+
+double FactChange::RelativeChange() const {
+  if (!std::isfinite(a) || !std::isfinite(b) || a == 0)
+    return std::numeric_limits<double>::infinity();
+  return (b - a) / std::fabs(a);
+}
+
+std::size_t FactComparison::Count(Direction direction) const {
+  return static_cast<std::size_t>(std::ranges::count(changes, direction, &FactChange::direction));
+}
+
+bool FactComparison::IsWorse(double margin) const {
+  return std::ranges::any_of(changes, [&](const FactChange& change) {
+    if (change.direction != Direction::kWorse) return false;
+    return kind == Kind::kVerdict || kind == Kind::kPairs || change.RelativeChange() > margin;
+  });
+}
+
+StateComparison CompareStates(const ComparedFile& a, const ComparedFile& b,
+                              const PointMatch& match) {
+  StateComparison states;
+  states.of_pairs = a.plan && std::ranges::all_of(a.plan->runs, [](const plan::Run& run) {
+                      return plan::TraceOf(run.scene).has_value();
+                    });
+  const bool has_both = a.file.Has("state_hash") && b.file.Has("state_hash");
+  for (std::size_t i = 0; i < match.points.size(); ++i) {
+    const auto of_a = has_both ? StatesAt(a.file, match.points[i].a) : std::set<std::string>();
+    const auto of_b = has_both ? StatesAt(b.file, match.points[i].b) : std::set<std::string>();
+    if (of_a.empty() || of_b.empty()) {
+      ++states.unknown;
+    } else if (of_a.size() > 1 || of_b.size() > 1) {
+      states.unsettled.push_back(i);
+    } else if (of_a == of_b) {
+      ++states.same;
+    } else {
+      states.other.push_back(i);
+    }
+  }
+  return states;
+}
+
+std::vector<FactComparison> CompareFacts(const ComparedFile& a, const ComparedFile& b,
+                                         const PointMatch& match) {
+  std::vector<NumberFact> facts;
+  AddErrorFacts(facts);
+  AddCountFacts(facts);
+  AddMemoryFacts(facts);
+  std::vector<FactComparison> compared = {CompareVerdicts(a, b, match)};
+  for (NumberFact& fact : facts) {
+    if (!a.file.Has(fact.name) || !b.file.Has(fact.name)) continue;
+    compared.push_back(CompareNumbers(a, b, match, fact));
+    compared.back().name = TitleOf(fact);
+  }
+  std::erase_if(compared, [](const FactComparison& fact) { return fact.points == 0; });
+  return compared;
+}
+
+}  // namespace cdb::compare

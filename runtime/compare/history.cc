@@ -1,0 +1,176 @@
+#include "runtime/compare/history.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/compare/result.h"
+
+namespace cdb::compare {
+namespace {
+
+/// The group's change in the phase that all groups are compared by; null where it has none.
+const TimeChange* FindChange(const Comparison& comparison, const std::string& group) {
+  const auto found = std::ranges::find(comparison.times.groups, group, &TimedGroup::name);
+  if (found == comparison.times.groups.end()) return nullptr;
+  const auto change =
+      std::ranges::find(found->phases, comparison.times.common_phase, &TimeChange::phase);
+  return change == found->phases.end() ? nullptr : &*change;
+}
+
+/// The second file relative to the first is a step, and not among `to_first`.
+const Comparison& ToFirst(const BenchmarkHistory& benchmark, std::size_t file) {
+  return file == 1 ? benchmark.steps[0] : benchmark.to_first[file - 2];
+}
+
+/// The step to file `i`, of a group; null where that was not timed.
+const JudgedChange* FindStep(const BenchmarkHistory& benchmark, std::size_t i,
+                             const std::string& group, const CompareOptions& options) {
+  const TimeChange* change = FindChange(benchmark.steps[i - 1], group);
+  return change == nullptr ? nullptr : &JudgementOf(*change, options);
+}
+
+/// Where the group became faster or slower: `c.h5 +5.2 %`.
+std::string StepsText(const BenchmarkHistory& benchmark, const std::vector<std::string>& names,
+                      const std::string& group, const CompareOptions& options) {
+  std::string text;
+  bool is_known = true;
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const JudgedChange* judged = FindStep(benchmark, i, group, options);
+    is_known = is_known && judged != nullptr && judged->verdict != ChangeVerdict::kCannotTell;
+    if (judged != nullptr && judged->verdict > ChangeVerdict::kSame)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", names[i],
+                          PercentText(judged->tested.ratio));
+  }
+  if (!text.empty()) return text;
+  return is_known ? "none" : "cannot tell";
+}
+
+std::vector<std::string> GroupRow(const BenchmarkHistory& benchmark,
+                                  const std::vector<std::string>& names, const std::string& group,
+                                  const CompareOptions& options) {
+  std::vector<std::string> row = {benchmark.files[0]->file.benchmark(), group, FourDigits(1)};
+  std::vector<double> ratios = {1};
+  for (std::size_t file = 1; file < benchmark.files.size(); ++file) {
+    const TimeChange* change = FindChange(ToFirst(benchmark, file), group);
+    ratios.push_back(change == nullptr ? report::kNone : change->change.ratio());
+    row.push_back(FourDigits(ratios.back()));
+  }
+  row.push_back(Sparkline(ratios));
+  row.push_back(StepsText(benchmark, names, group, options));
+  return row;
+}
+
+/// The same with intervals, a line for each file and group.
+void AddSteps(const BenchmarkHistory& benchmark, const std::vector<std::string>& names,
+              const CompareOptions& options, std::vector<std::string>& lines) {
+  for (std::size_t i = 1; i < names.size(); ++i)
+    for (const TimedGroup& group : benchmark.steps[i - 1].times.groups) {
+      const JudgedChange* judged = FindStep(benchmark, i, group.name, options);
+      if (judged == nullptr || judged->verdict <= ChangeVerdict::kSame) continue;
+      lines.push_back(
+          fmt::format("{}: {}, from {} to {}: {} {} ({})",
+                      judged->verdict == ChangeVerdict::kSlower ? "SLOWER" : "FASTER",
+                      benchmark.files[0]->file.benchmark(), names[i - 1], names[i], group.name,
+                      PercentText(judged->tested.ratio),
+                      PercentRange(judged->tested.interval.low, judged->tested.interval.high)));
+    }
+}
+
+/// What differs from each file to the next, and which facts changed.
+std::vector<std::string> StepLines(const BenchmarkHistory& benchmark) {
+  std::vector<std::string> lines;
+  for (const Comparison& step : benchmark.steps) {
+    const std::string head = fmt::format(
+        "{}, from {} to {}: ", benchmark.files[0]->file.benchmark(), step.a->name, step.b->name);
+    for (const auto& list : {step.setup.machine, step.setup.parameters})
+      for (const SetupDifference& of : list)
+        lines.push_back(fmt::format("{}{}: {} -> {}", head, of.name, of.a, of.b));
+    for (const std::string& note : step.match.notes)
+      lines.push_back(head + "axis ignored: " + note);
+    for (const std::string& note : step.setup.notes) lines.push_back(head + note);
+    const std::size_t unmatched = step.match.only_a.size() + step.match.only_b.size();
+    if (unmatched > 0)
+      lines.push_back(fmt::format("{}{} points are only in one of them", head, unmatched));
+    for (const std::string& line : FactLines(step)) lines.push_back(head + line);
+  }
+  return lines;
+}
+
+}  // namespace
+
+BenchmarkHistory MakeHistory(std::vector<std::unique_ptr<ComparedFile>> files,
+                             const CompareOptions& options) {
+  BenchmarkHistory made = {std::move(files), {}, {}};
+  for (std::size_t i = 1; i < made.files.size(); ++i) {
+    made.steps.push_back(Compare(*made.files[i - 1], *made.files[i], options));
+    if (i > 1) made.to_first.push_back(Compare(*made.files[0], *made.files[i], options));
+  }
+  return made;
+}
+
+void JudgeHistories(std::vector<BenchmarkHistory>& benchmarks, const CompareOptions& options) {
+  std::vector<Comparison*> all;
+  for (BenchmarkHistory& benchmark : benchmarks) {
+    for (Comparison& step : benchmark.steps) all.push_back(&step);
+    for (Comparison& of : benchmark.to_first) all.push_back(&of);
+  }
+  JudgeAll(all, options);
+}
+
+Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
+                         const std::vector<std::string>& names, const CompareOptions& options) {
+  DocumentSection setups = {"From file to file"}, table = {"History"};
+  table.table.columns = {{"benchmark", false}, {"", false}};
+  for (const std::string& name : names) table.table.columns.emplace_back(name, true);
+  table.table.columns.emplace_back("", false);
+  table.table.columns.emplace_back("steps", false);
+  std::vector<std::string> worse;
+  for (const BenchmarkHistory& benchmark : benchmarks) {
+    for (std::string& line : StepLines(benchmark)) setups.lines.push_back(std::move(line));
+    for (const TimedGroup& group : benchmark.steps[0].times.groups)
+      table.table.rows.push_back(GroupRow(benchmark, names, group.name, options));
+    AddSteps(benchmark, names, options, table.lines);
+    for (const std::string& thing : WorseThings(benchmark.Whole(), options))
+      worse.push_back(benchmark.files[0]->file.benchmark() + " " + thing);
+  }
+  if (setups.lines.empty()) setups.lines = {"The same machine, versions and facts"};
+  const measure::Phase phase = benchmarks[0].steps[0].times.common_phase;
+  table.notes = {
+      fmt::format("Mean {} of a cycle over that of the first file, geometric mean over the points "
+                  "that both have.",
+                  measure::PhaseNames()[measure::IndexOf(phase)]),
+      "Steps: files that are slower or faster than the one before, by Holm's correction for all of "
+      "them (5 %)."};
+  const std::string margin = fmt::format("{:g} %", 100 * options.margin);
+  table.notes.push_back(
+      worse.empty()
+          ? "Nothing is surely worse in the last file than in the first, by more than " + margin
+          : fmt::format("WORSE: the last file relative to the first, by more than {}, exit status "
+                        "4: {}",
+                        margin, PlacesText(worse)));
+  return {setups, table};
+}
+
+std::string Sparkline(const std::vector<double>& values) {
+  static constexpr const char* kLevels[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  double least = report::kNone, most = report::kNone;
+  for (const double value : values) {
+    least = std::fmin(least, value);
+    most = std::fmax(most, value);
+  }
+  const bool is_flat = !(most > least * (1 + kNegligible));
+  std::string line;
+  for (const double value : values) {
+    if (std::isnan(value)) {
+      line += ' ';
+      continue;
+    }
+    const double level = is_flat ? 3 : 7 * (value - least) / (most - least);
+    line += kLevels[static_cast<std::size_t>(std::lround(level))];
+  }
+  return line;
+}
+
+}  // namespace cdb::compare

@@ -1,0 +1,250 @@
+#include "runtime/compare/match.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "runtime/report/cells.h"
+#include "runtime/report/table.h"
+
+namespace cdb::compare {
+namespace {
+
+using Cell = store::ResultFile::Cell;
+
+/// An axis as far as it is selected.
+struct SelectedAxis {
+  std::size_t place = 0;            ///< in the file
+  std::vector<std::size_t> values;  ///< indices
+};
+using SelectedAxes = std::map<std::string, SelectedAxis>;
+
+std::string ValuesText(const plan::Axis& axis, const std::vector<std::size_t>& values) {
+  std::string text;
+  for (const std::size_t i : values)
+    text += (text.empty() ? "" : ", ") + report::CoordinateText(axis, i);
+  return text;
+}
+
+bool IsValue(const plan::Axis& axis, std::size_t index, const std::string& text) {
+  if (report::CoordinateText(axis, index) == text) return true;
+  if (axis.IsText()) return false;
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() &&
+         std::get<double>(axis.values[index]) == number;
+}
+
+/// The indices of the values that are selected; all without a selection of the axis.
+std::vector<std::size_t> SelectValues(const plan::Axis& axis,
+                                      const std::vector<AxisSelection>& selections) {
+  const auto selection = std::ranges::find(selections, axis.name, &AxisSelection::axis);
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < axis.values.size(); ++i)
+    if (selection == selections.end() ||
+        std::ranges::any_of(selection->values,
+                            [&](const std::string& text) { return IsValue(axis, i, text); }))
+      indices.push_back(i);
+  return indices;
+}
+
+SelectedAxes SelectAxes(const ComparedFile& of, const std::vector<AxisSelection>& selections) {
+  SelectedAxes selected;
+  const std::vector<plan::Axis>& axes = of.file.axes();
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    selected[axes[i].name] = {i, SelectValues(axes[i], selections)};
+    if (!selected[axes[i].name].values.empty()) continue;
+    std::vector<std::size_t> all(axes[i].values.size());
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
+    throw store::StoreError(fmt::format("--select {}: {} has none of these values; it has {}",
+                                        axes[i].name, of.name, ValuesText(axes[i], all)));
+  }
+  return selected;
+}
+
+void CheckSelections(const ComparedFile& a, const ComparedFile& b,
+                     const std::vector<AxisSelection>& selections) {
+  std::vector<std::string> names;
+  for (const ComparedFile* of : {&a, &b})
+    for (const plan::Axis& axis : of->file.axes())
+      if (std::ranges::find(names, axis.name) == names.end()) names.push_back(axis.name);
+  for (const AxisSelection& selection : selections)
+    if (std::ranges::find(names, selection.axis) == names.end())
+      throw store::StoreError(fmt::format("--select: there is no axis '{}'; there are {}",
+                                          selection.axis, fmt::join(names, ", ")));
+}
+
+/// Its cells were neither skipped nor are they missing.
+bool Ran(const store::ResultFile& file, const report::Point& at) {
+  for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
+    const store::Status status = file.ReadStatus({at, rep});
+    if (status != store::Status::kSkipped && status != store::Status::kMissing) return true;
+  }
+  return false;
+}
+
+class Matcher {
+ public:
+  Matcher(const ComparedFile& a, const ComparedFile& b,
+          const std::vector<AxisSelection>& selections)
+      : a_(a), b_(b), axes_a_(SelectAxes(a, selections)), axes_b_(SelectAxes(b, selections)) {}
+
+  PointMatch Match() {
+    ChooseAxes(a_, axes_a_, b_, axes_b_);
+    for (const auto& [name, axis] : axes_b_)
+      if (!axes_a_.contains(name)) IgnoreAxis(b_, name, axis);
+    MatchCells();
+    if (match_.points.empty())
+      throw store::StoreError(fmt::format(
+          "{} and {} have no point in common: {} has {}{}; {} has {}{}", a_.name, b_.name, a_.name,
+          FirstOf(match_.only_a), match_.only_a.size() > 1 ? ", …" : "", b_.name,
+          FirstOf(match_.only_b), match_.only_b.size() > 1 ? ", …" : ""));
+    return std::move(match_);
+  }
+
+ private:
+  using Key = std::vector<plan::Coordinate>;
+
+  static std::string FirstOf(const std::vector<std::string>& points) {
+    return points.empty() ? "none" : points[0];
+  }
+
+  /// An axis that the other file lacks, or has with another value.
+  void IgnoreAxis(const ComparedFile& of, const std::string& name, const SelectedAxis& axis) {
+    const std::string values = ValuesText(of.file.axes()[axis.place], axis.values);
+    if (axis.values.size() > 1)
+      throw store::StoreError(fmt::format(
+          "only {} has the axis '{}' ({}): choose one of its values, as in --select "
+          "{}={}",
+          of.name, name, values, name, report::CoordinateText(of.file.axes()[axis.place], 0)));
+    match_.notes.push_back(
+        fmt::format("only {} has the axis {}, with the value {}", of.name, name, values));
+  }
+
+  void ChooseAxes(const ComparedFile& a, const SelectedAxes& of_a, const ComparedFile& b,
+                  const SelectedAxes& of_b) {
+    for (const plan::Axis& axis : a.file.axes()) {
+      const SelectedAxis& here = of_a.at(axis.name);
+      const auto there = of_b.find(axis.name);
+      if (there == of_b.end()) {
+        IgnoreAxis(a, axis.name, here);
+        continue;
+      }
+      const plan::Axis& other = b.file.axes()[there->second.place];
+      if (here.values.size() == 1 && there->second.values.size() == 1 &&
+          axis.values[here.values[0]] != other.values[there->second.values[0]]) {
+        match_.notes.push_back(fmt::format(
+            "{}: {} in {}, {} in {}", axis.name, report::CoordinateText(axis, here.values[0]),
+            a.name, report::CoordinateText(other, there->second.values[0]), b.name));
+        continue;
+      }
+      if (axis.IsText() &&
+          (!match_.group || (axis.parameter == "detector" && !group_is_detector_))) {
+        match_.group = match_.axes.size();
+        group_is_detector_ = axis.parameter == "detector";
+      }
+      match_.axes.push_back(axis.name);
+      match_.is_text.push_back(axis.IsText());
+    }
+  }
+
+  /// The selected points that ran, by their values on the axes of the match.
+  std::vector<std::pair<Key, report::Point>> PointsOf(const ComparedFile& of,
+                                                      const SelectedAxes& selected) const {
+    std::vector<std::pair<Key, report::Point>> points;
+    for (const Cell& cell : report::AllCells(of.file)) {
+      if (cell.rep != 0) continue;
+      const bool is_selected = std::ranges::all_of(selected, [&](const auto& axis) {
+        return std::ranges::find(axis.second.values, cell.at[axis.second.place]) !=
+               axis.second.values.end();
+      });
+      if (!is_selected || !Ran(of.file, cell.at)) continue;
+      Key key;
+      for (const std::string& name : match_.axes) {
+        const std::size_t place = selected.at(name).place;
+        key.push_back(of.file.axes()[place].values[cell.at[place]]);
+      }
+      points.emplace_back(std::move(key), cell.at);
+    }
+    return points;
+  }
+
+  std::vector<std::string> PlaceOf(const ComparedFile& of, const SelectedAxes& selected,
+                                   const report::Point& at) const {
+    std::vector<std::string> place;
+    for (const std::string& name : match_.axes) {
+      const std::size_t axis = selected.at(name).place;
+      place.push_back(report::CoordinateText(of.file.axes()[axis], at[axis]));
+    }
+    return place;
+  }
+
+  void MatchCells() {
+    auto of_b = PointsOf(b_, axes_b_);
+    std::map<Key, report::Point> left(of_b.begin(), of_b.end());
+    for (const auto& [key, at] : PointsOf(a_, axes_a_)) {
+      MatchedPoint point = {at, {}, PlaceOf(a_, axes_a_, at)};
+      const auto found = left.find(key);
+      if (found == left.end()) {
+        match_.only_a.push_back(point.PlaceText(match_.axes));
+        continue;
+      }
+      point.b = found->second;
+      left.erase(found);
+      match_.points.push_back(std::move(point));
+    }
+    for (const auto& [key, at] : of_b)
+      if (left.contains(key))
+        match_.only_b.push_back(
+            MatchedPoint{{}, at, PlaceOf(b_, axes_b_, at)}.PlaceText(match_.axes));
+  }
+
+  const ComparedFile &a_, &b_;
+  const SelectedAxes axes_a_, axes_b_;
+  PointMatch match_;
+  bool group_is_detector_ = false;
+};
+
+}  // namespace
+
+ComparedFile::ComparedFile(const std::filesystem::path& path, std::string name_of)
+    : name(std::move(name_of)),
+      file(path),
+      plan(report::ReadPlan(file)),
+      points(report::MeasuredPoints(file, false)),
+      times(file) {}
+
+std::vector<AxisSelection> ParseSelections(const std::vector<std::string>& texts) {
+  std::vector<AxisSelection> selections;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == 0 || equals == text.npos || equals + 1 == text.size())
+      throw store::StoreError(
+          fmt::format("--select {}: is not axis=value, as in --select detector=sap", text));
+    const std::string axis = text.substr(0, equals);
+    auto selection = std::ranges::find(selections, axis, &AxisSelection::axis);
+    if (selection == selections.end()) selection = selections.insert(selections.end(), {axis, {}});
+    selection->values.push_back(text.substr(equals + 1));
+  }
+  return selections;
+}
+
+std::string MatchedPoint::PlaceText(const std::vector<std::string>& axes) const {
+  std::string text;
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", axes[i], place[i]);
+  return text.empty() ? "the only point" : text;
+}
+
+PointMatch MatchPoints(const ComparedFile& a, const ComparedFile& b,
+                       const std::vector<AxisSelection>& selections) {
+  CheckSelections(a, b, selections);
+  return Matcher(a, b, selections).Match();
+}
+
+}  // namespace cdb::compare

@@ -1,0 +1,171 @@
+#include "runtime/document/head.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "compiler/schema/components.h"
+#include "runtime/report/cells.h"
+#include "runtime/report/detector_figures.h"
+#include "runtime/report/numbers.h"
+#include "runtime/report/show_detectors.h"
+#include "runtime/report/show_noise.h"
+
+namespace cdb::document {
+namespace {
+
+using Cell = store::ResultFile::Cell;
+
+/// A name in the document and in /provenance.
+using Fact = std::pair<const char*, const char*>;
+
+Json FactsOf(const store::ResultFile& file, std::initializer_list<Fact> facts) {
+  Json all = Json::object();
+  for (const auto& [name, stored] : facts)
+    if (std::string text = file.ReadProvenance(stored); !text.empty()) all[name] = std::move(text);
+  return all;
+}
+
+/// The reason in a line `walls: left out: why` of the decisions of a run; empty where it is not
+/// there.
+std::string ReasonIn(const std::string& decisions, std::string_view component) {
+  const std::string line = std::string(component) + ": left out: ";
+  for (auto at = decisions.find(line); at != std::string::npos; at = decisions.find(line, at + 1)) {
+    if (at > 0 && decisions[at - 1] != '\n') continue;
+    const auto begin = at + line.size();
+    return decisions.substr(begin, decisions.find('\n', begin) - begin);
+  }
+  return {};
+}
+
+}  // namespace
+
+Json DocumentRuns(const DocumentSource& source) {
+  const report::CellGroups& groups = source.groups();
+  std::size_t failed = 0;
+  for (const report::CellGroups::Bad& bad : groups.bad)
+    failed += source.file().ReadStatus(bad.cell) == store::Status::kDone ? 0 : 1;
+  return {{"all", groups.NotSkipped() + groups.skipped},
+          {"good", groups.good.size()},
+          {"void", groups.bad.size() - failed},
+          {"failed", failed},
+          {"skipped", groups.skipped},
+          {"missing", groups.missing},
+          {"repeats", source.file().repeats()},
+          {"cycles", source.file().cycles()}};
+}
+
+Json DocumentOmissions(const DocumentSource& source) {
+  const store::ResultFile& file = source.file();
+  Json all = Json::array();
+  if (!file.Has("omitted") || !file.Has("needs")) return all;
+  for (const schema::ComponentInfo& info : schema::Components()) {
+    if (!info.IsVisible()) continue;
+    std::map<std::string, std::vector<std::size_t>> by_reason;
+    for (const report::MeasuredPoint& point : source.measured())
+      if (std::ranges::find(point.left_out, info.name) != point.left_out.end())
+        by_reason[ReasonIn(file.ReadText("needs", point.cells[0]), info.name)].push_back(
+            source.IndexOf(point.at));
+    for (auto& [why, points] : by_reason)
+      all.push_back({{"parts", info.name},
+                     {"points", points.size()},
+                     {"of", source.points().size()},
+                     {"why", why},
+                     {"changes", info.changes},
+                     {"at", source.IsLarge() ? Json(nullptr) : Json(points)}});
+  }
+  return all;
+}
+
+Json DocumentFindings(const DocumentSource& source) {
+  Json all = Json::array();
+  for (const report::DetectorFindings& of : source.findings())
+    if (of.cycles > 0)
+      all.push_back({{"detector", of.detector},
+                     {"runs", of.runs},
+                     {"cycles", of.cycles},
+                     {"exact", of.exact},
+                     {"missed", of.missed},
+                     {"false_positives", of.false_positives},
+                     {"duplicate", of.duplicate},
+                     {"missed_contacts", of.missed_contacts},
+                     {"wrong_runs", of.wrong_runs}});
+  return all;
+}
+
+Json DocumentFailures(const DocumentSource& source, std::size_t most) {
+  Json all = Json::array();
+  for (const report::CellGroups::Bad& bad : source.groups().bad) {
+    if (all.size() == most) break;
+    all.push_back({{"place", report::PlaceText(source.file(), bad.cell)},
+                   {"why", bad.why},
+                   {"command", report::OnlyCommand(source.file(), bad.cell)}});
+  }
+  return all;
+}
+
+Json DocumentNoise(const DocumentSource& source) {
+  const store::ResultFile& file = source.file();
+  const std::vector<Cell>& cells = source.groups().good;
+  std::size_t quiet = 0, noisy = 0;
+  double least = report::kNone, most = report::kNone;
+  for (const Cell& cell : cells) {
+    if (file.Has("noise")) {
+      const auto noise = static_cast<measure::Noise>(file.ReadReal("noise", cell));
+      quiet += noise == measure::Noise::kQuiet ? 1 : 0;
+      noisy += noise == measure::Noise::kNoisy ? 1 : 0;
+    }
+    if (!file.Has("load_average")) continue;
+    least = std::fmin(least, file.ReadReal("load_average", cell));
+    most = std::fmax(most, file.ReadReal("load_average", cell));
+  }
+  Json text = Json::array();
+  if (const std::string line = Sentence(report::NoiseText(file, cells)); !line.empty())
+    text.push_back(line);
+  if (const std::string line =
+          Sentence(report::HarnessText(file, source.measured(), source.times()));
+      !line.empty())
+    text.push_back(line);
+  return {{"judgement", noisy > 0                            ? "noisy"
+                        : quiet > 0 && quiet == cells.size() ? "quiet"
+                                                             : "unknown"},
+          {"noisy", noisy},
+          {"text", std::move(text)},
+          {"load", JsonNumbers({least, most})}};
+}
+
+Json DocumentMachine(const store::ResultFile& file) {
+  return FactsOf(file, {{"host", "host"},
+                        {"cpu", "cpu"},
+                        {"cores", "cpus"},
+                        {"memory", "memory"},
+                        {"governor", "cpu_governor"},
+                        {"system", "system"},
+                        {"kernel", "kernel"}});
+}
+
+Json DocumentBuild(const store::ResultFile& file) {
+  return FactsOf(file, {{"cdb", "cdb_version"},
+                        {"type", "build_type"},
+                        {"compiler", "compiler"},
+                        {"flags", "compiler_flags"},
+                        {"bullet", "bullet_version"}});
+}
+
+Json DocumentProvenance(const store::ResultFile& file) {
+  Json all = {{"source", file.source()},
+              {"benchmark", file.benchmark()},
+              {"plan_sha256", file.plan_sha256()}};
+  all.update(FactsOf(file, {{"jobs", "jobs"},
+                            {"plugins", "plugins"},
+                            {"models", "models"},
+                            {"detector_libraries", "detector_libraries"},
+                            {"scenario", "scenario_text"}}));
+  return all;
+}
+
+}  // namespace cdb::document

@@ -1,0 +1,25 @@
+// The simulated time of a cycle of each run.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "runtime/store/store.h"
+
+namespace cdb::document {
+
+/// Reads the plan once, where the file does not state the time step itself. Throws StoreError.
+class TimeSteps {
+ public:
+  explicit TimeSteps(const store::ResultFile& file);
+  /// In s; NaN where neither the file nor its plan says.
+  double Of(const store::ResultFile::Cell& cell) const;
+
+ private:
+  const store::ResultFile& file_;
+  const bool is_stated_;
+  std::map<std::string, double> by_run_;
+};
+
+}  // namespace cdb::document

@@ -1,0 +1,132 @@
+#include "runtime/document/warnings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "runtime/report/cells.h"
+#include "runtime/report/detector_ratios.h"
+#include "runtime/report/show_noise.h"
+
+namespace cdb::document {
+namespace {
+
+class WarningList {
+ public:
+  explicit WarningList(const DocumentSource& source)
+      : source_(source), file_(source.file()), groups_(source.groups()) {}
+
+  Json All() {
+    AddBuild();
+    AddFindings();
+    AddBadRuns();
+    AddVerdicts();
+    AddNoise();
+    AddUnlike();
+    AddMissing();
+    AddRepeats();
+    if (source_.IsLarge())
+      Add("pooled",
+          fmt::format("There are {} points: the page has the mean of step and detect of each, and "
+                      "no single cycles.",
+                      source_.points().size()));
+    return std::move(all_);
+  }
+
+ private:
+  void Add(const char* kind, std::string text) {
+    all_.push_back({{"kind", kind}, {"text", std::move(text)}});
+  }
+
+  void AddBuild() {
+    if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
+      Add("debug",
+          fmt::format("Timed with a {} build of cdb: these are not timings to quote.", build));
+  }
+
+  void AddFindings() {
+    for (const report::DetectorFindings& of : source_.findings())
+      if (of.missed > 0)
+        Add("missed_pairs",
+            fmt::format("{} missed {} of {} pairs, in {} of {} {}: its times are of less work than "
+                        "there was.",
+                        of.detector, of.missed, of.exact, of.wrong_runs, of.runs,
+                        of.runs == 1 ? "run" : "runs"));
+  }
+
+  void AddBadRuns() {
+    std::map<std::string, std::size_t> faults;
+    for (const report::CellGroups::Bad& bad : groups_.bad)
+      ++faults[report::FaultOf(file_, bad.cell)];
+    std::vector<std::string> texts;
+    for (const auto& [fault, count] : faults) texts.push_back(fmt::format("{} {}", count, fault));
+    if (!texts.empty())
+      Add("failed", fmt::format("{} of {} runs did not end well ({}); they are marked, and in no "
+                                "mean or ratio with others.",
+                                groups_.bad.size(), groups_.NotSkipped(), fmt::join(texts, ", ")));
+    for (const std::string& trouble : source_.references())
+      Add("failed", fmt::format("A reference is missing: {}", trouble));
+  }
+
+  void AddVerdicts() {
+    std::vector<std::string> texts;
+    for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row)
+      if (row->first > measure::Verdict::kStable)
+        texts.push_back(fmt::format("{} {}", row->second.size(), measure::VerdictName(row->first)));
+    if (!texts.empty())
+      Add("unsound", fmt::format("The simulation was not sound in some runs ({}); their times are "
+                                 "in the figures.",
+                                 fmt::join(texts, ", ")));
+  }
+
+  void AddNoise() {
+    if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
+      Add("noise",
+          fmt::format("Timed with several runs at a time (jobs {}), which disturb each other.",
+                      jobs));
+    if (const std::string noise = Sentence(report::NoiseText(file_, groups_.good)); !noise.empty())
+      Add("noise", noise);
+  }
+
+  /// Detectors that are compared did not leave out the same.
+  void AddUnlike() {
+    std::set<std::string> components;
+    for (const report::MeasuredPoint& point : source_.measured())
+      components.insert(point.unlike.begin(), point.unlike.end());
+    if (!components.empty())
+      Add("unlike", fmt::format("Some points ran without {} and others with; they are marked.",
+                                fmt::join(components, ", ")));
+  }
+
+  void AddMissing() {
+    if (groups_.missing > 0)
+      Add("partial",
+          fmt::format("{} of {} runs are not there yet.", groups_.missing, groups_.NotSkipped()));
+  }
+
+  void AddRepeats() {
+    if (!source_.HasTimes()) return;
+    if (file_.repeats() == 1) {
+      Add("repeats", "One repeat: there are no intervals.");
+    } else if (file_.repeats() < report::Bootstrap::kLeastForInterval) {
+      Add("repeats", fmt::format("{} repeats: ranges stand in place of intervals, which take {}.",
+                                 file_.repeats(), report::Bootstrap::kLeastForInterval));
+    }
+  }
+
+  const DocumentSource& source_;
+  const store::ResultFile& file_;
+  const report::CellGroups& groups_;
+  Json all_ = Json::array();
+};
+
+}  // namespace
+
+Json DocumentWarnings(const DocumentSource& source) { return WarningList(source).All(); }
+
+}  // namespace cdb::document

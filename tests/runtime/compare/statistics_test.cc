@@ -1,0 +1,217 @@
+// The test of changes between two files, on made-up runs with known noise.
+#include "runtime/compare/statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "library/distributions/stream.h"
+#include "runtime/report/cycle_times.h"
+
+namespace cdb::tests {
+namespace {
+
+using compare::Change;
+using compare::ChangeTest;
+using compare::ChangeVerdict;
+using compare::TestedChange;
+using report::Bootstrap;
+using report::Estimate;
+
+TEST(CompareStatistics, TestsByStudentsDistribution) {
+  // Two samples whose means have the same bootstrap variance as those of Welch's test have.
+  const Bootstrap five(5);
+  const Estimate a = five.MeanEstimate({99, 101, 100, 98, 102}),
+                 b = five.MeanEstimate({109, 111, 110, 108, 112});
+  const TestedChange tested = ChangeTest(five, five).Of(compare::ChangeOf(a, b));
+  EXPECT_NEAR(tested.ratio, 1.1, 1e-12);
+  // The standard deviation of both is sqrt(2.5), the error of the difference 1, nu about 8.
+  const double error = std::sqrt(0.5 / 1e4 + 0.5 / 1.21e4);
+  EXPECT_NEAR(tested.interval.low, 1.1 * std::exp(-2.308 * error), 1e-3);
+  EXPECT_NEAR(tested.interval.high, 1.1 * std::exp(2.308 * error), 1e-3);
+  // P(t > (log 1.1 - log 1.01) / error) + P(t > (log 1.1 + log 1.01) / error), integrated.
+  EXPECT_NEAR(tested.p, 1.258e-5, 1e-8);
+}
+
+TEST(CompareStatistics, CallsAChangeOfOnePercentNone) {
+  const Bootstrap five(5);
+  const Estimate a = five.MeanEstimate({100, 100.01, 99.99, 100, 100});
+  const auto p = [&](double factor) {
+    return ChangeTest(five, five).Of(compare::ChangeOf(a, report::Scaled(a, factor))).p;
+  };
+  EXPECT_GT(p(1.0099), 0.5);
+  EXPECT_LT(p(1.011), 1e-6);
+  EXPECT_LT(p(1 / 1.011), 1e-6);
+}
+
+TEST(CompareStatistics, DoesNotPairTheRepeatsOfTwoFiles) {
+  // The third repeat is slow in both files, on two occasions: by chance.
+  const Bootstrap five(5);
+  const Estimate a = five.MeanEstimate({100, 110, 200, 120, 100});
+  const TestedChange tested = ChangeTest(five, five).Of(compare::ChangeOf(a, a));
+  EXPECT_LT(tested.interval.low, 0.8);
+  EXPECT_GT(tested.interval.high, 1.25);
+}
+
+TEST(CompareStatistics, HasNoIntervalOfFewRepeatsOrIncompleteOnes) {
+  const Bootstrap four(4), five(5);
+  const Estimate few = four.MeanEstimate({1, 2, 3, 4}), enough = five.MeanEstimate({1, 2, 3, 4, 5});
+  EXPECT_FALSE(ChangeTest(four, five).HasIntervals());
+  EXPECT_FALSE(ChangeTest(four, five).Of(compare::ChangeOf(few, enough)).IsTested());
+  Estimate incomplete = enough;
+  incomplete.things = 4;
+  EXPECT_FALSE(ChangeTest(five, five).Of(compare::ChangeOf(incomplete, enough)).IsTested());
+  EXPECT_EQ(compare::JudgeChange({}, NAN, 1), ChangeVerdict::kCannotTell);
+}
+
+TEST(CompareStatistics, JudgesByTestAndMargin) {
+  const TestedChange slower = {1.05, {1.03, 1.07}, 0.001}, faster = {0.9, {0.8, 0.95}, 0.001},
+                     wide = {1.01, {0.9, 1.12}, 0.9}, narrow = {1.01, {0.99, 1.03}, 0.9};
+  EXPECT_EQ(compare::JudgeChange(slower, 0.01, 0.05), ChangeVerdict::kSlower);
+  EXPECT_EQ(compare::JudgeChange(faster, 0.05, 0.05), ChangeVerdict::kFaster);
+  EXPECT_EQ(compare::JudgeChange(slower, 0.06, 0.05), ChangeVerdict::kCannotTell);
+  EXPECT_EQ(compare::JudgeChange(wide, 1, 0.05), ChangeVerdict::kCannotTell);
+  EXPECT_EQ(compare::JudgeChange(narrow, 1, 0.05), ChangeVerdict::kSame);
+  EXPECT_NEAR(narrow.Bound(), 0.03, 1e-12);
+}
+
+TEST(CompareStatistics, CorrectsForManyTests) {
+  // As p.adjust of R has it.
+  const std::vector<double> p = {0.01, 0.04, NAN, 0.03, 0.005};
+  const std::vector<double> holm = {0.03, 0.06, NAN, 0.06, 0.02},
+                            bh = {0.02, 0.04, NAN, 0.04, 0.02};
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (std::isnan(p[i])) {
+      EXPECT_TRUE(std::isnan(compare::HolmAdjusted(p)[i]));
+      EXPECT_TRUE(std::isnan(compare::BenjaminiHochbergAdjusted(p)[i]));
+      continue;
+    }
+    EXPECT_NEAR(compare::HolmAdjusted(p)[i], holm[i], 1e-12) << i;
+    EXPECT_NEAR(compare::BenjaminiHochbergAdjusted(p)[i], bh[i], 1e-12) << i;
+  }
+}
+
+/// Made-up noise. Factors: of a repeat as a whole, of a run in it, of a cycle.
+struct MadeUpNoise {
+  double repeat = 0.005, run = 0.015, cycle = 0.03;
+  double stalls = 0.01;  ///< part of the cycles that take five times as long
+};
+
+/// A file of `groups` x `points`, timed `repeats` times.
+class MadeUpFile {
+ public:
+  MadeUpFile(distributions::Stream& stream, std::size_t repeats, const MadeUpNoise& noise)
+      : stream_(stream), noise_(noise), bootstrap_(repeats) {
+    for (std::size_t r = 0; r < repeats; ++r) repeat_.push_back(Factor(noise.repeat));
+  }
+  const Bootstrap& bootstrap() const { return bootstrap_; }
+
+  Estimate Point(double ns) {
+    constexpr std::size_t kCount = 12;
+    std::vector<std::vector<double>> repeats;
+    for (const double of_repeat : repeat_) {
+      const double of_run = of_repeat * Factor(noise_.run);
+      std::vector<double>& cycles = repeats.emplace_back();
+      for (std::size_t c = 0; c < kCount; ++c) {
+        const double stall = stream_.Uniform() < noise_.stalls ? 5 : 1;
+        cycles.push_back(ns * (1 + 0.05 * static_cast<double>(c)) * of_run * Factor(noise_.cycle) *
+                         stall);
+      }
+    }
+    return report::TimesOver(repeats, bootstrap_).mean;
+  }
+
+ private:
+  double Factor(double sigma) { return std::exp(sigma * stream_.Normal()); }
+
+  distributions::Stream& stream_;
+  const MadeUpNoise noise_;
+  const Bootstrap bootstrap_;
+  std::vector<double> repeat_;
+};
+
+constexpr std::size_t kGroups = 4, kPointsEach = 3;
+
+/// Changes between two files, of which the second is slower by `factor` in group 0.
+struct Experiment {
+  std::vector<double> groups, points;  ///< adjusted p: by Holm, by Benjamini and Hochberg
+  std::size_t covered = 0;             ///< groups whose interval has the truth in it
+};
+Experiment CompareOnce(distributions::Stream& stream, std::size_t repeats, const MadeUpNoise& noise,
+                       double factor) {
+  MadeUpFile a(stream, repeats, noise), b(stream, repeats, noise);
+  const ChangeTest test(a.bootstrap(), b.bootstrap());
+  Experiment made;
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    const double truth = g == 0 ? factor : 1;
+    std::vector<Change> changes;
+    for (std::size_t i = 0; i < kPointsEach; ++i) {
+      const double ns = 1000 * static_cast<double>(i + 1);
+      changes.push_back(compare::ChangeOf(a.Point(ns), b.Point(ns * truth)));
+      made.points.push_back(test.Of(changes.back()).p);
+    }
+    const TestedChange tested = test.Of(compare::GeometricMeanOf(changes));
+    made.groups.push_back(tested.p);
+    made.covered += tested.interval.low <= truth && truth <= tested.interval.high ? 1 : 0;
+  }
+  made.groups = compare::HolmAdjusted(made.groups);
+  made.points = compare::BenjaminiHochbergAdjusted(made.points);
+  return made;
+}
+
+struct Rates {
+  double false_alarms = 0;       ///< part of the experiments with a false alarm in some group
+  double false_discoveries = 0;  ///< mean part of the changed points that are not
+  double power = 0;              ///< part of the experiments that find group 0
+  double coverage = 0;           ///< of the intervals of groups
+};
+Rates RatesOf(std::size_t repeats, const MadeUpNoise& noise, double factor, int experiments) {
+  distributions::Stream stream(7 + repeats);
+  const auto found = [](double p) { return p <= compare::kSignificance; };
+  Rates rates;
+  for (int i = 0; i < experiments; ++i) {
+    const Experiment made = CompareOnce(stream, repeats, noise, factor);
+    bool is_false = false;
+    double true_points = 0, false_points = 0;
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      const bool is_planted = g == 0 && factor != 1;
+      if (is_planted) rates.power += found(made.groups[g]) ? 1 : 0;
+      if (!is_planted) is_false = is_false || found(made.groups[g]);
+      for (std::size_t k = 0; k < kPointsEach; ++k)
+        (is_planted ? true_points : false_points) +=
+            found(made.points[g * kPointsEach + k]) ? 1 : 0;
+    }
+    rates.false_alarms += is_false ? 1 : 0;
+    if (false_points > 0) rates.false_discoveries += false_points / (true_points + false_points);
+    rates.coverage += static_cast<double>(made.covered) / kGroups;
+  }
+  for (double* rate :
+       {&rates.false_alarms, &rates.false_discoveries, &rates.power, &rates.coverage})
+    *rate /= experiments;
+  return rates;
+}
+
+// Fixed seeds: the rates are always the same.
+TEST(CompareStatistics, FindsWhatIsPlantedAndNothingElse) {
+  for (const std::size_t repeats : {5, 9}) {
+    const Rates null = RatesOf(repeats, {}, 1, 100), planted = RatesOf(repeats, {}, 1.05, 100);
+    EXPECT_LE(null.false_alarms, 0.05) << repeats;
+    EXPECT_LE(null.false_discoveries, 0.05) << repeats;
+    EXPECT_LE(planted.false_alarms, 0.05) << repeats;
+    EXPECT_LE(planted.false_discoveries, 0.05) << repeats;
+    EXPECT_GE(planted.coverage, 0.95) << repeats;
+    EXPECT_GE(planted.power, repeats == 9 ? 0.9 : 0.6) << repeats;
+  }
+}
+
+TEST(CompareStatistics, RaisesNoFalseAlarmOnABusyMachine) {
+  const MadeUpNoise busy = {.repeat = 0.02, .run = 0.04, .cycle = 0.05, .stalls = 0.05};
+  const Rates null = RatesOf(6, busy, 1, 100), planted = RatesOf(6, busy, 1.3, 50);
+  EXPECT_LE(null.false_alarms, 0.05);
+  EXPECT_GE(null.coverage, 0.95);
+  EXPECT_GE(planted.power, 0.6);
+}
+
+}  // namespace
+}  // namespace cdb::tests
