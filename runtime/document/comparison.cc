@@ -34,9 +34,8 @@ class RatioColumns {
       if (source_.IsLarge() && phase != Phase::kStep && phase != Phase::kDetect) continue;
       const std::string name(measure::PhaseNames()[i]);
       all["phases"][name] = source_.IsLarge() ? FoldColumns(ColumnsOf(phase)) : ColumnsOf(phase);
-      all["means"][name] = JsonColumn(detectors.values.size(), [&](std::size_t detector) {
-        return MeanOf(detector, phase);
-      });
+      all["means"][name] = JsonColumn(
+          detectors.values.size(), [&](std::size_t detector) { return MeanOf(detector, phase); });
     }
     return all;
   }
