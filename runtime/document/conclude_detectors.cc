@@ -81,8 +81,7 @@ class DetectorConclusions {
       const auto figure = [&, phase = phase](const report::MeasuredPoint& point) {
         return parts_.times.Of(point, phase).mean;
       };
-      AddRanking(question, kind, figure, "its time",
-                 phase == measure::Phase::kStep ? NotRanked() : "");
+      AddRanking(question, kind, figure, "time", phase == measure::Phase::kStep ? NotRanked() : "");
     }
   }
 
@@ -94,7 +93,7 @@ class DetectorConclusions {
         [&](const report::MeasuredPoint& point) {
           return longest.FigureOf(point, measure::Phase::kDetect);
         },
-        "its time");
+        "time");
   }
 
   void AddMemory() {
@@ -115,19 +114,19 @@ class DetectorConclusions {
                        100 * kLikeMemory),
            "memory", Certainty::kTie});
     else
-      AddRanking(question, "memory", figure, "its memory");
+      AddRanking(question, "memory", figure, "memory");
   }
 
   void AddRanking(const char* question, const char* kind, const FigureOfPoint& figure,
-                  const char* of_best, const std::string& caveat = "") {
+                  const char* quantity, const std::string& caveat = "") {
     const auto ranking = RankValues(comparison_, figure, left_out_, parts_.times.bootstrap());
     if (!ranking) return;
-    Add({question, Winner(*ranking, of_best) + Where(*ranking) + caveat, kind,
+    Add({question, Winner(*ranking, quantity) + Where(*ranking) + caveat, kind,
          ranking->certainty()});
   }
 
   /// The best against those that cannot be told from it, or the next, and the last.
-  std::string Winner(const Ranking& ranking, const char* of_best) const {
+  std::string Winner(const Ranking& ranking, const char* quantity) const {
     std::vector<std::string> ties = {Name(ranking.best)};
     std::size_t shown = 0;  // among the others
     for (std::size_t i = 0; i < ranking.others.size(); ++i) {
@@ -135,18 +134,20 @@ class DetectorConclusions {
       ties.push_back(Name(ranking.others[i].value));
       shown = i;
     }
-    const auto times = [&](std::size_t other, const char* what) {
+    const auto times = [&](std::size_t other) {
       const report::Estimate& ratio = ranking.others[other].ratio;
-      return fmt::format("{}, with {} times {}{}.", Name(ranking.others[other].value),
-                         report::ShortNumber(ratio.value), what,
-                         report::IntervalNote(parts_.times, ratio));
+      return fmt::format("{} times the {} of {}{}.", report::ShortNumber(ratio.value), quantity,
+                         ties[0], report::IntervalNote(parts_.times, ratio));
     };
-    std::string text = ties.size() > 1
-                           ? fmt::format("{} cannot be told apart: {}", report::JoinWords(ties),
-                                         times(shown, of_best))
-                           : fmt::format("{}. Next is {}", ties[0], times(shown, of_best));
+    const auto name = [&](std::size_t other) { return Name(ranking.others[other].value); };
+    std::string text =
+        ties.size() > 1
+            ? fmt::format("{} cannot be told apart: {} takes {}", report::JoinWords(ties),
+                          name(shown), times(shown))
+            : fmt::format("{}. Next is {}, with {}", ties[0], name(shown), times(shown));
     const std::size_t last = ranking.others.size() - 1;
-    return last > shown ? text + " Last is " + times(last, of_best) : text;
+    return last > shown ? fmt::format("{} Last is {}, with {}", text, name(last), times(last))
+                        : text;
   }
 
   /// Over which cells, and where another is better.
