@@ -324,6 +324,7 @@ std::optional<Case> StatementParser::ParseCase() {
     return std::nullopt;
   }
   std::optional<Case> result;
+  const int faults = cursor_.fault_count();
   if (std::optional<Name> name = cursor_.ParseName("a case")) {
     Case one;
     one.name = std::move(*name);
@@ -339,6 +340,8 @@ std::optional<Case> StatementParser::ParseCase() {
       cursor_.Report(kMissingBlock, one.name.span, "a case has a block, and no value of its own",
                      Concat({"write ", one.name.text, " { … }"}));
       SkipStatement();
+    } else if (cursor_.fault_count() > faults && cursor_.AtStatementEnd()) {
+      // What has no block either is no case.
     } else if (ParseBlock(one.block, one.name.span)) {
       result = std::move(one);
     }
