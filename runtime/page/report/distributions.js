@@ -94,6 +94,16 @@ function quantileRows(doc, chosen, quantiles, factor) {
   });
 }
 
+/** A row for each chosen point. @param marksOf  of the rows, in a theme */
+function rowsPanel(rows, { theme, chosen, x, label }, marksOf) {
+  return {
+    title: '',
+    height: rowHeight * chosen.length + 50,
+    hot: { hot: rows.map((_, i) => i) },
+    options: (size) => frame({ theme, ...size, chosen, x, label }, marksOf(rows, theme)),
+  };
+}
+
 export function describeDistributions(doc, view, { theme, width }) {
   const phase = phaseOf(doc, view);
   const title = `Time of ${phase}: distribution over the cycles`;
@@ -115,14 +125,7 @@ export function describeDistributions(doc, view, { theme, width }) {
       { key: 'place', label: 'point' },
       ...quantileKeys.map(([key, name]) => ({ key, label: `${name}, ${unit}`, isNumber: true })),
     ],
-    panels: [
-      {
-        title: '',
-        height: rowHeight * chosen.length + 50,
-        hot: { hot: rows.map((_, i) => i) },
-        options: (size) => frame({ theme, ...size, chosen, x, label }, quantileMarks(rows, theme)),
-      },
-    ],
+    panels: [rowsPanel(rows, { theme, chosen, x, label }, quantileMarks)],
     notes: [
       'Line: least to greatest cycle. Pale: 5 to 95 % of the cycles. Dark: 25 to 75 %. Tick: median.',
       ...repeats,
@@ -190,14 +193,7 @@ export function describeRepeats(doc, view, { theme, width }) {
       { key: 'unit', label: 'unit' },
       { key: 'percent', label, isNumber: true },
     ],
-    panels: [
-      {
-        title: '',
-        height: rowHeight * chosen.length + 50,
-        hot: { hot: rows.map((_, i) => i) },
-        options: (size) => frame({ theme, ...size, chosen, x, label }, repeatMarks(rows, theme)),
-      },
-    ],
+    panels: [rowsPanel(rows, { theme, chosen, x, label }, repeatMarks)],
     notes: [
       'Each mark is a repeat: its mean over the cycles, compared with the median of the repeats of the same point.',
       ...atText(doc, view, chosen),
