@@ -341,7 +341,7 @@ std::optional<Case> StatementParser::ParseCase() {
                      Concat({"write ", one.name.text, " { … }"}));
       SkipStatement();
     } else if (cursor_.fault_count() > faults && cursor_.AtStatementEnd()) {
-      // What has no block either is no case.
+      // Its name was reported; a missing block would be a second error for the same slip.
     } else if (ParseBlock(one.block, one.name.span)) {
       result = std::move(one);
     }

@@ -78,7 +78,7 @@ class LayeredBenchmark {
   /// False where a `from` leads nowhere, or braces do not match: nothing can be said of what is
   /// set.
   bool is_readable() const { return has_base_ && damage_ != dsl::Damage::kMisnested; }
-  /// Without a statement that could not be read.
+  /// True if every statement could be read.
   bool is_complete() const { return damage_ == dsl::Damage::kNone; }
   const std::vector<CaseAxis>& case_axes() const { return case_axes_; }
   /// `chosen`: an index for each case axis.

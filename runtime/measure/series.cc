@@ -43,7 +43,7 @@ constexpr Series kSeries[] = {
     {"fall_ratio", "stability", kFloat64, kScalar, "",
      "least gain of speed over what gravity gives, dv / (g dt), since the last contact"},
     {"frozen", "stability", kInt32, kScalar, "",
-     "objects of whose way or fall rounding gives or takes more than a tenth"},
+     "objects whose way or fall is off by more than a tenth, by rounding"},
     {"lost_way", "stability", kFloat64, kScalar, "",
      "largest way that rounding gave or took of an object since it was last pushed, over its least "
      "side"},
