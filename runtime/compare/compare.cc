@@ -22,7 +22,7 @@ PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b,
 
 }  // namespace
 
-Comparison Compare(ComparedFile& a, ComparedFile& b, const CompareOptions& options) {
+Comparison Compare(const ComparedFile& a, const ComparedFile& b, const CompareOptions& options) {
   Comparison made = {&a, &b, MatchBenchmarks(a, b, options), {}, {}, {}, {}};
   made.setup = CompareSetups(a, b, made.match);
   made.states = CompareStates(a, b, made.match);

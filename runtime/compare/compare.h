@@ -34,7 +34,7 @@ struct Comparison {
 };
 /// Throws StoreError for unlike scenes, points that do not match, and if options ask for what the
 /// files do not have. Not judged yet.
-Comparison Compare(ComparedFile& a, ComparedFile& b, const CompareOptions& options);
+Comparison Compare(const ComparedFile& a, const ComparedFile& b, const CompareOptions& options);
 
 /// Judges the times of all comparisons of a command as one family of tests.
 void JudgeAll(const std::vector<Comparison*>& comparisons, const CompareOptions& options);

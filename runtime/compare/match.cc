@@ -216,8 +216,7 @@ ComparedFile::ComparedFile(const std::filesystem::path& path, std::string name_o
     : name(std::move(name_of)),
       file(path),
       plan(report::ReadPlan(file)),
-      points(report::MeasuredPoints(file, false)),
-      times(file) {}
+      points(report::MeasuredPoints(file, false)) {}
 
 std::vector<AxisSelection> ParseSelections(const std::vector<std::string>& texts) {
   std::vector<AxisSelection> selections;

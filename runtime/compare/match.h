@@ -6,13 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/cycle_times.h"
 #include "runtime/report/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::compare {
 
-/// A results file of a comparison, with what is read from it once. Not for several threads.
+/// A results file of a comparison, with what is read from it once.
 struct ComparedFile {
   /// `name`: for people, unlike that of the other files. Throws StoreError.
   ComparedFile(const std::filesystem::path& path, std::string name);
@@ -23,7 +22,6 @@ struct ComparedFile {
   const store::ResultFile file;
   const std::optional<plan::Plan> plan;  ///< nullopt for that of another version of cdb
   const std::vector<report::MeasuredPoint> points;
-  report::CycleTimes times;
 };
 
 /// `--select detector=sap`: the points with one of `values` on an axis.

@@ -9,6 +9,7 @@
 
 #include "runtime/compare/result.h"
 #include "runtime/report/cells.h"
+#include "runtime/report/cycle_times.h"
 #include "runtime/report/show_noise.h"
 
 namespace cdb::compare {
@@ -126,11 +127,13 @@ class ComparisonText {
   }
 
   std::vector<std::string> StatisticNotes() const {
-    const std::uint64_t n_a = of_.a->file.repeats(), n_b = of_.b->file.repeats();
-    const std::string statistic =
-        n_a == 1 && n_b == 1
-            ? "Mean"
-            : fmt::format("Median over {} and {} repeats per cycle, then mean", n_a, n_b);
+    const std::size_t n_a = of_.a->file.repeats(), n_b = of_.b->file.repeats();
+    std::string statistic = "Mean";
+    if (const std::size_t m = report::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
+      statistic = fmt::format(
+          "Fastest of {} repeats per cycle, the mean over all choices of so many (of {} and {}), "
+          "then mean",
+          m, n_a, n_b);
     std::vector<std::string> notes = {
         fmt::format("{} over cycles. Below 1: {} is faster.", statistic, b_)};
     if (of_.times.has_intervals)

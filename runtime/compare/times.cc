@@ -8,16 +8,32 @@
 #include <cmath>
 #include <map>
 
+#include "runtime/report/cycle_times.h"
+
 namespace cdb::compare {
 namespace {
 
 using measure::Phase;
 
+/// Of how many repeats the fastest counts: cycle_times.h.
+std::size_t FastestOf(const ComparedFile& a, const ComparedFile& b) {
+  return report::FastestOf(std::min(a.file.repeats(), b.file.repeats()));
+}
+
+report::CycleTimes TimesOf(const ComparedFile& of, const ComparedFile& other) {
+  return report::CycleTimes(of.file, report::CycleStatistic::kMean, FastestOf(of, other));
+}
+
 class TimeComparer {
  public:
-  TimeComparer(ComparedFile& a, ComparedFile& b, const PointMatch& match,
+  TimeComparer(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
                std::optional<Phase> phase)
-      : a_(a), b_(b), match_(match), test_(a.times.bootstrap(), b.times.bootstrap()) {
+      : a_(a),
+        b_(b),
+        match_(match),
+        times_a_(TimesOf(a, b)),
+        times_b_(TimesOf(b, a)),
+        test_(times_a_.bootstrap(), times_b_.bootstrap()) {
     for (const report::MeasuredPoint& point : a.points) measured_a_[point.at] = &point;
     for (const report::MeasuredPoint& point : b.points) measured_b_[point.at] = &point;
     for (std::size_t i = 0; i < measure::kPhaseCount; ++i)
@@ -72,8 +88,8 @@ class TimeComparer {
   void AddPoint(std::size_t i) {
     TimedPoint timed = {i, {}};
     for (const Phase phase : phases_) {
-      const report::Estimate &a = a_.times.Of(*MeasuredA(i), phase).mean,
-                             &b = b_.times.Of(*MeasuredB(i), phase).mean;
+      const report::Estimate &a = times_a_.Of(*MeasuredA(i), phase).mean,
+                             &b = times_b_.Of(*MeasuredB(i), phase).mean;
       // A phase that was omitted has no times.
       if (!(a.value > 0) || !(b.value > 0)) continue;
       const Change change = ChangeOf(a, b);
@@ -132,13 +148,15 @@ class TimeComparer {
   }
 
   /// Points are to the overhead what cycles are to a time: one measurement of each in each repeat.
-  report::Estimate HarnessOf(const ComparedFile& of, bool is_a) const {
+  report::Estimate HarnessOf(const ComparedFile& of, bool is_a) {
     std::vector<std::vector<double>> repeats(of.file.repeats());
     for (const TimedPoint& point : made_.points)
       for (const store::ResultFile::Cell& cell :
            (is_a ? MeasuredA(point.point) : MeasuredB(point.point))->cells)
         repeats[cell.rep].push_back(of.file.ReadReal("harness", cell));
-    return report::TimesOver(repeats, of.times.bootstrap()).mean;
+    return report::TimesOver(repeats, (is_a ? times_a_ : times_b_).bootstrap(),
+                             report::CycleStatistic::kMean, FastestOf(a_, b_))
+        .mean;
   }
 
   void CompareHarness() {
@@ -147,8 +165,9 @@ class TimeComparer {
     if (std::isfinite(tested.ratio)) made_.harness = tested;
   }
 
-  ComparedFile &a_, &b_;
+  const ComparedFile &a_, &b_;
   const PointMatch& match_;
+  report::CycleTimes times_a_, times_b_;
   const ChangeTest test_;
   std::map<report::Point, const report::MeasuredPoint*> measured_a_, measured_b_;
   std::vector<Phase> phases_;
@@ -169,7 +188,7 @@ void JudgeFamily(const std::vector<JudgedChange*>& family, Adjust adjust, double
 
 }  // namespace
 
-TimeComparison CompareTimes(ComparedFile& a, ComparedFile& b, const PointMatch& match,
+TimeComparison CompareTimes(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
                             std::optional<Phase> phase) {
   return TimeComparer(a, b, match, phase).Compare();
 }

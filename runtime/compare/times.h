@@ -67,7 +67,7 @@ struct TimeComparison {
 };
 
 /// `phase`: that alone; by default all. Not judged yet.
-TimeComparison CompareTimes(ComparedFile& a, ComparedFile& b, const PointMatch& match,
+TimeComparison CompareTimes(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
                             std::optional<measure::Phase> phase);
 
 /// Corrects for all tests of `comparisons` together, and judges: groups by Holm, points by

@@ -105,7 +105,7 @@ void Bootstrap::AddDraws(std::size_t thing, std::size_t left, Draw& draw) {
 }
 
 IntervalKind Bootstrap::kind() const {
-  if (n_ < 2) return IntervalKind::kNone;
+  if (n_ < 2) return IntervalKind::kAbsent;
   return n_ < kLeastForInterval ? IntervalKind::kRange : IntervalKind::kInterval;
 }
 
@@ -120,7 +120,7 @@ Estimate Bootstrap::MeanEstimate(const std::vector<double>& values) const {
 }
 
 Interval Bootstrap::IntervalOf(const Estimate& estimate) const {
-  if (kind() == IntervalKind::kNone || estimate.things < n_) return {kNone, kNone};
+  if (kind() == IntervalKind::kAbsent || estimate.things < n_) return {kNone, kNone};
   std::vector<std::pair<double, double>> weighted;
   for (std::size_t i = 0; i < draws_.size(); ++i) {
     if (!std::isfinite(estimate.drawn[i])) return {kNone, kNone};
@@ -139,7 +139,7 @@ Interval Bootstrap::IntervalOf(const Estimate& estimate) const {
 }
 
 double Bootstrap::LogVariance(const Estimate& estimate) const {
-  if (kind() == IntervalKind::kNone || estimate.things < n_) return kNone;
+  if (kind() == IntervalKind::kAbsent || estimate.things < n_) return kNone;
   double mean = 0, square = 0;
   for (std::size_t i = 0; i < draws_.size(); ++i)
     mean += draws_[i].weight * std::log(estimate.drawn[i]);

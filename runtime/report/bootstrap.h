@@ -42,7 +42,7 @@ Estimate RatioOf(const Estimate& above, const Estimate& below);
 Estimate Scaled(Estimate estimate, double factor);
 
 enum class IntervalKind {
-  kNone,      ///< of a single thing
+  kAbsent,    ///< of a single thing
   kRange,     ///< of too few for an interval
   kInterval,  ///< of 95 %
 };

@@ -39,6 +39,27 @@ double MedianOf(const SortedCycle& cycle, const std::vector<std::uint32_t>& coun
   return (low + middle->first) / 2;
 }
 
+/// Of the values, each as often as `counts` says of its repeat: the least of `chosen`, in the mean
+/// over all choices of so many. NaN where there is none.
+double FastestOfChosen(const SortedCycle& cycle, const std::vector<std::uint32_t>& counts,
+                       std::size_t chosen) {
+  std::size_t total = 0;
+  for (const auto& [time, repeat] : cycle) total += counts[repeat];
+  if (total == 0) return kNone;
+  chosen = std::min(chosen, total);
+  double mean = 0, above = 1;  // the part of the choices that lie in what is left
+  std::size_t left = total;
+  for (const auto& [time, repeat] : cycle) {
+    double still = above;
+    for (std::uint32_t i = 0; i < counts[repeat]; ++i, --left)
+      still *= left > chosen ? static_cast<double>(left - chosen) / static_cast<double>(left) : 0;
+    mean += (above - still) * time;
+    if (still == 0) break;
+    above = still;
+  }
+  return mean;
+}
+
 std::vector<SortedCycle> SortCycles(const std::vector<std::vector<double>>& repeats) {
   std::vector<SortedCycle> cycles;
   for (std::size_t r = 0; r < repeats.size(); ++r) {
@@ -49,19 +70,19 @@ std::vector<SortedCycle> SortCycles(const std::vector<std::vector<double>>& repe
   return cycles;
 }
 
-/// Limits times far from `medians`, the time of each cycle (cycle_times.h).
-void Winsorise(std::vector<SortedCycle>& cycles, const std::vector<double>& medians) {
+/// Limits times far from `typical`, the time of each cycle (cycle_times.h).
+void Winsorise(std::vector<SortedCycle>& cycles, const std::vector<double>& typical) {
   std::vector<double> distances;
   for (std::size_t c = 0; c < cycles.size(); ++c)
     for (const auto& [time, repeat] : cycles[c])
-      if (medians[c] > 0) distances.push_back(std::fabs(time - medians[c]) / medians[c]);
+      if (typical[c] > 0) distances.push_back(std::fabs(time - typical[c]) / typical[c]);
   if (distances.empty()) return;
   std::ranges::sort(distances);
   const double limit = std::max(kFarOff * kDeviation * Percentile(distances, 0.5),
                                 Percentile(distances, 1 - kMostStalls));
   for (std::size_t c = 0; c < cycles.size(); ++c)
     for (auto& [time, repeat] : cycles[c])
-      time = std::clamp(time, medians[c] * (1 - limit), medians[c] * (1 + limit));
+      time = std::clamp(time, typical[c] * (1 - limit), typical[c] * (1 + limit));
 }
 
 constexpr std::string_view kStatisticNames[] = {"mean", "median", "p5",   "p95",
@@ -116,12 +137,14 @@ Estimate WorstOf(const std::vector<std::vector<double>>& repeats, const Bootstra
 std::span<const std::string_view> CycleStatisticNames() { return kStatisticNames; }
 
 PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap,
-                     CycleStatistic statistic) {
+                     CycleStatistic statistic, std::optional<std::size_t> fastest_of) {
   std::vector<SortedCycle> cycles = SortCycles(repeats);
   const auto over_cycles = [&](const std::vector<std::uint32_t>& counts) {
     std::vector<double> times;
     times.reserve(cycles.size());
-    for (const SortedCycle& cycle : cycles) times.push_back(MedianOf(cycle, counts));
+    for (const SortedCycle& cycle : cycles)
+      times.push_back(fastest_of ? FastestOfChosen(cycle, counts, *fastest_of)
+                                 : MedianOf(cycle, counts));
     return times;
   };
   PhaseTimes times;
@@ -142,6 +165,11 @@ PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Boot
   return times;
 }
 
+std::size_t FastestOf(std::size_t repeats) {
+  const double few = std::floor(2 * std::sqrt(static_cast<double>(repeats)));
+  return std::min(repeats, static_cast<std::size_t>(few));
+}
+
 const PhaseTimes& CycleTimes::Of(const MeasuredPoint& point, measure::Phase phase) {
   const auto [found, is_new] = points_.try_emplace(point.at);
   if (is_new) {
@@ -152,7 +180,7 @@ const PhaseTimes& CycleTimes::Of(const MeasuredPoint& point, measure::Phase phas
       for (std::size_t i = 0; i < repeats.size(); ++i)
         repeats[i][cell.rep] = file_.ReadDuration(static_cast<measure::Phase>(i), cell);
     for (std::size_t i = 0; i < repeats.size(); ++i)
-      found->second[i] = TimesOver(repeats[i], bootstrap_, statistic_);
+      found->second[i] = TimesOver(repeats[i], bootstrap_, statistic_, fastest_of_);
   }
   return found->second[measure::IndexOf(phase)];
 }
@@ -171,7 +199,7 @@ std::string_view CycleTimes::StatisticHead() const {
 }
 
 std::string CycleTimes::IntervalName() const {
-  if (bootstrap_.kind() == IntervalKind::kNone) return "";
+  if (bootstrap_.kind() == IntervalKind::kAbsent) return "";
   return bootstrap_.kind() == IntervalKind::kRange ? "range" : "95 % interval";
 }
 
@@ -202,7 +230,7 @@ std::string CycleTimes::StatisticAndIntervalLine(bool pools) const {
 std::string CycleTimes::IntervalLine(bool lacks_repeats) const {
   const char* lack = lacks_repeats ? " -: a repeat is missing or void." : "";
   switch (bootstrap_.kind()) {
-    case IntervalKind::kNone:
+    case IntervalKind::kAbsent:
       return "  No interval: one repeat.\n";
     case IntervalKind::kRange:
       return fmt::format(

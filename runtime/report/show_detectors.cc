@@ -52,7 +52,7 @@ std::string CostsText(const store::ResultFile& file, const std::vector<MeasuredP
   std::vector<DetectorCosts> costs;
   for (const Row& row : rows.rows) costs.push_back(CostsOf(file, row, times));
   const TimeUnit unit = UnitOf(costs);
-  const bool has_intervals = times.bootstrap().kind() != IntervalKind::kNone;
+  const bool has_intervals = times.bootstrap().kind() != IntervalKind::kAbsent;
   RowTable table(file, by, rows.pools);
   table.AddColumn(times.statistic() == CycleStatistic::kWorst ? "worst of any repeat"
                                                               : times.StatisticName());

@@ -88,7 +88,7 @@ class ErrorSummary {
     return text;
   }
 
-  bool HasTimeIntervals() const { return times_.bootstrap().kind() != IntervalKind::kNone; }
+  bool HasTimeIntervals() const { return times_.bootstrap().kind() != IntervalKind::kAbsent; }
   bool HasErrorIntervals() const { return figures_.seed_count > 1; }
   IntervalKind ErrorKind() const { return Bootstrap(figures_.seed_count).kind(); }
 

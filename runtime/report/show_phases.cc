@@ -25,7 +25,7 @@ class PhaseTables {
         phases_(phases.empty() ? AllPhases() : phases),
         rows_(MatchRows(points, by)),
         has_times_(file.Has("duration")),
-        has_intervals_(has_times_ && times.bootstrap().kind() != IntervalKind::kNone),
+        has_intervals_(has_times_ && times.bootstrap().kind() != IntervalKind::kAbsent),
         unit_(UnitOf()) {}
 
   std::string Text() {

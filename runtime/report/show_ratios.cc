@@ -63,7 +63,7 @@ class RatioTable {
   }
 
  private:
-  bool HasIntervals() const { return times_.bootstrap().kind() != IntervalKind::kNone; }
+  bool HasIntervals() const { return times_.bootstrap().kind() != IntervalKind::kAbsent; }
   std::size_t HeadSize() const { return std::max<std::size_t>(1, others_.size()); }
 
   void AddPoint(Table& table, const ComparedPoint& point, measure::Phase phase) {

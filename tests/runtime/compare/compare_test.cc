@@ -343,8 +343,8 @@ TEST(Compare, ShowsAHistoryWithItsSteps) {
   const std::string text = compare::TerminalText(compare::HistoryDocument(
       compared.histories(), {"a.h5", "b.h5", "c.h5", "d.h5"}, compared.options()));
   ExpectSays(text, "From file to file The same machine, versions and facts");
-  ExpectSays(text, "fixture sap 1.000 0.9994 1.079 1.081 ▁▁██ c.h5 +8.0 %");
-  ExpectSays(text, "SLOWER: fixture, from b.h5 to c.h5: sap +8.0 % (+7.5 .. +8.4 %)");
+  ExpectSays(text, "fixture sap 1.000 0.9995 1.079 1.080 ▁▁██ c.h5 +8.0 %");
+  ExpectSays(text, "SLOWER: fixture, from b.h5 to c.h5: sap +8.0 % (+7.6 .. +8.4 %)");
   ExpectSays(text, "▄▄▄▄ none");
   ExpectSays(text,
              "WORSE: the last file relative to the first, by more than 5 %, exit status 4: fixture "

@@ -34,7 +34,7 @@ TEST(Bootstrap, HasAllDrawsOfAFewAndSomeOfMore) {
 }
 
 TEST(Bootstrap, CallsARangeWhatIsOfTooFew) {
-  EXPECT_EQ(Bootstrap(1).kind(), IntervalKind::kNone);
+  EXPECT_EQ(Bootstrap(1).kind(), IntervalKind::kAbsent);
   EXPECT_EQ(Bootstrap(4).kind(), IntervalKind::kRange);
   EXPECT_EQ(Bootstrap(5).kind(), IntervalKind::kInterval);
   const auto interval_of = [](const std::vector<double>& values) {

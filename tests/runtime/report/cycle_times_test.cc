@@ -18,6 +18,45 @@ TEST(CycleTimes, AreMediansOverTheRepeatsAndMeansOverTheCycles) {
   EXPECT_EQ(TimesOver({{1, 10}, {3, 30}}, Bootstrap(2)).cycles, (std::vector<double>{2, 20}));
 }
 
+/// Of one cycle.
+double CycleOfFastest(std::size_t chosen, const std::vector<double>& repeats) {
+  std::vector<std::vector<double>> cycles;
+  for (const double ns : repeats) cycles.push_back({ns});
+  return TimesOver(cycles, Bootstrap(repeats.size()), report::CycleStatistic::kMean, chosen)
+      .cycles[0];
+}
+
+TEST(CycleTimes, AreOfTheFastestRepeatsForComparisons) {
+  EXPECT_EQ(CycleOfFastest(1, {7}), 7);
+  EXPECT_EQ(CycleOfFastest(4, {5, 3, 9, 4}), 3);
+  // Of 1 the mean; of 2 the six pairs have 1 thrice, 2 twice, and 3.
+  EXPECT_DOUBLE_EQ(CycleOfFastest(1, {4, 1, 3, 2}), 2.5);
+  EXPECT_DOUBLE_EQ(CycleOfFastest(2, {4, 1, 3, 2}), (1 * 3 + 2 * 2 + 3) / 6.0);
+  EXPECT_DOUBLE_EQ(CycleOfFastest(3, {4, 1, 3, 2}), (1 * 3 + 2) / 4.0);
+}
+
+TEST(CycleTimes, TakeTheFastestOfFew) {
+  EXPECT_EQ(report::FastestOf(1), 1u);
+  EXPECT_EQ(report::FastestOf(3), 3u);
+  EXPECT_EQ(report::FastestOf(9), 6u);
+  EXPECT_EQ(report::FastestOf(45), 13u);
+}
+
+TEST(CycleTimes, OfTheFastestDrawLikeTheOthers) {
+  // A draw with the repeats 2, 2, 3 counts as 2, 2, 3, not as 2, 3.
+  const PhaseTimes times =
+      TimesOver({{1}, {2}, {4}}, Bootstrap(3), report::CycleStatistic::kMean, 2);
+  const Bootstrap bootstrap(3);
+  for (std::size_t i = 0; i < bootstrap.draws().size(); ++i) {
+    const std::vector<std::uint32_t>& counts = bootstrap.draws()[i].counts;
+    if (counts == std::vector<std::uint32_t>{0, 2, 1}) {
+      EXPECT_DOUBLE_EQ(times.mean.drawn[i], 2);
+    } else if (counts == std::vector<std::uint32_t>{0, 1, 2}) {
+      EXPECT_DOUBLE_EQ(times.mean.drawn[i], (2 * 2 + 4) / 3.0);
+    }
+  }
+}
+
 TEST(CycleTimes, AStallInOneRepeatDoesNotCount) {
   std::vector<std::vector<double>> repeats(5, std::vector<double>(100, 7));
   for (std::size_t r = 0; r < 5; ++r) repeats[r][10 * r] = 1e6;
