@@ -92,7 +92,7 @@ dsl::RenderOptions RenderOptionsForTerminal() {
 
 compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
                                   const std::optional<std::string>& benchmark,
-                                  const std::vector<std::string>& plugins) {
+                                  const std::vector<std::string>& plugins, bool lists_runs) {
   const auto describe = [](const std::string& path, std::string& why) {
     return process::ProbePlugin(process::FindAnyWorker(), path, why);
   };
@@ -101,14 +101,15 @@ compiler::Compilation CompileWith(const std::string& file, const scenario::ReadF
                             benchmark,
                             {plugins, describe},
                             ReadTraceAt,
-                            closed_forms::FindSceneFault});
+                            closed_forms::FindSceneFault,
+                            lists_runs});
 }
 
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
-                                       const std::vector<std::string>& plugins) {
+                                       const std::vector<std::string>& plugins, bool lists_runs) {
   compiler::Compilation result =
-      CompileWith(FindScenario(file), compiler::ReadFromDisk, benchmark, plugins);
+      CompileWith(FindScenario(file), compiler::ReadFromDisk, benchmark, plugins, lists_runs);
   dsl::Diagnostics shown;
   for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
     if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))
