@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "compiler/plan/plan_yaml_writer.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"
 
@@ -12,6 +13,12 @@ namespace {
 
 constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
 constexpr std::uint64_t kNotChosen = std::numeric_limits<std::uint64_t>::max();
+
+Subgrid WholeGrid(const Grid& grid) {
+  AxisSet all(grid.head.axes.size());
+  for (std::size_t axis = 0; axis < all.size(); ++axis) all[axis] = axis;
+  return {all, grid.extents()};
+}
 
 }  // namespace
 
@@ -102,17 +109,31 @@ Cursor::Cursor(const Grid& grid) : grid_(grid) {
   local_.assign(extents.size(), 0);
 }
 
-bool Cursor::MoveTo(const Point& place) {
+std::size_t Cursor::BlockAt(const Point& place) const {
   std::size_t block = 0;
   for (const std::size_t axis : grid_.case_axes)
     block = block * grid_.head.axes[axis].values.size() + place[axis];
-  Point local(place.size());
+  return block;
+}
+
+bool Cursor::FindLocal(const Point& place, Point& local) const {
+  const std::size_t block = BlockAt(place);
   for (std::size_t axis = 0; axis < place.size(); ++axis) {
     local[axis] = locals_[block][axis][place[axis]];
     if (local[axis] == kNowhere) return false;
   }
-  if (grid_.blocks[block].IsSkipped(local)) return false;
-  MoveTo(block, local);
+  return !grid_.blocks[block].IsSkipped(local);
+}
+
+bool Cursor::HasRun(const Point& place) const {
+  Point local(place.size());
+  return FindLocal(place, local);
+}
+
+bool Cursor::MoveTo(const Point& place) {
+  Point local(place.size());
+  if (!FindLocal(place, local)) return false;
+  MoveTo(BlockAt(place), local);
   return true;
 }
 
@@ -141,24 +162,51 @@ plan::Scene Cursor::MakeScene() const {
   return scene;
 }
 
-plan::Plan ListRuns(const Grid& grid) {
-  plan::Plan plan = grid.head;
+void ForEachPoint(const Grid& grid,
+                  const std::function<bool(const Cursor& cursor, const Point& place)>& visit) {
   Cursor cursor(grid);
-  AxisSet all(plan.axes.size());
-  for (std::size_t axis = 0; axis < all.size(); ++axis) all[axis] = axis;
-  const Subgrid whole(all, grid.extents());
-  Point place(all.size(), 0);
+  const Subgrid whole = WholeGrid(grid);
+  Point place(grid.head.axes.size(), 0);
   do {
-    if (!cursor.MoveTo(place)) {
-      plan.skipped.push_back(place);
-      continue;
-    }
+    if (cursor.MoveTo(place) && !visit(cursor, place)) return;
+  } while (whole.Advance(place));
+}
+
+void ForEachSkipped(const Grid& grid, const std::function<void(const Point& place)>& visit) {
+  const Subgrid whole = WholeGrid(grid);
+  if (grid.point_count == whole.size()) return;
+  const Cursor cursor(grid);
+  Point place(grid.head.axes.size(), 0);
+  do {
+    if (!cursor.HasRun(place)) visit(place);
+  } while (whole.Advance(place));
+}
+
+plan::Plan ListRuns(const Grid& grid, std::uint64_t most) {
+  plan::Plan plan = grid.head;
+  const bool is_whole = grid.point_count <= most;
+  if (is_whole) ForEachSkipped(grid, [&](const Point& place) { plan.skipped.push_back(place); });
+  ForEachPoint(grid, [&](const Cursor& cursor, const Point& place) {
     const plan::Scene scene = cursor.MakeScene();
     for (std::uint64_t rep = 0; rep < plan.repeats; ++rep)
       plan.runs.push_back({plan::RunId(scene, rep), place, rep, scene, {}, {}});
-  } while (whole.Advance(place));
-  plan::AddReferences(plan);
+    return --most > 0;
+  });
+  if (is_whole) plan::AddReferences(plan);
   return plan;
+}
+
+void WriteYaml(const Grid& grid, const std::function<void(std::string_view)>& write) {
+  plan::PlanWriter writer(grid.head, write);
+  ForEachSkipped(grid, [&](const Point& place) { writer.AddSkipped(place); });
+  ForEachPoint(grid, [&](const Cursor& cursor, const Point& place) {
+    const bool is_traced = plan::TraceOf(cursor.configured()).has_value();
+    const plan::Scene traced = is_traced ? cursor.MakeScene() : plan::Scene();
+    for (std::uint64_t rep = 0; rep < grid.head.repeats; ++rep)
+      writer.AddRun(place, rep, is_traced ? traced : cursor.configured());
+    return true;
+  });
+  writer.Finish();
 }
 
 }  // namespace cdb::grid

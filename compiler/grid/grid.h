@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compiler/grid/subgrid.h"
@@ -85,6 +86,7 @@ class Cursor {
  public:
   explicit Cursor(const Grid& grid);
 
+  bool HasRun(const Point& place) const;
   /// Moves to a place on the grid; false where it has no run.
   bool MoveTo(const Point& place);
   /// The same by a block and a point of it that has a run.
@@ -105,6 +107,10 @@ class Cursor {
     bool is_begun = false;
   };
 
+  std::size_t BlockAt(const Point& place) const;
+  /// False where the place has no run.
+  bool FindLocal(const Point& place, Point& local) const;
+
   const Grid& grid_;
   std::vector<State> states_;
   std::vector<std::vector<Point>> locals_;  ///< by block and axis: the local index of each value
@@ -112,7 +118,16 @@ class Cursor {
   Point local_;
 };
 
-/// Every run of the grid in a list.
-plan::Plan ListRuns(const Grid& grid);
+/// Visits the points that have a run, in grid order; `visit` returns false to stop.
+void ForEachPoint(const Grid& grid,
+                  const std::function<bool(const Cursor& cursor, const Point& place)>& visit);
+/// The points that have none, in grid order.
+void ForEachSkipped(const Grid& grid, const std::function<void(const Point& place)>& visit);
+
+/// Every run of the grid in a list, with references; or only the first `most` points.
+plan::Plan ListRuns(const Grid& grid, std::uint64_t most = static_cast<std::uint64_t>(-1));
+
+/// The plan as YAML, in pieces; one run at a time is in memory.
+void WriteYaml(const Grid& grid, const std::function<void(std::string_view)>& write);
 
 }  // namespace cdb::grid

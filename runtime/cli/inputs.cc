@@ -24,10 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool IsPlanFile(const std::string& file) {
-  return file.ends_with(".yaml") || file.ends_with(".yml");
-}
-
 void CheckBenchmarkName(const std::string& name, const std::vector<std::string>& names,
                         const std::string& file) {
   for (const std::string& known : names)
@@ -62,6 +58,10 @@ std::optional<plan::TraceFacts> ReadTraceAt(const std::string& path, std::string
 }
 
 }  // namespace
+
+bool IsPlanFile(const std::string& file) {
+  return file.ends_with(".yaml") || file.ends_with(".yml");
+}
 
 std::string ScenarioLibrary() {
   std::error_code error;
@@ -145,6 +145,17 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
   return std::move(result.plans);
+}
+
+std::vector<grid::Grid> LoadGrids(const std::string& file,
+                                  const std::optional<std::string>& benchmark, LintText lints,
+                                  const std::vector<std::string>& plugins) {
+  compiler::Compilation result =
+      CompileAndReport(file, benchmark, lints, plugins, /*lists_runs=*/false);
+  for (grid::Grid& grid : result.grids) grid.head.source = file;
+  if (!result.diagnostics.has_errors() && benchmark)
+    CheckBenchmarkName(*benchmark, result.benchmarks, file);
+  return std::move(result.grids);
 }
 
 void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,

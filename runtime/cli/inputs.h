@@ -52,6 +52,14 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
                                   const std::vector<std::string>& plugins = {},
                                   std::vector<schema::PluginDetector>* named = nullptr);
 
+/// The grids of a `.cdb` file, as LoadPlans; their runs are not listed.
+std::vector<grid::Grid> LoadGrids(const std::string& file,
+                                  const std::optional<std::string>& benchmark, LintText lints,
+                                  const std::vector<std::string>& plugins);
+
+/// A plan as YAML, by its name.
+bool IsPlanFile(const std::string& file);
+
 /// Throws CommandError for a word that neither the parameter nor, where it takes detectors,
 /// `plugins` has, or that is there twice.
 void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,
