@@ -35,15 +35,24 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
   for (const scenario::BenchmarkRef& benchmark : benchmarks) {
     const bool is_asked_for =
         !options.benchmark || *options.benchmark == benchmark.benchmark->name.text;
-    auto plan = Expand(*scenario, benchmark, options.find_fault, result.diagnostics, is_asked_for);
-    if (!plan || !is_asked_for) continue;
-    plan->benchmark = benchmark.benchmark->name.text;
-    plan->title = benchmark.benchmark->title;
-    plan->source = path;
-    plan->scenario_text = scenario->FullText();
-    result.plans.push_back(std::move(*plan));
+    auto grid = Expand(scenario, benchmark, options.find_fault, result.diagnostics, is_asked_for);
+    if (!grid || !is_asked_for) continue;
+    if (options.lists_runs && grid->run_count() > kMostListed)
+      result.diagnostics.Report(
+          scenario::kTooManyRuns, benchmark.benchmark->name.span,
+          fmt::format("this benchmark has {} runs", grid->run_count()),
+          fmt::format("a command that lists them takes {} at most; leave some out by `skip`, or "
+                      "split the benchmark",
+                      kMostListed));
+    grid->head.benchmark = benchmark.benchmark->name.text;
+    grid->head.title = benchmark.benchmark->title;
+    grid->head.source = path;
+    grid->head.scenario_text = scenario->FullText();
+    result.grids.push_back(std::move(*grid));
   }
-  if (result.diagnostics.has_errors()) result.plans.clear();
+  if (result.diagnostics.has_errors()) result.grids.clear();
+  if (options.lists_runs)
+    for (const grid::Grid& grid : result.grids) result.plans.push_back(grid::ListRuns(grid));
   return result;
 }
 

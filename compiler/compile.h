@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/grid/grid.h"
 #include "compiler/plan/plan.h"
 #include "compiler/plan/scene_fault.h"
 #include "compiler/scenario/scenario.h"
@@ -20,13 +21,19 @@ struct CompileOptions {
   plan::ReadTrace read_trace = {};  ///< without it no `trace` can be read
   /// Without it, objects that cannot be placed and wrong closed forms show in runs only.
   plan::FindSceneFault find_fault = {};
+  /// Fills Compilation::plans; a benchmark with more than kMostListed runs is an error then.
+  bool lists_runs = true;
 };
+
+/// Runs of a plan that is held in memory run by run.
+inline constexpr std::uint64_t kMostListed = 100'000;
 
 /// What came of it. Diagnostics point into `scenario`, which has to be kept as long as they are.
 struct Compilation {
   std::shared_ptr<const scenario::Scenario> scenario;
   dsl::Diagnostics diagnostics;
-  std::vector<plan::Plan> plans;        ///< empty where there are errors
+  std::vector<grid::Grid> grids;        ///< empty where there are errors
+  std::vector<plan::Plan> plans;        ///< of `grids`, run by run, where that was asked for
   std::vector<std::string> benchmarks;  ///< of the file, by name
 };
 

@@ -3,19 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
+#include <deque>
+#include <limits>
+#include <unordered_map>
 #include <utility>
 
-#include "compiler/checks/lint_findings.h"
-#include "compiler/checks/scene_checks.h"
-#include "compiler/checks/scene_faults.h"
-#include "compiler/evaluate/configuration.h"
+#include "compiler/block_maker.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/dependencies.h"
-#include "compiler/evaluate/ranges.h"
-#include "compiler/plan/reference.h"
+#include "compiler/grid/survey.h"
+#include "compiler/grid_checks.h"
 #include "compiler/plan/requested_errors.h"
-#include "compiler/plan/trace.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/result_names.h"
 
@@ -23,6 +21,11 @@ namespace cdb::compiler {
 namespace {
 
 constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
+/// Choices of cases, each of which is laid out by itself.
+constexpr double kMostCases = 100'000;
+/// Points of a grid: the results have a cell for each, also where `skip` leaves it out.
+constexpr double kMostPoints = 1e9;
+constexpr double kMostRuns = 1e8;
 /// What an axis holds in a case that has no value for it.
 constexpr std::string_view kNoValue = "none";
 
@@ -32,59 +35,48 @@ struct GridAxis {
   std::pair<int, int> order;
   const evaluate::SweepAxis* sweep = nullptr;  ///< one of those it was made from; null for cases
   std::size_t case_axis = kNowhere;
-  std::vector<std::vector<plan::Coordinate>> values;  ///< by configuration
+  std::vector<std::vector<plan::Coordinate>> values;        ///< by configuration
+  std::unordered_map<plan::Coordinate, std::size_t> index;  ///< of each value
 };
 
 class Expander {
  public:
-  Expander(const scenario::Scenario& scenario, const scenario::BenchmarkRef& benchmark,
-           const plan::FindSceneFault& find_fault, dsl::Diagnostics& diagnostics, bool lints)
-      : scenario_(scenario),
+  Expander(std::shared_ptr<const scenario::Scenario> scenario,
+           const scenario::BenchmarkRef& benchmark, const plan::FindSceneFault& find_fault,
+           dsl::Diagnostics& diagnostics, bool lints)
+      : scenario_(std::move(scenario)),
         benchmark_(benchmark),
+        find_fault_(find_fault),
         diagnostics_(diagnostics),
         lints_(lints),
         errors_before_(diagnostics.error_count()),
-        layered_(scenario, benchmark, diagnostics),
-        checks_(benchmark.benchmark->name.span, diagnostics),
-        faults_(benchmark.benchmark->name.span, find_fault, diagnostics),
-        findings_(benchmark.benchmark->name.span, diagnostics) {}
+        layered_(*scenario_, benchmark, diagnostics) {}
 
-  std::optional<plan::Plan> Run() {
+  std::optional<grid::Grid> Run() {
     if (!layered_.is_readable() || !Configure()) return std::nullopt;
     MakeAxes();
     CheckAxisNames({});
     const bool countable = !Failed() && layered_.is_complete() && !HasUnreadSkip();
-    if (!countable || !CountRuns()) {
+    if (!countable || !MakeHead() || !MakeBlocks()) {
       // No grid, but each setting can still be looked at.
       for (const auto& configuration : configurations_) configuration->CheckSettings();
       return std::nullopt;
     }
-    MakeRuns();
-    if (Failed() || broken_) return std::nullopt;
-    CheckAxisNames(plan::ErrorsOf(plan_));
-    if (Failed()) return std::nullopt;
-    plan::AddReferences(plan_);
-    if (plan_.runs.empty()) {
-      diagnostics_.Report(scenario::kNoRuns, benchmark_.benchmark->name.span,
-                          fmt::format("'{}' has no run left", benchmark_.benchmark->name.text),
-                          "its `skip` leaves out every point");
-      return std::nullopt;
-    }
-    faults_.Report(plan_.runs.size());
-    findings_.Report(plan_.runs.size());
-    if (Failed()) return std::nullopt;
-    return std::move(plan_);
+    AddSettings();
+    CheckScenes();
+    if (Failed() || is_broken_) return std::nullopt;
+    return std::move(grid_);
   }
 
  private:
   bool Failed() const { return diagnostics_.error_count() > errors_before_; }
 
-  bool TooMany(double count, const dsl::Span& span) {
-    diagnostics_.Report(
-        scenario::kTooManyRuns, span, fmt::format("this benchmark has {:.6g} runs", count),
-        fmt::format("a plan holds at most {}; leave some out by `skip` or split the "
-                    "benchmark",
-                    evaluate::kMaxRuns));
+  bool TooMany(double count, double most, std::string_view what) {
+    diagnostics_.Report(scenario::kTooManyRuns, benchmark_.benchmark->name.span,
+                        fmt::format("this benchmark has {:.6g} {}", count, what),
+                        fmt::format("the limit is {:g}; leave some out by `skip` or split the "
+                                    "benchmark",
+                                    most));
     return false;
   }
 
@@ -94,12 +86,11 @@ class Expander {
       case_extents_.push_back(axis.names.size());
       count *= static_cast<double>(axis.names.size());
     }
-    if (count > static_cast<double>(evaluate::kMaxRuns))
-      return TooMany(count, benchmark_.benchmark->name.span);
+    if (count > kMostCases) return TooMany(count, kMostCases, "choices of cases");
     evaluate::Point chosen(case_extents_.size(), 0);
     do {
-      configurations_.push_back(
-          std::make_unique<evaluate::Configuration>(scenario_, layered_.Lay(chosen), diagnostics_));
+      configurations_.push_back(std::make_shared<evaluate::Configuration>(
+          *scenario_, layered_.Lay(chosen), diagnostics_));
     } while (evaluate::Advance(chosen, case_extents_));
     return true;
   }
@@ -120,17 +111,17 @@ class Expander {
       axis.axis.values.assign(cases.names.begin(), cases.names.end());
       axis.order = {cases.order, -1};
       axis.case_axis = i;
-      grid_.push_back(std::move(axis));
+      axes_.push_back(std::move(axis));
     }
     for (const auto& configuration : configurations_)
       for (const evaluate::SweepAxis& sweep : configuration->axes()) Merge(sweep);
-    std::ranges::stable_sort(grid_, {}, &GridAxis::order);
-    for (GridAxis& axis : grid_)
+    std::ranges::stable_sort(axes_, {}, &GridAxis::order);
+    for (GridAxis& axis : axes_)
       if (axis.sweep != nullptr) FillValues(axis);
   }
 
   void Merge(const evaluate::SweepAxis& sweep) {
-    for (GridAxis& axis : grid_) {
+    for (GridAxis& axis : axes_) {
       if (axis.axis.name != sweep.name) continue;
       if (axis.sweep == nullptr) {
         diagnostics_.Report(scenario::kAxisTwice, sweep.span,
@@ -147,12 +138,12 @@ class Expander {
     axis.axis.unit = sweep.unit;
     axis.order = sweep.order;
     axis.sweep = &sweep;
-    grid_.push_back(std::move(axis));
+    axes_.push_back(std::move(axis));
   }
 
   /// An axis is a variable of the results, so it cannot have the name of another.
   void CheckAxisNames(const std::vector<const schema::ErrorInfo*>& errors) {
-    for (const GridAxis& axis : grid_) {
+    for (const GridAxis& axis : axes_) {
       const std::string& name = axis.axis.name;
       const auto clash = schema::FindNameClash(name, errors);
       if (!clash) continue;
@@ -187,19 +178,23 @@ class Expander {
     for (auto& here : axis.values) {
       for (plan::Coordinate& value : here) {
         if (text && value.index() == 0) value = schema::FormatReal(std::get<double>(value));
-        if (std::ranges::find(axis.axis.values, value) == axis.axis.values.end())
+        if (axis.index.try_emplace(value, axis.axis.values.size()).second)
           axis.axis.values.push_back(value);
       }
     }
   }
 
-  bool CountRuns() {
-    double count = 1;
-    for (const GridAxis& axis : grid_) {
-      extents_.push_back(axis.axis.values.size());
-      count *= static_cast<double>(axis.axis.values.size());
-      plan_.axes.push_back(axis.axis);
-    }
+  /// Axes and repeats.
+  bool MakeHead() {
+    for (const GridAxis& axis : axes_) grid_.head.axes.push_back(axis.axis);
+    for (std::size_t i = 0; i < layered_.case_axes().size(); ++i)
+      for (std::size_t a = 0; a < axes_.size(); ++a)
+        if (axes_[a].case_axis == i) grid_.case_axes.push_back(a);
+    const double points = grid::CountOf(grid_.extents());
+    return FindRepeats() && (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
+  }
+
+  bool FindRepeats() {
     const schema::Parameter* repeats = schema::WorldParameter("repeats").get();
     std::optional<std::uint64_t> value;
     for (const auto& configuration : configurations_) {
@@ -223,108 +218,103 @@ class Expander {
       }
       value = n;
     }
-    plan_.repeats = *value;
-    count *= static_cast<double>(*value);
-    return count <= static_cast<double>(evaluate::kMaxRuns) ||
-           TooMany(count, benchmark_.benchmark->name.span);
-  }
-
-  void MakeRuns() {
-    evaluate::Point at(grid_.size(), 0);
-    do {
-      std::size_t chosen = 0;
-      for (std::size_t i = 0; i < layered_.case_axes().size(); ++i)
-        for (std::size_t a = 0; a < grid_.size(); ++a)
-          if (grid_[a].case_axis == i) chosen = chosen * case_extents_[i] + at[a];
-      if (!MakeRun(at, chosen)) plan_.skipped.push_back(at);
-    } while (evaluate::Advance(at, extents_));
-  }
-
-  /// False where the point is left out.
-  bool MakeRun(const evaluate::Point& at, std::size_t chosen) {
-    evaluate::Configuration& configuration = *configurations_[chosen];
-    evaluate::Point local(configuration.axes().size(), 0);
-    for (std::size_t a = 0; a < grid_.size(); ++a) {
-      if (grid_[a].sweep == nullptr) continue;
-      const auto& here = grid_[a].values[chosen];
-      const auto value = std::ranges::find(here, grid_[a].axis.values[at[a]]);
-      if (value == here.end()) return false;
-      const auto swept =
-          std::ranges::find(configuration.axes(), grid_[a].axis.name, &evaluate::SweepAxis::name);
-      if (swept != configuration.axes().end())
-        local[static_cast<std::size_t>(swept - configuration.axes().begin())] =
-            static_cast<std::size_t>(value - here.begin());
-    }
-    configuration.Choose(local);
-    if (IsSkipped(configuration, at)) return false;
-    auto scene = configuration.MakeScene();
-    if (!scene || !checks_.Pass(configuration, *scene)) {
-      broken_ = true;
-      return true;
-    }
-    if (!plan::TraceOf(*scene)) {
-      faults_.Add(configuration, *scene, plan_.repeats);
-      if (lints_) findings_.Add(configuration, *scene, plan_.repeats);
-    }
-    for (std::uint64_t rep = 0; rep < plan_.repeats; ++rep)
-      plan_.runs.push_back({plan::RunId(*scene, rep), at, rep, *scene, {}, {}});
+    grid_.head.repeats = *value;
     return true;
   }
 
-  /// The values of an axis of words.
-  static std::vector<std::string> WordsOf(const plan::Axis& axis) {
-    std::vector<std::string> words;
-    for (const plan::Coordinate& word : axis.values) words.push_back(std::get<std::string>(word));
-    return words;
-  }
-
-  /// A coordinate for conditions: exact if all numbers of its axis are whole.
-  static schema::Value ValueOf(const plan::Axis& axis, std::size_t index) {
-    const auto* real = std::get_if<double>(&axis.values[index]);
-    if (real == nullptr) return schema::Word{std::get<std::string>(axis.values[index])};
-    if (axis.IsInteger()) return schema::Number::Whole(static_cast<schema::Integer>(*real));
-    return *real;
-  }
-
-  bool IsSkipped(evaluate::Configuration& configuration, const evaluate::Point& at) {
-    if (configuration.layers().skips.empty()) return false;
-    evaluate::Conditions& conditions = configuration.conditions();
-    for (std::size_t a = 0; a < grid_.size(); ++a) {
-      const plan::Axis& axis = grid_[a].axis;
-      conditions.SetAxis(axis.name, ValueOf(axis, at[a]));
-      if (axis.IsText() && !conditions.HasAxisWords(axis.name))
-        conditions.SetAxisWords(axis.name, WordsOf(axis));
+  /// Blocks without settings: the points that have a run. False if these are too many.
+  bool MakeBlocks() {
+    double runs = 0;
+    for (std::size_t i = 0; i < configurations_.size(); ++i) {
+      makers_.emplace_back(scenario_, configurations_[i], grid_.head.axes, PlacesOf(i));
+      grid_.blocks.push_back(makers_.back().MakeConditions());
+      const std::uint64_t left = grid::RemainingBy(grid_.blocks.back(), {}).counts[0];
+      grid_.point_count += left;
+      runs += static_cast<double>(left) * static_cast<double>(grid_.head.repeats);
     }
-    bool skipped = false;
-    for (const scenario::Placed<dsl::Skip>& skip : configuration.layers().skips)
-      skipped = conditions.Hold(*skip.node->when, skip.scope) || skipped;
-    return skipped;
+    return runs <= kMostRuns || TooMany(runs, kMostRuns, "runs");
   }
 
-  const scenario::Scenario& scenario_;
+  /// The values of each axis that a configuration has, as indices.
+  std::vector<grid::Point> PlacesOf(std::size_t configuration) const {
+    std::vector<grid::Point> places;
+    std::size_t rest = configuration;
+    grid::Point chosen(case_extents_.size());
+    for (std::size_t i = case_extents_.size(); i-- > 0;) {
+      chosen[i] = rest % case_extents_[i];
+      rest /= case_extents_[i];
+    }
+    for (const GridAxis& axis : axes_) {
+      if (axis.sweep == nullptr) {
+        places.push_back({chosen[axis.case_axis]});
+        continue;
+      }
+      places.emplace_back();
+      for (const plan::Coordinate& value : axis.values[configuration])
+        places.back().push_back(axis.index.at(value));
+    }
+    return places;
+  }
+
+  void AddSettings() {
+    for (std::size_t i = 0; i < makers_.size(); ++i)
+      is_broken_ = !makers_[i].AddSettings(grid_.blocks[i]) || is_broken_;
+  }
+
+  void CheckScenes() {
+    const auto choose = [this](std::size_t block, const grid::Point& local) -> auto& {
+      makers_[block].Choose(local);
+      return makers_[block].configuration();
+    };
+    GridChecks checks(grid_, choose, benchmark_.benchmark->name.span, diagnostics_);
+    checks.Check();
+    if (Failed() || is_broken_) return;
+    CheckAxisNames(ErrorsOfAllRuns());
+    if (Failed()) return;
+    if (grid_.point_count == 0) {
+      diagnostics_.Report(scenario::kNoRuns, benchmark_.benchmark->name.span,
+                          fmt::format("'{}' has no run left", benchmark_.benchmark->name.text),
+                          "its `skip` leaves out every point");
+      return;
+    }
+    if (find_fault_) checks.FindFaults(find_fault_);
+    if (lints_) checks.Lint();
+  }
+
+  std::vector<const schema::ErrorInfo*> ErrorsOfAllRuns() const {
+    std::vector<const schema::ErrorInfo*> errors;
+    grid::Survey(grid_).Look(
+        std::numeric_limits<std::uint64_t>::max(), {}, [](bool) {},
+        [&](const grid::Sample&, const plan::Scene& scene) {
+          for (const schema::ErrorInfo* error : plan::ErrorsOf(scene))
+            if (std::ranges::find(errors, error) == errors.end()) errors.push_back(error);
+        });
+    return errors;
+  }
+
+  std::shared_ptr<const scenario::Scenario> scenario_;
   const scenario::BenchmarkRef& benchmark_;
+  const plan::FindSceneFault& find_fault_;
   dsl::Diagnostics& diagnostics_;
   bool lints_;
   int errors_before_;
   scenario::LayeredBenchmark layered_;
-  checks::SceneChecks checks_;
-  checks::SceneFaults faults_;
-  checks::LintFindings findings_;
-  std::vector<std::size_t> case_extents_, extents_;
-  std::vector<std::unique_ptr<evaluate::Configuration>> configurations_;
-  std::vector<GridAxis> grid_;
-  plan::Plan plan_;
+  std::vector<std::size_t> case_extents_;
+  std::vector<std::shared_ptr<evaluate::Configuration>> configurations_;
+  std::deque<BlockMaker> makers_;  ///< for each configuration
+  std::vector<GridAxis> axes_;
+  grid::Grid grid_;
   /// A point has an error, which another benchmark may have reported already.
-  bool broken_ = false;
+  bool is_broken_ = false;
 };
 
 }  // namespace
 
-std::optional<plan::Plan> Expand(const scenario::Scenario& scenario,
+std::optional<grid::Grid> Expand(std::shared_ptr<const scenario::Scenario> scenario,
                                  const scenario::BenchmarkRef& benchmark,
                                  const plan::FindSceneFault& find_fault,
                                  dsl::Diagnostics& diagnostics, bool lints) {
-  return Expander(scenario, benchmark, find_fault, diagnostics, lints).Run();
+  return Expander(std::move(scenario), benchmark, find_fault, diagnostics, lints).Run();
 }
 
 }  // namespace cdb::compiler

@@ -1,18 +1,19 @@
-// A benchmark to its plan: every point of the grid, with all settings as values.
+// A benchmark to the grid of its runs, with all settings as values.
 #pragma once
 
+#include <memory>
 #include <optional>
 
-#include "compiler/plan/plan.h"
+#include "compiler/grid/grid.h"
 #include "compiler/plan/scene_fault.h"
 #include "compiler/scenario/scenario.h"
 
 namespace cdb::compiler {
 
 /// Nullopt after diagnostics. Title and texts of the plan are filled in by `Compile`. `find_fault`
-/// looks at each scene; may be empty. `lints`: warn of numbers that Bullet cannot follow
+/// looks at scenes; may be empty. `lints`: warn of numbers that Bullet cannot follow
 /// (compiler/checks/lints.h), each once with its worst run.
-std::optional<plan::Plan> Expand(const scenario::Scenario& scenario,
+std::optional<grid::Grid> Expand(std::shared_ptr<const scenario::Scenario> scenario,
                                  const scenario::BenchmarkRef& benchmark,
                                  const plan::FindSceneFault& find_fault,
                                  dsl::Diagnostics& diagnostics, bool lints);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "compiler/checks/count_text.h"
+
 namespace cdb::checks {
 
 void LintFindings::Add(evaluate::Configuration& configuration, const plan::Scene& scene,
@@ -37,11 +39,11 @@ dsl::Span LintFindings::SpanOf(evaluate::Configuration& configuration, const std
   return benchmark_;
 }
 
-void LintFindings::Report(std::size_t runs) const {
+void LintFindings::Report(std::size_t looked_at, std::size_t runs) const {
   for (const auto& [lint, finding] : findings_) {
     std::string where;
     if (runs > 1) {
-      where = fmt::format("; in {} of {} runs", finding.runs, runs);
+      where = "; in " + CountText(finding.runs, looked_at, runs);
       if (finding.bad_runs > 0 && finding.bad_runs < finding.runs)
         where += fmt::format(", beyond the limit in {}", finding.bad_runs);
     }

@@ -21,8 +21,8 @@ class LintFindings {
 
   /// The scene at the chosen point of `configuration`, which is run so many times.
   void Add(evaluate::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
-  /// As warnings, of a plan of so many runs.
-  void Report(std::size_t runs) const;
+  /// As warnings, of a plan of so many runs, of which `looked_at` were added.
+  void Report(std::size_t looked_at, std::size_t runs) const;
 
  private:
   struct Finding {

@@ -15,10 +15,13 @@
 
 namespace cdb::checks {
 
-bool SceneChecks::Pass(evaluate::Configuration& configuration, plan::Scene& scene) {
-  if (plan::TraceOf(scene)) return Trace(configuration, scene) && CheckCounts(configuration, scene);
+bool SceneChecks::Pass(evaluate::Configuration& configuration, const plan::Scene& scene) {
   return CheckCounts(configuration, scene) && CheckOmit(configuration, scene) &&
          CheckAccuracy(configuration, scene);
+}
+
+bool SceneChecks::PassTraced(evaluate::Configuration& configuration, plan::Scene& scene) {
+  return Trace(configuration, scene) && CheckCounts(configuration, scene);
 }
 
 // Makes it a scene of its trace. False where what is set does not go with one.

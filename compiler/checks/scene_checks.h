@@ -24,9 +24,10 @@ class SceneChecks {
   SceneChecks(dsl::Span benchmark, dsl::Diagnostics& diagnostics)
       : benchmark_(benchmark), diagnostics_(diagnostics) {}
 
-  /// Of the scene at the chosen point of `configuration`. One whose detector is run on a trace
-  /// becomes a scene of that trace first. False where something is wrong.
-  bool Pass(evaluate::Configuration& configuration, plan::Scene& scene);
+  /// Of the scene at the chosen point of `configuration`. False where something is wrong.
+  bool Pass(evaluate::Configuration& configuration, const plan::Scene& scene);
+  /// The same of a scene whose detector is run on a trace, which becomes a scene of that trace.
+  bool PassTraced(evaluate::Configuration& configuration, plan::Scene& scene);
 
  private:
   bool Trace(evaluate::Configuration& configuration, plan::Scene& scene);

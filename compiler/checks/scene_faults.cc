@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "compiler/checks/bounds.h"
+#include "compiler/checks/count_text.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::checks {
@@ -40,17 +41,20 @@ std::string DefaultSizeText() {
 
 }  // namespace
 
-std::optional<plan::SceneFault> SceneFaults::Find(const plan::Scene& scene) {
+std::optional<std::optional<plan::SceneFault>> SceneFaults::Find(const plan::Scene& scene) {
+  // Where objects are drawn depends on the seeds, which follow from it.
+  plan::NoteRead(*WorldParameter("seed"));
   const std::uint64_t count = scene.ObjectCount();
   if (NamesClosedForm(scene)) {
     // It depends on most of a scene, so that no two are alike. The square must not overflow.
     pairs_ += count < kMostPairs ? count * count / 2 : kMostPairs + 1;
-    return pairs_ <= kMostPairs ? find_(scene) : std::nullopt;
+    if (pairs_ > kMostPairs) return std::nullopt;
+    return find_(scene);
   }
   const auto [known, is_new] = known_.try_emplace(PlacementKey(scene));
   if (!is_new) return known->second;
   objects_ += count;
-  if (objects_ <= kMostObjects) known->second = find_(scene);
+  if (objects_ <= most_objects_) known->second = find_(scene);
   return known->second;
 }
 
@@ -58,7 +62,10 @@ void SceneFaults::Add(evaluate::Configuration& configuration, const plan::Scene&
                       std::size_t runs) {
   if (!find_) return;
   WarnOfDefaultSizes(configuration, scene);
-  const auto fault = Find(scene);
+  const auto found = Find(scene);
+  if (!found) return;
+  looked_at_ += runs;
+  const std::optional<plan::SceneFault>& fault = *found;
   if (!fault) return;
   if (fault->kind == Kind::kPlacement) unplaced_runs_ += runs;
   const auto [at, is_first] = findings_.try_emplace({fault->kind, fault->group});
@@ -115,7 +122,7 @@ void SceneFaults::Report(std::size_t runs) const {
     const bool is_form = key.first == Kind::kClosedForm;
     const bool fails_everywhere = unplaced_runs_ == runs;
     std::string message = finding.fault.cause, help = finding.fault.remedy;
-    if (runs > 1) message += fmt::format("; in {} of {} runs", finding.runs, runs);
+    if (runs > 1) message += "; in " + CountText(finding.runs, looked_at_, runs);
     if (finding.is_default_size)
       help += fmt::format("{}the size of `{}` is not set, and its default is {}",
                           help.empty() ? "" : "; ", finding.fault.group, DefaultSizeText());

@@ -22,12 +22,16 @@ namespace cdb::checks {
 class SceneFaults {
  public:
   /// `benchmark`: where its name stands, for what no setting is to blame for. `find` may be empty:
-  /// then there are no faults.
-  SceneFaults(dsl::Span benchmark, plan::FindSceneFault find, dsl::Diagnostics& diagnostics)
-      : benchmark_(benchmark), find_(std::move(find)), diagnostics_(diagnostics) {}
+  /// then there are no faults. `most_objects`: that are placed.
+  SceneFaults(dsl::Span benchmark, plan::FindSceneFault find, dsl::Diagnostics& diagnostics,
+              std::uint64_t most_objects = kMostObjects)
+      : benchmark_(benchmark),
+        find_(std::move(find)),
+        diagnostics_(diagnostics),
+        most_objects_(most_objects) {}
 
   /// The scene at the chosen point of `configuration`, which is run so many times. Scenes that
-  /// place the same objects are looked at once, and no more than hold kMostObjects together, or
+  /// place the same objects are looked at once, and no more than hold `most_objects` together, or
   /// kMostPairs of objects that a closed form may look at, which take a second or two: the rest
   /// shows when it is run.
   void Add(evaluate::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
@@ -46,16 +50,19 @@ class SceneFaults {
   };
   using FindingKey = std::pair<plan::SceneFault::Kind, std::string>;  ///< by group
 
-  std::optional<plan::SceneFault> Find(const plan::Scene& scene);
+  /// Nullopt where the scene is not looked at.
+  std::optional<std::optional<plan::SceneFault>> Find(const plan::Scene& scene);
   void WarnOfDefaultSizes(evaluate::Configuration& configuration, const plan::Scene& scene);
   dsl::Span SpanOf(evaluate::Configuration& configuration, const plan::SceneFault& fault) const;
 
   dsl::Span benchmark_;
   plan::FindSceneFault find_;
   dsl::Diagnostics& diagnostics_;
-  std::map<std::string, std::optional<plan::SceneFault>> known_;  ///< by what decides it
-  std::uint64_t objects_ = 0, pairs_ = 0;                         ///< looked at so far
-  std::size_t unplaced_runs_ = 0;
+  std::uint64_t most_objects_;
+  std::map<std::string, std::optional<std::optional<plan::SceneFault>>>
+      known_;                              ///< by what decides it
+  std::uint64_t objects_ = 0, pairs_ = 0;  ///< looked at so far
+  std::size_t unplaced_runs_ = 0, looked_at_ = 0;
   std::map<FindingKey, Finding> findings_;
   std::set<std::string> default_sizes_;  ///< groups that were warned of
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_set>
 
 #include "compiler/evaluate/arguments.h"
 #include "compiler/evaluate/dependencies.h"
@@ -177,9 +178,9 @@ class AxisFinder {
   }
 
   void CheckDistinct(const SweepAxis& axis, const Sweep& sweep, const std::vector<Value>& values) {
-    for (std::size_t i = 1; i < values.size(); ++i) {
-      const auto end = axis.values.begin() + static_cast<std::ptrdiff_t>(i);
-      if (std::find(axis.values.begin(), end, *end) == end) continue;
+    std::unordered_set<plan::Coordinate> seen;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (seen.insert(axis.values[i]).second) continue;
       const Expr* item = sweep.items[i].expr;
       evaluator_.diagnostics().Report(
           scenario::kBadArguments, item != nullptr ? item->span : axis.call->span,

@@ -80,33 +80,21 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
 }
 
 void Configuration::Choose(const Point& point) {
-  for (std::size_t i = 0; i < axes_.size(); ++i) evaluator_.Choose(*axes_[i].call, point[i]);
+  for (std::size_t i = 0; i < axes_.size(); ++i)
+    if (point_.empty() || point_[i] != point[i]) evaluator_.Choose(*axes_[i].call, point[i]);
   point_ = point;
 }
 
-std::optional<plan::Scene> Configuration::MakeScene() {
-  plan::Scene scene;
-  for (const std::string& group : layers_.groups) scene.groups.push_back({group, {}});
-  bool good = true;
-  for (ParameterValues& values : parameters_) {
-    const Value* value = Find(values);
-    good = good && value != nullptr;
-    if (value == nullptr) continue;
-    plan::Settings* settings = &scene.world;
-    for (plan::Group& group : scene.groups)
-      if (group.name == values.key.first) settings = &group.settings;
-    settings->SetValue(*values.key.second, *value);
-  }
-  if (!good) return std::nullopt;
+void Configuration::Complete(plan::Scene& scene) const {
+  scene.seeds.clear();
   AddSeeds(scene);
   scene.plugins.assign(scenario_.plugins().begin(), scenario_.plugins().end());
   scene.KeepUsedPlugins();
-  return scene;
 }
 
 void Configuration::CheckSettings() {
   Choose(Point(axes_.size(), 0));
-  for (const ParameterValues& values : parameters_) ReportAll(values);
+  for (const DependentParameter& parameter : parameters_) ReportAll(parameter);
 }
 
 dsl::Span Configuration::SpanOf(const scenario::ParameterKey& key, const dsl::Span& otherwise) {
@@ -141,39 +129,27 @@ std::optional<Value> Configuration::ConstantFor(const SweepAxis& like) {
 }
 
 void Configuration::Add(const scenario::ParameterKey& key) {
-  parameters_.push_back({key, Dependencies(key, layers_, axes_, evaluator_), {}, false});
-}
-
-const Value* Configuration::Find(ParameterValues& values) {
-  if (values.failed) return nullptr;
-  Point at;
-  for (const std::size_t axis : values.axes) at.push_back(point_[axis]);
-  const auto known = values.known.find(at);
-  if (known != values.known.end()) return &known->second;
-  const auto value = Make(values.key);
-  values.failed = !value;
-  if (values.failed) ReportAll(values);
-  return value ? &values.known.emplace(at, *value).first->second : nullptr;
+  parameters_.push_back({key, Dependencies(key, layers_, axes_, evaluator_)});
 }
 
 /// Reports the invalid values of a parameter, at most as many as a person would read.
-void Configuration::ReportAll(const ParameterValues& values) {
+void Configuration::ReportAll(const DependentParameter& parameter) {
   constexpr int kMost = 1000;
   const Point here = point_;
   std::vector<std::size_t> extents;
-  for (const std::size_t axis : values.axes) extents.push_back(axes_[axis].values.size());
-  Point at(values.axes.size(), 0);
+  for (const std::size_t axis : parameter.axes) extents.push_back(axes_[axis].values.size());
+  Point at(parameter.axes.size(), 0);
   for (int i = 0; i < kMost; ++i) {
     Point point = here;
-    for (std::size_t a = 0; a < at.size(); ++a) point[values.axes[a]] = at[a];
+    for (std::size_t a = 0; a < at.size(); ++a) point[parameter.axes[a]] = at[a];
     Choose(point);
-    Make(values.key);
+    ValueOf(parameter.key);
     if (!Advance(at, extents)) break;
   }
   Choose(here);
 }
 
-std::optional<Value> Configuration::Make(const scenario::ParameterKey& key) {
+std::optional<Value> Configuration::ValueOf(const scenario::ParameterKey& key) {
   const schema::Parameter& parameter = *key.second;
   const auto set = layers_.settings.find(key);
   const dsl::Setting& setting =

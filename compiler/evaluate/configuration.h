@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -22,6 +21,12 @@ using Point = std::vector<std::size_t>;
 /// Counts through all points of a grid, the last axis fastest. False at the end.
 bool Advance(Point& point, const std::vector<std::size_t>& extents);
 
+/// A parameter of the world or of one group, and the axes that its value depends on.
+struct DependentParameter {
+  scenario::ParameterKey key;
+  std::vector<std::size_t> axes;  ///< into Configuration::axes
+};
+
 /// Reports every error. Not thread-safe.
 class Configuration {
  public:
@@ -37,8 +42,11 @@ class Configuration {
   /// Selects the point for all later calls.
   void Choose(const Point& point);
 
-  /// All settings at the chosen point; nullopt after a diagnostic.
-  std::optional<plan::Scene> MakeScene();
+  const std::vector<DependentParameter>& parameters() const { return parameters_; }
+  /// The value of a parameter at the chosen point; nullopt after a diagnostic.
+  std::optional<schema::Value> ValueOf(const scenario::ParameterKey& key);
+  /// Sets the seeds of a scene and the plug-ins that it uses.
+  void Complete(plan::Scene& scene) const;
   /// Checks each setting on its own.
   void CheckSettings();
 
@@ -53,25 +61,15 @@ class Configuration {
   std::optional<schema::Value> ConstantFor(const SweepAxis& like);
 
  private:
-  /// The values of one parameter at the points of the axes on which it depends.
-  struct ParameterValues {
-    scenario::ParameterKey key;
-    std::vector<std::size_t> axes;
-    std::map<Point, schema::Value> known;
-    bool failed = false;
-  };
-
   void Add(const scenario::ParameterKey& key);
-  const schema::Value* Find(ParameterValues& values);
-  void ReportAll(const ParameterValues& values);
-  std::optional<schema::Value> Make(const scenario::ParameterKey& key);
+  void ReportAll(const DependentParameter& parameter);
 
   const scenario::Scenario& scenario_;
   scenario::Layers layers_;
   Evaluator evaluator_;
   Conditions conditions_;
   std::vector<SweepAxis> axes_;
-  std::vector<ParameterValues> parameters_;
+  std::vector<DependentParameter> parameters_;
   Point point_;
 };
 

@@ -21,7 +21,7 @@ constexpr double kRounding = 1e-9;
 std::nullopt_t TooMany(const dsl::Expr& range, double count, Evaluator& evaluator) {
   return evaluator.Error(scenario::kTooManyRuns, range.span,
                          fmt::format("this range has {:.6g} values", count),
-                         fmt::format("an axis has at most {}", kMaxRuns));
+                         fmt::format("an axis has at most {}", kMaxAxisValues));
 }
 
 /// `bounds`: first, last, count.
@@ -32,7 +32,8 @@ std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
   if (!count || *count < 1)
     return evaluator.Error(scenario::kBadRange, range.items[2]->span,
                            "a count is a whole number, 1 or more");
-  if (*count > static_cast<Integer>(kMaxRuns)) return TooMany(range, bounds[2].AsReal(), evaluator);
+  if (*count > static_cast<Integer>(kMaxAxisValues))
+    return TooMany(range, bounds[2].AsReal(), evaluator);
   const bool log = range.range == dsl::RangeKind::kCountLog;
   if (log && (first.AsReal() <= 0 || last.AsReal() <= 0))
     return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range lies above 0");
@@ -63,7 +64,7 @@ std::optional<Numbers> BySteps(const dsl::Expr& range, const Number& first, cons
                            range.range == dsl::RangeKind::kStep ? "turn the step's sign"
                                                                 : "to count down add: step -1");
   const double count = std::floor(steps + kRounding) + 1;
-  if (!(count <= static_cast<double>(kMaxRuns))) return TooMany(range, count, evaluator);
+  if (!(count <= static_cast<double>(kMaxAxisValues))) return TooMany(range, count, evaluator);
   Numbers numbers;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     const bool at_end = std::fabs(static_cast<double>(i) - steps) <= kRounding;

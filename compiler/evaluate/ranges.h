@@ -12,8 +12,8 @@ namespace cdb::evaluate {
 
 class Evaluator;
 
-/// At most this number of values on one axis, and of runs in a plan.
-inline constexpr std::size_t kMaxRuns = 100'000;
+/// At most this number of values on one axis.
+inline constexpr std::size_t kMaxAxisValues = 1'000'000;
 
 /// nullopt after a diagnostic.
 std::optional<std::vector<schema::Number>> ExpandRange(const dsl::Expr& range,

@@ -24,12 +24,7 @@ std::string CanonicalText(const Scene& scene) {
   if (scene.role != Role::kMeasured) text += fmt::format("role {}\n", RoleName(scene.role));
   for (const Group& group : scene.groups)
     text += fmt::format("group {}\n{}", group.name, CanonicalText(group.settings));
-  for (const auto& [stream, seed] : scene.seeds)
-    text += fmt::format("seed {} {:#x}\n", stream, seed);
-  for (const schema::PluginDetector& plugin : scene.plugins)
-    text += fmt::format("plugin {} {} {} {} {}\n", plugin.name, plugin.sha256, plugin.max_bodies,
-                        plugin.phases, schema::ToText(schema::Value(schema::Text{plugin.path})));
-  return text;
+  return text + CanonicalTail(scene);
 }
 
 std::string CoordinateText(const Coordinate& coordinate) {
@@ -38,6 +33,16 @@ std::string CoordinateText(const Coordinate& coordinate) {
 }
 
 }  // namespace
+
+std::string CanonicalTail(const Scene& scene) {
+  std::string text;
+  for (const auto& [stream, seed] : scene.seeds)
+    text += fmt::format("seed {} {:#x}\n", stream, seed);
+  for (const schema::PluginDetector& plugin : scene.plugins)
+    text += fmt::format("plugin {} {} {} {} {}\n", plugin.name, plugin.sha256, plugin.max_bodies,
+                        plugin.phases, schema::ToText(schema::Value(schema::Text{plugin.path})));
+  return text;
+}
 
 std::string_view RoleName(Role role) {
   constexpr std::string_view kNames[] = {"measured", "reference", "twin"};
@@ -82,9 +87,12 @@ bool Axis::IsInteger() const {
   });
 }
 
+std::string RunIdOf(std::uint64_t rep, std::string_view canonical) {
+  return Sha256Hex(fmt::format("plan {}\nrep {}\n{}", kPlanVersion, rep, canonical)).substr(0, 16);
+}
+
 std::string RunId(const Scene& scene, std::uint64_t rep) {
-  return Sha256Hex(fmt::format("plan {}\nrep {}\n{}", kPlanVersion, rep, CanonicalText(scene)))
-      .substr(0, 16);
+  return RunIdOf(rep, CanonicalText(scene));
 }
 
 std::string Plan::Sha256() const {

@@ -110,6 +110,11 @@ struct Plan {
 
 /// `16 hex digits` for a run; see Run::id.
 std::string RunId(const Scene& scene, std::uint64_t rep);
+/// The same of the text that it is the hash of: the scene's settings, a line each, and its
+/// CanonicalTail.
+std::string RunIdOf(std::uint64_t rep, std::string_view canonical);
+/// The lines of seeds and plug-ins.
+std::string CanonicalTail(const Scene& scene);
 
 /// `quantity 1000, detector dbvt, rep 0`: a run's place, for people; `reference 0123…` for one that
 /// has none.

@@ -41,9 +41,11 @@ std::string IntervalThatWouldDo(double wanted, double timestep, double other) {
 }
 
 /// `every 60` counts cycles: as many of the reference's as last as long.
-bool StretchSchedules(Settings& settings, double from_s, double to_s) {
-  for (auto& [name, value] : settings) {
-    const schema::Call* call = schema::AsCall(value);
+template <bool kGrouped>
+bool StretchSchedules(SettingsOf<kGrouped>& settings, double from_s, double to_s) {
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    if (parameter.grouped != kGrouped || !parameter.TakesCall("every")) continue;
+    const schema::Call* call = schema::AsCall(settings.ValueOf(parameter));
     if (call == nullptr || call->name != "every") continue;
     const auto& cycles = std::get<schema::Number>(schema::ArgumentOf(*call, "cycles"));
     const auto stretched = WholeSteps(cycles.AsReal() * from_s, to_s);
@@ -52,7 +54,7 @@ bool StretchSchedules(Settings& settings, double from_s, double to_s) {
     const schema::ParametrisedWord& info = *schema::FindParametrisedWord(longer.name);
     for (std::size_t i = 0; i < info.arguments.size(); ++i)
       if (info.arguments[i].name == "cycles") longer.arguments[i] = *stretched;
-    value = std::move(longer);
+    settings.SetValue(parameter, std::move(longer));
   }
   return true;
 }

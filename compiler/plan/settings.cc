@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compiler/schema/schema.h"
 #include "dsl/check.h"
 
 namespace cdb::plan {
@@ -14,9 +15,37 @@ const T& As(const schema::Value& value) {
   return *typed;
 }
 
+thread_local ReadRecorder* recorder = nullptr;
+
 }  // namespace
 
+ReadRecorder::ReadRecorder() : read_(schema::Schema().size()), outer_(recorder) { recorder = this; }
+
+ReadRecorder::~ReadRecorder() { recorder = outer_; }
+
+bool ReadRecorder::HasRead(const schema::Parameter& parameter) const {
+  return read_[static_cast<std::size_t>(&parameter - schema::Schema().data())];
+}
+
+void ReadRecorder::Note(std::size_t row) {
+  if (read_[row]) return;
+  read_[row] = true;
+  ++count_;
+}
+
+void NoteRead(const schema::Parameter& parameter) {
+  if (recorder != nullptr)
+    recorder->Note(static_cast<std::size_t>(&parameter - schema::Schema().data()));
+}
+
+void NoteReads(bool grouped) {
+  if (recorder == nullptr) return;
+  for (const schema::Parameter& parameter : schema::Schema())
+    if (parameter.grouped == grouped) NoteRead(parameter);
+}
+
 const schema::Value& Settings::ValueOf(const schema::Parameter& parameter) const {
+  NoteRead(parameter);
   const auto found = values_.find(parameter.name);
   CDB_CHECK(found != values_.end());
   return found->second;

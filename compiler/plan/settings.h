@@ -5,11 +5,42 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "compiler/schema/parameter_ref.h"
 #include "compiler/schema/value.h"
 
 namespace cdb::plan {
+
+/// Tells the ReadRecorder of this thread, if there is one, of a read.
+void NoteRead(const schema::Parameter& parameter);
+/// Of every parameter of groups, or of the world.
+void NoteReads(bool grouped);
+
+/// While it lives, it notes the parameters that its thread reads from any settings, so that a
+/// function of a scene can be evaluated once for all scenes that agree in what it reads. The
+/// innermost one notes. What a function reads of a scene beside its settings (seeds) it has to note
+/// itself.
+class ReadRecorder {
+ public:
+  ReadRecorder();
+  ~ReadRecorder();
+  ReadRecorder(const ReadRecorder&) = delete;
+  ReadRecorder& operator=(const ReadRecorder&) = delete;
+
+  bool HasRead(const schema::Parameter& parameter) const;
+  /// Grows with each parameter that is read for the first time.
+  std::size_t count() const { return count_; }
+
+ private:
+  friend void NoteRead(const schema::Parameter& parameter);
+
+  void Note(std::size_t row);
+
+  std::vector<bool> read_;  ///< by the row of the schema
+  std::size_t count_ = 0;
+  ReadRecorder* outer_;
+};
 
 /// Values by the parameter's name without its group: `timestep`, `world.side`; in a group
 /// `quantity`, `size`. Here for parameters that are known only at run time; code that names a
@@ -18,11 +49,13 @@ class Settings {
  public:
   using Values = std::map<std::string, schema::Value, std::less<>>;
 
-  /// In the order of their names.
-  Values::const_iterator begin() const { return values_.begin(); }
+  /// In the order of their names. Counts as a read of each, of the world and of groups.
+  Values::const_iterator begin() const {
+    NoteReads(false);
+    NoteReads(true);
+    return values_.begin();
+  }
   Values::const_iterator end() const { return values_.end(); }
-  Values::iterator begin() { return values_.begin(); }
-  Values::iterator end() { return values_.end(); }
   std::size_t size() const { return values_.size(); }
 
   bool Has(const schema::Parameter& parameter) const { return values_.contains(parameter.name); }
@@ -36,6 +69,9 @@ class Settings {
   }
 
   bool operator==(const Settings&) const = default;
+
+ protected:
+  const Values& values() const { return values_; }
 
  private:
   Values values_;
@@ -51,6 +87,11 @@ class SettingsOf : public Settings {
   template <schema::ValueKind kKind = schema::ValueKind::kAny>
   using Parameter = schema::ParameterRef<kGrouped, kKind>;
 
+  /// In the order of their names. Counts as a read of each.
+  Values::const_iterator begin() const {
+    NoteReads(kGrouped);
+    return values().begin();
+  }
   const schema::Value& Get(Parameter<> parameter) const { return ValueOf(*parameter); }
   /// Counts too.
   double Real(Parameter<schema::ValueKind::kReal> parameter) const;

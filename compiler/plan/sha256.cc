@@ -5,6 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#if defined(__x86_64__)
+#include <cpuid.h>
+#include <immintrin.h>
+#endif
+
 namespace cdb::plan {
 namespace {
 
@@ -42,25 +47,87 @@ void AddBlock(State& state, const unsigned char* block) {
   for (std::size_t i = 0; i < 8; ++i) state[i] += sum[i];
 }
 
-}  // namespace
+#if defined(__x86_64__)
 
-std::string Sha256Hex(std::string_view data) {
+bool HasShaInstructions() {
+  unsigned a = 0, b = 0, c = 0, d = 0;
+  constexpr unsigned kSsse3And41 = 1u << 9 | 1u << 19;  // SSSE3, SSE4.1
+  if (__get_cpuid(1, &a, &b, &c, &d) == 0 || (c & kSsse3And41) != kSsse3And41) return false;
+  return __get_cpuid_count(7, 0, &a, &b, &c, &d) != 0 && (b & 1u << 29) != 0;
+}
+
+/// The same with the SHA instructions of x86, about six times as fast. Source: Intel, "Intel SHA
+/// Extensions", 2013.
+__attribute__((target("sha,sse4.1,ssse3"))) void AddBlockByInstructions(
+    State& state, const unsigned char* block) {
+  const __m128i order = _mm_set_epi64x(0x0c0d0e0f08090a0b, 0x0405060700010203);
+  auto* words = reinterpret_cast<__m128i*>(state.data());
+  __m128i low = _mm_shuffle_epi32(_mm_loadu_si128(words), 0xB1);       // c d a b
+  __m128i high = _mm_shuffle_epi32(_mm_loadu_si128(words + 1), 0x1B);  // e f g h
+  __m128i abef = _mm_alignr_epi8(low, high, 8);
+  __m128i cdgh = _mm_blend_epi16(high, low, 0xF0);
+  const __m128i abef_before = abef, cdgh_before = cdgh;
+  __m128i w[4];
+  for (int i = 0; i < 4; ++i)
+    w[i] = _mm_shuffle_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(block) + i), order);
+  for (int i = 0; i < 16; ++i) {
+    if (i >= 4) {
+      // w[t] from w[t - 16], w[t - 15], w[t - 7], w[t - 2], four words at a time.
+      const __m128i seventh = _mm_alignr_epi8(w[(i + 3) % 4], w[(i + 2) % 4], 4);
+      w[i % 4] = _mm_sha256msg2_epu32(
+          _mm_add_epi32(_mm_sha256msg1_epu32(w[i % 4], w[(i + 1) % 4]), seventh), w[(i + 3) % 4]);
+    }
+    const __m128i round =
+        _mm_loadu_si128(reinterpret_cast<const __m128i*>(&kRound[4 * static_cast<std::size_t>(i)]));
+    const __m128i sum = _mm_add_epi32(w[i % 4], round);
+    cdgh = _mm_sha256rnds2_epu32(cdgh, abef, sum);
+    abef = _mm_sha256rnds2_epu32(abef, cdgh, _mm_shuffle_epi32(sum, 0x0E));
+  }
+  abef = _mm_add_epi32(abef, abef_before);
+  cdgh = _mm_add_epi32(cdgh, cdgh_before);
+  low = _mm_shuffle_epi32(abef, 0x1B);   // f e b a
+  high = _mm_shuffle_epi32(cdgh, 0xB1);  // d c h g
+  _mm_storeu_si128(words, _mm_blend_epi16(low, high, 0xF0));
+  _mm_storeu_si128(words + 1, _mm_alignr_epi8(high, low, 8));
+}
+
+#endif
+
+using Add = void (*)(State& state, const unsigned char* block);
+
+Add FastestAdd() {
+#if defined(__x86_64__)
+  if (HasShaInstructions()) return AddBlockByInstructions;
+#endif
+  return AddBlock;
+}
+
+std::string HexOf(std::string_view data, Add add) {
   State state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                  0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   const auto* bytes = reinterpret_cast<const unsigned char*>(data.data());
   std::size_t left = data.size();
-  for (; left >= 64; left -= 64, bytes += 64) AddBlock(state, bytes);
+  for (; left >= 64; left -= 64, bytes += 64) add(state, bytes);
   std::vector<unsigned char> tail(bytes, bytes + left);
   tail.push_back(0x80);
   while (tail.size() % 64 != 56) tail.push_back(0);
   const std::uint64_t bits = std::uint64_t{data.size()} * 8;
   for (int shift = 56; shift >= 0; shift -= 8)
     tail.push_back(static_cast<unsigned char>(bits >> shift));
-  for (std::size_t i = 0; i < tail.size(); i += 64) AddBlock(state, tail.data() + i);
+  for (std::size_t i = 0; i < tail.size(); i += 64) add(state, tail.data() + i);
   std::string hex;
   for (const std::uint32_t word : state)
     for (int shift = 28; shift >= 0; shift -= 4) hex += "0123456789abcdef"[word >> shift & 15];
   return hex;
 }
+
+}  // namespace
+
+std::string Sha256Hex(std::string_view data) {
+  static const Add kAdd = FastestAdd();
+  return HexOf(data, kAdd);
+}
+
+std::string PortableSha256Hex(std::string_view data) { return HexOf(data, AddBlock); }
 
 }  // namespace cdb::plan

@@ -8,5 +8,7 @@ namespace cdb::plan {
 
 /// 64 hex digits.
 std::string Sha256Hex(std::string_view data);
+/// The same without special instructions of the processor.
+std::string PortableSha256Hex(std::string_view data);
 
 }  // namespace cdb::plan

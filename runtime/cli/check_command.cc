@@ -22,14 +22,15 @@ struct CheckArguments {
 ExitStatus Check(const CheckArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
   for (const std::string& file : arguments.files) {
-    const auto result = CompileAndReport(file, std::nullopt, LintText::kWhole, arguments.plugins);
+    const auto result = CompileAndReport(file, std::nullopt, LintText::kWhole, arguments.plugins,
+                                         /*lists_runs=*/false);
     if (result.diagnostics.has_errors()) {
       status = ExitStatus::kScenario;
       continue;
     }
-    for (const plan::Plan& plan : result.plans)
-      report::Print(fmt::format("{}: {}: {} {}\n", file, plan.benchmark, plan.runs.size(),
-                                plan.runs.size() == 1 ? "run" : "runs"));
+    for (const grid::Grid& grid : result.grids)
+      report::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),
+                                grid.run_count() == 1 ? "run" : "runs"));
   }
   return status;
 }

@@ -24,10 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool IsPlanFile(const std::string& file) {
-  return file.ends_with(".yaml") || file.ends_with(".yml");
-}
-
 void CheckBenchmarkName(const std::string& name, const std::vector<std::string>& names,
                         const std::string& file) {
   for (const std::string& known : names)
@@ -63,6 +59,10 @@ std::optional<plan::TraceFacts> ReadTraceAt(const std::string& path, std::string
 
 }  // namespace
 
+bool IsPlanFile(const std::string& file) {
+  return file.ends_with(".yaml") || file.ends_with(".yml");
+}
+
 std::string ScenarioLibrary() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
@@ -92,7 +92,7 @@ dsl::RenderOptions RenderOptionsForTerminal() {
 
 compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
                                   const std::optional<std::string>& benchmark,
-                                  const std::vector<std::string>& plugins) {
+                                  const std::vector<std::string>& plugins, bool lists_runs) {
   const auto describe = [](const std::string& path, std::string& why) {
     return process::ProbePlugin(process::FindAnyWorker(), path, why);
   };
@@ -101,14 +101,15 @@ compiler::Compilation CompileWith(const std::string& file, const scenario::ReadF
                             benchmark,
                             {plugins, describe},
                             ReadTraceAt,
-                            closed_forms::FindSceneFault});
+                            closed_forms::FindSceneFault,
+                            lists_runs});
 }
 
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
-                                       const std::vector<std::string>& plugins) {
+                                       const std::vector<std::string>& plugins, bool lists_runs) {
   compiler::Compilation result =
-      CompileWith(FindScenario(file), compiler::ReadFromDisk, benchmark, plugins);
+      CompileWith(FindScenario(file), compiler::ReadFromDisk, benchmark, plugins, lists_runs);
   dsl::Diagnostics shown;
   for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
     if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))
@@ -144,6 +145,17 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);
   return std::move(result.plans);
+}
+
+std::vector<grid::Grid> LoadGrids(const std::string& file,
+                                  const std::optional<std::string>& benchmark, LintText lints,
+                                  const std::vector<std::string>& plugins) {
+  compiler::Compilation result =
+      CompileAndReport(file, benchmark, lints, plugins, /*lists_runs=*/false);
+  for (grid::Grid& grid : result.grids) grid.head.source = file;
+  if (!result.diagnostics.has_errors() && benchmark)
+    CheckBenchmarkName(*benchmark, result.benchmarks, file);
+  return std::move(result.grids);
 }
 
 void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,

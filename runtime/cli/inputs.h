@@ -27,18 +27,20 @@ enum class LintText { kNone, kOneLine, kWhole };
 /// In colour on a terminal, and at most 20 errors.
 dsl::RenderOptions RenderOptionsForTerminal();
 
-/// Compiles `file` as `read` gives it, with the library of scenarios, plug-ins and traces. Throws
-/// ScheduleError.
+/// Compiles `file` as `read` gives it, with the library of scenarios, plug-ins and traces.
+/// `lists_runs`: as in compiler::CompileOptions. Throws ScheduleError.
 compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
                                   const std::optional<std::string>& benchmark,
-                                  const std::vector<std::string>& plugins = {});
+                                  const std::vector<std::string>& plugins = {},
+                                  bool lists_runs = true);
 
 /// Compiles the file that FindScenario finds, and prints every diagnostic on standard error.
 /// `plugins`: shared libraries with detectors, beside those that the file names. Throws
 /// CommandError, ScheduleError (no worker program to look into a library).
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
-                                       const std::vector<std::string>& plugins = {});
+                                       const std::vector<std::string>& plugins = {},
+                                       bool lists_runs = true);
 
 /// The plans of a `.cdb` file, here or in the library, or of a plan as YAML. Empty after
 /// diagnostics were printed (exit status 1). A plan names its own plug-ins. `named`: gets the
@@ -49,6 +51,14 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
                                   LintText lints = LintText::kOneLine,
                                   const std::vector<std::string>& plugins = {},
                                   std::vector<schema::PluginDetector>* named = nullptr);
+
+/// The grids of a `.cdb` file, as LoadPlans; their runs are not listed.
+std::vector<grid::Grid> LoadGrids(const std::string& file,
+                                  const std::optional<std::string>& benchmark, LintText lints,
+                                  const std::vector<std::string>& plugins);
+
+/// A plan as YAML, by its name.
+bool IsPlanFile(const std::string& file);
 
 /// Throws CommandError for a word that neither the parameter nor, where it takes detectors,
 /// `plugins` has, or that is there twice.

@@ -101,15 +101,19 @@ ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string& only) {
   return good ? ExitStatus::kGood : ExitStatus::kScenario;
 }
 
-std::string PlanTable(const plan::Plan& plan) {
+/// Runs in a table; a plan in YAML has them all.
+constexpr std::uint64_t kMostShown = 10'000;
+
+/// `plan`: with the runs that are shown, of `runs`; `skipped` points have none.
+std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped) {
   std::string grid;
   for (const plan::Axis& axis : plan.axes)
     grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
   if (plan.repeats > 1) grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", plan.repeats);
-  std::string text = fmt::format(
-      "{}: {} {}{}{}\n", plan.benchmark, plan.runs.size(), plan.runs.size() == 1 ? "run" : "runs",
-      grid.empty() ? "" : " = " + grid,
-      plan.skipped.empty() ? "" : fmt::format(", {} left out by skip", plan.skipped.size()));
+  std::string text =
+      fmt::format("{}: {} {}{}{}\n", plan.benchmark, runs, runs == 1 ? "run" : "runs",
+                  grid.empty() ? "" : " = " + grid,
+                  skipped > 0 ? fmt::format(", {:.0f} left out by skip", skipped) : "");
   if (!plan.references.empty())
     text +=
         fmt::format("  compared with {} reference runs, half of them perturbed: cdb doc accuracy\n",
@@ -136,7 +140,50 @@ std::string PlanTable(const plan::Plan& plan) {
     row.push_back(LeftOut(run.scene));
     table.AddRow(std::move(row));
   }
-  return text + table.Text();
+  text += table.Text();
+  if (plan.runs.size() < runs)
+    text += fmt::format("and {} more; `cdb plan -o PLAN.yaml {}` writes all\n",
+                        runs - plan.runs.size(), report::ShellWord(plan.source));
+  return text;
+}
+
+std::string PlanTable(const grid::Grid& grid) {
+  const std::uint64_t most = std::max<std::uint64_t>(1, kMostShown / grid.head.repeats);
+  return PlanTable(grid::ListRuns(grid, most), grid.run_count(),
+                   grid::CountOf(grid.extents()) - static_cast<double>(grid.point_count));
+}
+
+void PrintTables(const std::vector<std::string>& tables) {
+  for (std::size_t i = 0; i < tables.size(); ++i) report::Print((i > 0 ? "\n" : "") + tables[i]);
+}
+
+/// Writes one run after the other.
+template <typename Write>
+void WritePlan(const std::string& out, Write write) {
+  if (out == "-") {
+    write([](std::string_view piece) { report::Print(piece); });
+  } else {
+    store::WritePieces(write, out);
+  }
+}
+
+void RequireOne(std::size_t benchmarks, const std::string& file) {
+  if (benchmarks > 1)
+    throw CommandError(fmt::format("{} has {} benchmarks and a plan is of one: choose it by -b",
+                                   file, benchmarks));
+}
+
+/// Of a plan that was written before.
+ExitStatus PrintPlanFile(const PlanArguments& arguments) {
+  const auto plans =
+      LoadPlans(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+  const plan::Plan& plan = plans.at(0);
+  if (arguments.out.empty()) {
+    PrintTables({PlanTable(plan, plan.runs.size(), static_cast<double>(plan.skipped.size()))});
+  } else {
+    WritePlan(arguments.out, [&](const auto& write) { write(plan::ToYaml(plan)); });
+  }
+  return ExitStatus::kGood;
 }
 
 ExitStatus PrintPlans(const PlanArguments& arguments) {
@@ -144,24 +191,23 @@ ExitStatus PrintPlans(const PlanArguments& arguments) {
     throw CommandError("--why prints what runs leave out and -o writes a plan: one at a time");
   if (!arguments.why && !arguments.only.empty())
     throw CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
-  const auto plans =
-      LoadPlans(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
-  if (plans.empty()) return ExitStatus::kScenario;
-  if (arguments.why) return Why(plans, arguments.only);
+  if (arguments.why) {
+    const auto plans =
+        LoadPlans(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+    return plans.empty() ? ExitStatus::kScenario : Why(plans, arguments.only);
+  }
+  if (IsPlanFile(arguments.file)) return PrintPlanFile(arguments);
+  const auto grids =
+      LoadGrids(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+  if (grids.empty()) return ExitStatus::kScenario;
   if (arguments.out.empty()) {
-    for (std::size_t i = 0; i < plans.size(); ++i)
-      report::Print((i > 0 ? "\n" : "") + PlanTable(plans[i]));
+    std::vector<std::string> tables;
+    for (const grid::Grid& grid : grids) tables.push_back(PlanTable(grid));
+    PrintTables(tables);
     return ExitStatus::kGood;
   }
-  if (plans.size() > 1)
-    throw CommandError(fmt::format("{} has {} benchmarks and a plan is of one: choose it by -b",
-                                   arguments.file, plans.size()));
-  const std::string yaml = plan::ToYaml(plans[0]);
-  if (arguments.out == "-") {
-    report::Print(yaml);
-  } else {
-    store::WriteWhole(yaml, arguments.out);
-  }
+  RequireOne(grids.size(), arguments.file);
+  WritePlan(arguments.out, [&](const auto& write) { grid::WriteYaml(grids[0], write); });
   return ExitStatus::kGood;
 }
 

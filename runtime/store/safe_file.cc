@@ -187,6 +187,21 @@ void WriteWhole(std::string_view text, const fs::path& final_name) {
   WriteParts({std::as_bytes(std::span(text))}, final_name);
 }
 
+void WritePieces(const std::function<void(const std::function<void(std::string_view)>&)>& fill,
+                 const fs::path& final_name) {
+  const fs::path temporary = TemporaryName(final_name);
+  {
+    Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+    const auto fail = [&] { FailWrite(temporary, final_name, "write it", errno); };
+    if (file.get() < 0) fail();
+    fill([&](std::string_view piece) {
+      if (!measure::TryWriteAll(file.get(), std::as_bytes(std::span(piece)))) fail();
+    });
+    if (!file.Close()) fail();
+  }
+  Publish(temporary, final_name);
+}
+
 void WriteSealed(std::span<const std::byte> bytes, const fs::path& final_name) {
   const Seal seal = {kMagic, bytes.size(), Checksum(bytes)};
   WriteParts({bytes, std::as_bytes(std::span(&seal, 1))}, final_name);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +26,10 @@ void Publish(const std::filesystem::path& temporary, const std::filesystem::path
 
 /// Writes `text` to `final_name`, safely. Throws StoreError, with nothing changed.
 void WriteWhole(std::string_view text, const std::filesystem::path& final_name);
+
+/// The same in pieces: `fill` is called once with a function that appends.
+void WritePieces(const std::function<void(const std::function<void(std::string_view)>&)>& fill,
+                 const std::filesystem::path& final_name);
 
 /// Writes `bytes` and their seal to `final_name`, safely. Throws StoreError, with nothing changed.
 void WriteSealed(std::span<const std::byte> bytes, const std::filesystem::path& final_name);

@@ -19,5 +19,13 @@ TEST(Sha256, KnownAnswers) {
             "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
+TEST(Sha256, IsTheSameWithTheInstructionsOfTheProcessor) {
+  std::string data;
+  for (int i = 0; i < 300; ++i) {
+    EXPECT_EQ(plan::Sha256Hex(data), plan::PortableSha256Hex(data)) << i;
+    data += static_cast<char>(i * 37 + i / 7);
+  }
+}
+
 }  // namespace
 }  // namespace cdb::tests

@@ -1,0 +1,183 @@
+#include "compiler/block_maker.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "compiler/checks/traced_scene.h"
+#include "compiler/evaluate/dependencies.h"
+#include "compiler/plan/trace.h"
+#include "dsl/check.h"
+
+namespace cdb::compiler {
+namespace {
+
+using grid::Point;
+using grid::PointCondition;
+
+/// Errors of one setting that are reported at most.
+constexpr int kMostErrors = 1000;
+
+/// The values of an axis of words.
+std::vector<std::string> WordsOf(const plan::Axis& axis) {
+  std::vector<std::string> words;
+  for (const plan::Coordinate& word : axis.values) words.push_back(std::get<std::string>(word));
+  return words;
+}
+
+/// A coordinate for conditions: exact if all numbers of its axis are whole.
+schema::Value ConditionValue(const plan::Axis& axis, std::size_t index, bool is_integer) {
+  const auto* real = std::get_if<double>(&axis.values[index]);
+  if (real == nullptr) return schema::Word{std::get<std::string>(axis.values[index])};
+  if (is_integer) return schema::Number::Whole(static_cast<schema::Integer>(*real));
+  return *real;
+}
+
+/// Block::complete may depend on it: a value that is drawn has a seed of its own.
+bool DecidesSeedsOrPlugins(const schema::Parameter& parameter) {
+  using enum schema::ParameterType;
+  const bool is_plain = parameter.type == kCount || parameter.type == kSwitch ||
+                        parameter.type == kWords || parameter.type == kReal;
+  return parameter.name == "seed" || parameter.distribution || !is_plain ||
+         !parameter.AllCalls().empty();
+}
+
+}  // namespace
+
+BlockMaker::BlockMaker(std::shared_ptr<const scenario::Scenario> scenario,
+                       std::shared_ptr<evaluate::Configuration> configuration,
+                       const std::vector<plan::Axis>& axes, std::vector<Point> places)
+    : scenario_(std::move(scenario)),
+      configuration_(std::move(configuration)),
+      axes_(axes),
+      places_(std::move(places)) {
+  for (const Point& values : places_) extents_.push_back(values.size());
+  for (const plan::Axis& axis : axes_) is_integer_.push_back(axis.IsInteger());
+  for (const evaluate::SweepAxis& sweep : configuration_->axes())
+    axis_of_sweep_.push_back(static_cast<std::size_t>(
+        std::ranges::find(axes_, sweep.name, &plan::Axis::name) - axes_.begin()));
+}
+
+void BlockMaker::Choose(const Point& local) {
+  evaluate::Point point;
+  for (const std::size_t axis : axis_of_sweep_) point.push_back(local[axis]);
+  configuration_->Choose(point);
+}
+
+grid::Block BlockMaker::MakeConditions() {
+  grid::Block block;
+  block.places = places_;
+  block.extents = extents_;
+  block.complete = [scenario = scenario_, configuration = configuration_](plan::Scene& scene) {
+    configuration->Complete(scene);
+  };
+  block.lay_trace = [scenario = scenario_, configuration = configuration_](plan::Scene& scene) {
+    std::string why;
+    const auto facts = scenario->TraceAt(plan::TraceOf(scene)->path, why);
+    CDB_CHECK(facts);
+    checks::LayTrace(configuration->layers(), *facts, scene);
+  };
+  Choose(Point(extents_.size(), 0));
+  for (const auto& skip : configuration_->layers().skips)
+    block.skips.push_back(Table(*skip.node->when, skip.scope));
+  return block;
+}
+
+void BlockMaker::SetAxis(std::size_t axis, std::size_t local) {
+  evaluate::Conditions& conditions = configuration_->conditions();
+  conditions.SetAxis(axes_[axis].name,
+                     ConditionValue(axes_[axis], places_[axis][local], is_integer_[axis]));
+  if (axes_[axis].IsText() && !conditions.HasAxisWords(axes_[axis].name))
+    conditions.SetAxisWords(axes_[axis].name, WordsOf(axes_[axis]));
+}
+
+grid::AxisSet BlockMaker::AxesIn(const dsl::Expr& expr, const scenario::Scope& scope) const {
+  grid::AxisSet found;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
+    if (expr.kind == dsl::ExprKind::kPath && axes_[axis].name == expr.text) found.push_back(axis);
+  const auto sweeps =
+      evaluate::SweepsIn(expr, scope, configuration_->layers(), configuration_->evaluator());
+  for (std::size_t i = 0; i < axis_of_sweep_.size(); ++i)
+    if (sweeps.contains(configuration_->axes()[i].call))
+      found = grid::Union(found, {axis_of_sweep_[i]});
+  return found;
+}
+
+PointCondition BlockMaker::Table(const dsl::Condition& condition, const scenario::Scope& scope) {
+  using enum dsl::ConditionKind;
+  PointCondition table;
+  if (condition.kind != kCompare) {
+    table.kind = condition.kind == kNot   ? PointCondition::Kind::kNot
+                 : condition.kind == kAnd ? PointCondition::Kind::kAnd
+                                          : PointCondition::Kind::kOr;
+    for (const auto& item : condition.items) table.items.push_back(Table(*item, scope));
+    return table;
+  }
+  table.by = grid::Subgrid(
+      grid::Union(AxesIn(*condition.left, scope), AxesIn(*condition.right, scope)), extents_);
+  Point local(extents_.size(), 0);
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) SetAxis(axis, 0);
+  do {
+    Choose(local);
+    for (const std::size_t axis : table.by.axes()) SetAxis(axis, local[axis]);
+    table.values.push_back(configuration_->conditions().Hold(condition, scope));
+  } while (table.by.Advance(local));
+  return table;
+}
+
+const grid::Remaining& BlockMaker::RemainingAlong(const grid::AxisSet& axes,
+                                                  const grid::Block& block) {
+  const auto [known, is_new] = remaining_.try_emplace(axes);
+  if (is_new) known->second = grid::RemainingBy(block, axes);
+  return known->second;
+}
+
+bool BlockMaker::AddSettings(grid::Block& block) {
+  for (const std::string& group : configuration_->layers().groups)
+    block.base.groups.push_back({group, {}});
+  std::vector<PointCondition> bad;
+  for (const evaluate::DependentParameter& parameter : configuration_->parameters())
+    AddSetting(parameter, block, bad);
+  block.skips.insert(block.skips.end(), bad.begin(), bad.end());
+  return bad.empty();
+}
+
+void BlockMaker::AddSetting(const evaluate::DependentParameter& parameter, grid::Block& block,
+                            std::vector<PointCondition>& bad) {
+  grid::AxisSet axes;
+  for (const std::size_t axis : parameter.axes) axes = grid::Union(axes, {axis_of_sweep_[axis]});
+  axes = grid::WithoutConstants(axes, extents_);
+  const schema::Parameter& row = *parameter.key.second;
+  grid::VaryingSetting setting{grid::VaryingSetting::kWorld,
+                               &row,
+                               grid::Subgrid(axes, extents_),
+                               {},
+                               DecidesSeedsOrPlugins(row)};
+  for (std::size_t i = 0; i < block.base.groups.size(); ++i)
+    if (block.base.groups[i].name == parameter.key.first) setting.group = i;
+  const grid::Remaining& remaining = RemainingAlong(axes, block);
+  std::vector<bool> is_bad(remaining.counts.size(), false);
+  int errors = 0;
+  setting.values.resize(remaining.counts.size());
+  Point local(extents_.size(), 0);
+  do {
+    const auto index = static_cast<std::size_t>(setting.by.IndexOf(local));
+    if (remaining.counts[index] == 0 || errors >= kMostErrors) continue;
+    Choose(local);
+    auto value = configuration_->ValueOf(parameter.key);
+    is_bad[index] = !value;
+    errors += !value;
+    if (value) setting.values[index] = std::move(*value);
+  } while (setting.by.Advance(local));
+  if (errors > 0) bad.push_back({PointCondition::Kind::kTable, setting.by, std::move(is_bad), {}});
+  if (setting.values.size() > 1) {
+    block.varying.push_back(std::move(setting));
+  } else {
+    plan::Settings& settings = setting.group == grid::VaryingSetting::kWorld
+                                   ? static_cast<plan::Settings&>(block.base.world)
+                                   : block.base.groups[setting.group].settings;
+    settings.SetValue(row, std::move(setting.values[0]));
+  }
+}
+
+}  // namespace cdb::compiler

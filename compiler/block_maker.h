@@ -1,0 +1,53 @@
+// A block of a grid from the benchmark under one choice of its cases.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "compiler/evaluate/configuration.h"
+#include "compiler/grid/grid.h"
+#include "compiler/scenario/scenario.h"
+
+namespace cdb::compiler {
+
+/// Evaluates each condition and each setting once for each combination of the axes that it depends
+/// on. Not for several threads.
+class BlockMaker {
+ public:
+  /// `axes`: of the grid; `places`: as Block::places. Both outlive this object.
+  BlockMaker(std::shared_ptr<const scenario::Scenario> scenario,
+             std::shared_ptr<evaluate::Configuration> configuration,
+             const std::vector<plan::Axis>& axes, std::vector<grid::Point> places);
+
+  /// Chooses a point of the block for the configuration.
+  void Choose(const grid::Point& local);
+  evaluate::Configuration& configuration() { return *configuration_; }
+
+  /// Everything but the settings. Errors of conditions are reported.
+  grid::Block MakeConditions();
+  /// Adds the settings to what MakeConditions made. False after diagnostics; then the points whose
+  /// settings are bad are left out, so that others can be checked.
+  bool AddSettings(grid::Block& block);
+
+ private:
+  grid::PointCondition Table(const dsl::Condition& condition, const scenario::Scope& scope);
+  grid::AxisSet AxesIn(const dsl::Expr& expr, const scenario::Scope& scope) const;
+  void SetAxis(std::size_t axis, std::size_t local);
+  /// Adds a condition of the points at which the value is bad to `bad`.
+  void AddSetting(const evaluate::DependentParameter& parameter, grid::Block& block,
+                  std::vector<grid::PointCondition>& bad);
+  const grid::Remaining& RemainingAlong(const grid::AxisSet& axes, const grid::Block& block);
+
+  std::shared_ptr<const scenario::Scenario> scenario_;
+  std::shared_ptr<evaluate::Configuration> configuration_;
+  const std::vector<plan::Axis>& axes_;
+  std::vector<grid::Point> places_;
+  grid::Point extents_;
+  std::vector<bool> is_integer_;            ///< by axis
+  std::vector<std::size_t> axis_of_sweep_;  ///< of the grid, by the configuration's axis
+  std::map<grid::AxisSet, grid::Remaining> remaining_;
+};
+
+}  // namespace cdb::compiler

@@ -1,0 +1,212 @@
+#include "compiler/grid/grid.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "compiler/plan/plan_yaml_writer.h"
+#include "compiler/plan/reference.h"
+#include "compiler/plan/trace.h"
+
+namespace cdb::grid {
+namespace {
+
+constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
+constexpr std::uint64_t kNotChosen = std::numeric_limits<std::uint64_t>::max();
+
+Subgrid WholeGrid(const Grid& grid) {
+  AxisSet all(grid.head.axes.size());
+  for (std::size_t axis = 0; axis < all.size(); ++axis) all[axis] = axis;
+  return {all, grid.extents()};
+}
+
+}  // namespace
+
+bool PointCondition::Holds(const Point& point) const {
+  switch (kind) {
+    case Kind::kTable:
+      return values[by.IndexOf(point)];
+    case Kind::kNot:
+      return !items[0].Holds(point);
+    case Kind::kAnd:
+      return std::ranges::all_of(items, [&](const auto& item) { return item.Holds(point); });
+    case Kind::kOr:
+      return std::ranges::any_of(items, [&](const auto& item) { return item.Holds(point); });
+  }
+  return false;
+}
+
+AxisSet PointCondition::axes() const {
+  AxisSet all = by.axes();
+  for (const PointCondition& item : items) all = Union(all, item.axes());
+  return all;
+}
+
+bool Block::IsSkipped(const Point& local) const {
+  return std::ranges::any_of(skips, [&](const auto& skip) { return skip.Holds(local); });
+}
+
+AxisSet Block::SkipAxes() const {
+  AxisSet all;
+  for (const PointCondition& skip : skips) all = Union(all, skip.axes());
+  return all;
+}
+
+AxisSet Block::AxesOf(const schema::Parameter& parameter) const {
+  AxisSet all;
+  for (const VaryingSetting& setting : varying)
+    if (setting.parameter == &parameter) all = Union(all, setting.by.axes());
+  return all;
+}
+
+Point Block::PlaceOf(const Point& local) const {
+  Point place(local.size());
+  for (std::size_t axis = 0; axis < local.size(); ++axis) place[axis] = places[axis][local[axis]];
+  return place;
+}
+
+Remaining RemainingBy(const Block& block, const AxisSet& axes) {
+  AxisSet all(block.extents.size());
+  for (std::size_t axis = 0; axis < all.size(); ++axis) all[axis] = axis;
+  const Subgrid whole(all, block.extents);
+  const Subgrid looked_at(Union(Subgrid(axes, block.extents).axes(), block.SkipAxes()),
+                          block.extents);
+  // Points that differ in other axes only are left out together.
+  const std::uint64_t alike = whole.size() / looked_at.size();
+  Remaining remaining{Subgrid(axes, block.extents), {}, {}};
+  remaining.counts.assign(remaining.by.size(), 0);
+  remaining.firsts.assign(remaining.by.size(), 0);
+  Point point(block.extents.size(), 0);
+  do {
+    if (block.IsSkipped(point)) continue;
+    const std::uint64_t index = remaining.by.IndexOf(point);
+    const std::uint64_t here = whole.IndexOf(point);
+    if (remaining.counts[index] == 0 || here < remaining.firsts[index])
+      remaining.firsts[index] = here;
+    remaining.counts[index] += alike;
+  } while (looked_at.Advance(point));
+  return remaining;
+}
+
+Point Grid::extents() const {
+  Point extents;
+  for (const plan::Axis& axis : head.axes) extents.push_back(axis.values.size());
+  return extents;
+}
+
+Cursor::Cursor(const Grid& grid) : grid_(grid) {
+  const Point extents = grid.extents();
+  for (const Block& block : grid.blocks) {
+    states_.push_back({block.base, std::vector<std::uint64_t>(block.varying.size(), kNotChosen)});
+    std::vector<Point> locals;
+    for (std::size_t axis = 0; axis < extents.size(); ++axis) {
+      locals.emplace_back(extents[axis], kNowhere);
+      for (std::size_t i = 0; i < block.places[axis].size(); ++i)
+        locals.back()[block.places[axis][i]] = i;
+    }
+    locals_.push_back(std::move(locals));
+  }
+  local_.assign(extents.size(), 0);
+}
+
+std::size_t Cursor::BlockAt(const Point& place) const {
+  std::size_t block = 0;
+  for (const std::size_t axis : grid_.case_axes)
+    block = block * grid_.head.axes[axis].values.size() + place[axis];
+  return block;
+}
+
+bool Cursor::FindLocal(const Point& place, Point& local) const {
+  const std::size_t block = BlockAt(place);
+  for (std::size_t axis = 0; axis < place.size(); ++axis) {
+    local[axis] = locals_[block][axis][place[axis]];
+    if (local[axis] == kNowhere) return false;
+  }
+  return !grid_.blocks[block].IsSkipped(local);
+}
+
+bool Cursor::HasRun(const Point& place) const {
+  Point local(place.size());
+  return FindLocal(place, local);
+}
+
+bool Cursor::MoveTo(const Point& place) {
+  Point local(place.size());
+  if (!FindLocal(place, local)) return false;
+  MoveTo(BlockAt(place), local);
+  return true;
+}
+
+void Cursor::MoveTo(std::size_t block, const Point& local) {
+  block_ = block;
+  local_ = local;
+  const Block& here = grid_.blocks[block];
+  State& state = states_[block];
+  bool is_incomplete = !std::exchange(state.is_begun, true);
+  for (std::size_t i = 0; i < here.varying.size(); ++i) {
+    const VaryingSetting& setting = here.varying[i];
+    const std::uint64_t index = setting.by.IndexOf(local);
+    if (std::exchange(state.chosen[i], index) == index) continue;
+    plan::Settings& settings = setting.group == VaryingSetting::kWorld
+                                   ? static_cast<plan::Settings&>(state.scene.world)
+                                   : state.scene.groups[setting.group].settings;
+    settings.SetValue(*setting.parameter, setting.values[index]);
+    is_incomplete = is_incomplete || setting.completes;
+  }
+  if (is_incomplete && here.complete) here.complete(state.scene);
+}
+
+plan::Scene Cursor::MakeScene() const {
+  plan::Scene scene = configured();
+  if (plan::TraceOf(scene)) grid_.blocks[block_].lay_trace(scene);
+  return scene;
+}
+
+void ForEachPoint(const Grid& grid,
+                  const std::function<bool(const Cursor& cursor, const Point& place)>& visit) {
+  Cursor cursor(grid);
+  const Subgrid whole = WholeGrid(grid);
+  Point place(grid.head.axes.size(), 0);
+  do {
+    if (cursor.MoveTo(place) && !visit(cursor, place)) return;
+  } while (whole.Advance(place));
+}
+
+void ForEachSkipped(const Grid& grid, const std::function<void(const Point& place)>& visit) {
+  const Subgrid whole = WholeGrid(grid);
+  if (grid.point_count == whole.size()) return;
+  const Cursor cursor(grid);
+  Point place(grid.head.axes.size(), 0);
+  do {
+    if (!cursor.HasRun(place)) visit(place);
+  } while (whole.Advance(place));
+}
+
+plan::Plan ListRuns(const Grid& grid, std::uint64_t most) {
+  plan::Plan plan = grid.head;
+  const bool is_whole = grid.point_count <= most;
+  if (is_whole) ForEachSkipped(grid, [&](const Point& place) { plan.skipped.push_back(place); });
+  ForEachPoint(grid, [&](const Cursor& cursor, const Point& place) {
+    const plan::Scene scene = cursor.MakeScene();
+    for (std::uint64_t rep = 0; rep < plan.repeats; ++rep)
+      plan.runs.push_back({plan::RunId(scene, rep), place, rep, scene, {}, {}});
+    return --most > 0;
+  });
+  if (is_whole) plan::AddReferences(plan);
+  return plan;
+}
+
+void WriteYaml(const Grid& grid, const std::function<void(std::string_view)>& write) {
+  plan::PlanWriter writer(grid.head, write);
+  ForEachSkipped(grid, [&](const Point& place) { writer.AddSkipped(place); });
+  ForEachPoint(grid, [&](const Cursor& cursor, const Point& place) {
+    const bool is_traced = plan::TraceOf(cursor.configured()).has_value();
+    const plan::Scene traced = is_traced ? cursor.MakeScene() : plan::Scene();
+    for (std::uint64_t rep = 0; rep < grid.head.repeats; ++rep)
+      writer.AddRun(place, rep, is_traced ? traced : cursor.configured());
+    return true;
+  });
+  writer.Finish();
+}
+
+}  // namespace cdb::grid

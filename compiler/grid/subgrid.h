@@ -1,0 +1,48 @@
+// The combinations of values of some of a grid's axes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cdb::grid {
+
+/// An index on each axis of a grid.
+using Point = std::vector<std::size_t>;
+/// Indices of axes, ascending.
+using AxisSet = std::vector<std::size_t>;
+
+AxisSet Union(const AxisSet& a, const AxisSet& b);
+/// The axes that have more than one value.
+AxisSet WithoutConstants(const AxisSet& axes, const Point& extents);
+/// A double, as it may be more than 64 bits hold.
+double CountOf(const Point& extents);
+
+/// The combinations of the values on `axes`, numbered so that the last axis is the fastest.
+class Subgrid {
+ public:
+  Subgrid() = default;
+  /// `extents`: the number of values on each axis of the whole grid.
+  Subgrid(AxisSet axes, const Point& extents);
+
+  const AxisSet& axes() const { return axes_; }
+  std::uint64_t size() const { return size_; }
+  /// Of the point's own combination.
+  std::uint64_t IndexOf(const Point& point) const {
+    std::uint64_t index = 0;
+    for (std::size_t i = 0; i < axes_.size(); ++i) index += strides_[i] * point[axes_[i]];
+    return index;
+  }
+  /// Moves the point to the combination `index`; its place on other axes stays.
+  void MoveTo(std::uint64_t index, Point& point) const;
+  /// Moves the point to the next combination; false at the end, where it begins again.
+  bool Advance(Point& point) const;
+
+ private:
+  AxisSet axes_;
+  std::vector<std::uint64_t> strides_;
+  Point extents_;  ///< of `axes_`
+  std::uint64_t size_ = 1;
+};
+
+}  // namespace cdb::grid

@@ -1,0 +1,87 @@
+#include "compiler/grid_checks.h"
+
+#include <limits>
+#include <optional>
+
+#include "compiler/plan/trace.h"
+
+namespace cdb::compiler {
+
+void GridChecks::Replay(const dsl::Diagnostics& found) {
+  for (const dsl::Diagnostic& one : found.all())
+    diagnostics_.Report(*one.kind, one.span, one.message, one.help, one.notes);
+}
+
+void GridChecks::Check() {
+  std::optional<dsl::Diagnostics> found;
+  std::optional<checks::SceneChecks> checks;
+  survey_.Look(
+      std::numeric_limits<std::uint64_t>::max(), {},
+      [&](bool) { checks.emplace(benchmark_, found.emplace()); },
+      [&](const grid::Sample& sample, const plan::Scene& scene) {
+        evaluate::Configuration& configuration = choose_(sample.block, sample.local);
+        if (!plan::TraceOf(scene)) {
+          checks->Pass(configuration, scene);
+        } else {
+          plan::Scene traced = scene;
+          checks->PassTraced(configuration, traced);
+        }
+      });
+  Replay(*found);
+}
+
+/// So that no scene is placed twice. A closed form may depend on everything.
+grid::AxisSet GridChecks::AxesOfPlacement() const {
+  grid::AxisSet axes;
+  bool has_closed_form = false;
+  for (const grid::Block& block : grid_.blocks) {
+    const schema::Parameter& form = *schema::WorldParameter("accuracy.closed_form");
+    has_closed_form = has_closed_form || !block.base.world.Has(form) ||
+                      block.base.world.WordOr("accuracy.closed_form") != "none";
+    for (const grid::VaryingSetting& setting : block.varying)
+      if (setting.parameter->grouped || setting.parameter->name == "seed" ||
+          setting.parameter->name == "world.side" || setting.parameter->name == "trace")
+        axes = grid::Union(axes, setting.by.axes());
+  }
+  if (!has_closed_form) return axes;
+  axes.resize(grid_.head.axes.size());
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) axes[axis] = axis;
+  return axes;
+}
+
+void GridChecks::FindFaults(const plan::FindSceneFault& find) {
+  std::optional<dsl::Diagnostics> found;
+  std::optional<checks::SceneFaults> faults;
+  survey_.Look(
+      kMostPlaced, AxesOfPlacement(),
+      [&](bool is_whole) {
+        faults.emplace(benchmark_, find, found.emplace(),
+                       is_whole ? checks::SceneFaults::kMostObjects : kMostObjectsOfMany);
+      },
+      [&](const grid::Sample& sample, const plan::Scene& scene) {
+        if (!plan::TraceOf(scene))
+          faults->Add(choose_(sample.block, sample.local), scene,
+                      sample.points * grid_.head.repeats);
+      });
+  faults->Report(grid_.run_count());
+  Replay(*found);
+}
+
+void GridChecks::Lint() {
+  std::optional<checks::LintFindings> findings;
+  std::uint64_t looked_at = 0;
+  survey_.Look(
+      kMostLinted, {},
+      [&](bool) {
+        findings.emplace(benchmark_, diagnostics_);
+        looked_at = 0;
+      },
+      [&](const grid::Sample& sample, const plan::Scene& scene) {
+        const std::uint64_t runs = sample.points * grid_.head.repeats;
+        looked_at += runs;
+        if (!plan::TraceOf(scene)) findings->Add(choose_(sample.block, sample.local), scene, runs);
+      });
+  findings->Report(looked_at, grid_.run_count());
+}
+
+}  // namespace cdb::compiler

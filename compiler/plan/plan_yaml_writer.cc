@@ -1,0 +1,268 @@
+#include "compiler/plan/plan_yaml_writer.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/schema/parametrised_words.h"
+
+namespace cdb::plan {
+namespace {
+
+/// Reals as YAML: never mistaken for another type, and the same double when read back.
+std::string YamlReal(double value) { return schema::FormatReal(value); }
+
+struct WriteValue {
+  YAML::Emitter& out;
+
+  void operator()(bool on) const { out << (on ? "on" : "off"); }
+  void operator()(const schema::Number& number) const { out << number.Text(); }
+  void operator()(const schema::Word& word) const { out << word.text; }
+  void operator()(const Eigen::Vector3d& v) const { WriteReals(v); }
+  void operator()(const schema::Ratio& ratio) const { WriteReals(ratio.parts); }
+  void operator()(const schema::WordList& words) const {
+    out << YAML::Flow << YAML::BeginSeq;
+    for (const std::string& word : words) out << word;
+    out << YAML::EndSeq;
+  }
+  void operator()(const schema::Text& text) const { out << YAML::DoubleQuoted << text.text; }
+  void operator()(const schema::Call& call) const {
+    const schema::ParametrisedWord& info = *schema::FindParametrisedWord(call.name);
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << call.name << YAML::Value << YAML::BeginMap;
+    for (std::size_t i = 0; i < call.arguments.size(); ++i) {
+      out << YAML::Key << std::string(info.arguments[i].name) << YAML::Value;
+      Write(call.arguments[i]);
+    }
+    out << YAML::EndMap << YAML::EndMap;
+  }
+  void operator()(const schema::Distribution& d) const {
+    out << YAML::Flow << YAML::BeginMap << YAML::Key
+        << std::string(schema::DistributionName(d.kind)) << YAML::Value << YAML::BeginSeq;
+    for (std::size_t i = 0; i < d.arguments.size(); ++i) {
+      if (d.kind != schema::DistributionKind::kAny) {
+        Write(d.arguments[i]);
+        continue;
+      }
+      out << YAML::BeginSeq;
+      Write(d.arguments[i]);
+      out << YamlReal(d.weights[i]) << YAML::EndSeq;
+    }
+    out << YAML::EndSeq << YAML::EndMap;
+  }
+
+  void Write(const schema::Value& value) const {
+    std::visit(*this, static_cast<const schema::Value::variant&>(value));
+  }
+  void WriteReals(const Eigen::Vector3d& v) const {
+    out << YAML::Flow << YAML::BeginSeq << YamlReal(v.x()) << YamlReal(v.y()) << YamlReal(v.z())
+        << YAML::EndSeq;
+  }
+};
+
+void WritePlugins(YAML::Emitter& out, const std::vector<schema::PluginDetector>& plugins) {
+  out << YAML::Key << "plugins" << YAML::Value << YAML::BeginMap;
+  for (const schema::PluginDetector& plugin : plugins) {
+    out << YAML::Key << plugin.name << YAML::Value << YAML::BeginMap;
+    out << YAML::Key << "library" << YAML::Value << YAML::DoubleQuoted << plugin.path;
+    out << YAML::Key << "sha256" << YAML::Value << YAML::DoubleQuoted << plugin.sha256;
+    out << YAML::Key << "phases" << YAML::Value << plugin.phases;
+    out << YAML::Key << "max_bodies" << YAML::Value << plugin.max_bodies << YAML::EndMap;
+  }
+  out << YAML::EndMap;
+}
+
+void WriteAxis(YAML::Emitter& out, const Axis& axis) {
+  out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << axis.name;
+  out << YAML::Key << "parameter" << YAML::Value << YAML::DoubleQuoted << axis.parameter;
+  out << YAML::Key << "unit" << YAML::Value << YAML::DoubleQuoted << axis.unit;
+  out << YAML::Key << (axis.IsText() ? "labels" : "values") << YAML::Value << YAML::Flow
+      << YAML::BeginSeq;
+  for (const Coordinate& value : axis.values) {
+    if (const auto* number = std::get_if<double>(&value)) {
+      out << YamlReal(*number);
+    } else {
+      out << YAML::DoubleQuoted << std::get<std::string>(value);
+    }
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+}
+
+/// Each line behind `indent`.
+void AppendIndented(std::string_view text, std::string_view indent, std::string& out) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
+    out += indent;
+    out += text.substr(0, end);
+    text.remove_prefix(end);
+  }
+}
+
+std::string Indices(const std::vector<std::size_t>& at) {
+  return fmt::format("[{}]", fmt::join(at, ", "));
+}
+
+/// Behind which the text is cut into pieces.
+constexpr std::size_t kPiece = 1 << 16;
+
+}  // namespace
+
+bool RunText::Update(const Settings& settings, Lines& lines) {
+  bool is_changed = false;
+  std::size_t i = 0;
+  for (const auto& [name, value] : settings) {
+    if (i == lines.size()) lines.emplace_back();
+    Line& line = lines[i++];
+    if (line.name == name && line.value == value && !line.yaml.empty()) continue;
+    YAML::Emitter out;
+    out << YAML::BeginMap << YAML::Key << name << YAML::Value;
+    WriteValue{out}.Write(value);
+    out << YAML::EndMap;
+    line = {name, value, fmt::format("{} {}\n", name, schema::ToText(value)),
+            std::string(out.c_str()) + "\n"};
+    is_changed = true;
+  }
+  is_changed = is_changed || lines.size() != i;
+  lines.resize(i);
+  return is_changed;
+}
+
+void RunText::Set(const Scene& scene) {
+  bool is_changed = !std::exchange(is_begun_, true);
+  is_changed = Update(scene.world, world_) || is_changed;
+  is_changed = is_changed || groups_.size() != scene.groups.size();
+  groups_.resize(scene.groups.size());
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    is_changed = Update(scene.groups[i].settings, groups_[i].lines) || is_changed;
+    if (groups_[i].name == scene.groups[i].name) continue;
+    is_changed = true;
+    YAML::Emitter out;
+    out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << scene.groups[i].name
+        << YAML::EndMap;
+    groups_[i].name = scene.groups[i].name;
+    groups_[i].yaml = out.c_str();
+  }
+  if (!is_changed && role_ == scene.role && seeds_ == scene.seeds && plugins_ == scene.plugins)
+    return;
+  role_ = scene.role;
+  seeds_ = scene.seeds;
+  plugins_ = scene.plugins;
+  Join(scene);
+}
+
+void RunText::Join(const Scene& scene) {
+  canonical_.clear();
+  yaml_.clear();
+  if (role_ != Role::kMeasured) yaml_ += fmt::format("role: {}\n", RoleName(role_));
+  yaml_ += "world:\n";
+  for (const Line& line : world_) {
+    canonical_ += line.canonical;
+    AppendIndented(line.yaml, "  ", yaml_);
+  }
+  if (role_ != Role::kMeasured) canonical_ += fmt::format("role {}\n", RoleName(role_));
+  yaml_ += "groups:\n";
+  for (const GroupLines& group : groups_) {
+    canonical_ += "group " + group.name + "\n";
+    yaml_ += "  - " + group.yaml + "\n";
+    for (const Line& line : group.lines) {
+      canonical_ += line.canonical;
+      AppendIndented(line.yaml, "    ", yaml_);
+    }
+  }
+  yaml_ += seeds_.empty() ? "seeds:\n  {}\n" : "seeds:\n";
+  for (const auto& [stream, seed] : seeds_) yaml_ += fmt::format("  {}: {:#018x}\n", stream, seed);
+  canonical_ += CanonicalTail(scene);
+  if (plugins_.empty()) return;
+  YAML::Emitter out;
+  out << YAML::BeginMap;
+  WritePlugins(out, plugins_);
+  out << YAML::EndMap;
+  yaml_ += std::string(out.c_str()) + "\n";
+}
+
+std::string RunText::Id(std::uint64_t rep) const { return RunIdOf(rep, canonical_); }
+
+void RunText::AppendYaml(const std::vector<std::size_t>& at, std::uint64_t rep,
+                         std::string_view indent, std::string& out) const {
+  out +=
+      fmt::format("id: \"{}\"\n{}at: {}\n{}rep: {}\n", Id(rep), indent, Indices(at), indent, rep);
+  AppendIndented(yaml_, indent, out);
+}
+
+PlanWriter::PlanWriter(const Plan& head, std::function<void(std::string_view)> write)
+    : head_(head), write_(std::move(write)) {
+  YAML::Emitter out;
+  out << YAML::Comment("A cdb plan: every run of a benchmark. `cdb run` executes it as it is.");
+  out << YAML::BeginMap;
+  out << YAML::Key << std::string(kPlanFormat) << YAML::Value << kPlanVersion;
+  out << YAML::Key << "benchmark" << YAML::Value << YAML::DoubleQuoted << head.benchmark;
+  out << YAML::Key << "title" << YAML::Value << YAML::DoubleQuoted << head.title;
+  out << YAML::Key << "source" << YAML::Value << YAML::DoubleQuoted << head.source;
+  out << YAML::Key << "repeats" << YAML::Value << head.repeats;
+  out << YAML::Key << "axes" << YAML::Value << YAML::BeginSeq;
+  for (const Axis& axis : head.axes) WriteAxis(out, axis);
+  out << YAML::EndSeq << YAML::EndMap;
+  buffer_ = std::string(out.c_str()) + "\nskipped:\n";
+}
+
+void PlanWriter::Flush(std::size_t more_than) {
+  if (buffer_.size() <= more_than) return;
+  write_(buffer_);
+  buffer_.clear();
+}
+
+void PlanWriter::AddSkipped(const std::vector<std::size_t>& at) {
+  has_skipped_ = true;
+  buffer_ += "  - " + Indices(at) + "\n";
+  Flush(kPiece);
+}
+
+void PlanWriter::BeginRuns() {
+  if (!std::exchange(has_runs_, true)) buffer_ += has_skipped_ ? "runs:\n" : "  []\nruns:\n";
+}
+
+std::string PlanWriter::AddRun(const std::vector<std::size_t>& at, std::uint64_t rep,
+                               const Scene& scene) {
+  BeginRuns();
+  text_.Set(scene);
+  buffer_ += "  - ";
+  const std::size_t begin = buffer_.size();
+  text_.AppendYaml(at, rep, "    ", buffer_);
+  constexpr std::size_t kBeforeId = 5, kIdDigits = 16;  // `id: "`
+  std::string id = buffer_.substr(begin + kBeforeId, kIdDigits);
+  Flush(kPiece);
+  return id;
+}
+
+void PlanWriter::Finish() {
+  if (!has_runs_) buffer_ += has_skipped_ ? "runs:\n  []\n" : "  []\nruns:\n  []\n";
+  YAML::Emitter out;
+  out << YAML::BeginMap << YAML::Key << "scenario" << YAML::Value << YAML::DoubleQuoted
+      << head_.scenario_text << YAML::EndMap;
+  buffer_ += std::string(out.c_str()) + "\n";
+  Flush(0);
+}
+
+std::string RunToYaml(const Run& run) {
+  RunText text;
+  text.Set(run.scene);
+  std::string out;
+  text.AppendYaml(run.at, run.rep, "", out);
+  return out;
+}
+
+std::string ToYaml(const Plan& plan) {
+  std::string text;
+  PlanWriter writer(plan, [&](std::string_view piece) { text += piece; });
+  for (const auto& point : plan.skipped) writer.AddSkipped(point);
+  for (const Run& run : plan.runs) writer.AddRun(run.at, run.rep, run.scene);
+  writer.Finish();
+  return text;
+}
+
+}  // namespace cdb::plan

@@ -1,0 +1,76 @@
+// A plan as YAML, run by run: of a run, only what differs from the one before is written anew.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+
+namespace cdb::plan {
+
+/// The texts of one run after the other. Not for several threads.
+class RunText {
+ public:
+  /// What follows is of this scene.
+  void Set(const Scene& scene);
+  /// As RunId gives it.
+  std::string Id(std::uint64_t rep) const;
+  /// Appends the entry of the plan's `runs`, each line indented by `indent`.
+  void AppendYaml(const std::vector<std::size_t>& at, std::uint64_t rep, std::string_view indent,
+                  std::string& out) const;
+
+ private:
+  /// A setting as it was written last.
+  struct Line {
+    std::string name;
+    schema::Value value;
+    std::string canonical, yaml;
+  };
+  using Lines = std::vector<Line>;
+  struct GroupLines {
+    std::string name, yaml;
+    Lines lines;
+  };
+
+  static bool Update(const Settings& settings, Lines& lines);
+  void Join(const Scene& scene);
+
+  Lines world_;
+  std::vector<GroupLines> groups_;
+  Role role_ = Role::kMeasured;
+  std::map<std::string, std::uint64_t, std::less<>> seeds_;
+  std::vector<schema::PluginDetector> plugins_;
+  bool is_begun_ = false;
+  std::string canonical_;  ///< of the scene
+  std::string yaml_;       ///< lines behind `rep`, without the indentation of the whole entry
+};
+
+/// Writes a plan in the order of its document: the head, skipped points, runs, the scenario's text.
+/// Not for several threads.
+class PlanWriter {
+ public:
+  /// `write` gets the text in pieces. Runs, skipped points and references of `head` are not read.
+  PlanWriter(const Plan& head, std::function<void(std::string_view)> write);
+
+  void AddSkipped(const std::vector<std::size_t>& at);
+  /// After all skipped points. Returns the run's id.
+  std::string AddRun(const std::vector<std::size_t>& at, std::uint64_t rep, const Scene& scene);
+  /// Once, after all runs.
+  void Finish();
+
+ private:
+  void Flush(std::size_t more_than);
+  void BeginRuns();
+
+  const Plan& head_;
+  std::function<void(std::string_view)> write_;
+  std::string buffer_;
+  RunText text_;
+  bool has_skipped_ = false, has_runs_ = false;
+};
+
+}  // namespace cdb::plan
