@@ -56,6 +56,7 @@ class AxisFinder {
     const schema::ParametrisedWord* word = nullptr;
     const schema::Parameter* argument = nullptr;
     int component = -1;
+    const Expr* quantity = nullptr;  ///< `sweep( ) ms`: the sweep with its unit
   };
 
   static Statement StatementOf(const scenario::ParameterKey& key, int order) {
@@ -84,6 +85,11 @@ class AxisFinder {
           Walk(*inner.slot, scope, statement, inner);
         }
         return;
+      case ExprKind::kQuantity: {
+        Part inner = part;
+        inner.quantity = &expr;
+        return Walk(*expr.items[0], scope, statement, inner);
+      }
       case ExprKind::kPath:
         return WalkLet(evaluator_.names().Resolve(expr.text, scope));
       default:
@@ -160,7 +166,9 @@ class AxisFinder {
     std::vector<Value> values;
     for (std::size_t i = 0; i < sweep.items.size(); ++i) {
       evaluator_.Choose(call, i);
-      const auto value = evaluator_.Evaluate(alone ? *part.slot : call, scope);
+      const bool is_quantity = part.quantity != nullptr && part.quantity->items[0].get() == &call;
+      const Expr& with_unit = is_quantity ? *part.quantity : call;
+      const auto value = evaluator_.Evaluate(alone ? *part.slot : with_unit, scope);
       if (!value) return std::nullopt;
       values.push_back(*value);
     }

@@ -9,6 +9,7 @@
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/defaults.h"
 #include "compiler/evaluate/dependencies.h"
+#include "compiler/evaluate/dimensions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/check.h"
 
@@ -70,6 +71,7 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
   // Unused lets are checked too.
   for (const auto& [key, let] : layers_.lets)
     if (let.node->value->kind != ExprKind::kRange) evaluator_.Evaluate(*let.node->value, let.scope);
+  Dimensions(layers_, evaluator_).CheckAll();
   for (const schema::Parameter& parameter : schema::Schema()) {
     if (!parameter.grouped) {
       Add({"", &parameter});

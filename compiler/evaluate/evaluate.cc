@@ -12,6 +12,7 @@
 #include "compiler/evaluate/kind_name.h"
 #include "compiler/evaluate/named_files.h"
 #include "compiler/evaluate/operators.h"
+#include "compiler/evaluate/quantities.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -127,6 +128,8 @@ std::optional<Value> Evaluator::EvaluateUnchecked(const Expr& expr, const scenar
       return EvaluateNegation(expr, scope, *this);
     case ExprKind::kBinary:
       return EvaluateBinary(expr, scope, *this);
+    case ExprKind::kQuantity:
+      return EvaluateQuantity(expr, scope, *this);
     case ExprKind::kError:
       return std::nullopt;
     case ExprKind::kRange:

@@ -11,6 +11,7 @@ inline constexpr dsl::DiagnosticKind kWrongPlace{"wrong-place"};
 inline constexpr dsl::DiagnosticKind kReservedName{"reserved-name"};
 inline constexpr dsl::DiagnosticKind kSetTwice{"set-twice"};
 inline constexpr dsl::DiagnosticKind kWrongKind{"wrong-kind"};
+inline constexpr dsl::DiagnosticKind kWrongUnit{"wrong-unit"};
 inline constexpr dsl::DiagnosticKind kOutOfDomain{"out-of-domain"};
 inline constexpr dsl::DiagnosticKind kNotFinite{"not-finite"};
 inline constexpr dsl::DiagnosticKind kBadArguments{"bad-arguments"};
@@ -37,6 +38,7 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kOutOfDomain,    &kNotFinite,  &kBadArguments, &kBadRange,      &kMisplacedSweep,
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
-    &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize};
+    &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
+    &kWrongUnit};
 
 }  // namespace cdb::scenario

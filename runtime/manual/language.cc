@@ -65,6 +65,14 @@ VALUES
   (x, y, z)                   a vector; 0 is short for (0, 0, 0)
   1 : y : z                   a ratio
   on off true false           a switch
+  10 ms   5 cm   90 deg/s     a number with a unit, converted to SI exactly: 10 ms is 0.01. The unit
+                              belongs to the product before it: 1/60 s, (0, -981, 0) cm/s^2, and
+                              uniform(1, 5) cm. A name needs brackets: (n) ms. Units are km m cm mm
+                              um, t kg g mg, h min s ms us ns, rad deg rpm, Hz kHz, N kN, Pa kPa MPa,
+                              with powers and quotients: kg/m^3. The dimension has to be that of the
+                              parameter. A number without a unit is in the SI unit of `cdb doc
+                              parameters`; the metres of a scene are a convention, as in MJCF and
+                              Scenic, which have no units.
 
   uniform(a, b)               uniform between a and b. Vectors are drawn component by component.
   normal(m, s)                mean and standard deviation; also normal(m, variance: v) and
