@@ -7,6 +7,7 @@
 
 #include "compiler/evaluate/arguments.h"
 #include "compiler/evaluate/dependencies.h"
+#include "compiler/evaluate/functions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -100,6 +101,11 @@ class AxisFinder {
   void WalkCall(const Expr& call, const scenario::Scope& scope, Statement& statement,
                 const Part& part) {
     if (call.text == "sweep") return Add(call, scope, statement, part);
+    if (IsFunction(call.text)) {
+      for (const dsl::Argument& argument : call.arguments)
+        Walk(*argument.value, scope, statement, part);
+      return;
+    }
     // Of a function that there is not, nothing is known.
     if (!schema::FindDistribution(call.text) && schema::FindParametrisedWord(call.text) == nullptr)
       return;

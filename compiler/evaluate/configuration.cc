@@ -71,7 +71,7 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
   // Unused lets are checked too.
   for (const auto& [key, let] : layers_.lets)
     if (let.node->value->kind != ExprKind::kRange) evaluator_.Evaluate(*let.node->value, let.scope);
-  Dimensions(layers_, evaluator_).CheckAll();
+  faulty_ = Dimensions(layers_, evaluator_).CheckAll();
   for (const schema::Parameter& parameter : schema::Schema()) {
     if (!parameter.grouped) {
       Add({"", &parameter});
@@ -176,6 +176,7 @@ void Configuration::ReportAll(const ParameterValues& values) {
 }
 
 std::optional<Value> Configuration::Make(const scenario::ParameterKey& key) {
+  if (faulty_.contains(key)) return std::nullopt;
   const schema::Parameter& parameter = *key.second;
   const auto set = layers_.settings.find(key);
   const dsl::Setting& setting =

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -71,6 +72,7 @@ class Configuration {
   Evaluator evaluator_;
   Conditions conditions_;
   std::vector<SweepAxis> axes_;
+  std::set<scenario::ParameterKey> faulty_;  ///< settings that are reported and not evaluated
   std::vector<ParameterValues> parameters_;
   Point point_;
 };

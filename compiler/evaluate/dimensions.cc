@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "compiler/evaluate/arguments.h"
+#include "compiler/evaluate/functions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/check.h"
 
@@ -73,13 +74,18 @@ std::string DimensionName(const Unit& unit) {
   return "in " + BaseUnits(unit);
 }
 
-void Dimensions::CheckAll() {
-  for (const auto& [key, setting] : layers_.settings)
+std::set<scenario::ParameterKey> Dimensions::CheckAll() {
+  std::set<scenario::ParameterKey> faulty;
+  for (const auto& [key, setting] : layers_.settings) {
+    is_faulty_ = false;
     for (const auto& value : setting.node->values)
       CheckFor(*key.second, key.second->unit, *value, setting.scope);
+    if (is_faulty_) faulty.insert(key);
+  }
   for (const auto& [key, let] : layers_.lets) CheckLet(*let.node, let.scope);
   for (const auto& skip : layers_.skips)
     if (skip.node->when) Check(*skip.node->when, skip.scope);
+  return faulty;
 }
 
 void Dimensions::CheckLet(const dsl::Let& let, const scenario::Scope& scope) {
@@ -225,10 +231,32 @@ Dimensions::Dimension Dimensions::FindCall(const Expr& expr, const scenario::Sco
     CheckWord(expr, *info, scope);
     return {};
   }
+  if (IsFunction(expr.text)) return FindFunction(expr, scope);
   if (expr.text == "normal") return FindNormal(expr, scope);
   if (expr.text == "sweep" || schema::FindDistribution(expr.text))
     return Join(ArgumentsOf(expr, scope));
   return {};
+}
+
+Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario::Scope& scope) {
+  const Parts parts = ArgumentsOf(expr, scope);
+  if (expr.text == "abs" || expr.text == "min" || expr.text == "max") return Join(parts);
+  if (parts.size() != 1) return {};  // as the evaluator says
+  const Dimension& of = parts[0].dimension;
+  if (of.kind != Kind::kUnit) return of;
+  const Unit& unit = of.unit;
+  if (expr.text == "sqrt") {
+    const Unit root = {.length = unit.length / 2,
+                       .mass = unit.mass / 2,
+                       .time = unit.time / 2,
+                       .angle = unit.angle / 2};
+    if (dsl::Multiplied({}, root, 2).HasDimensionOf(unit)) return Of(root);
+    return Report(parts[0].span, fmt::format("{} has no root in whole units", DimensionName(unit)));
+  }
+  const bool is_angle = unit.HasDimensionOf(SchemaUnit("rad"));
+  if (is_angle && (expr.text == "sin" || expr.text == "cos")) return Pure();
+  return Report(parts[0].span, fmt::format("{}( ) takes a number without a unit; this is {}",
+                                           expr.text, DimensionName(unit)));
 }
 
 Dimensions::Dimension Dimensions::FindNormal(const Expr& expr, const scenario::Scope& scope) {

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ class Dimensions {
   Dimensions(const scenario::Layers& layers, Evaluator& evaluator)
       : layers_(layers), evaluator_(evaluator) {}
 
-  /// Reports the faults of all settings, lets and conditions of the layers.
-  void CheckAll();
+  /// Reports the faults of all settings, lets and conditions of the layers; gives the settings that
+  /// have one.
+  std::set<scenario::ParameterKey> CheckAll();
   void CheckLet(const dsl::Let& let, const scenario::Scope& scope);
   /// False, with a report, if the parts of `expr` do not go together.
   bool Check(const dsl::Expr& expr, const scenario::Scope& scope);
@@ -57,6 +59,7 @@ class Dimensions {
   Dimension FindQuantity(const dsl::Expr& expr, const scenario::Scope& scope);
   Dimension FindRange(const dsl::Expr& expr, const scenario::Scope& scope);
   Dimension FindCall(const dsl::Expr& expr, const scenario::Scope& scope);
+  Dimension FindFunction(const dsl::Expr& expr, const scenario::Scope& scope);
   Dimension FindNormal(const dsl::Expr& expr, const scenario::Scope& scope);
   /// The arguments of a word, each checked by itself.
   void CheckWord(const dsl::Expr& call, const schema::ParametrisedWord& info,

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "compiler/evaluate/evaluate.h"
+#include "compiler/evaluate/functions.h"
 #include "compiler/evaluate/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/check.h"
@@ -20,7 +21,6 @@ using schema::Integer;
 using schema::Number;
 using schema::Value;
 
-constexpr double kPi = 3.141592653589793;
 /// What pi is more than kPi.
 constexpr double kPiRest = 1.2246467991473532e-16;
 

@@ -60,6 +60,9 @@ STATEMENTS
 VALUES
   arithmetic                  + - * / ^ and ( ). Exact as long as numbers are whole and fit into 64
                               bits. Vectors can be added, and multiplied by a number.
+  round(x) floor ceil abs min max sqrt sin cos exp log, and pi    functions of numbers; round( ) is
+                              a count, halves away from zero: quantity round(10 ^ sweep(1 .. 3)).
+                              Angles are in rad. A let may have such a name.
   names                       a let, or another parameter of the same run:
                               world.side 20 * objects.quantity
   (x, y, z)                   a vector; 0 is short for (0, 0, 0)
