@@ -32,6 +32,7 @@ inline constexpr dsl::DiagnosticKind kWrongForm{"wrong-form"};
 inline constexpr dsl::DiagnosticKind kCannotPlace{"cannot-place"};
 inline constexpr dsl::DiagnosticKind kRunsWillFail{"runs-will-fail", dsl::Severity::kWarning};
 inline constexpr dsl::DiagnosticKind kDefaultSize{"default-size", dsl::Severity::kWarning};
+inline constexpr dsl::DiagnosticKind kEllipsoids{"ellipsoids", dsl::Severity::kWarning};
 
 inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
@@ -39,6 +40,6 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
-    &kWrongUnit};
+    &kWrongUnit,      &kEllipsoids};
 
 }  // namespace cdb::scenario

@@ -103,6 +103,12 @@ WORDS WITH ARGUMENTS
   acceleration rotating((0, -9.8, 0), about: (0, 0, 1), period: 4)    one turn in 4 s
                               These are schedules. linear_velocity and angular_velocity take them
                               too, one for each object. Schedules cannot be nested or used in any( ).
+  size same(uniform(1, 5))    one draw for all sides of an object, so that spheres stay spheres. Without
+                              same( ), a distribution draws each side, as in the paper. (In MJCF and
+                              Scenic, too, a size is one number or one for each side.)
+  mass density(2.7 g/cm^3)    the mass of each object from its volume; density( ) takes distributions.
+                              It stands in place of a mass, where MJCF has two attributes of which
+                              one wins.
   trace "run.trace.h5"        runs the detectors on recorded boxes instead of a scene: see `cdb doc
                               traces`
   Arguments may contain sweeps, lets and arithmetic: ring(radius: sweep(1, 2)) makes the axis
