@@ -25,6 +25,7 @@ struct Roles {
   std::unordered_set<std::uint32_t> settings;  // the path of a setting
   std::unordered_set<std::uint32_t> opens;     // of a call without brackets: where its name ends
   std::unordered_set<std::uint32_t> closes;    // and where its argument does
+  std::unordered_set<std::uint32_t> units;     // each place in the text of a unit but its first
 };
 
 class RoleFinder {
@@ -57,6 +58,9 @@ class RoleFinder {
       roles_.opens.insert(FirstInside(expr) + static_cast<std::uint32_t>(expr.text.size()));
       roles_.closes.insert(expr.arguments[0].value->span.end);
     }
+    if (expr.kind == ExprKind::kQuantity)
+      for (std::uint32_t at = expr.text_span.begin + 1; at < expr.text_span.end; ++at)
+        roles_.units.insert(at);
     for (const ExprPtr& item : expr.items) Visit(*item);
     for (const Argument& argument : expr.arguments) {
       if (argument.name) roles_.labels.insert(argument.name->span.begin);
@@ -185,6 +189,9 @@ class Formatter {
   bool SpaceBetween(std::size_t i) const {
     const Piece& before = pieces_[i - 1];
     const Piece& piece = pieces_[i];
+    // `m/s^2` without spaces, `N s` with one.
+    if (roles_.units.count(piece.begin) > 0)
+      return before.kind == TokenKind::kPath && piece.kind == TokenKind::kPath;
     switch (piece.kind) {
       case TokenKind::kRightParen:
       case TokenKind::kComma:

@@ -1,6 +1,5 @@
 #include "dsl/number.h"
 
-#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "dsl/characters.h"
 #include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
+#include "dsl/units.h"
 
 namespace cdb::dsl {
 namespace {
@@ -102,10 +102,12 @@ class NumberCheck {
     const std::optional<bool> is_whole = SkipDecimal(at);
     if (!is_whole) return RefuseForm("");
     if (at < digits_.size()) {
-      const bool is_unit = std::all_of(digits_.begin() + static_cast<std::ptrdiff_t>(at),
-                                       digits_.end(), [](char c) { return IsLetter(c); });
-      return RefuseForm(is_unit ? Concat({"units are not written; write ", digits_.substr(0, at)})
-                                : "");
+      const std::string_view rest = std::string_view(digits_).substr(at);
+      const std::string_view unit = IsUnitName(rest) ? rest : UnitCalled(rest);
+      return RefuseForm(
+          unit.empty()
+              ? ""
+              : Concat({"write a space before the unit: ", digits_.substr(0, at), " ", unit}));
     }
     return *is_whole ? CheckWholeRange() : CheckRealRange();
   }

@@ -1,11 +1,11 @@
 #include "dsl/statement_parser.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
+#include "dsl/units.h"
 
 namespace cdb::dsl {
 
@@ -234,19 +234,27 @@ bool StatementParser::RefuseCommaBetweenStatements(const Setting& setting, const
   return true;
 }
 
-/// `timestep 10 ms`: true, with a report.
+/// `timestep 10 seconds` or `timestep n ms`: true, with a report.
 bool StatementParser::RefuseUnit(ExprKind last) {
-  constexpr std::string_view kUnits[] = {
-      "km", "m", "cm", "mm", "um",  "h",   "min", "s",  "ms",  "us",  "ns", "kg", "g",    "mg",
-      "t",  "N", "J",  "W",  "rad", "deg", "Hz",  "hz", "kHz", "rpm", "Pa", "x",  "times"};
   const Token next = cursor_.Peek();
+  if (next.kind != TokenKind::kPath) return false;
+  const std::string_view word = cursor_.Text(next);
   const bool is_number = last == ExprKind::kNumber || last == ExprKind::kBinary ||
                          last == ExprKind::kNegate || last == ExprKind::kVector;
-  if (!is_number || next.kind != TokenKind::kPath ||
-      std::ranges::find(kUnits, cursor_.Text(next)) == std::end(kUnits))
-    return false;
-  cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), "units are not written",
-                 "`cdb doc NAME` gives the unit of a parameter: write 0.01 for 10 ms");
+  const std::string_view unit = UnitCalled(word);
+  const bool ends = cursor_.Peek(1).kind == TokenKind::kNewline ||
+                    cursor_.Peek(1).kind == TokenKind::kSemicolon ||
+                    cursor_.Peek(1).kind == TokenKind::kRightBrace ||
+                    cursor_.Peek(1).kind == TokenKind::kEnd;
+  if (is_number && (!unit.empty() || ends)) {
+    cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), cursor_.Quote(next) + " is not a unit",
+                   unit.empty() ? Concat({"units are ", UnitNames()}) : Concat({"write ", unit}));
+    return true;
+  }
+  if (last != ExprKind::kPath || !ends || !IsUnitName(word)) return false;
+  const Token name = cursor_.Previous();
+  cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), "a unit follows a number or a bracket",
+                 Concat({"write (", cursor_.Text(name), ") ", word}));
   return true;
 }
 

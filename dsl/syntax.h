@@ -37,6 +37,7 @@ enum class ExprKind {
   kNegate,  ///< items: the operand
   kBinary,  ///< op; items: left, right
   kRange,   ///< items: first, last, and the step or the count where given; range
+  kQuantity,  ///< items: the value; text: its unit, `m/s^2`; text_span
   kError,   ///< could not be read, which is reported: a value that nothing is known of
 };
 
@@ -50,6 +51,7 @@ struct Expr {
   std::string text;
   char op = 0;  ///< one of + - * / ^
   RangeKind range = RangeKind::kByOne;
+  Span text_span;  ///< of the unit of a kQuantity
   std::vector<ExprPtr> items;
   std::vector<Argument> arguments;
   std::optional<Name> axis;  ///< `as name` after a call

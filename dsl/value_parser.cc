@@ -8,6 +8,7 @@
 
 #include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
+#include "dsl/units.h"
 
 namespace cdb::dsl {
 namespace {
@@ -202,14 +203,73 @@ ExprPtr ValueParser::ParseSum() {
   return left;
 }
 
+// A unit belongs to the whole product before it, so that `1/60 s` is a sixtieth of a second; behind
+// a quantity it belongs to the last factor: `20 cm / 4 cm`.
 ExprPtr ValueParser::ParseProduct() {
   ExprPtr left = ParsePower();
+  bool has_unit = left && AtUnit();
+  if (has_unit) left = FinishQuantity(std::move(left));
   while (left && (cursor_.At(TokenKind::kStar) || cursor_.At(TokenKind::kSlash))) {
     const Token op = cursor_.Take();
     ExprPtr right = ParsePower();
+    if (right && has_unit && AtUnit()) right = FinishQuantity(std::move(right));
     left = right ? MakeBinary(op, std::move(left), std::move(right)) : nullptr;
+    if (!left || has_unit || !AtUnit()) continue;
+    left = FinishQuantity(std::move(left));
+    has_unit = true;
   }
   return left;
+}
+
+bool ValueParser::AtUnit() const {
+  const Token& before = cursor_.Previous();
+  const bool can_have_one = before.kind == TokenKind::kNumber ||
+                            before.kind == TokenKind::kRightParen ||
+                            before.kind == TokenKind::kRightBracket;
+  return can_have_one && cursor_.At(TokenKind::kPath) && IsUnitName(cursor_.Text(cursor_.Peek()));
+}
+
+ExprPtr ValueParser::FinishQuantity(ExprPtr value) {
+  const Token first = cursor_.Peek();
+  const auto at_name = [this](std::size_t ahead) {
+    const Token& token = cursor_.Peek(ahead);
+    return token.kind == TokenKind::kPath && IsUnitName(cursor_.Text(token));
+  };
+  std::string unit;
+  while (true) {
+    unit += cursor_.Text(cursor_.Take());
+    if (cursor_.At(TokenKind::kCaret) && !TakePower(unit)) return nullptr;
+    if (cursor_.At(TokenKind::kSlash) && at_name(1)) {
+      cursor_.Take();
+      unit += '/';
+    } else if (at_name(0)) {
+      unit += ' ';
+    } else {
+      break;
+    }
+  }
+  ExprPtr quantity = Make(ExprKind::kQuantity, value->span.begin);
+  quantity->text = std::move(unit);
+  quantity->text_span = cursor_.SpanFrom(first.begin);
+  quantity->items.push_back(std::move(value));
+  const Span fault = quantity->text_span;
+  return Finish(std::move(quantity), fault);
+}
+
+/// `^2` behind the name of a unit; false after a report.
+bool ValueParser::TakePower(std::string& unit) {
+  const Token caret = cursor_.Take();
+  const std::string_view power =
+      cursor_.At(TokenKind::kNumber) ? cursor_.Text(cursor_.Peek()) : std::string_view();
+  if (power.size() != 1 || power == "0") {
+    cursor_.Report(kWrittenUnit, cursor_.SpanOf(caret),
+                   "the power of a unit is a whole number from 1 to 9",
+                   "write m/s^2, or bracket the value: (5 cm)^x");
+    return false;
+  }
+  cursor_.Take();
+  unit += Concat({"^", power});
+  return true;
 }
 
 ExprPtr ValueParser::ParsePower() {

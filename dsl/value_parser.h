@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "dsl/syntax.h"
@@ -28,6 +29,11 @@ class ValueParser {
  private:
   ExprPtr ParseSum();
   ExprPtr ParseProduct();
+  /// Whether a unit can stand at the cursor, and does: `ms` behind `10` or `)`.
+  bool AtUnit() const;
+  /// `value` with the unit at the cursor.
+  ExprPtr FinishQuantity(ExprPtr value);
+  bool TakePower(std::string& unit);
   ExprPtr ParsePower();
   ExprPtr ParseUnary();
   ExprPtr ParsePrimary();

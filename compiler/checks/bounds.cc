@@ -32,6 +32,8 @@ std::pair<Vector3d, Vector3d> EndsOf(const schema::Distribution& distribution) {
 Bounds PositiveBounds(const schema::Value& value) {
   if (const schema::Number* number = schema::AsNumber(value))
     return {number->AsReal(), number->AsReal()};
+  if (const schema::Call* call = schema::AsCall(value); call != nullptr)
+    return PositiveBounds(schema::ArgumentOf(*call, "value"));
   const auto* distribution = std::get_if<schema::Distribution>(&value);
   if (distribution == nullptr) return {};
   if (distribution->kind == schema::DistributionKind::kAny) {

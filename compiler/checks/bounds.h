@@ -13,7 +13,7 @@ struct Bounds {
 
 /// Of a number: of a normal distribution three standard deviations to each side, of any( ) its
 /// numbers. What can only be more than 0 is at least a thousandth of `most`: few draws are less.
-/// {0, 0} where the value is a word.
+/// Of same( ) and density( ), of their value. {0, 0} where the value is a word.
 Bounds PositiveBounds(const schema::Value& value);
 
 /// Of a vector, or of what a schedule gives in the course of a run: the largest size of each

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <variant>
 
+#include "compiler/evaluate/dimensions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
@@ -63,7 +64,8 @@ bool IsFaultAnywhere(const dsl::DiagnosticKind& kind) {
   return &kind == &scenario::kCircular || &kind == &scenario::kNotFinite ||
          &kind == &scenario::kBadRange || &kind == &scenario::kOutOfDomain ||
          &kind == &scenario::kBadArguments || &kind == &scenario::kMisplacedSweep ||
-         &kind == &scenario::kNoSuchFile || &kind == &scenario::kContradiction;
+         &kind == &scenario::kNoSuchFile || &kind == &scenario::kWrongUnit ||
+         &kind == &scenario::kContradiction;
 }
 
 }  // namespace
@@ -80,11 +82,13 @@ void CheckFileLets(const scenario::Scenario& scenario, dsl::Diagnostics& diagnos
   layers.is_incomplete = !scenario.is_complete();
   dsl::Diagnostics found;
   evaluate::Evaluator evaluator(scenario, layers, found);
+  evaluate::Dimensions dimensions(layers, evaluator);
   std::size_t seen = 0;
   for (const auto& item : file.items) {
     const auto* let = std::get_if<dsl::Let>(&item);
     if (let == nullptr || let->value->kind == dsl::ExprKind::kRange) continue;
     evaluator.Evaluate(*let->value, {scenario.main(), {}, {}, nullptr});
+    dimensions.CheckLet(*let, {scenario.main(), {}, {}, nullptr});
     const bool is_unused = !is_for_others && !used.names().contains(let->name.text);
     for (; seen < found.all().size(); ++seen) {
       const dsl::Diagnostic& fault = found.all()[seen];

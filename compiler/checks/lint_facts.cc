@@ -61,6 +61,40 @@ void AddLinks(GroupFacts& objects) {
   objects.mass.least = std::min(objects.mass.least, end_mass->AsReal());
 }
 
+/// What part of the box of its sides an object fills, roughly.
+double FillOf(std::string_view type) {
+  constexpr std::pair<std::string_view, double> kFills[] = {
+      {"sphere", 0.52}, {"cuboid", 1}, {"cylinder", 0.79}, {"cone", 0.26}, {"tetrahedron", 0.33}};
+  for (const auto& [name, fill] : kFills)
+    if (name == type) return fill;
+  return 0.5;
+}
+
+Bounds FillBounds(const schema::Value& types) {
+  const schema::Distribution* drawn = schema::AsDistribution(types);
+  const auto fill_of = [](const schema::Value& type) {
+    const schema::Word* word = schema::AsWord(type);
+    return FillOf(word != nullptr ? word->text : "");
+  };
+  if (drawn == nullptr) return {fill_of(types), fill_of(types)};
+  Bounds fills{1, 0};
+  for (const schema::Value& type : drawn->arguments) {
+    fills.least = std::min(fills.least, fill_of(type));
+    fills.most = std::max(fills.most, fill_of(type));
+  }
+  return fills;
+}
+
+/// Of the masses, where they come from a density: that of the least and of the largest object.
+Bounds MassBounds(const plan::GroupSettings& settings, const GroupFacts& objects) {
+  Bounds mass = PositiveBounds(settings.Get("mass"));
+  if (schema::AsCall(settings.Get("mass")) == nullptr) return mass;
+  const Bounds fill = FillBounds(settings.Get("type"));
+  mass.least *= fill.least * objects.least_sides.prod();
+  mass.most *= fill.most * objects.most_sides.prod();
+  return mass;
+}
+
 GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, double side) {
   GroupFacts objects;
   objects.settings = &settings;
@@ -72,7 +106,7 @@ GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, 
   objects.most_sides = size.most * aspect;
   objects.least_side = objects.least_sides.minCoeff();
   objects.longest_side = objects.most_sides.maxCoeff();
-  objects.mass = PositiveBounds(settings.Get("mass"));
+  objects.mass = MassBounds(settings, objects);
   objects.moves = objects.mass.most > 0;
   objects.velocity = LargestComponents(settings.Get("linear_velocity"));
   objects.speed = objects.velocity.norm();

@@ -60,6 +60,7 @@ std::optional<std::optional<plan::SceneFault>> SceneFaults::Find(const plan::Sce
 
 void SceneFaults::Add(evaluate::Configuration& configuration, const plan::Scene& scene,
                       std::size_t runs) {
+  WarnOfEllipsoids(configuration, scene);
   if (!find_) return;
   WarnOfDefaultSizes(configuration, scene);
   const auto found = Find(scene);
@@ -114,6 +115,24 @@ void SceneFaults::WarnOfDefaultSizes(evaluate::Configuration& configuration,
                                     "{}, and all others have {:.3g} m or less",
                                     group.name, DefaultSizeText(), largest),
                         "set the size");
+  }
+}
+
+// Where other types stand beside the spheres, sides drawn one by one are what is asked for: cuboids
+// would be cubes without them.
+void SceneFaults::WarnOfEllipsoids(evaluate::Configuration& configuration,
+                                   const plan::Scene& scene) {
+  const GroupParameter size = "size";
+  for (const plan::Group& group : scene.groups) {
+    const schema::Distribution* drawn = schema::AsDistribution(group.settings.Get(size));
+    if (drawn == nullptr || group.settings.WordOr("type") != "sphere" ||
+        group.settings.Count("quantity") == 0)
+      continue;
+    const std::string text = schema::ToText(group.settings.Get(size));
+    diagnostics_.Report(scenario::kEllipsoids,
+                        configuration.SpanOf({group.name, size.get()}, benchmark_),
+                        "each side is drawn by itself, so that the spheres are ellipsoids",
+                        fmt::format("size same({}) draws one value for all sides", text));
   }
 }
 

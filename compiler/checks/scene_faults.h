@@ -53,6 +53,8 @@ class SceneFaults {
   /// Nullopt where the scene is not looked at.
   std::optional<std::optional<plan::SceneFault>> Find(const plan::Scene& scene);
   void WarnOfDefaultSizes(evaluate::Configuration& configuration, const plan::Scene& scene);
+  /// Spheres whose sides are drawn one by one.
+  void WarnOfEllipsoids(evaluate::Configuration& configuration, const plan::Scene& scene);
   dsl::Span SpanOf(evaluate::Configuration& configuration, const plan::SceneFault& fault) const;
 
   dsl::Span benchmark_;

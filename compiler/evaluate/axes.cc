@@ -8,6 +8,7 @@
 
 #include "compiler/evaluate/arguments.h"
 #include "compiler/evaluate/dependencies.h"
+#include "compiler/evaluate/functions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -57,6 +58,7 @@ class AxisFinder {
     const schema::ParametrisedWord* word = nullptr;
     const schema::Parameter* argument = nullptr;
     int component = -1;
+    const Expr* quantity = nullptr;  ///< `sweep( ) ms`: the sweep with its unit
   };
 
   static Statement StatementOf(const scenario::ParameterKey& key, int order) {
@@ -85,6 +87,11 @@ class AxisFinder {
           Walk(*inner.slot, scope, statement, inner);
         }
         return;
+      case ExprKind::kQuantity: {
+        Part inner = part;
+        inner.quantity = &expr;
+        return Walk(*expr.items[0], scope, statement, inner);
+      }
       case ExprKind::kPath:
         return WalkLet(evaluator_.names().Resolve(expr.text, scope));
       default:
@@ -95,6 +102,11 @@ class AxisFinder {
   void WalkCall(const Expr& call, const scenario::Scope& scope, Statement& statement,
                 const Part& part) {
     if (call.text == "sweep") return Add(call, scope, statement, part);
+    if (IsFunction(call.text)) {
+      for (const dsl::Argument& argument : call.arguments)
+        Walk(*argument.value, scope, statement, part);
+      return;
+    }
     // Of a function that there is not, nothing is known.
     if (!schema::FindDistribution(call.text) && schema::FindParametrisedWord(call.text) == nullptr)
       return;
@@ -161,7 +173,9 @@ class AxisFinder {
     std::vector<Value> values;
     for (std::size_t i = 0; i < sweep.items.size(); ++i) {
       evaluator_.Choose(call, i);
-      const auto value = evaluator_.Evaluate(alone ? *part.slot : call, scope);
+      const bool is_quantity = part.quantity != nullptr && part.quantity->items[0].get() == &call;
+      const Expr& with_unit = is_quantity ? *part.quantity : call;
+      const auto value = evaluator_.Evaluate(alone ? *part.slot : with_unit, scope);
       if (!value) return std::nullopt;
       values.push_back(*value);
     }

@@ -10,6 +10,7 @@
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/distributions.h"
 #include "compiler/evaluate/evaluate.h"
+#include "compiler/evaluate/functions.h"
 #include "compiler/evaluate/named_files.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
@@ -67,6 +68,7 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
                            fmt::format("'{}' takes no arguments", expr.text),
                            fmt::format("write {} alone", expr.text));
   std::vector<std::string_view> names = {"sweep", "any", "uniform", "normal", "log_uniform"};
+  names.insert(names.end(), FunctionNames().begin(), FunctionNames().end());
   for (const schema::ParametrisedWord& info : schema::ParametrisedWords())
     if (scope.parameter == nullptr || scope.parameter->TakesCall(info.name))
       names.push_back(info.name);
@@ -90,6 +92,7 @@ std::optional<Value> EvaluateCall(const Expr& call, const scenario::Scope& scope
   if (call.axis)
     return evaluator.Error(scenario::kMisplacedSweep, call.axis->span,
                            "only a sweep makes an axis that has a name");
+  if (IsFunction(call.text)) return EvaluateFunction(call, scope, evaluator);
   if (call.text == "any") return EvaluateAny(call, scope, evaluator);
   if (const auto kind = schema::FindDistribution(call.text))
     return EvaluateDistribution(call, *kind, scope, evaluator);

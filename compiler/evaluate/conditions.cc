@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compiler/evaluate/functions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -70,7 +71,9 @@ bool Conditions::RefuseCall(const Expr& expr) {
                      "conditions compare axes, lets and parameters");
     return true;
   }
-  return std::ranges::any_of(expr.items, [this](const auto& item) { return RefuseCall(*item); });
+  return std::ranges::any_of(expr.items, [this](const auto& item) { return RefuseCall(*item); }) ||
+         std::ranges::any_of(expr.arguments,
+                             [this](const auto& item) { return RefuseCall(*item.value); });
 }
 
 bool Conditions::Compare(const dsl::Condition& condition, const scenario::Scope& scope) {
@@ -145,8 +148,8 @@ bool Conditions::CheckWord(const Expr& word, const Expr& other, const scenario::
 }
 
 bool Conditions::IsLiteralWord(const Expr& expr, const scenario::Scope& scope) const {
-  return expr.kind == ExprKind::kPath && !axis_values_.contains(expr.text) &&
-         evaluator_.names().Resolve(expr.text, scope).IsWord();
+  return expr.kind == ExprKind::kPath && expr.text != kPiName &&
+         !axis_values_.contains(expr.text) && evaluator_.names().Resolve(expr.text, scope).IsWord();
 }
 
 std::vector<std::string_view> Conditions::WordsOf(const Expr& expr,

@@ -9,6 +9,7 @@
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/defaults.h"
 #include "compiler/evaluate/dependencies.h"
+#include "compiler/evaluate/dimensions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/check.h"
 
@@ -70,6 +71,7 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
   // Unused lets are checked too.
   for (const auto& [key, let] : layers_.lets)
     if (let.node->value->kind != ExprKind::kRange) evaluator_.Evaluate(*let.node->value, let.scope);
+  faulty_ = Dimensions(layers_, evaluator_).CheckAll();
   for (const schema::Parameter& parameter : schema::Schema()) {
     if (!parameter.grouped) {
       Add({"", &parameter});
@@ -150,6 +152,7 @@ void Configuration::ReportAll(const DependentParameter& parameter) {
 }
 
 std::optional<Value> Configuration::ValueOf(const scenario::ParameterKey& key) {
+  if (faulty_.contains(key)) return std::nullopt;
   const schema::Parameter& parameter = *key.second;
   const auto set = layers_.settings.find(key);
   const dsl::Setting& setting =

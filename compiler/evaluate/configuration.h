@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -69,6 +70,7 @@ class Configuration {
   Evaluator evaluator_;
   Conditions conditions_;
   std::vector<SweepAxis> axes_;
+  std::set<scenario::ParameterKey> faulty_;  ///< settings that are reported and not evaluated
   std::vector<DependentParameter> parameters_;
   Point point_;
 };

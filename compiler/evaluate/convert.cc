@@ -83,11 +83,7 @@ class Converter {
       Value& choice = drawn.arguments[i];
       const dsl::Span& at = i < choices_.size() ? choices_[i] : span_;
       if (AsCall(choice) && !parameter_.ChoosesCalls()) {
-        diagnostics_.Report(
-            scenario::kBadArguments, at,
-            fmt::format("{} goes on for the whole run and cannot be a choice of any( )",
-                        KindName(choice)),
-            "sweep(…) makes a run for each of several");
+        ReportChoice(AsCall(choice)->name, at);
         good = false;
         continue;
       }
@@ -96,6 +92,19 @@ class Converter {
       if (converted) choice = *converted;
     }
     return good ? std::optional<Value>(std::move(drawn)) : std::nullopt;
+  }
+
+  void ReportChoice(const std::string& call, const dsl::Span& at) const {
+    if (parameter_.type == schema::ParameterType::kVector) {
+      diagnostics_.Report(
+          scenario::kBadArguments, at,
+          fmt::format("{}( ) goes on for the whole run and cannot be a choice of any( )", call),
+          "sweep(…) makes a run for each of several");
+    } else {
+      diagnostics_.Report(scenario::kBadArguments, at,
+                          fmt::format("{}( ) cannot be a choice of any( )", call),
+                          fmt::format("write any( ) into it: {}(any(…))", call));
+    }
   }
 
   std::optional<Value> OfNumbers(schema::Distribution drawn) const {

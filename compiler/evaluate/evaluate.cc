@@ -9,9 +9,11 @@
 #include "compiler/evaluate/calls.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/defaults.h"
+#include "compiler/evaluate/functions.h"
 #include "compiler/evaluate/kind_name.h"
 #include "compiler/evaluate/named_files.h"
 #include "compiler/evaluate/operators.h"
+#include "compiler/evaluate/quantities.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -127,6 +129,8 @@ std::optional<Value> Evaluator::EvaluateUnchecked(const Expr& expr, const scenar
       return EvaluateNegation(expr, scope, *this);
     case ExprKind::kBinary:
       return EvaluateBinary(expr, scope, *this);
+    case ExprKind::kQuantity:
+      return EvaluateQuantity(expr, scope, *this);
     case ExprKind::kError:
       return std::nullopt;
     case ExprKind::kRange:
@@ -160,6 +164,7 @@ std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::S
   if (referent.IsWord()) {
     // It may be the name of a let that could not be read.
     if (layers_.is_incomplete && !IsWordHere(expr.text, scope)) return std::nullopt;
+    if (expr.text == kPiName) return Number(kPi);
     if (expr.text.find('.') != std::string::npos)
       return Error(scenario::kUnknownName, expr.span,
                    fmt::format("nothing is called '{}'", expr.text));

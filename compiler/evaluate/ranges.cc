@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "compiler/evaluate/dimensions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
@@ -77,6 +78,7 @@ std::optional<Numbers> BySteps(const dsl::Expr& range, const Number& first, cons
 
 std::optional<Numbers> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
                                    Evaluator& evaluator) {
+  if (!Dimensions(evaluator.layers(), evaluator).Check(range, scope)) return std::nullopt;
   Numbers bounds;
   for (const auto& item : range.items) {
     const auto number = evaluator.EvaluateNumber(*item, scope, "a range's bounds");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/plan/coordinates.h"
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/schema.h"
 #include "dsl/check.h"
@@ -130,8 +131,7 @@ std::string Describe(const Plan& plan, const Run& run) {
     return fmt::format("{} {}", RoleName(run.scene.role), run.id);
   std::string text;
   for (std::size_t i = 0; i < plan.axes.size(); ++i)
-    text +=
-        fmt::format("{} {}, ", plan.axes[i].name, CoordinateText(plan.axes[i].values[run.at[i]]));
+    text += fmt::format("{} {}, ", plan.axes[i].name, CoordinateLabel(plan.axes[i], run.at[i]));
   if (plan.repeats > 1 || plan.axes.empty()) return text + fmt::format("rep {}", run.rep);
   return text.substr(0, text.size() - 2);
 }

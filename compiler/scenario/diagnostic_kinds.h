@@ -11,6 +11,7 @@ inline constexpr dsl::DiagnosticKind kWrongPlace{"wrong-place"};
 inline constexpr dsl::DiagnosticKind kReservedName{"reserved-name"};
 inline constexpr dsl::DiagnosticKind kSetTwice{"set-twice"};
 inline constexpr dsl::DiagnosticKind kWrongKind{"wrong-kind"};
+inline constexpr dsl::DiagnosticKind kWrongUnit{"wrong-unit"};
 inline constexpr dsl::DiagnosticKind kOutOfDomain{"out-of-domain"};
 inline constexpr dsl::DiagnosticKind kNotFinite{"not-finite"};
 inline constexpr dsl::DiagnosticKind kBadArguments{"bad-arguments"};
@@ -31,12 +32,14 @@ inline constexpr dsl::DiagnosticKind kWrongForm{"wrong-form"};
 inline constexpr dsl::DiagnosticKind kCannotPlace{"cannot-place"};
 inline constexpr dsl::DiagnosticKind kRunsWillFail{"runs-will-fail", dsl::Severity::kWarning};
 inline constexpr dsl::DiagnosticKind kDefaultSize{"default-size", dsl::Severity::kWarning};
+inline constexpr dsl::DiagnosticKind kEllipsoids{"ellipsoids", dsl::Severity::kWarning};
 
 inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
     &kOutOfDomain,    &kNotFinite,  &kBadArguments, &kBadRange,      &kMisplacedSweep,
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
-    &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize};
+    &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
+    &kWrongUnit,      &kEllipsoids};
 
 }  // namespace cdb::scenario

@@ -74,6 +74,11 @@ constexpr Parameter kRotating[] = {
     Argument("about", kVector, kNotZero, "", "the axis, right-handed"),
     Argument("period", kReal, kPositive, "s", "of a full turn")};
 
+constexpr Parameter kSame[] = {
+    Argument("value", kReal, kPositive, kParametersUnit, "a number, or a distribution, drawn once for each object", {.distribution = true})};
+constexpr Parameter kDensity[] = {
+    Argument("value", kReal, kPositive, "kg/m^3", "a number, or a distribution, drawn for each object", {.distribution = true})};
+
 constexpr ParametrisedWord kCalls[] = {
     {"grid", "a cubic lattice about the centre", kGrid},
     {"stack", "columns of objects on the floor", kStack},
@@ -86,6 +91,8 @@ constexpr ParametrisedWord kCalls[] = {
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
+    {"same", "one value for all sides of an object", kSame},
+    {"density", "the mass from the volume of the object", kDensity},
     {"every", "set again after this number of cycles", kEvery},
     {"rotating", "a vector that rotates at a constant rate", kRotating},
 };

@@ -1,5 +1,6 @@
-// THE table of words that take arguments: layouts, models from files, schedules. The checker, `cdb
-// doc`, the plan and the engine read it; a parameter lists those that it takes (Parameter::calls).
+// THE table of words that take arguments: layouts, models from files, schedules, sizes and masses.
+// The checker, `cdb doc`, the plan and the engine read it; a parameter lists those that it takes
+// (Parameter::calls).
 #pragma once
 
 #include <optional>

@@ -72,7 +72,7 @@ struct Parameter {
   std::vector<std::string_view> AllCalls() const;
   bool TakesCall(std::string_view word) const;
   /// Its words with arguments are things to choose from, as models are, and may stand in any( ). A
-  /// schedule is not: it goes on for the whole run.
+  /// schedule is not: it goes on for the whole run; density( ) takes the choices itself.
   bool ChoosesCalls() const { return type == ParameterType::kWord; }
   /// `word` speaks of all the others of a list: no list holds it and another.
   bool StandsAlone(std::string_view word) const;

@@ -24,10 +24,12 @@ bool IsRandomWord(const Value& value) {
   return word != nullptr && word->text == "random";
 }
 
-/// What a schedule draws from: `every` its value, `rotating` the vector that it turns.
-const Value& Scheduled(const Value& value) {
+/// What a word draws from: `every`, `same` and `density` their value, `rotating` the vector that it
+/// turns.
+const Value& DrawnBy(const Value& value) {
   const schema::Call* call = schema::AsCall(value);
-  if (call != nullptr && call->name == "every") return schema::ArgumentOf(*call, "value");
+  if (call != nullptr && (call->name == "every" || call->name == "same" || call->name == "density"))
+    return schema::ArgumentOf(*call, "value");
   if (call != nullptr && call->name == "rotating") return schema::ArgumentOf(*call, "vector");
   return value;
 }
@@ -85,8 +87,8 @@ Stream NamedStream(const plan::Scene& scene, std::string_view group, std::string
 
 Draw::Draw(const plan::Scene& scene, const plan::Group* group, const schema::Parameter& parameter)
     : parameter_(&parameter),
-      value_(&Scheduled(group != nullptr ? group->settings.ValueOf(parameter)
-                                         : scene.world.ValueOf(parameter))),
+      value_(&DrawnBy(group != nullptr ? group->settings.ValueOf(parameter)
+                                       : scene.world.ValueOf(parameter))),
       distribution_(AsDistribution(*value_)),
       name_(FullName(group != nullptr ? group->name : "", parameter.name)),
       stream_(distribution_ == nullptr && !IsRandomWord(*value_)

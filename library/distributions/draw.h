@@ -18,7 +18,8 @@ namespace cdb::distributions {
 /// mass of 0 or less) is drawn again, a vector component by component. Not for several threads; the
 /// scene must outlive it. Every call throws SceneError where kMaxRedraws draws in a row are outside
 /// the domain. A schedule gives what it begins with and then what comes next: each Vector() of
-/// `every` is a new draw of its value; `rotating` gives the vector that it turns.
+/// `every` is a new draw of its value; `rotating` gives the vector that it turns. Of `same` and
+/// `density`, a draw is one of their value.
 class Draw {
  public:
   static constexpr int kMaxRedraws = 100000;

@@ -12,9 +12,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-Vector3d DrawSize(distributions::Draw& size) {
+/// The parameter is set by this word: `size same(…)`, `mass density(…)`.
+bool IsBy(std::string_view word, const schema::Value& value) {
+  const schema::Call* call = schema::AsCall(value);
+  return call != nullptr && call->name == word;
+}
+
+Vector3d DrawSize(distributions::Draw& size, bool is_same) {
   // A constant size is the same for each side; a distribution draws each side by itself.
   const double x = size.Real();
+  if (is_same) return Vector3d::Constant(x);
   const double y = size.Real();
   return {x, y, size.Real()};
 }
@@ -43,14 +50,17 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
   distributions::Draw margin = draw("margin"), ccd = draw("ccd");
   distributions::Draw contact_stiffness = draw("contact_stiffness"),
                       contact_damping = draw("contact_damping");
+  const bool is_same = IsBy("same", group.settings.Get("size"));
+  const bool by_density = IsBy("density", group.settings.Get("mass"));
   const std::uint64_t quantity = group.settings.Count("quantity");
   for (std::uint64_t i = 0; i < quantity; ++i) {
     ObjectState& object = objects.emplace_back();
     std::string_view word;
     object.group = index;
     const schema::Value& chosen = type.Choice();
-    object.solid = solids.Make(chosen, DrawSize(size), aspect);
+    object.solid = solids.Make(chosen, DrawSize(size, is_same), aspect);
     object.mass = mass.RealOrWord(&word).value_or(0);  // the word is `fixed`
+    if (by_density) object.mass *= object.solid.Volume();
     object.pose.orientation = DrawOrientation(orientation);
     if (object.solid.compound != nullptr) {
       const Eigen::Matrix3d to_mesh = object.solid.compound->from_mesh().transpose();

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/plan/coordinates.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/pruning.h"
 #include "library/layouts/initial_state.h"
@@ -126,16 +127,14 @@ std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped
   table.AddColumn("side", true);
   table.AddColumn("cycles", true);
   table.AddColumn("left out", false);
+  std::vector<std::vector<std::string>> labels;
+  for (const plan::Axis& axis : plan.axes) labels.push_back(plan::CoordinateLabels(axis));
   for (const plan::Run& run : plan.runs) {
     std::vector<std::string> row = {run.id};
-    for (std::size_t i = 0; i < plan.axes.size(); ++i) {
-      const plan::Coordinate& value = plan.axes[i].values[run.at[i]];
-      const auto* number = std::get_if<double>(&value);
-      row.push_back(number ? schema::FormatReal(*number) : std::get<std::string>(value));
-    }
+    for (std::size_t i = 0; i < plan.axes.size(); ++i) row.push_back(labels[i][run.at[i]]);
     if (plan.repeats > 1) row.push_back(fmt::format("{}", run.rep));
     row.push_back(fmt::format("{}", run.scene.ObjectCount()));
-    row.push_back(schema::FormatReal(run.scene.world.Real("world.side")));
+    row.push_back(plan::ShortReal(run.scene.world.Real("world.side")));
     row.push_back(fmt::format("{}", run.scene.world.Count("cycles")));
     row.push_back(LeftOut(run.scene));
     table.AddRow(std::move(row));

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "compiler/plan/coordinates.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
 #include "runtime/document/time_steps.h"
@@ -255,6 +256,7 @@ Json DocumentAxes(const DocumentSource& source) {
                     {"is_text", axis.IsText()},
                     {"kind", KindOf(axis)},
                     {"doc", DocOf(axis)},
+                    {"value_labels", plan::CoordinateLabels(axis)},
                     {"values", JsonColumn(axis.values.size(),
                                           [&](std::size_t v) { return source.Value(i, v); })}});
   }

@@ -16,7 +16,8 @@ digits; a missing one is null.
   warnings                what to know before quoting a figure, the worst first: kind, text
   conclusions             question, answer, kind, certainty: clear (the 95 % interval of the ratio
                           excludes 1), tie (it does not), unknown (too few repeats)
-  axes                    name, label, unit, is_text, kind, doc, values
+  axes                    name, label, unit, is_text, kind, doc, values, and value_labels, the same as
+                          text: long fractions are rounded, but never to the same
   detector_axis           its place among the axes, or null
   statistic, interval     how times and their intervals were made, in words
   phases                  name, label, definition

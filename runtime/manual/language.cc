@@ -60,11 +60,22 @@ STATEMENTS
 VALUES
   arithmetic                  + - * / ^ and ( ). Exact as long as numbers are whole and fit into 64
                               bits. Vectors can be added, and multiplied by a number.
+  round(x) floor ceil abs min max sqrt sin cos exp log, and pi    functions of numbers; round( ) is
+                              a count, halves away from zero: quantity round(10 ^ sweep(1 .. 3)).
+                              Angles are in rad. A let may have such a name.
   names                       a let, or another parameter of the same run:
                               world.side 20 * objects.quantity
   (x, y, z)                   a vector; 0 is short for (0, 0, 0)
   1 : y : z                   a ratio
   on off true false           a switch
+  10 ms   5 cm   90 deg/s     a number with a unit, converted to SI exactly: 10 ms is 0.01. The unit
+                              belongs to the product before it: 1/60 s, (0, -981, 0) cm/s^2, and
+                              uniform(1, 5) cm. A name needs brackets: (n) ms. Units are km m cm mm
+                              um, t kg g mg, h min s ms us ns, rad deg rpm, Hz kHz, N kN, Pa kPa MPa,
+                              with powers and quotients: kg/m^3. The dimension has to be that of the
+                              parameter. A number without a unit is in the SI unit of `cdb doc
+                              parameters`; the metres of a scene are a convention, as in MJCF and
+                              Scenic, which have no units.
 
   uniform(a, b)               uniform between a and b. Vectors are drawn component by component.
   normal(m, s)                mean and standard deviation; also normal(m, variance: v) and
@@ -92,6 +103,12 @@ WORDS WITH ARGUMENTS
   acceleration rotating((0, -9.8, 0), about: (0, 0, 1), period: 4)    one turn in 4 s
                               These are schedules. linear_velocity and angular_velocity take them
                               too, one for each object. Schedules cannot be nested or used in any( ).
+  size same(uniform(1, 5))    one draw for all sides of an object, so that spheres stay spheres. Without
+                              same( ), a distribution draws each side, as in the paper. (In MJCF and
+                              Scenic, too, a size is one number or one for each side.)
+  mass density(2.7 g/cm^3)    the mass of each object from its volume; density( ) takes distributions.
+                              It stands in place of a mass, where MJCF has two attributes of which
+                              one wins.
   trace "run.trace.h5"        runs the detectors on recorded boxes instead of a scene: see `cdb doc
                               traces`
   Arguments may contain sweeps, lets and arithmetic: ring(radius: sweep(1, 2)) makes the axis

@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <set>
 #include <utility>
 
+#include "compiler/plan/coordinates.h"
 #include "runtime/report/console.h"
 
 namespace cdb::report {
 namespace {
 
 constexpr std::size_t kScreen = 100;
-constexpr int kMostDigits = 16;
 
 /// `1 .. 2` as `1..2`.
 std::string WithoutSpaces(std::string range) {
@@ -106,19 +105,7 @@ std::string Table::PartText(const std::vector<std::size_t>& widths,
 }
 
 std::string CoordinateText(const plan::Axis& axis, std::size_t index) {
-  if (axis.IsText()) return std::get<std::string>(axis.values[index]);
-  const auto text = [&axis](std::size_t i, int digits) {
-    const double value = std::get<double>(axis.values[i]);
-    return digits > kMostDigits || value == std::round(value)
-               ? schema::FormatReal(value)
-               : fmt::format("{:.{}g}", value, digits);
-  };
-  // More digits where they tell two values apart.
-  for (int digits = 4;; ++digits) {
-    std::set<std::string> texts;
-    for (std::size_t i = 0; i < axis.values.size(); ++i) texts.insert(text(i, digits));
-    if (texts.size() == axis.values.size() || digits > kMostDigits) return text(index, digits);
-  }
+  return plan::CoordinateLabel(axis, index);
 }
 
 std::string ShortNumber(double value) {

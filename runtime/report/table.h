@@ -56,8 +56,7 @@ std::string ShortNumber(double value);
 /// Three digits and an exponent; `0`, and `-` for NaN.
 std::string ScientificNumber(double value);
 
-/// A value on an axis: whole numbers in full, others with four significant digits, or more where
-/// only they tell two values apart.
+/// A value on an axis as it is read (compiler/plan/coordinates.h).
 std::string CoordinateText(const plan::Axis& axis, std::size_t index);
 
 }  // namespace cdb::report

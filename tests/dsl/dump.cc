@@ -151,6 +151,8 @@ std::string Dump(const dsl::Expr& expr) {
       return List("neg", expr.items) + ')';
     case dsl::ExprKind::kBinary:
       return List(std::string(1, expr.op), expr.items) + ')';
+    case dsl::ExprKind::kQuantity:
+      return List("unit", expr.items) + ' ' + expr.text + ')';
     case dsl::ExprKind::kError:
       return "(error)";
     case dsl::ExprKind::kRange: {

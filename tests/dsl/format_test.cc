@@ -65,6 +65,11 @@ let v = at(x: (1,
 )");
 }
 
+TEST(Format, UnitsAreOneWord) {
+  EXPECT_EQ(Formatted("benchmark b { size 5   cm; g (0,-981,0) cm / s ^ 2\nc 3 N  s/m; t 1/60 s }"),
+            "benchmark b {\n  size  5 cm; g (0, -981, 0) cm/s^2\n  c     3 N s/m; t 1 / 60 s\n}\n");
+}
+
 TEST(Format, ListsKeepTheirLines) {
   EXPECT_EQ(Formatted("let n = any(\na, # first\n\nuniform(1,\n2),\nb\n)\n"),
             R"(let n = any(

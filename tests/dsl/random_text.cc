@@ -135,8 +135,33 @@ RandomText::Piece RandomText::Primary(int depth) {
   }
 }
 
+// `5 cm`, `1/60 s`, `(a + b) m/s^2`.
+RandomText::Piece RandomText::Quantity(int depth) {
+  Piece value;
+  const std::string number = Number();
+  if (OneIn(2)) {
+    value = {number, number, kPrimary};
+  } else if (OneIn(2)) {
+    const std::string divisor = Number();
+    value = {Join({number, Space(), "/", Space(), divisor}),
+             Join({"(/ ", number, " ", divisor, ")"}), kProduct};
+  } else {
+    const Piece inner = Expr(depth - 1);
+    value = {Join({"(", inner.text, Space(), ")"}), inner.dump, kPrimary};
+  }
+  static constexpr std::string_view kUnits[] = {"cm", "ms", "kg", "deg"};
+  std::string unit(kUnits[Below(std::size(kUnits))]), written = unit;
+  if (OneIn(3)) {
+    unit += "/s^2";
+    written += Join({Space(), "/", Space(), "s", Space(), "^", Space(), "2"});
+  }
+  return {Join({value.text, Gap(), written}), Join({"(unit ", value.dump, " ", unit, ")"}),
+          kProduct};
+}
+
 RandomText::Piece RandomText::Expr(int depth) {
   if (depth <= 0 || OneIn(3)) return Primary(depth);
+  if (OneIn(8)) return Quantity(depth);
   if (OneIn(4)) {
     const Piece operand = At(kPrimary, depth - 1);
     return {Join({"-", Space(), operand.text}), Join({"(neg ", operand.dump, ")"}), kUnary};
@@ -346,7 +371,7 @@ std::string RandomText::Soup() {
       " ",         " ",      " ",      " ",
       "@",         "\u00e9", "\u2212", "\x01",
       "\u201c",    "sweep(", "any(",   "\nbenchmark b {\n",
-      "\u7530"};
+      "\u7530",    "cm",     "m/s^2"};
   std::string soup;
   for (int i = Below(60); i > 0; --i) {
     soup += kTokens[Below(std::size(kTokens))];

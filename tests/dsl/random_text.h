@@ -45,6 +45,7 @@ class RandomText {
   Piece Expr(int depth);
   Piece At(int level, int depth);
   Piece Primary(int depth);
+  Piece Quantity(int depth);
   Piece Call(int depth);
   Piece Value(int depth);
   Piece ValueOrBareCall(int depth);

@@ -9,6 +9,7 @@ import { number } from './format.js';
  * @property {boolean} isText
  * @property {string} kind
  * @property {(number | string)[]} values
+ * @property {string[]} labels
  */
 /**
  * @typedef {object} Doc
@@ -65,6 +66,7 @@ export function openDocument(json) {
     isText: axis.is_text ?? axis.values.some((value) => typeof value !== 'number'),
     kind: axis.kind ?? '',
     values: axis.values ?? [],
+    labels: axis.value_labels ?? [],
   }));
   const times = {};
   for (const [phase, statistics] of Object.entries(points.times ?? {}))
@@ -169,11 +171,8 @@ export function quantities(doc) {
 /** A value of an axis as text. @param {Axis} axis @param {number} index */
 export const valueText = (axis, index) => {
   const value = axis.values[index];
-  return typeof value === 'number'
-    ? Math.abs(value) >= 1e6
-      ? number(value, 6)
-      : String(value).replace('-', '−')
-    : String(value ?? '');
+  if (typeof value !== 'number') return String(value ?? '');
+  return Math.abs(value) >= 1e6 ? number(value, 6) : String(axis.labels?.[index] ?? value).replace('-', '−');
 };
 
 /** `quantity 400, detector sap`: a point on its axes of several values. @param {Doc} doc @param {number} point */

@@ -49,9 +49,9 @@ TEST(ShortNumber, HasThreeOrFourDigits) {
   EXPECT_EQ(report::ShortNumber(NAN), "-");
 }
 
-TEST(CoordinateText, HasFourDigitsUnlessValuesLookAlike) {
+TEST(CoordinateText, IsAsWrittenOrShort) {
   EXPECT_EQ(report::CoordinateText(NumberAxis("dt", {1.0 / 60, 1.0 / 120}), 0), "0.01667");
-  EXPECT_EQ(report::CoordinateText(NumberAxis("x", {0.123456, 0.123467}), 1), "0.12347");
+  EXPECT_EQ(report::CoordinateText(NumberAxis("x", {0.123456, 0.123467}), 1), "0.123467");
   EXPECT_EQ(report::CoordinateText(NumberAxis("quantity", {16384, 2}), 0), "16384");
   EXPECT_EQ(report::CoordinateText(NumberAxis("x", {0.5, 0.5}), 0), "0.5");
 }

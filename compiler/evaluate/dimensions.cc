@@ -1,0 +1,339 @@
+#include "compiler/evaluate/dimensions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "compiler/evaluate/arguments.h"
+#include "compiler/evaluate/functions.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "dsl/check.h"
+
+namespace cdb::evaluate {
+namespace {
+
+using dsl::Expr;
+using dsl::ExprKind;
+using dsl::Unit;
+
+constexpr std::pair<std::string_view, std::string_view> kNamedDimensions[] = {
+    {"m", "a length"},
+    {"kg", "a mass"},
+    {"s", "a time"},
+    {"rad", "an angle"},
+    {"m/s", "a velocity"},
+    {"rad/s", "an angular velocity"},
+    {"m/s^2", "an acceleration"},
+    {"Hz", "a frequency"},
+    {"kg/m^3", "a density"},
+    {"m^2", "an area"},
+    {"m^3", "a volume"},
+    {"N", "a force"},
+    {"N/m", "a stiffness"},
+    {"N s/m", "a damping"},
+    {"Pa", "a pressure"}};
+
+/// `kg m/s^2`.
+std::string BaseUnits(const Unit& unit) {
+  const std::pair<const char*, int> powers[] = {
+      {"kg", unit.mass}, {"m", unit.length}, {"rad", unit.angle}, {"s", unit.time}};
+  std::string above, below;
+  for (const auto& [name, power] : powers) {
+    if (power == 0) continue;
+    std::string& side = power > 0 ? above : below;
+    if (power < 0) side += '/';
+    if (power > 0 && !side.empty()) side += ' ';
+    side += std::abs(power) == 1 ? name : fmt::format("{}^{}", name, std::abs(power));
+  }
+  return (above.empty() ? "1" : above) + below;
+}
+
+Unit SchemaUnit(std::string_view text) {
+  const auto unit = dsl::ParseUnit(text);
+  CDB_CHECK(unit.has_value());
+  return *unit;
+}
+
+/// The exponent of a power, if it is written as a whole number from -9 to 9.
+std::optional<int> WrittenPower(const Expr& expr) {
+  const bool is_negative = expr.kind == ExprKind::kNegate;
+  const Expr& number = is_negative ? *expr.items[0] : expr;
+  if (number.kind != ExprKind::kNumber || number.text.size() != 1) return std::nullopt;
+  const int power = number.text[0] - '0';
+  return is_negative ? -power : power;
+}
+
+}  // namespace
+
+std::string DimensionName(const Unit& unit) {
+  if (unit.IsPure()) return "a number without a unit";
+  for (const auto& [text, name] : kNamedDimensions)
+    if (SchemaUnit(text).HasDimensionOf(unit)) return std::string(name);
+  return "in " + BaseUnits(unit);
+}
+
+std::set<scenario::ParameterKey> Dimensions::CheckAll() {
+  std::set<scenario::ParameterKey> faulty;
+  for (const auto& [key, setting] : layers_.settings) {
+    is_faulty_ = false;
+    for (const auto& value : setting.node->values)
+      CheckFor(*key.second, key.second->unit, *value, setting.scope);
+    if (is_faulty_) faulty.insert(key);
+  }
+  for (const auto& [key, let] : layers_.lets) CheckLet(*let.node, let.scope);
+  for (const auto& skip : layers_.skips)
+    if (skip.node->when) Check(*skip.node->when, skip.scope);
+  return faulty;
+}
+
+void Dimensions::CheckLet(const dsl::Let& let, const scenario::Scope& scope) {
+  const auto [known, is_new] = lets_.emplace(&let, Dimension{});
+  if (!is_new) return;
+  const Dimension dimension = Find(*let.value, scope);
+  lets_[&let] = dimension;
+}
+
+bool Dimensions::Check(const Expr& expr, const scenario::Scope& scope) {
+  is_faulty_ = false;
+  Find(expr, scope);
+  return !is_faulty_;
+}
+
+Dimensions::Dimension Dimensions::Report(const dsl::Span& span, std::string message,
+                                         std::string help) {
+  is_faulty_ = true;
+  evaluator_.Error(scenario::kWrongUnit, span, std::move(message), std::move(help));
+  return {};
+}
+
+void Dimensions::CheckFor(const schema::Parameter& parameter, std::string_view unit,
+                          const Expr& expr, const scenario::Scope& scope) {
+  const Dimension found = Find(expr, scope);
+  using enum schema::ParameterType;
+  const bool takes_numbers = parameter.type == kCount || parameter.type == kReal ||
+                             parameter.type == kVector || parameter.type == kRatio;
+  if (found.kind != Kind::kUnit || !takes_numbers) return;
+  const Unit wanted = SchemaUnit(unit);
+  if (wanted.HasDimensionOf(found.unit)) return;
+  if (wanted.IsPure()) {
+    Report(expr.span,
+           fmt::format("'{}' has no unit; this is {}", parameter.name, DimensionName(found.unit)));
+  } else {
+    Report(expr.span,
+           fmt::format("'{}' is {}; this is {}", parameter.name, DimensionName(wanted),
+                       DimensionName(found.unit)),
+           fmt::format("a number without a unit is in {}", unit));
+  }
+}
+
+Dimensions::Dimension Dimensions::Find(const Expr& expr, const scenario::Scope& scope) {
+  switch (expr.kind) {
+    case ExprKind::kNumber: {
+      const auto number = schema::Number::FromLiteral(expr.text);
+      return {number && number->AsReal() == 0 ? Kind::kZero : Kind::kPure, {}};
+    }
+    case ExprKind::kPath:
+      return FindPath(expr, scope);
+    case ExprKind::kVector:
+    case ExprKind::kRatio:
+      return Join(ItemsOf(expr, scope, expr.items.size()));
+    case ExprKind::kCall:
+      return FindCall(expr, scope);
+    case ExprKind::kNegate:
+      return Find(*expr.items[0], scope);
+    case ExprKind::kBinary:
+      return FindBinary(expr, scope);
+    case ExprKind::kRange:
+      return FindRange(expr, scope);
+    case ExprKind::kQuantity:
+      return FindQuantity(expr, scope);
+    case ExprKind::kText:
+    case ExprKind::kError:
+      break;
+  }
+  return {};
+}
+
+Dimensions::Dimension Dimensions::FindPath(const Expr& expr, const scenario::Scope& scope) {
+  const Referent referent = evaluator_.names().Resolve(expr.text, scope);
+  if (!referent.let) return {};
+  CheckLet(*referent.let->node, referent.let->scope);
+  return lets_[referent.let->node];
+}
+
+Dimensions::Dimension Dimensions::FindBinary(const Expr& expr, const scenario::Scope& scope) {
+  const Parts parts = ItemsOf(expr, scope, 2);
+  if (expr.op == '+' || expr.op == '-') return Join(parts);
+  const Dimension &left = parts[0].dimension, &right = parts[1].dimension;
+  if (expr.op == '^') return FindPower(expr, left, right);
+  if (left.kind == Kind::kUnknown || right.kind == Kind::kUnknown) return {};
+  if (left.kind == Kind::kZero && right.kind != Kind::kUnit) return left;
+  return Of(dsl::Multiplied(left.unit, right.unit, expr.op == '*' ? 1 : -1));
+}
+
+Dimensions::Dimension Dimensions::FindPower(const Expr& expr, const Dimension& base,
+                                            const Dimension& exponent) {
+  RequirePure({exponent, expr.items[1]->span}, "an exponent");
+  if (base.kind != Kind::kUnit) return base;
+  const auto power = WrittenPower(*expr.items[1]);
+  if (power) return Of(dsl::Multiplied({}, base.unit, *power));
+  return Report(expr.items[1]->span,
+                "a value with a unit is raised to a whole number, from -9 to 9");
+}
+
+Dimensions::Dimension Dimensions::FindQuantity(const Expr& expr, const scenario::Scope& scope) {
+  const Dimension value = Find(*expr.items[0], scope);
+  if (value.kind == Kind::kUnit)
+    return Report(expr.text_span,
+                  fmt::format("this has a unit already: it is {}", DimensionName(value.unit)));
+  return Of(*dsl::ParseUnit(expr.text));
+}
+
+Dimensions::Dimension Dimensions::FindRange(const Expr& expr, const scenario::Scope& scope) {
+  const bool has_count =
+      expr.range == dsl::RangeKind::kCount || expr.range == dsl::RangeKind::kCountLog;
+  if (has_count) RequirePure({Find(*expr.items[2], scope), expr.items[2]->span}, "a count");
+  Parts parts = ItemsOf(expr, scope, has_count ? 2 : expr.items.size());
+  // `0 .. 10 cm` counts by one metre.
+  const bool by_one =
+      expr.range == dsl::RangeKind::kByOne && std::ranges::any_of(parts, [](const Part& part) {
+        return part.dimension.kind == Kind::kUnit;
+      });
+  const Dimension joined = Join(parts);
+  if (by_one && joined.kind == Kind::kUnit)
+    return Report(expr.span, "a range with units needs a step or a count",
+                  "write 1 cm .. 5 cm step 1 cm, or sweep(1 .. 5) cm");
+  return joined;
+}
+
+Dimensions::Parts Dimensions::ItemsOf(const Expr& expr, const scenario::Scope& scope,
+                                      std::size_t count) {
+  Parts parts;
+  for (std::size_t i = 0; i < count; ++i)
+    parts.push_back({Find(*expr.items[i], scope), expr.items[i]->span});
+  return parts;
+}
+
+Dimensions::Parts Dimensions::ArgumentsOf(const Expr& call, const scenario::Scope& scope) {
+  Parts parts;
+  for (const dsl::Argument& argument : call.arguments) {
+    parts.push_back({Find(*argument.value, scope), argument.value->span});
+    if (argument.weight)
+      RequirePure({Find(*argument.weight, scope), argument.weight->span}, "a weight");
+  }
+  return parts;
+}
+
+Dimensions::Dimension Dimensions::FindCall(const Expr& expr, const scenario::Scope& scope) {
+  if (const schema::ParametrisedWord* info = schema::FindParametrisedWord(expr.text)) {
+    CheckWord(expr, *info, scope);
+    return {};
+  }
+  if (IsFunction(expr.text)) return FindFunction(expr, scope);
+  if (expr.text == "normal") return FindNormal(expr, scope);
+  if (expr.text == "sweep" || schema::FindDistribution(expr.text))
+    return Join(ArgumentsOf(expr, scope));
+  return {};
+}
+
+Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario::Scope& scope) {
+  const Parts parts = ArgumentsOf(expr, scope);
+  if (expr.text == "abs" || expr.text == "min" || expr.text == "max") return Join(parts);
+  if (parts.size() != 1) return {};  // as the evaluator says
+  const Dimension& of = parts[0].dimension;
+  if (of.kind != Kind::kUnit) return of;
+  const Unit& unit = of.unit;
+  if (expr.text == "sqrt") {
+    const Unit root = {.length = unit.length / 2,
+                       .mass = unit.mass / 2,
+                       .time = unit.time / 2,
+                       .angle = unit.angle / 2};
+    if (dsl::Multiplied({}, root, 2).HasDimensionOf(unit)) return Of(root);
+    return Report(parts[0].span, fmt::format("{} has no root in whole units", DimensionName(unit)));
+  }
+  const bool is_angle = unit.HasDimensionOf(SchemaUnit("rad"));
+  if (is_angle && (expr.text == "sin" || expr.text == "cos")) return Pure();
+  return Report(parts[0].span, fmt::format("{}( ) takes a number without a unit; this is {}",
+                                           expr.text, DimensionName(unit)));
+}
+
+Dimensions::Dimension Dimensions::FindNormal(const Expr& expr, const scenario::Scope& scope) {
+  Parts parts = ArgumentsOf(expr, scope);
+  const bool is_variance =
+      parts.size() == 2 && expr.arguments[1].name && expr.arguments[1].name->text == "variance";
+  if (!is_variance || parts[0].dimension.kind != Kind::kUnit ||
+      parts[1].dimension.kind != Kind::kUnit)
+    return Join(parts);
+  const Unit square = dsl::Multiplied({}, parts[0].dimension.unit, 2);
+  if (square.HasDimensionOf(parts[1].dimension.unit)) return parts[0].dimension;
+  return Report(parts[1].span,
+                fmt::format("this variance is {}; the variance of {} is {}",
+                            DimensionName(parts[1].dimension.unit),
+                            DimensionName(parts[0].dimension.unit), DimensionName(square)));
+}
+
+void Dimensions::CheckWord(const Expr& call, const schema::ParametrisedWord& info,
+                           const scenario::Scope& scope) {
+  for (std::size_t i = 0; i < call.arguments.size(); ++i) {
+    const schema::Parameter* argument = ArgumentAt(info, call, i);
+    if (argument == nullptr) continue;
+    const bool takes_parameters_unit = argument->unit == schema::kParametersUnit;
+    if (takes_parameters_unit && scope.parameter == nullptr) continue;
+    CheckFor(takes_parameters_unit ? *scope.parameter : *argument,
+             takes_parameters_unit ? scope.parameter->unit : argument->unit,
+             *call.arguments[i].value, ArgumentScope(call, i, scope));
+  }
+}
+
+Dimensions::Dimension Dimensions::Join(const Parts& parts) {
+  const auto is = [](Kind kind) {
+    return [kind](const Part& part) { return part.dimension.kind == kind; };
+  };
+  const auto first = std::ranges::find_if(parts, is(Kind::kUnit));
+  if (first == parts.end()) {
+    for (const Kind kind : {Kind::kUnknown, Kind::kPure})
+      if (std::ranges::any_of(parts, is(kind))) return {kind, {}};
+    return {parts.empty() ? Kind::kUnknown : Kind::kZero, {}};
+  }
+  for (const Part& part : parts) {
+    if (part.dimension.kind == Kind::kPure)
+      return Report(part.span,
+                    fmt::format("this has no unit; the value beside it is {}",
+                                DimensionName(first->dimension.unit)),
+                    "write the unit behind each of them, or once behind the brackets");
+    if (part.dimension.kind == Kind::kUnit &&
+        !part.dimension.unit.HasDimensionOf(first->dimension.unit))
+      return Report(part.span, fmt::format("this is {}; the value beside it is {}",
+                                           DimensionName(part.dimension.unit),
+                                           DimensionName(first->dimension.unit)));
+  }
+  return first->dimension;
+}
+
+void Dimensions::RequirePure(const Part& part, const char* what) {
+  if (part.dimension.kind == Kind::kUnit)
+    Report(part.span,
+           fmt::format("{} has no unit; this is {}", what, DimensionName(part.dimension.unit)));
+}
+
+void Dimensions::Check(const dsl::Condition& condition, const scenario::Scope& scope) {
+  for (const auto& item : condition.items) Check(*item, scope);
+  if (!condition.left || !condition.right) return;
+  const auto left = SideOf(*condition.left, scope), right = SideOf(*condition.right, scope);
+  if (left && right && !left->HasDimensionOf(*right))
+    Report(condition.right->span, fmt::format("this is {}; it is compared with {}",
+                                              DimensionName(*right), DimensionName(*left)));
+}
+
+std::optional<Unit> Dimensions::SideOf(const Expr& expr, const scenario::Scope& scope) {
+  const Dimension dimension = Find(expr, scope);
+  if (dimension.kind == Kind::kUnit) return dimension.unit;
+  if (expr.kind != ExprKind::kPath) return std::nullopt;
+  const Referent referent = evaluator_.names().Resolve(expr.text, scope);
+  if (referent.let || !referent.parameter) return std::nullopt;
+  return SchemaUnit(referent.parameter->second->unit);
+}
+
+}  // namespace cdb::evaluate

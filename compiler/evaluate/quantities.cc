@@ -1,0 +1,142 @@
+#include "compiler/evaluate/quantities.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/evaluate/functions.h"
+#include "compiler/evaluate/kind_name.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "dsl/check.h"
+
+namespace cdb::evaluate {
+namespace {
+
+using schema::Integer;
+using schema::Number;
+using schema::Value;
+
+/// What pi is more than kPi.
+constexpr double kPiRest = 1.2246467991473532e-16;
+
+/// Digits, without a point, times ten to the power of `exponent`.
+struct Decimal {
+  Integer digits = 0;
+  int exponent = 0;
+};
+
+/// Of the text of a finite number without a sign.
+Decimal DecimalOf(std::string_view text) {
+  Decimal decimal;
+  bool is_fraction = false;
+  std::size_t i = 0;
+  for (; i < text.size() && text[i] != 'e'; ++i) {
+    if (text[i] == '.') {
+      is_fraction = true;
+      continue;
+    }
+    decimal.digits = decimal.digits * 10 + (text[i] - '0');
+    decimal.exponent -= is_fraction ? 1 : 0;
+  }
+  if (i < text.size()) {
+    std::string_view power = text.substr(i + 1);
+    if (power.starts_with('+')) power.remove_prefix(1);
+    int value = 0;
+    std::from_chars(power.data(), power.data() + power.size(), value);
+    decimal.exponent += value;
+  }
+  return decimal;
+}
+
+Number ToNumber(const Decimal& decimal) {
+  if (decimal.exponent == 0) return Number::Whole(decimal.digits);
+  const std::string text = fmt::format("{}e{}", decimal.digits, decimal.exponent);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::result_out_of_range)
+    value = decimal.exponent > 0 ? std::numeric_limits<double>::infinity() : 0;
+  return value;
+}
+
+/// `value * pi / divisor`, rounded about once: products carry their rounding errors along.
+double TimesPi(double value, double divisor) {
+  const double product = value * kPi;
+  const double rest = std::fma(value, kPi, -product) + value * kPiRest;
+  const double quotient = product / divisor;
+  return quotient + (std::fma(-quotient, divisor, product) + rest) / divisor;
+}
+
+std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const dsl::Unit& unit,
+                                        schema::Distribution drawn, Evaluator& evaluator);
+
+std::optional<Value> Scaled(const dsl::Expr& expr, const dsl::Unit& unit, const Value& value,
+                            Evaluator& evaluator) {
+  if (AsNumber(value)) return InSi(*AsNumber(value), unit);
+  if (AsVector(value)) {
+    Eigen::Vector3d scaled;
+    for (int i = 0; i < 3; ++i) scaled[i] = InSi(Number((*AsVector(value))[i]), unit).AsReal();
+    return Value(scaled);
+  }
+  if (AsDistribution(value))
+    return ScaledDistribution(expr, unit, *AsDistribution(value), evaluator);
+  return evaluator.Error(scenario::kWrongUnit, expr.text_span,
+                         fmt::format("{} has no unit", KindName(value)));
+}
+
+std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const dsl::Unit& unit,
+                                        schema::Distribution drawn, Evaluator& evaluator) {
+  for (Value& argument : drawn.arguments) {
+    auto scaled = Scaled(expr, unit, argument, evaluator);
+    if (!scaled) return std::nullopt;
+    argument = *scaled;
+  }
+  return drawn;
+}
+
+}  // namespace
+
+Number InSi(const Number& number, const dsl::Unit& unit) {
+  constexpr double kMostFactor = 1e15;
+  const std::string text = number.Text();
+  const bool is_negative = text.starts_with('-');
+  const double real = number.AsReal();
+  if (!std::isfinite(real)) return number;
+  Decimal decimal = DecimalOf(std::string_view(text).substr(is_negative ? 1 : 0));
+  decimal.exponent += unit.tens;
+  Integer product = 0;
+  const bool is_exact =
+      unit.factor <= kMostFactor &&
+      !__builtin_mul_overflow(decimal.digits, static_cast<Integer>(unit.factor), &product);
+  if (is_exact) decimal.digits = product;
+  // 5 km are the whole number 5000; 50 mm are not whole, and 5000 mm are.
+  for (; decimal.exponent > 0 && number.is_whole() && decimal.digits < Integer{1} << 64;
+       --decimal.exponent)
+    decimal.digits *= 10;
+  for (; decimal.exponent < 0 && decimal.digits % 10 == 0 && decimal.digits != 0;
+       ++decimal.exponent)
+    decimal.digits /= 10;
+  Number scaled = ToNumber(decimal);
+  if (!is_exact) scaled = scaled.AsReal() * unit.factor;
+  if (unit.pis == 1) {
+    scaled = TimesPi(scaled.AsReal(), unit.divisor);
+  } else if (unit.divisor != 1 || unit.pis != 0) {
+    scaled = scaled.AsReal() / unit.divisor * std::pow(kPi, unit.pis);
+  }
+  return is_negative ? -scaled : scaled;
+}
+
+std::optional<Value> EvaluateQuantity(const dsl::Expr& expr, const scenario::Scope& scope,
+                                      Evaluator& evaluator) {
+  const auto unit = dsl::ParseUnit(expr.text);
+  CDB_CHECK(unit.has_value());  // the parser takes no other
+  const auto value = evaluator.Evaluate(*expr.items[0], scope);
+  if (!value) return std::nullopt;
+  return Scaled(expr, *unit, *value, evaluator);
+}
+
+}  // namespace cdb::evaluate

@@ -1,0 +1,49 @@
+// `same( )` and `density( )` in scenarios and plans.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "dsl/render.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+TEST(DrawnWords, PlansHoldThemAndReadThemBack) {
+  const compiler::Compilation result = CompileText(
+      "benchmark b { objects { size same(uniform(1, sweep(5, 6)) cm); mass density(2.7 g/cm^3) }\n"
+      "objects sand { size same(any(1, 2)); mass density(normal(2000, 100)) } }");
+  ASSERT_EQ(result.plans.size(), 1u) << dsl::Render(result.diagnostics);
+  const plan::Plan& plan = result.plans[0];
+  const plan::GroupSettings& settings = plan.runs[0].scene.groups[0].settings;
+  EXPECT_EQ(schema::ToText(settings.Get("size")), "same(uniform(0.01, 0.05))");
+  EXPECT_EQ(schema::ToText(settings.Get("mass")), "density(2700)");
+  EXPECT_TRUE(plan.runs[0].scene.seeds.contains("objects.size"));
+  EXPECT_TRUE(plan.runs[0].scene.seeds.contains("sand.mass"));
+  EXPECT_FALSE(plan.runs[0].scene.seeds.contains("objects.mass"));
+  EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan"), plan);
+}
+
+std::ptrdiff_t EllipsoidWarnings(const std::string& objects) {
+  const compiler::Compilation result =
+      CompileText("benchmark b { world.side 1000; objects { " + objects + " } }");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  return std::ranges::count_if(result.diagnostics.all(), [](const dsl::Diagnostic& diagnostic) {
+    return diagnostic.kind == &scenario::kEllipsoids;
+  });
+}
+
+TEST(DrawnWords, SpheresThatBecomeEllipsoidsAreWarnedOf) {
+  EXPECT_EQ(EllipsoidWarnings("size uniform(1, 5)"), 1);
+  EXPECT_EQ(
+      EllipsoidWarnings("type sweep(sphere, cuboid); size sweep(normal(5, 1), uniform(1, 5))"), 2);
+  EXPECT_EQ(EllipsoidWarnings("size same(uniform(1, 5))"), 0);
+  EXPECT_EQ(EllipsoidWarnings("size 5"), 0);
+  EXPECT_EQ(EllipsoidWarnings("type cuboid; size uniform(1, 5)"), 0);
+  EXPECT_EQ(EllipsoidWarnings("type any(sphere, cuboid); size uniform(1, 5)"), 0);
+}
+
+}  // namespace
+}  // namespace cdb::tests
