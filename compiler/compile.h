@@ -20,6 +20,7 @@ struct CompileOptions {
   plan::ReadTrace read_trace = {};  ///< without it no `trace` can be read
   /// Without it, objects that cannot be placed and wrong closed forms show in runs only.
   plan::FindSceneFault find_fault = {};
+  plan::ReadPoses read_poses = {};  ///< without it no `location poses("file")` can be read
 };
 
 /// What came of it. Diagnostics point into `scenario`, which has to be kept as long as they are.
