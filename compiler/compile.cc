@@ -18,7 +18,8 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
                     const CompileOptions& options) {
   Compilation result;
   const auto scenario = std::make_shared<const scenario::Scenario>(
-      path, options.library, read, options.plugins, options.read_trace, result.diagnostics);
+      path, options.library, read, options.plugins, options.read_trace, options.read_poses,
+      result.diagnostics);
   result.scenario = scenario;
   if (scenario->main() == nullptr) return result;
   const auto benchmarks = scenario->Benchmarks();

@@ -21,6 +21,7 @@ struct CompileOptions {
   plan::ReadTrace read_trace = {};  ///< without it no `trace` can be read
   /// Without it, objects that cannot be placed and wrong closed forms show in runs only.
   plan::FindSceneFault find_fault = {};
+  plan::ReadPoses read_poses = {};  ///< without it no `location poses("file")` can be read
   /// Fills Compilation::plans; a benchmark with more than kMostListed runs is an error then.
   bool lists_runs = true;
 };

@@ -186,7 +186,8 @@ double SceneFacts::FastestComponent(const GroupFacts& objects) const {
 
 std::optional<Vector3d> FixedPositionOf(const GroupFacts& objects) {
   const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
-  if (layout == nullptr || layout->name != "at") return std::nullopt;
+  if (layout == nullptr || layout->name != "at" || schema::ListsPoints(*layout))
+    return std::nullopt;
   return Vector3d(*RealOf(*layout, "x"), *RealOf(*layout, "y"), *RealOf(*layout, "z"));
 }
 

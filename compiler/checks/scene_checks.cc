@@ -8,9 +8,11 @@
 
 #include "compiler/checks/traced_scene.h"
 #include "compiler/plan/capacity.h"
+#include "compiler/plan/poses.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 
 namespace cdb::checks {
@@ -74,7 +76,7 @@ bool SceneChecks::CheckCounts(evaluate::Configuration& configuration, const plan
   return holds;
 }
 
-// `at` and `pair` place so many objects and no others.
+// `at` and `pair` place a number of objects of their own.
 bool SceneChecks::CheckPlaces(evaluate::Configuration& configuration, const plan::Scene& scene) {
   bool good = true;
   for (const plan::Group& group : scene.groups) {
@@ -82,17 +84,66 @@ bool SceneChecks::CheckPlaces(evaluate::Configuration& configuration, const plan
     const std::uint64_t quantity = group.settings.Count("quantity");
     const bool is_at = location != nullptr && location->name == "at";
     const bool is_pair = location != nullptr && location->name == "pair";
-    if (!(is_at && quantity > 1) && !(is_pair && quantity != 2)) continue;
+    if (plan::PosesOf(group) != nullptr) good = CheckTable(configuration, group) && good;
+    if (!is_at && !is_pair) continue;
+    const std::uint64_t places = is_pair                          ? 2
+                                 : schema::ListsPoints(*location) ? location->arguments.size()
+                                                                  : 1;
+    // A group of none is left out, but for a pair, which is two.
+    if (quantity == places || (is_at && quantity == 0)) continue;
     good = false;
     if (!misplaced_.emplace(group.name, location->name).second) continue;
+    const std::string count = places == 1   ? "one object"
+                              : places == 2 ? "two objects"
+                                            : fmt::format("{} objects", places);
     diagnostics_.Report(
         scenario::kCapacity,
         configuration.SpanOf({group.name, schema::GroupParameter("location").get()}, benchmark_),
-        fmt::format("'{}' places {}, and the quantity of {} is {}", location->name,
-                    is_at ? "one object" : "two objects", group.name, quantity),
-        is_at ? "write quantity 1, and a group for each object" : "write quantity 2");
+        fmt::format("'{}' places {}, and the quantity of {} is {}", location->name, count,
+                    group.name, quantity),
+        is_pair
+            ? "write quantity 2"
+            : fmt::format("leave the quantity out, or list {} point{}: at((0, 0, 0), (1, 2, 3))",
+                          quantity, quantity == 1 ? "" : "s"));
   }
   return good;
+}
+
+// A table has a line for each object, and alone says what it says.
+bool SceneChecks::CheckTable(evaluate::Configuration& configuration, const plan::Group& group) {
+  plan::PoseFault why;
+  const schema::Call& poses = *plan::PosesOf(group);
+  const auto facts = configuration.scenario().PosesAt(poses, why);
+  CDB_CHECK(facts);
+  const std::string& file = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
+  const auto report = [&](schema::GroupParameter parameter, const dsl::DiagnosticKind& kind,
+                          const std::string& message, std::string help) {
+    if (misplaced_.emplace(group.name, message).second)
+      diagnostics_.Report(kind, configuration.SpanOf({group.name, parameter.get()}, benchmark_),
+                          message, std::move(help));
+    return false;
+  };
+  const std::uint64_t quantity = group.settings.Count("quantity");
+  if (quantity != facts->count && quantity != 0)
+    return report(
+        "location", scenario::kCapacity,
+        fmt::format("'{}' has the poses of {} object{}, and the quantity of {} is {}", file,
+                    facts->count, facts->count == 1 ? "" : "s", group.name, quantity),
+        "leave the quantity out, or name another file");
+  struct Given {
+    schema::GroupParameter parameter;
+    bool is_given;
+  };
+  const Given given[] = {{"orientation", facts->has_orientation},
+                         {"linear_velocity", facts->has_linear_velocity},
+                         {"angular_velocity", facts->has_angular_velocity}};
+  for (const auto& [parameter, is_given] : given)
+    if (is_given && configuration.IsSet({group.name, parameter.get()}))
+      return report(
+          parameter, scenario::kContradiction,
+          fmt::format("'{}' gives the {} of each object of {}", file, parameter.name(), group.name),
+          "take it out here, or its columns out of the file");
+  return true;
 }
 
 // What links cannot hold.

@@ -33,6 +33,7 @@ class SceneChecks {
   bool Trace(evaluate::Configuration& configuration, plan::Scene& scene);
   bool CheckCounts(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckPlaces(evaluate::Configuration& configuration, const plan::Scene& scene);
+  bool CheckTable(evaluate::Configuration& configuration, const plan::Group& group);
   bool CheckLinks(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckOmit(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckAccuracy(evaluate::Configuration& configuration, const plan::Scene& scene);

@@ -116,7 +116,9 @@ class AxisFinder {
       inner.slot = argument.value.get();
       if (const schema::ParametrisedWord* word = schema::FindParametrisedWord(call.text)) {
         inner.word = word;
-        inner.argument = ArgumentAt(*word, call, i);
+        // A point stands for all arguments: its axis is called after the component.
+        const bool is_point = word->takes_points && argument.value->kind == ExprKind::kVector;
+        if (!is_point) inner.argument = ArgumentAt(*word, call, i);
       }
       Walk(*argument.value, ArgumentScope(call, i, scope), statement, inner);
       inner.slot = argument.weight.get();
@@ -157,6 +159,8 @@ class AxisFinder {
     const bool has_own_unit =
         part.argument != nullptr && part.argument->unit != schema::kParametersUnit;
     axis.unit = has_own_unit ? std::string(part.argument->unit) : statement.unit;
+    if (part.argument == nullptr && part.word != nullptr)
+      axis.unit = part.word->arguments[0].unit;  // of a point
     axis.key = statement.key;
     axis.word = part.word;
     axis.argument = part.argument;

@@ -11,6 +11,7 @@
 #include "compiler/evaluate/distributions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/evaluate/functions.h"
+#include "compiler/evaluate/kind_name.h"
 #include "compiler/evaluate/named_files.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
@@ -20,9 +21,44 @@ namespace {
 using dsl::Expr;
 using schema::Value;
 
+/// `at((0, 0, 0), (1, 2, 3))`: the points, none of which has a name or a weight.
+std::optional<Value> EvaluatePoints(const Expr& expr, const schema::ParametrisedWord& info,
+                                    const scenario::Scope& scope, Evaluator& evaluator) {
+  schema::Call call{std::string(info.name), {}};
+  bool good = true;
+  for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
+    const Expr& written = *expr.arguments[i].value;
+    const auto value = evaluator.Evaluate(written, ArgumentScope(expr, i, scope));
+    good = good && value && AsVector(*value);
+    if (value && !AsVector(*value))
+      evaluator.Error(scenario::kWrongKind, written.span,
+                      fmt::format("this is {}, and the others are points", KindName(*value)),
+                      "write (x, y, z) for each object");
+    if (value) call.arguments.push_back(*value);
+  }
+  return good ? std::optional<Value>(std::move(call)) : std::nullopt;
+}
+
+/// Whether the arguments are points; nullopt where the first one is wrong.
+std::optional<bool> HasPoints(const Expr& expr, const schema::ParametrisedWord& info,
+                              const scenario::Scope& scope, Evaluator& evaluator) {
+  const auto is_plain = [](const dsl::Argument& argument) {
+    return !argument.name && !argument.weight;
+  };
+  if (!info.takes_points || expr.arguments.empty() ||
+      !std::ranges::all_of(expr.arguments, is_plain))
+    return false;
+  const auto first = evaluator.Evaluate(*expr.arguments[0].value, ArgumentScope(expr, 0, scope));
+  if (!first) return std::nullopt;
+  return AsVector(*first) != nullptr;
+}
+
 /// A word with its arguments.
 std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWord& info,
                                   const scenario::Scope& scope, Evaluator& evaluator) {
+  const auto has_points = HasPoints(expr, info, scope, evaluator);
+  if (!has_points) return std::nullopt;
+  if (*has_points) return EvaluatePoints(expr, info, scope, evaluator);
   const GivenArguments given(expr, info, evaluator.diagnostics());
   bool good = given.good();
   schema::Call call{std::string(info.name), {}};

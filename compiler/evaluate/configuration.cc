@@ -26,7 +26,7 @@ std::optional<Value> ArgumentLike(const SweepAxis& like, const Value& value) {
   if (AsCall(value)) call = *AsCall(value);
   if (AsWord(value) && AsWord(value)->text == like.word->name)
     call = schema::WithDefaults(*like.word);
-  if (!call || call->name != like.word->name) return std::nullopt;
+  if (!call || call->name != like.word->name || ListsPoints(*call)) return std::nullopt;
   return schema::ArgumentOf(*call, like.argument->name);
 }
 

@@ -40,6 +40,9 @@ class Collector {
       for (const auto& value : setting->second.node->values) Add(*value, setting->second.scope);
     } else {
       for (const auto& value : DefaultSetting(*key.second).values) Add(*value, {});
+      // The layout may say how many there are.
+      if (key.second == schema::GroupParameter("quantity").get())
+        Add(scenario::ParameterKey{key.first, schema::GroupParameter("location").get()});
     }
   }
 

@@ -232,7 +232,45 @@ std::optional<Value> Evaluator::EvaluateParameter(const scenario::ParameterKey& 
                                          : EvaluateList(DefaultSetting(*key.second), {}, *this);
   if (set != layers_.settings.end() && set->second.node->values.size() == 1)
     return Evaluate(*set->second.node->values[0], set->second.scope);
+  if (set == layers_.settings.end() && key.second == schema::GroupParameter("quantity").get())
+    if (auto count = CountPlaces(key.first)) return count;
   return Evaluate(*DefaultSetting(*key.second).values[0], {});
+}
+
+bool Evaluator::ListsPlaces(const Expr& expr, const scenario::Scope& scope) {
+  const Expr* at = &expr;
+  scenario::Scope inner = scope;
+  // Lets may lead back to themselves, which is reported where they are evaluated.
+  for (std::size_t i = 0; i < kMaxChain; ++i) {
+    const Expr& chosen = sweeps_.Origin(*at, inner);
+    if (chosen.kind == ExprKind::kCall)
+      return chosen.text == "at" || chosen.text == schema::kPosesCall;
+    if (chosen.kind != ExprKind::kPath) return false;
+    const Referent referent = names_.Resolve(chosen.text, inner);
+    if (!referent.let) return false;
+    at = referent.let->node->value.get();
+    inner = referent.let->scope;
+  }
+  return false;
+}
+
+std::optional<Value> Evaluator::CountPlaces(const std::string& group) {
+  const auto set = layers_.settings.find({group, schema::GroupParameter("location").get()});
+  if (set == layers_.settings.end() || set->second.node->values.size() != 1) return std::nullopt;
+  const dsl::Setting& setting = *set->second.node;
+  // Others may use the quantity themselves: ring(radius: quantity / 4).
+  if (!ListsPlaces(*setting.values[0], set->second.scope)) return std::nullopt;
+  if (!CheckCircle(&setting, *setting.values[0])) return std::nullopt;
+  active_.push_back({&setting, setting.path});
+  const auto layout = Evaluate(*setting.values[0], set->second.scope);
+  active_.pop_back();
+  const schema::Call* call = layout ? AsCall(*layout) : nullptr;
+  plan::PoseFault why;
+  if (call != nullptr && call->name == schema::kPosesCall)
+    if (const auto facts = scenario_.PosesAt(*call, why)) return Number(facts->count);
+  if (call == nullptr || call->name != "at") return std::nullopt;
+  return Number::Whole(ListsPoints(*call) ? static_cast<schema::Integer>(call->arguments.size())
+                                          : schema::Integer{1});
 }
 
 std::optional<Value> Evaluator::CountObjects() {

@@ -148,6 +148,12 @@ class ValueReader : public Nodes {
     if (!parameter.TakesCall(info.name))
       Fail(node.Mark(), fmt::format("`{}` takes {}", parameter.name, parameter.Takes()));
     const YAML::Node arguments = node.begin()->second;
+    if (info.takes_points && arguments.IsSequence()) {
+      schema::Call call{std::string(info.name), {}};
+      for (const YAML::Node& point : arguments) call.arguments.emplace_back(Vector(point));
+      if (call.arguments.empty()) Fail(node.Mark(), fmt::format("`{}` needs a point", info.name));
+      return call;
+    }
     if (!arguments.IsMap() || arguments.size() != info.arguments.size())
       Fail(node.Mark(), fmt::format("a map with the {} arguments of `{}` should be here",
                                     info.arguments.size(), info.name));

@@ -34,7 +34,14 @@ struct WriteValue {
   void operator()(const schema::Text& text) const { out << YAML::DoubleQuoted << text.text; }
   void operator()(const schema::Call& call) const {
     const schema::ParametrisedWord& info = *schema::FindParametrisedWord(call.name);
-    out << YAML::Flow << YAML::BeginMap << YAML::Key << call.name << YAML::Value << YAML::BeginMap;
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << call.name << YAML::Value;
+    if (schema::ListsPoints(call)) {
+      out << YAML::BeginSeq;
+      for (const schema::Value& point : call.arguments) Write(point);
+      out << YAML::EndSeq << YAML::EndMap;
+      return;
+    }
+    out << YAML::BeginMap;
     for (std::size_t i = 0; i < call.arguments.size(); ++i) {
       out << YAML::Key << std::string(info.arguments[i].name) << YAML::Value;
       Write(call.arguments[i]);

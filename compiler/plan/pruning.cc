@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "compiler/plan/poses.h"
 #include "dsl/check.h"
 
 namespace cdb::plan {
@@ -42,6 +43,10 @@ class Analysis {
  public:
   explicit Analysis(const Scene& scene)
       : scene_(scene), ccd_(GroupWith(scene, "ccd")), spin_(GroupWith(scene, "angular_velocity")) {
+    const auto told = std::ranges::find_if(scene.groups, [](const Group& group) {
+      return PosesOf(group) != nullptr && group.settings.Count("quantity") > 0;
+    });
+    if (told != scene.groups.end()) told_ = told->name;
     const auto linked = std::ranges::find_if(scene.groups, &Group::HasLinks);
     if (linked != scene.groups.end()) linked_ = linked->name;
   }
@@ -134,6 +139,7 @@ class Analysis {
 
   Answer Rotation() const {
     if (spin_) return {Decision::kKept, fmt::format("{} have angular_velocity", *spin_)};
+    if (told_) return {Decision::kKept, fmt::format("{} may have the spins of a file", *told_)};
     if (linked_) return {Decision::kKept, Pull()};
     return {Decision::kOpen,
             "whether a touch can set an object spinning is known when all are placed"};
@@ -159,6 +165,7 @@ class Analysis {
 
   const Scene& scene_;
   std::optional<std::string> ccd_, spin_, linked_;  ///< a group that has it
+  std::optional<std::string> told_;                 ///< a group whose poses are in a file
 };
 
 }  // namespace

@@ -38,8 +38,12 @@ void ForEachItem(const ScenarioFile& file, Visit visit) {
 
 Scenario::Scenario(const std::string& path, const std::string& library, const ReadFile& read,
                    const PluginSource& plugins, const plan::ReadTrace& read_trace,
-                   dsl::Diagnostics& diagnostics)
-    : library_(library), read_(read), describe_(plugins.describe), read_trace_(read_trace) {
+                   const plan::ReadPoses& read_poses, dsl::Diagnostics& diagnostics)
+    : library_(library),
+      read_(read),
+      describe_(plugins.describe),
+      read_trace_(read_trace),
+      read_poses_(read_poses) {
   for (const std::string& file : plugins.files) LoadPlugin(file, nullptr, diagnostics);
   main_ = Load(path, nullptr, diagnostics);
 }
@@ -253,6 +257,14 @@ std::optional<plan::TraceFacts> Scenario::TraceAt(const std::string& path, std::
   if (is_new && read_trace_) trace->second.facts = read_trace_(path, trace->second.why);
   why = read_trace_ ? trace->second.why : "nothing here reads traces";
   return trace->second.facts;
+}
+
+std::optional<plan::PoseFacts> Scenario::PosesAt(const schema::Call& poses,
+                                                 plan::PoseFault& why) const {
+  const auto [table, is_new] = poses_.try_emplace(schema::LabelOf(poses));
+  if (is_new && read_poses_) table->second.facts = read_poses_(poses, table->second.why);
+  why = read_poses_ ? table->second.why : plan::PoseFault{true, "nothing here reads poses", {}};
+  return table->second.facts;
 }
 
 std::string Scenario::FullText() const {

@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "compiler/plan/poses.h"
 #include "compiler/plan/trace.h"
 #include "compiler/schema/plugins.h"
 #include "dsl/diagnostics.h"
@@ -63,7 +64,7 @@ class Scenario {
   /// one whose name is taken. What is wrong with a library of the command line has no place.
   Scenario(const std::string& path, const std::string& library, const ReadFile& read,
            const PluginSource& plugins, const plan::ReadTrace& read_trace,
-           dsl::Diagnostics& diagnostics);
+           const plan::ReadPoses& read_poses, dsl::Diagnostics& diagnostics);
 
   /// Reports lets and benchmarks of one name in one file.
   void CheckNames(dsl::Diagnostics& diagnostics) const;
@@ -91,6 +92,9 @@ class Scenario {
   /// What a trace holds, read once; nullopt, and why, where it is of no use. Not for several
   /// threads.
   std::optional<plan::TraceFacts> TraceAt(const std::string& path, std::string& why) const;
+  /// What the table of a `poses` call holds, read once; nullopt, and why, where it is of no use.
+  /// Not for several threads.
+  std::optional<plan::PoseFacts> PosesAt(const schema::Call& poses, plan::PoseFault& why) const;
   /// The main file's text, then each used file's under a comment with its name.
   std::string FullText() const;
 
@@ -125,6 +129,12 @@ class Scenario {
     std::string why;
   };
   mutable std::map<std::string, TraceRead> traces_;
+  plan::ReadPoses read_poses_;
+  struct PosesRead {
+    std::optional<plan::PoseFacts> facts;
+    plan::PoseFault why;
+  };
+  mutable std::map<std::string, PosesRead> poses_;  ///< by the call without its hash
 };
 
 }  // namespace cdb::scenario

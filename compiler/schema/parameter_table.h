@@ -40,7 +40,7 @@ struct ParameterTable {
      "1 : y : z; a side is size times its part, the full extent along x, y and z; at 1 : 1 : 1 a mesh keeps its own proportions, the longest side is the size"},
     {"location", kGroup, kWord, kAny, kConstant, "", "uniform", "", kLayouts,
      "how the objects are placed; nothing overlaps unless overlap says so",
-     "position layout placement distribution", "grid stack pyramid pile ring line at pair"},
+     "position layout placement distribution", "grid stack pyramid pile ring line at pair poses"},
     {"overlap", kGroup, kSwitch, kAny, kConstant, "", "off", "", kOwn,
      "objects may begin inside those of any group that has it on too, where a layout with arguments puts them there",
      "overlapping"},

@@ -13,6 +13,7 @@ constexpr Domain kAny = {};
 constexpr Domain kPositive = {.min = 0, .min_open = true};
 constexpr Domain kNotNegative = {.min = 0};
 constexpr Domain kNotZero = {.not_zero = true};
+constexpr Domain kCountFromZero = {.min = 0, .max = 2147483647};
 constexpr Domain kCountFromOne = {.min = 1, .max = 2147483647};
 
 struct ArgumentOptions {
@@ -60,6 +61,12 @@ constexpr Parameter kAt[] = {
     Argument("z", kReal, kAny, "m", "of the centre of mass")};
 constexpr Parameter kPair[] = {
     Argument("distance", kReal, kNotNegative, "m", "between the surfaces; 0 lets them touch")};
+constexpr Parameter kPoses[] = {
+    Argument("file", kText, kAny, "", "CSV or HDF5, relative to the .cdb file"),
+    Argument("sha256", kText, kAny, "", "of the file, or of the values of an HDF5 file; different ones are refused", {.default_text = "any", .words = "any"}),
+    Argument("cycle", kCount, kCountFromZero, "", "of a results file: after which cycle", {.default_text = "last", .words = "last"}),
+    Argument("run", kText, kAny, "", "of a results file: \"detector=dbvt, quantity=100\"; only is the one run that it has", {.default_text = "only", .words = "only"}),
+    Argument("group", kText, kAny, "", "of a results file: whose objects", {.default_text = "all", .words = "all"})};
 constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"})};
@@ -86,8 +93,9 @@ constexpr ParametrisedWord kCalls[] = {
     {"pile", "dropped from above and settled before the first cycle", kPile},
     {"ring", "evenly spaced on a horizontal circle about the centre", kRing},
     {"line", "in a straight line through the centre, in order", kLine},
-    {"at", "one object at this point", kAt},
+    {"at", "one object at this point, or at((0, 0, 0), (1, 2, 3)): one at each of several", kAt, true},
     {"pair", "two objects about the centre with this distance between their surfaces, in a random direction", kPair},
+    {"poses", "as a file says: positions, and orientations and velocities where it has them", kPoses},
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
@@ -124,6 +132,11 @@ std::optional<Call> WithDefaults(const ParametrisedWord& info) {
   Call call{std::string(info.name), {}};
   for (const Parameter& argument : info.arguments) call.arguments.push_back(DefaultOf(argument));
   return call;
+}
+
+bool ListsPoints(const Call& call) {
+  return !call.arguments.empty() && AsVector(call.arguments[0]) != nullptr &&
+         FindParametrisedWord(call.name)->takes_points;
 }
 
 const Value& ArgumentOf(const Call& call, std::string_view argument) {

@@ -20,6 +20,8 @@ struct ParametrisedWord {
   std::string_view doc;  ///< one line
   /// Described as parameters are; one without a default must be given.
   std::span<const Parameter> arguments;
+  /// It takes a list of points instead of its arguments too: `at((0, 0, 0), (1, 2, 3))`.
+  bool takes_points = false;
 };
 
 /// The unit of an argument that is itself a value of the parameter: `every(60, (0, -9.8, 0))`.
@@ -40,7 +42,12 @@ inline bool NamesFile(const ParametrisedWord& info) {
 }
 /// The call that a text alone stands for behind `trace`.
 inline constexpr std::string_view kTraceCall = "file";
-/// The argument of a call of the plan; a name that its row does not have is our own bug.
+/// The layout that reads a file.
+inline constexpr std::string_view kPosesCall = "poses";
+/// The call's arguments are a list of points, each a vector, instead of those of its row.
+bool ListsPoints(const Call& call);
+/// The argument of a call of the plan that lists no points; a name that its row does not have is
+/// our own bug.
 const Value& ArgumentOf(const Call& call, std::string_view argument);
 
 }  // namespace cdb::schema

@@ -27,10 +27,19 @@ std::string QuotedText(std::string_view text) {
   return quoted + '"';
 }
 
+std::string PointsText(const Call& call) {
+  std::string text;
+  for (const Value& point : call.arguments)
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", ToText(point));
+  return fmt::format("{}({})", call.name, text);
+}
+
 /// Only what differs from its default; what must be given, without its name.
 std::string CallText(const Call& call) {
   const ParametrisedWord* info = FindParametrisedWord(call.name);
-  CDB_CHECK(info != nullptr && info->arguments.size() == call.arguments.size());
+  CDB_CHECK(info != nullptr);
+  if (ListsPoints(call)) return PointsText(call);
+  CDB_CHECK(info->arguments.size() == call.arguments.size());
   std::string text;
   for (std::size_t i = 0; i < call.arguments.size(); ++i) {
     const Parameter& argument = info->arguments[i];

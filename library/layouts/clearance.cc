@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "compiler/plan/poses.h"
 #include "library/layouts/exact_layouts.h"
 #include "library/layouts/hash_grid.h"
 #include "library/objects/distance.h"
@@ -49,6 +50,13 @@ void CheckWalls(const Bodies& bodies, std::size_t index) {
           std::string(AdviceOf(bodies.GroupOf(index)).wall), bodies.GroupOf(index).name);
     }
   }
+}
+
+/// Recorded objects that lie on a wall reach into it a little, as contacts give way.
+bool MayReachThroughWalls(const Bodies& bodies, std::size_t index) {
+  const plan::Group& group = bodies.GroupOf(index);
+  return plan::PosesOf(group) != nullptr && group.settings.On("overlap") &&
+         bodies.core(index).position.cwiseAbs().maxCoeff() < bodies.side() / 2;
 }
 
 /// Two objects as they are placed.
@@ -122,7 +130,7 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
   std::vector<std::pair<int, std::uint32_t>> by_size;  // the largest first
   by_size.reserve(indices.size());
   for (const std::uint32_t index : indices) {
-    if (!is_fixed(index)) CheckWalls(bodies, index);
+    if (!is_fixed(index) && !MayReachThroughWalls(bodies, index)) CheckWalls(bodies, index);
     by_size.emplace_back(-HashGrid::LevelOf(bodies.Extents(index).maxCoeff()), index);
   }
   std::ranges::sort(by_size);

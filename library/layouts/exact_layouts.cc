@@ -169,11 +169,22 @@ class ExactPlacer {
   }
 
   void At() {
+    if (ListsPoints(layout_)) {
+      const std::size_t count = layout_.arguments.size();
+      Require(count, fmt::format("gives {} object{} a place", count, count == 1 ? "" : "s"),
+              "list a point for each object");
+      for (std::size_t i = 0; i < count; ++i)
+        bodies_.MoveTo(range_.first + i, *AsVector(layout_.arguments[i]));
+      return;
+    }
     Require(1, "gives one object its place",
-            "make the quantity 1, and write a group for each object");
+            "make the quantity 1, or list a point for each object");
     const auto coordinate = [&](std::string_view name) { return *Length(name); };
     bodies_.MoveTo(range_.first, {coordinate("x"), coordinate("y"), coordinate("z")});
   }
+
+  /// They were placed as they were drawn.
+  void Poses() {}
 
   void Pair() {
     Require(2, "takes two objects", "make the quantity 2, and write a group for each pair");
@@ -264,6 +275,12 @@ constexpr LayoutRow kLayouts[] = {
     {"pair",
      &ExactPlacer::Pair,
      {"make distance larger", "make distance or the size smaller or world.side larger"}},
+    {"poses",
+     &ExactPlacer::Poses,
+     {"change the file, or say overlap on",
+      "change the file, or make world.side larger; overlap on allows it while the centre of mass "
+      "is "
+      "inside"}},
     {"pile",
      &ExactPlacer::Pile,
      {"make the size smaller", "make width or the size smaller or world.side larger"}},

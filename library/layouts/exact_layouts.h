@@ -35,11 +35,12 @@ bool IsPile(const plan::Group& group);
 ///            radius at which the boxes of neighbours are a tenth of the largest extent apart
 ///   line     the centres of mass on a line through the origin, the surfaces `gap` apart along it;
 ///            what they reach along it, centred. fit: a tenth of the largest extent
-///   at       the centre of mass
+///   at       the centre of mass, of each object in order where it lists points
 ///   pair     the surfaces `distance` apart where the second, coming from afar in a direction drawn
 ///            uniformly on the sphere from the stream `<group>.location`, first is so near; the
 ///            middle of the centres of mass at the origin. A direction in which it passes by is
 ///            drawn again
+///   poses    as the file says, DrawObjects having read it
 ///   pile     as PlacesAbovePile
 /// O(n). Does not look at other groups, nor at the cube's walls. Throws SceneError where the layout
 /// does not take so many objects.

@@ -1,11 +1,16 @@
 #include "library/layouts/initial_state.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <span>
 #include <string_view>
 
 #include "library/distributions/draw.h"
 #include "library/layouts/placement.h"
+#include "library/layouts/pose_table.h"
 #include "library/objects/solid_factory.h"
+#include "library/scene_error.h"
 
 namespace cdb::layouts {
 namespace {
@@ -30,6 +35,34 @@ Eigen::Quaterniond DrawOrientation(distributions::Draw& orientation) {
   std::string_view word;
   const auto turn = orientation.VectorOrWord(&word);
   return turn ? TurnAbout(*turn) : orientation.stream().Turn();
+}
+
+/// The body's own axes, when the object is turned so.
+Eigen::Quaterniond BodyTurn(const objects::Solid& solid, const Eigen::Quaterniond& turn) {
+  if (solid.compound == nullptr) return turn;
+  const Eigen::Matrix3d to_mesh = solid.compound->from_mesh().transpose();
+  return turn * Eigen::Quaterniond(to_mesh);
+}
+
+/// Positions too: the layout only checks them.
+void TakeTable(const plan::Group& group, std::span<ObjectState> objects) {
+  const schema::Call* poses = plan::PosesOf(group);
+  if (poses == nullptr || objects.empty()) return;
+  const PoseTable table = ReadPoseTable(*poses);
+  if (table.rows.size() != objects.size())
+    throw library::SceneError(fmt::format("group `{}` has {} objects, and its file the poses of {}",
+                                          group.name, objects.size(), table.rows.size()),
+                              "leave the quantity out, or name another file", group.name);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const PoseRow& row = table.rows[i];
+    ObjectState& object = objects[i];
+    object.pose.position = row.position;
+    if (table.has_orientation)
+      object.pose.orientation =
+          table.of_body ? row.orientation : BodyTurn(object.solid, row.orientation);
+    if (table.has_linear_velocity) object.linear_velocity = row.linear_velocity;
+    if (table.has_angular_velocity) object.angular_velocity = row.angular_velocity;
+  }
 }
 
 void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactory& solids,
@@ -61,11 +94,7 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     object.solid = solids.Make(chosen, DrawSize(size, is_same), aspect);
     object.mass = mass.RealOrWord(&word).value_or(0);  // the word is `fixed`
     if (by_density) object.mass *= object.solid.Volume();
-    object.pose.orientation = DrawOrientation(orientation);
-    if (object.solid.compound != nullptr) {
-      const Eigen::Matrix3d to_mesh = object.solid.compound->from_mesh().transpose();
-      object.pose.orientation = object.pose.orientation * Eigen::Quaterniond(to_mesh);
-    }
+    object.pose.orientation = BodyTurn(object.solid, DrawOrientation(orientation));
     object.linear_velocity = linear_velocity.Vector();
     object.angular_velocity = angular_velocity.Vector();
     object.friction = friction.Real();
@@ -80,6 +109,7 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
         contact_stiffness.RealOrWord(&word).value_or(std::numeric_limits<double>::infinity());
     object.contact_damping = contact_damping.Real();
   }
+  TakeTable(group, std::span(objects).last(quantity));
   if (!group.HasLinks()) return;
   // The other value is the word `same`.
   const schema::Number* end_mass = schema::AsNumber(group.settings.Get("links.end_mass"));

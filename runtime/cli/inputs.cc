@@ -13,6 +13,7 @@
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
 #include "library/closed_forms/scene_fault.h"
+#include "library/layouts/pose_table.h"
 #include "runtime/cli/exit_status.h"
 #include "runtime/process/probe_plugin.h"
 #include "runtime/process/worker.h"
@@ -102,6 +103,7 @@ compiler::Compilation CompileWith(const std::string& file, const scenario::ReadF
                             {plugins, describe},
                             ReadTraceAt,
                             closed_forms::FindSceneFault,
+                            layouts::ReadPoseFacts,
                             lists_runs});
 }
 

@@ -10,6 +10,7 @@
 
 #include "dsl/diagnostics.h"
 #include "runtime/cli/commands.h"
+#include "runtime/cli/pose_files.h"
 #include "runtime/report/console.h"
 
 namespace {
@@ -72,6 +73,7 @@ ExitStatus Main(int argc, char** argv) {
   app.fallthrough(false);
   ExitStatus status = ExitStatus::kGood;
   AddCommands(app, status);
+  cdb::layouts::SetPoseReader(cdb::cli::ReadHdf5Poses);
   if (argc > 1 && argv[1][0] != '-') CheckCommandName(app, argv[1]);
   try {
     app.parse(argc, argv);

@@ -91,7 +91,18 @@ WORDS WITH ARGUMENTS
   and defaults. Arguments are given by position, then by name. Arguments with a default are optional;
   without any arguments, the word stands alone. A single named argument needs no parentheses.
   location grid               grid(spacing: 3), grid(3) and `grid spacing: 3` are equivalent
-  location at(0, 5, 0)        one object at this point; needs quantity 1
+  location at(0, 5, 0)        one object at this point
+  location at((0, 5, 0), (1, 5, 0))    one object at each of these points, in order. Without a
+                              quantity, there are as many objects as points.
+  location poses("start.csv") positions of a CSV file, whose first line names its columns: x,y,z (m),
+                              and where they are given qw,qx,qy,qz (unit quaternion), vx,vy,vz
+                              (m/s), wx,wy,wz (rad/s). An HDF5 file has them as datasets position,
+                              orientation, linear_velocity and angular_velocity, a row for each
+                              object. The plan stores a SHA-256, as for a mesh.
+  location poses("run.h5", run: "detector=dbvt", cycle: 99, group: "pebbles")    the poses that a
+                              run with `record poses` had after a cycle, by default the last.
+                              Velocities are not recorded. `overlap on` permits what Bullet's
+                              contacts give way: overlaps, and objects that reach into a wall.
   location pair distance: 0.5   two objects, with this distance between their surfaces; needs
                               quantity 2
   type mesh("rock.obj")       your own model, decomposed into convex hulls; hull("rock.obj") is its

@@ -114,6 +114,9 @@ inline constexpr int kRecordingFd = 4;
 inline constexpr int kContactsFd = 5;
 /// The trace to run the detector on (trace_memory.h); only where the run names one.
 inline constexpr int kTraceFd = 6;
+/// Instead, in a run without a trace: the poses that its groups take from HDF5 files
+/// (layouts::PackPoses); only where there are any.
+inline constexpr int kPosesFd = kTraceFd;
 /// The worker's option for a run that must keep components which it could leave out: followed by
 /// their names, separated by spaces, and by the reason.
 inline constexpr const char* kKeepOption = "--keep";

@@ -19,6 +19,9 @@
 #include "compiler/plan/trace.h"
 #include "dsl/check.h"
 #include "dsl/utf8.h"
+#include "library/layouts/pose_table.h"
+#include "library/scene_error.h"
+#include "runtime/measure/file_descriptor_io.h"
 #include "runtime/measure/host.h"
 #include "runtime/measure/plugin_call.h"
 #include "runtime/process/collect.h"
@@ -95,6 +98,20 @@ fs::path FindWorker(const fs::path& folder, const char* name) {
 
 double SecondsSinceEpoch() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+/// What the worker cannot read by itself; none where there is nothing.
+std::optional<Descriptor> PosesFile(const plan::Scene& scene) {
+  if (plan::TraceOf(scene)) return std::nullopt;  // nothing is placed
+  try {
+    const std::string packed = layouts::PackPoses(scene);
+    if (packed.empty()) return std::nullopt;
+    Descriptor fd = MemoryFile("cdb-poses");
+    measure::WriteAll(fd.get(), packed);
+    return fd;
+  } catch (const library::SceneError& error) {
+    throw ScheduleError(error.what());
+  }
 }
 
 std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_point start) {
@@ -238,6 +255,8 @@ void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::s
   spawn.Give(text.get(), measure::kRunFd);
   spawn.Give(worker->recording->fd(), measure::kRecordingFd);
   spawn.Give(worker->contacts.get(), measure::kContactsFd);
+  const auto poses = PosesFile(run.scene);
+  if (poses) spawn.Give(poses->get(), measure::kPosesFd);
   if (const auto trace = plan::TraceOf(run.scene)) {
     try {
       spawn.Give(traces_.Get(*trace), measure::kTraceFd);

@@ -44,9 +44,13 @@ compiler::Compilation CompileHere(const fs::path& input) {
   const auto read = [&](const std::string& path, std::string& why) {
     return compiler::ReadFromDisk((input.parent_path() / path).string(), why);
   };
-  return compiler::Compile(
-      input.filename().string(), read,
-      {"", std::nullopt, {{}, DescribeText(read)}, MadeUpTraces, closed_forms::FindSceneFault});
+  return compiler::Compile(input.filename().string(), read,
+                           {"",
+                            std::nullopt,
+                            {{}, DescribeText(read)},
+                            MadeUpTraces,
+                            closed_forms::FindSceneFault,
+                            ReadTables(read)});
 }
 
 void ExpectGolden(const fs::path& file, const std::string& text) {

@@ -90,6 +90,41 @@ TEST(Sweep, AnArgumentsAxisHasTheNameOfBoth) {
   EXPECT_EQ(schema::ToText(last.world.Get("acceleration")), "rotating((0, -9.8, 1), (0, 0, 1), 4)");
 }
 
+TEST(Points, CountTheObjects) {
+  const plan::Plan plan = PlanOf(
+      "let high = (0, 9, 0)\n"
+      "benchmark b { objects { location sweep(at((0, 0, 0), high, 2 * high), at(high), at(1, 2, "
+      "3)) }\n"
+      "objects rest { quantity 5 } }");
+  EXPECT_EQ(Axes(plan), "location: at((0, 0, 0), (0, 9, 0), (0, 18, 0)) at((0, 9, 0)) at(1, 2, 3)");
+  ASSERT_EQ(plan.runs.size(), 3u);
+  const std::uint64_t counts[] = {3, 1, 1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(plan.runs[i].scene.groups[0].settings.Count("quantity"), counts[i]);
+    // 50 m for each object of all groups.
+    EXPECT_EQ(plan.runs[i].scene.world.Real("world.side"), 50 * static_cast<double>(counts[i] + 5));
+  }
+}
+
+TEST(Points, CountOnlyWhereTheyAreListed) {
+  // Another layout may use the quantity itself.
+  const plan::Plan plan = PlanOf(
+      "let where = at((0, 0, 0), (9, 0, 0))\n"
+      "benchmark b { objects { location sweep(ring(radius: quantity), where) } }");
+  EXPECT_EQ(schema::ToText(plan.runs[0].scene.groups[0].settings.Get("location")),
+            "ring(radius: 10)");
+  EXPECT_EQ(plan.runs[1].scene.groups[0].settings.Count("quantity"), 2u);
+}
+
+TEST(Points, AnAxisInAPointIsOfItsComponent) {
+  const plan::Plan plan =
+      PlanOf("benchmark b { objects { location at((0, sweep(1, 2), 0), (5, 0, 0)) } }");
+  EXPECT_EQ(Axes(plan), "location_y: 1 2");
+  EXPECT_EQ(plan.axes[0].unit, "m");
+  EXPECT_EQ(schema::ToText(plan.runs[1].scene.groups[0].settings.Get("location")),
+            "at((0, 2, 0), (5, 0, 0))");
+}
+
 TEST(Sweep, AnArgumentsAxisInALetOrUnderAName) {
   EXPECT_EQ(Axes(PlanOf("let near = pair(distance: sweep(1, 2))\n"
                         "benchmark b { objects { quantity 2; location near } }")),

@@ -108,7 +108,8 @@ class Maker {
     std::vector<std::string_view> calls = parameter.AllCalls();
     if (is_in_any_ && !parameter.ChoosesCalls()) calls.clear();
     std::erase_if(calls, [&](std::string_view call) {
-      return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2"));
+      return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2")) ||
+             call == schema::kPosesCall;  // there is no file for it
     });
     return calls;
   }

@@ -8,6 +8,10 @@
 #include <vector>
 
 #include "compiler/compile.h"
+#include "compiler/plan/sha256.h"
+#include "compiler/schema/parametrised_words.h"
+#include "library/layouts/pose_table.h"
+#include "library/scene_error.h"
 
 namespace cdb::tests {
 
@@ -40,6 +44,27 @@ inline std::optional<plan::TraceFacts> MadeUpTraces(const std::string& path, std
   return std::nullopt;
 }
 
+/// Tables in CSV files, as `read` gives them.
+inline plan::ReadPoses ReadTables(const scenario::ReadFile& read) {
+  return [read](const schema::Call& poses, plan::PoseFault& why) -> std::optional<plan::PoseFacts> {
+    const std::string& path = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
+    try {
+      std::string missing;
+      const auto text = read(path, missing);
+      if (!text) {
+        why = {true, path + ": " + missing, "write it"};
+        return std::nullopt;
+      }
+      const layouts::PoseTable table = layouts::ParsePoseCsv(*text, path);
+      return plan::PoseFacts{plan::Sha256Hex(*text), table.rows.size(), table.has_orientation,
+                             table.has_linear_velocity, table.has_angular_velocity};
+    } catch (const library::SceneError& error) {
+      why = {false, error.cause(), error.remedy()};
+      return std::nullopt;
+    }
+  };
+}
+
 /// Compiles `text` as `test.cdb` beside `others`; `plugins` are those of a command line.
 inline compiler::Compilation CompileText(const std::string& text,
                                          std::map<std::string, std::string> others = {},
@@ -52,8 +77,9 @@ inline compiler::Compilation CompileText(const std::string& text,
     why = "No such file or directory";
     return std::nullopt;
   };
-  return compiler::Compile("test.cdb", read,
-                           {"lib", std::nullopt, {plugins, DescribeText(read)}, MadeUpTraces});
+  return compiler::Compile(
+      "test.cdb", read,
+      {"lib", std::nullopt, {plugins, DescribeText(read)}, MadeUpTraces, {}, ReadTables(read)});
 }
 
 }  // namespace cdb::tests

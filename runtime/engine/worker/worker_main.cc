@@ -22,6 +22,7 @@
 #include "compiler/plan/trace.h"
 #include "library/detectors/description.h"
 #include "library/detectors/plugin.h"
+#include "library/layouts/pose_table.h"
 #include "runtime/engine/detection/plugin_detectors.h"
 #include "runtime/engine/probes/memory.h"
 #include "runtime/engine/worker/replay.h"
@@ -34,6 +35,20 @@ namespace cdb::worker {
 namespace {
 
 constexpr int kCannotReport = 2;
+
+/// The poses that came with the run; from the start each time, as another process of it may have
+/// read them.
+std::string ReadPackedPoses() {
+  std::string packed;
+  char buffer[65536];
+  for (;;) {
+    const ssize_t count =
+        pread(measure::kPosesFd, buffer, sizeof buffer, static_cast<off_t>(packed.size()));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return packed;
+    packed.append(buffer, static_cast<std::size_t>(count));
+  }
+}
 
 bool HasDescriptors() {
   for (const int fd : {measure::kRunFd, measure::kRecordingFd, measure::kContactsFd})
@@ -120,6 +135,8 @@ int main(int argc, char** argv) {
   try {
     // A runner that is killed must not leave workers behind.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    layouts::SetPoseReader(
+        [](const schema::Call& poses) { return layouts::UnpackPoses(ReadPackedPoses(), poses); });
     if (describes) {
       _exit(DescribeLibrary(argv[2]));
     } else if (settles) {

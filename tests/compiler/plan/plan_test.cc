@@ -141,6 +141,17 @@ TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
   EXPECT_EQ(again.plans.at(0).runs[0].id, plan.runs[0].id);
 }
 
+TEST(PlanYaml, ReadsPointsBack) {
+  const compiler::Compilation result = CompileText(
+      "benchmark b { objects { location sweep(at((0.1, 0, -3), (1e9, 2, 3)), at(1, 2, 3)) } }");
+  ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  const std::string yaml = plan::ToYaml(result.plans.at(0));
+  EXPECT_NE(yaml.find("location: {at: [[0.1, 0, -3], [1000000000, 2, 3]]}"), std::string::npos)
+      << yaml;
+  EXPECT_NE(yaml.find("location: {at: {x: 1, y: 2, z: 3}}"), std::string::npos);
+  EXPECT_TRUE(plan::FromYaml(yaml, "plan.yaml") == result.plans.at(0));
+}
+
 TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
   const std::string yaml = plan::ToYaml(WordsExample());
   const std::string stack = "{stack: {height: 4, gap: fit, spacing: 3}}";
@@ -159,6 +170,9 @@ TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
       {"{stack: {height: 4, gap: fit, spacing: 4}}", "changed by hand"},
       {"{mesh: {file: \"a.obj\", sha256: any}}", "`location` takes one of uniform"},
       {"{stakc: {height: 4}}", "takes no distribution"},
+      {"{at: []}", "`at` needs a point"},
+      {"{at: [[0, 0, 0], [1, 2]]}", "three numbers should be here"},
+      {"{at: [[0, 0, 0], [1, 2, 3]]}", "changed by hand"},
       {"{}", "one distribution or word"},
   };
   for (const auto& [location, message] : rows)

@@ -48,6 +48,18 @@ TEST(Layout, GridFillsTheCube) {
   ExpectAt(full.objects[26], {2, 2, 2});
 }
 
+TEST(Layout, ListedPoints) {
+  plan::Scene scene = LayoutScene(3, 100, Points({{1, 2, 3}, {0, -5, 0}, {-7, 0, 7}}));
+  SetGroup(scene, "type", Word("cone"));
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  // The centre of mass, as of a single one.
+  EXPECT_EQ(state.objects[0].pose.position, Vector3d(1, 2, 3));
+  EXPECT_EQ(state.objects[1].pose.position, Vector3d(0, -5, 0));
+  EXPECT_EQ(state.objects[2].pose.position, Vector3d(-7, 0, 7));
+  EXPECT_NE(FailureOf(LayoutScene(2, 100, Points({{0, 0, 0}, {0.9, 0, 0}}))).find("overlaps"),
+            std::string::npos);
+}
+
 TEST(Layout, GridWithASpacing) {
   plan::Scene scene = LayoutScene(8, 100, Layout("grid", {{"spacing", 1.5}}));
   SetGroup(scene, "type", Word("cone"));

@@ -137,7 +137,11 @@ TEST(Touching, IsSeenOffTheCentres) {
 TEST(LayoutErrors, Quantities) {
   EXPECT_EQ(FailureOf(LayoutScene(3, 10, At(0, 0, 0))),
             "group `objects` has 3 objects, but `at` gives one object its place; make the quantity "
-            "1, and write a group for each object");
+            "1, or list a point for each object");
+  EXPECT_EQ(
+      FailureOf(LayoutScene(3, 10, Points({{0, 0, 0}, {2, 0, 0}}))),
+      "group `objects` has 3 objects, but `at` gives 2 objects a place; list a point for each "
+      "object");
   const schema::Value pair = Layout("pair", {{"distance", 1.0}});
   for (const std::uint64_t quantity : {1, 3})
     EXPECT_NE(FailureOf(LayoutScene(quantity, 10, pair)).find("`pair` takes two objects"),

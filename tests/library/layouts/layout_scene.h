@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "library/layouts/initial_state.h"
 #include "library/objects/overlap.h"
@@ -19,6 +20,11 @@ inline plan::Scene LayoutScene(std::uint64_t quantity, double side, schema::Valu
   SetGroup(scene, "size", 1.0);
   SetGroup(scene, "location", std::move(layout));
   return scene;
+}
+
+/// `at` with a point for each object.
+inline schema::Value Points(const std::vector<Eigen::Vector3d>& points) {
+  return schema::Call{"at", {points.begin(), points.end()}};
 }
 
 /// Another group like the last one; returns its index.

@@ -1,0 +1,22 @@
+#include "compiler/plan/poses.h"
+
+#include <algorithm>
+
+#include "compiler/schema/parametrised_words.h"
+
+namespace cdb::plan {
+
+const schema::Call* PosesOf(const Group& group) {
+  const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
+  return layout != nullptr && layout->name == schema::kPosesCall ? layout : nullptr;
+}
+
+bool IsCsv(const schema::Call& poses) {
+  std::string end = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
+  end.erase(0, end.size() - std::min<std::size_t>(end.size(), 4));
+  for (char& c : end)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return end == ".csv";
+}
+
+}  // namespace cdb::plan

@@ -1,0 +1,201 @@
+// The CSV files of pose_table.h.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "compiler/schema/number.h"
+#include "dsl/utf8.h"
+#include "library/layouts/pose_table.h"
+#include "library/scene_error.h"
+
+namespace cdb::layouts {
+namespace {
+
+constexpr std::size_t kColumns = 13;
+constexpr std::array<std::string_view, kColumns> kNames = {"x",  "y",  "z",  "qw", "qx", "qy", "qz",
+                                                           "vx", "vy", "vz", "wx", "wy", "wz"};
+/// The columns of a quantity, which are there together.
+struct Quantity {
+  std::size_t first, count;
+  std::string_view names;
+};
+constexpr Quantity kPosition = {0, 3, "x, y, z"}, kOrientation = {3, 4, "qw, qx, qy, qz"},
+                   kVelocity = {7, 3, "vx, vy, vz"}, kSpin = {10, 3, "wx, wy, wz"};
+constexpr double kLargest = 1e15;  ///< farther numbers are no place and no speed
+
+class CsvReader {
+ public:
+  CsvReader(std::string_view csv, std::string_view name) : rest_(csv), name_(name) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+  }
+
+  PoseTable Read() {
+    if (!NextLine()) Refuse("it is empty", "write a line of column names first: x,y,z");
+    ReadHeader();
+    PoseTable table;
+    table.has_orientation = Has(kOrientation);
+    table.has_linear_velocity = Has(kVelocity);
+    table.has_angular_velocity = Has(kSpin);
+    while (NextLine()) table.rows.push_back(ReadRow());
+    if (table.rows.empty()) Refuse("it has no objects", "write a line for each object");
+    return table;
+  }
+
+ private:
+  [[noreturn]] void Refuse(const std::string& cause, const std::string& remedy) const {
+    throw library::SceneError(number_ == 0 ? fmt::format("{}: {}", name_, cause)
+                                           : fmt::format("{}:{}: {}", name_, number_, cause),
+                              remedy);
+  }
+
+  static std::string_view Trimmed(std::string_view text) {
+    const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+    return text;
+  }
+
+  /// False at the end of the text.
+  bool NextLine() {
+    while (!rest_.empty()) {
+      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+      const std::string_view line = Trimmed(rest_.substr(0, end));
+      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      ++number_;
+      if (line.empty() || line.front() == '#') continue;
+      Split(line);
+      return true;
+    }
+    return false;
+  }
+
+  void Split(std::string_view line) {
+    cells_.clear();
+    while (true) {
+      const std::size_t end = std::min(line.find(','), line.size());
+      cells_.push_back(Trimmed(line.substr(0, end)));
+      if (end == line.size()) return;
+      line.remove_prefix(end + 1);
+    }
+  }
+
+  bool Has(const Quantity& quantity) const { return places_[quantity.first].has_value(); }
+
+  void ReadHeader() {
+    constexpr std::string_view kAll =
+        "the columns are x, y, z, and qw, qx, qy, qz, vx, vy, vz, wx, "
+        "wy, wz where they are given, separated by commas";
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const auto column = std::ranges::find(kNames, cells_[i]);
+      if (column == kNames.end())
+        Refuse(fmt::format("there is no column `{}`", dsl::Printable(cells_[i])),
+               std::string(kAll));
+      auto& place = places_[static_cast<std::size_t>(column - kNames.begin())];
+      if (place) Refuse(fmt::format("the column `{}` is there twice", *column), "keep one of them");
+      place = i;
+    }
+    for (const Quantity& quantity : {kPosition, kOrientation, kVelocity, kSpin}) {
+      std::size_t there = 0;
+      for (std::size_t i = 0; i < quantity.count; ++i)
+        there += places_[quantity.first + i].has_value();
+      if (there != quantity.count && (there > 0 || quantity.first == 0))
+        Refuse(
+            fmt::format("{} of the columns {} are missing", quantity.count - there, quantity.names),
+            quantity.first == 0 ? "a position has all three" : "give all of them, or none");
+    }
+    columns_ = cells_.size();
+  }
+
+  PoseRow ReadRow() const {
+    if (cells_.size() != columns_)
+      Refuse(fmt::format("{} value{} in this line, and {} columns", cells_.size(),
+                         cells_.size() == 1 ? "" : "s", columns_),
+             "write a value for each column, separated by commas");
+    const auto vector = [this](const Quantity& quantity) {
+      Eigen::Vector3d v = Eigen::Vector3d::Zero();
+      if (Has(quantity))
+        for (int i = 0; i < 3; ++i) v[i] = Number(quantity.first + static_cast<std::size_t>(i));
+      return v;
+    };
+    PoseRow row;
+    row.position = vector(kPosition);
+    row.linear_velocity = vector(kVelocity);
+    row.angular_velocity = vector(kSpin);
+    if (!Has(kOrientation)) return row;
+    const auto turn = UnitQuaternion(Number(3), Number(4), Number(5), Number(6));
+    if (!turn)
+      Refuse("qw, qx, qy, qz are no unit quaternion",
+             "their squares add up to 1; 1, 0, 0, 0 is no turn");
+    row.orientation = *turn;
+    return row;
+  }
+
+  double Number(std::size_t column) const {
+    std::string_view text = cells_[*places_[column]];
+    const std::string_view written = text;
+    if (text.starts_with('+')) text.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+      Refuse(fmt::format("{} is `{}`, which is no finite number", kNames[column],
+                         dsl::Printable(written)),
+             "write a number with a decimal point, as -1.5 or 2e-3");
+    if (std::abs(value) > kLargest)
+      Refuse(fmt::format("{} is {}, beyond {:g}", kNames[column], written, kLargest),
+             "positions and velocities are in m, m/s and rad/s");
+    return value;
+  }
+
+  std::string_view rest_;
+  const std::string_view name_;
+  std::size_t number_ = 0;  ///< of the line, from 1
+  std::vector<std::string_view> cells_;
+  std::array<std::optional<std::size_t>, kColumns> places_;
+  std::size_t columns_ = 0;
+};
+
+void AddNumbers(std::string& text, std::initializer_list<double> values) {
+  for (const double value : values) {
+    if (!text.empty() && text.back() != '\n') text += ',';
+    text += schema::FormatReal(value);
+  }
+}
+
+}  // namespace
+
+PoseTable ParsePoseCsv(std::string_view csv, std::string_view name) {
+  return CsvReader(csv, name).Read();
+}
+
+std::optional<Eigen::Quaterniond> UnitQuaternion(double w, double x, double y, double z) {
+  constexpr double kOff = 1e-3, kExact = 1e-14;
+  const Eigen::Quaterniond turn(w, x, y, z);
+  const double off = std::abs(turn.norm() - 1);
+  if (!(off <= kOff)) return std::nullopt;
+  // What was normalized once must read back to the same bits.
+  return off <= kExact ? turn : turn.normalized();
+}
+
+std::string ToCsv(const PoseTable& table) {
+  std::string text = "x,y,z";
+  if (table.has_orientation) text += ",qw,qx,qy,qz";
+  if (table.has_linear_velocity) text += ",vx,vy,vz";
+  if (table.has_angular_velocity) text += ",wx,wy,wz";
+  text += '\n';
+  for (const PoseRow& row : table.rows) {
+    const Eigen::Quaterniond& q = row.orientation;
+    const Eigen::Vector3d &v = row.linear_velocity, &w = row.angular_velocity;
+    AddNumbers(text, {row.position.x(), row.position.y(), row.position.z()});
+    if (table.has_orientation) AddNumbers(text, {q.w(), q.x(), q.y(), q.z()});
+    if (table.has_linear_velocity) AddNumbers(text, {v.x(), v.y(), v.z()});
+    if (table.has_angular_velocity) AddNumbers(text, {w.x(), w.y(), w.z()});
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace cdb::layouts

@@ -1,0 +1,129 @@
+#include "library/layouts/pose_table.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "compiler/plan/sha256.h"
+#include "compiler/schema/parametrised_words.h"
+#include "dsl/check.h"
+#include "library/scene_error.h"
+
+namespace cdb::layouts {
+namespace {
+
+using library::SceneError;
+
+constexpr std::string_view kPlanAgain = "plan again from the .cdb file, or put the other file back";
+
+ReadHdf5Poses& Hdf5Reader() {
+  static ReadHdf5Poses reader;
+  return reader;
+}
+
+const std::string& FileOf(const schema::Call& poses) {
+  return std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
+}
+
+struct Unreadable : SceneError {
+  using SceneError::SceneError;
+};
+
+std::ifstream Open(const std::string& path) {
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (is_folder || !file)
+    throw Unreadable(
+        fmt::format("{}: {}", path, is_folder ? "it is a folder" : std::strerror(errno)),
+        "its name counts from the folder of the .cdb file");
+  return file;
+}
+
+/// The table, and the hash of what it is made of.
+std::pair<PoseTable, std::string> ReadWithHash(const schema::Call& poses) {
+  if (plan::IsCsv(poses)) {
+    std::ifstream file = Open(FileOf(poses));
+    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    return {ParsePoseCsv(bytes, FileOf(poses)), plan::Sha256Hex(bytes)};
+  }
+  if (!Hdf5Reader())
+    throw SceneError(fmt::format("{}: nothing here reads HDF5", FileOf(poses)),
+                     "run it by `cdb run`");
+  PoseTable table = Hdf5Reader()(poses);
+  std::string sha256 = plan::Sha256Hex(ToCsv(table));
+  return {std::move(table), std::move(sha256)};
+}
+
+/// Before each table: `b` or `o` for whose axes it has, and how long key and table are.
+std::string HeadOf(bool of_body, std::size_t key, std::size_t csv) {
+  return fmt::format("{} {} {}\n", of_body ? 'b' : 'o', key, csv);
+}
+
+}  // namespace
+
+void SetPoseReader(ReadHdf5Poses reader) { Hdf5Reader() = std::move(reader); }
+
+PoseTable ReadPoseTable(const schema::Call& poses) {
+  auto [table, sha256] = ReadWithHash(poses);
+  const auto* planned = std::get_if<schema::Text>(&schema::ArgumentOf(poses, "sha256"));
+  if (planned != nullptr && planned->text != sha256)
+    throw SceneError(fmt::format("{}: it is not the file that was planned with", FileOf(poses)),
+                     std::string(kPlanAgain));
+  return std::move(table);
+}
+
+std::optional<plan::PoseFacts> ReadPoseFacts(const schema::Call& poses, plan::PoseFault& why) {
+  try {
+    Open(FileOf(poses));
+    const auto [table, sha256] = ReadWithHash(poses);
+    return plan::PoseFacts{sha256, table.rows.size(), table.has_orientation,
+                           table.has_linear_velocity, table.has_angular_velocity};
+  } catch (const SceneError& error) {
+    why = {dynamic_cast<const Unreadable*>(&error) != nullptr, error.cause(), error.remedy()};
+    return std::nullopt;
+  }
+}
+
+std::string PackPoses(const plan::Scene& scene) {
+  std::string packed;
+  for (const plan::Group& group : scene.groups) {
+    const schema::Call* poses = plan::PosesOf(group);
+    if (poses == nullptr || plan::IsCsv(*poses)) continue;
+    const PoseTable table = ReadPoseTable(*poses);
+    const std::string key = schema::ToText(schema::Value(*poses)), csv = ToCsv(table);
+    packed += HeadOf(table.of_body, key.size(), csv.size()) + key + csv;
+  }
+  return packed;
+}
+
+PoseTable UnpackPoses(std::string_view packed, const schema::Call& poses) {
+  const std::string wanted = schema::ToText(schema::Value(poses));
+  while (!packed.empty()) {
+    const bool of_body = packed[0] == 'b';
+    std::size_t sizes[2] = {0, 0};
+    const char *at = packed.data() + 1, *end = packed.data() + packed.size();
+    for (std::size_t& size : sizes) {
+      CDB_CHECK(at < end);
+      at = std::from_chars(at + 1, end, size).ptr;
+    }
+    packed.remove_prefix(static_cast<std::size_t>(at - packed.data()) + 1);
+    CDB_CHECK(sizes[0] + sizes[1] <= packed.size());
+    if (packed.substr(0, sizes[0]) == wanted) {
+      PoseTable table = ParsePoseCsv(packed.substr(sizes[0], sizes[1]), FileOf(poses));
+      table.of_body = of_body;
+      return table;
+    }
+    packed.remove_prefix(sizes[0] + sizes[1]);
+  }
+  throw SceneError(fmt::format("{}: its poses did not come with the run", FileOf(poses)),
+                   "run it by `cdb run`");
+}
+
+}  // namespace cdb::layouts

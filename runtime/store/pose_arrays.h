@@ -1,0 +1,21 @@
+// Poses in an HDF5 file of the user's own: datasets `position` (n x 3, m), and where they are there
+// `orientation` (n x 4, quaternions w, x, y, z), `linear_velocity` (n x 3, m/s) and
+// `angular_velocity` (n x 3, rad/s), each in the root of the file.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace cdb::store {
+
+/// A row for each object, one after the other; empty where the file has no such dataset.
+struct PoseArrays {
+  std::vector<double> position, orientation, linear_velocity, angular_velocity;
+};
+
+/// Nullopt where the file is HDF5 and has no dataset `position`. Throws StoreError, which names the
+/// dataset, for shapes and types other than those.
+std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& file);
+
+}  // namespace cdb::store

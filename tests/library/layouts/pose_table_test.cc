@@ -1,0 +1,154 @@
+#include "library/layouts/pose_table.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "compiler/plan/sha256.h"
+#include "compiler/schema/parametrised_words.h"
+#include "tests/library/layouts/layout_scene.h"
+#include "tests/support/files.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+using layouts::PoseTable;
+
+std::string FaultOf(const std::string& csv) {
+  try {
+    layouts::ParsePoseCsv(csv, "start.csv");
+  } catch (const library::SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PoseCsv, ReadsColumnsInAnyOrder) {
+  const PoseTable table = layouts::ParsePoseCsv(
+      "\xEF\xBB\xBF# a comment\r\n z , x, y,wy,wx,wz\r\n\r\n3,1,+2,5,4,6\r\n-0.3,.1,2e-1,0,0,0",
+      "start.csv");
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_TRUE(table.has_angular_velocity);
+  EXPECT_FALSE(table.has_linear_velocity || table.has_orientation || table.of_body);
+  EXPECT_EQ(table.rows[0].position, Vector3d(1, 2, 3));
+  EXPECT_EQ(table.rows[0].angular_velocity, Vector3d(4, 5, 6));
+  EXPECT_EQ(table.rows[1].position, Vector3d(0.1, 0.2, -0.3));
+}
+
+TEST(PoseCsv, ReadsBackToTheBit) {
+  const PoseTable table = layouts::ParsePoseCsv(
+      "x,y,z,qw,qx,qy,qz,vx,vy,vz\n"
+      "0.1,1e-300,-123456789.125,0.5,0.5,-0.5,0.50001,1,2,3\n0,0,0,1,0,0,0,0,0,0\n",
+      "start.csv");
+  const PoseTable back = layouts::ParsePoseCsv(layouts::ToCsv(table), "again.csv");
+  ASSERT_EQ(back.rows.size(), 2u);
+  EXPECT_EQ(back.rows[0].position, table.rows[0].position);
+  EXPECT_EQ(back.rows[0].orientation.coeffs(), table.rows[0].orientation.coeffs());
+  EXPECT_NEAR(back.rows[0].orientation.norm(), 1, 1e-15);
+  EXPECT_EQ(layouts::ToCsv(back), layouts::ToCsv(table));
+}
+
+TEST(PoseCsv, RefusesByLineAndColumn) {
+  const std::pair<const char*, const char*> rows[] = {
+      {"", "start.csv: it is empty; write a line of column names first"},
+      {"x,y,z\n", "it has no objects; write a line for each object"},
+      {"x,y\n1,2\n", "start.csv:1: 1 of the columns x, y, z are missing"},
+      {"x,y,z,vx\n1,2,3,4\n", "start.csv:1: 2 of the columns vx, vy, vz are missing; give all"},
+      {"x,y,z,mass\n", "start.csv:1: there is no column `mass`; the columns are x, y, z"},
+      {"x;y;z\n", "there is no column `x;y;z`"},
+      {"1,2,3\n", "start.csv:1: there is no column `1`"},
+      {"x,y,z,x\n", "the column `x` is there twice"},
+      {"x,y,z\n1,2,3\n1,2\n", "start.csv:3: 2 values in this line, and 3 columns"},
+      {"x,y,z\n1,2,3,\n", "start.csv:2: 4 values in this line"},
+      {"x,y,z\n\n# no\n1,2,nan\n", "start.csv:4: z is `nan`, which is no finite number"},
+      {"x,y,z\n1,inf,2\n", "y is `inf`"},
+      {"x,y,z\n1,,2\n", "y is ``"},
+      {"x,y,z\n1,2 m,2\n", "y is `2 m`"},
+      {"x,y,z\n1,1e300,2\n", "y is 1e300, beyond 1e+15"},
+      {"x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "start.csv:2: qw, qx, qy, qz are no unit"},
+  };
+  for (const auto& [csv, message] : rows)
+    EXPECT_NE(FaultOf(csv).find(message), std::string::npos) << csv << "\n" << FaultOf(csv);
+}
+
+schema::Value Poses(const std::filesystem::path& file, const std::string& sha256) {
+  return Layout("poses", {{"file", schema::Text{file.string()}}, {"sha256", schema::Text{sha256}}});
+}
+
+class PoseFiles : public testing::Test {
+ protected:
+  schema::Value Write(const std::string& csv) {
+    WriteFile(folder_.path() / "start.csv", csv);
+    return Poses(folder_.path() / "start.csv", plan::Sha256Hex(csv));
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(PoseFiles, PlaceTurnAndMove) {
+  plan::Scene scene =
+      LayoutScene(2, 40,
+                  Write("x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n1,2,3,0,1,0,0,4,5,6,7,8,9\n"
+                        "-5,0,0,1,0,0,0,0,0,0,0,0,0\n"));
+  SetGroup(scene, "type", Word("cone"));
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  EXPECT_EQ(state.objects[0].pose.position, Vector3d(1, 2, 3));
+  EXPECT_EQ(state.objects[0].pose.orientation.coeffs(), Eigen::Vector4d(1, 0, 0, 0));
+  EXPECT_EQ(state.objects[0].linear_velocity, Vector3d(4, 5, 6));
+  EXPECT_EQ(state.objects[0].angular_velocity, Vector3d(7, 8, 9));
+  EXPECT_EQ(state.objects[1].pose.position, Vector3d(-5, 0, 0));
+  EXPECT_EQ(state.objects[1].linear_velocity, Vector3d::Zero());
+}
+
+TEST_F(PoseFiles, AreCheckedAsOtherLayouts) {
+  const schema::Value close = Write("x,y,z\n0,0,0\n0.5,0,0\n");
+  EXPECT_NE(FailureOf(LayoutScene(2, 40, close)).find("overlaps"), std::string::npos);
+  EXPECT_EQ(
+      FailureOf(LayoutScene(3, 40, close)),
+      "group `objects` has 3 objects, and its file the poses of 2; leave the quantity out, or "
+      "name another file");
+  const schema::Value low = Write("x,y,z\n0,-19.6,0\n");
+  plan::Scene scene = LayoutScene(1, 40, low);
+  EXPECT_NE(FailureOf(scene).find("reaches 0.1 m through the cube's wall -y"), std::string::npos)
+      << FailureOf(scene);
+  // What lay on the floor when it was recorded.
+  SetGroup(scene, "overlap", true);
+  EXPECT_EQ(FailureOf(scene), "");
+  SetGroup(scene, "location", Write("x,y,z\n0,-20.1,0\n"));
+  EXPECT_NE(FailureOf(scene).find("wall -y"), std::string::npos);
+}
+
+TEST_F(PoseFiles, RefuseAChangedFile) {
+  const schema::Value poses = Write("x,y,z\n0,0,0\n");
+  EXPECT_EQ(FailureOf(LayoutScene(1, 40, poses)), "");
+  WriteFile(folder_.path() / "start.csv", "x,y,z\n0,0,1\n");
+  EXPECT_NE(FailureOf(LayoutScene(1, 40, poses)).find("not the file that was planned with"),
+            std::string::npos);
+}
+
+TEST(PackedPoses, ComeBackByTheirCall) {
+  layouts::SetPoseReader([](const schema::Call& poses) {
+    const bool is_first = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text == "a.h5";
+    PoseTable table;
+    table.of_body = table.has_orientation = is_first;
+    table.rows.resize(is_first ? 2 : 1);
+    table.rows[0].position = {0.1, 0.2, 0.3};
+    return table;
+  });
+  const auto any = [](const char* file) { return Layout("poses", {{"file", schema::Text{file}}}); };
+  plan::Scene scene = LayoutScene(2, 40, any("a.h5"));
+  AddGroup(scene, "b", 1, any("b.h5"));
+  const std::string packed = layouts::PackPoses(scene);
+  const PoseTable a = layouts::UnpackPoses(packed, *schema::AsCall(any("a.h5"))),
+                  b = layouts::UnpackPoses(packed, *schema::AsCall(any("b.h5")));
+  EXPECT_EQ(a.rows.size(), 2u);
+  EXPECT_TRUE(a.of_body);
+  EXPECT_EQ(b.rows.size(), 1u);
+  EXPECT_FALSE(b.of_body);
+  EXPECT_EQ(b.rows[0].position, Vector3d(0.1, 0.2, 0.3));
+  EXPECT_THROW(layouts::UnpackPoses(packed, *schema::AsCall(any("c.h5"))), library::SceneError);
+  layouts::SetPoseReader({});
+}
+
+}  // namespace
+}  // namespace cdb::tests
