@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "compiler/checks/file_lets.h"
+#include "compiler/checks/unreachable.h"
 #include "compiler/expand.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
@@ -37,6 +38,7 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
         !options.benchmark || *options.benchmark == benchmark.benchmark->name.text;
     auto plan = Expand(*scenario, benchmark, options.find_fault, result.diagnostics, is_asked_for);
     if (!plan || !is_asked_for) continue;
+    checks::ReportUnreachable(*scenario, benchmark, *plan, result.diagnostics);
     plan->benchmark = benchmark.benchmark->name.text;
     plan->title = benchmark.benchmark->title;
     plan->source = path;

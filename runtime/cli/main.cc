@@ -36,6 +36,7 @@ void AddPlannedCommand(CLI::App& app, const PlannedCommand& planned) {
 void AddCommands(CLI::App& app, ExitStatus& status) {
   using namespace cdb::cli;
   AddCheckCommand(app, status);
+  AddExplainCommand(app, status);
   AddPlanCommand(app, status);
   AddRunCommand(app, status);
   AddTraceCommand(app, status);

@@ -144,8 +144,8 @@ ExitStatus PrintPlans(const PlanArguments& arguments) {
     throw CommandError("--why prints what runs leave out and -o writes a plan: one at a time");
   if (!arguments.why && !arguments.only.empty())
     throw CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
-  const auto plans =
-      LoadPlans(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+  const auto plans = LoadPlans(FileOrStandardInput(arguments.file), arguments.benchmark,
+                               LintText::kOneLine, arguments.plugins);
   if (plans.empty()) return ExitStatus::kScenario;
   if (arguments.why) return Why(plans, arguments.only);
   if (arguments.out.empty()) {
@@ -170,7 +170,8 @@ ExitStatus PrintPlans(const PlanArguments& arguments) {
 void AddPlanCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<PlanArguments>();
   Subcommand command(app, "plan", "print the expanded runs of a scenario file");
-  command.Required("FILE", arguments->file, "scenario file, or a plan");
+  command.Required("FILE", arguments->file,
+                   "scenario file, or a plan; - for a scenario on standard input");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "write the plan as YAML; - for standard output");
   command.Flag("--why", arguments->why,
