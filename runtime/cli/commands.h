@@ -34,6 +34,10 @@ void AddMergeCommand(CLI::App& app, ExitStatus& status);
 /// A kind of diagnostic, with a wrong and a right example.
 void AddExplainCommand(CLI::App& app, ExitStatus& status);
 void AddFormatCommand(CLI::App& app, ExitStatus& status);
+/// The language server, until the editor ends it.
+void AddLspCommand(CLI::App& app, ExitStatus& status);
+/// Files for editors, shells and man, made from the tables of the language.
+void AddGenerateCommand(CLI::App& app, ExitStatus& status);
 void AddDocCommand(CLI::App& app, ExitStatus& status);
 void AddListCommand(CLI::App& app, ExitStatus& status);
 

@@ -48,8 +48,10 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddVerifyCommand(app, status);
   AddMergeCommand(app, status);
   AddFormatCommand(app, status);
+  AddLspCommand(app, status);
   AddDocCommand(app, status);
   AddListCommand(app, status);
+  AddGenerateCommand(app, status);
   for (const PlannedCommand& planned : kPlannedCommands) AddPlannedCommand(app, planned);
 }
 
