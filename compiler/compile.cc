@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "compiler/checks/file_lets.h"
+#include "compiler/checks/unreachable.h"
 #include "compiler/expand.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
@@ -38,6 +39,7 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
         !options.benchmark || *options.benchmark == benchmark.benchmark->name.text;
     auto grid = Expand(scenario, benchmark, options.find_fault, result.diagnostics, is_asked_for);
     if (!grid || !is_asked_for) continue;
+    checks::ReportUnreachable(*scenario, benchmark, *grid, result.diagnostics);
     if (options.lists_runs && grid->run_count() > kMostListed)
       result.diagnostics.Report(
           scenario::kTooManyRuns, benchmark.benchmark->name.span,

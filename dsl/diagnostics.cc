@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 namespace cdb::dsl {
@@ -41,7 +42,17 @@ std::size_t Distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+/// A place between two characters counts as the one behind it.
+std::uint32_t EndOf(const Span& span) { return std::max(span.end, span.begin + 1); }
+
 }  // namespace
+
+bool Diagnostics::OverlapsAnError(const Span& span) const {
+  const auto taken = taken_.find(span.source);
+  if (taken == taken_.end()) return false;
+  const auto next = taken->second.lower_bound(EndOf(span));
+  return next != taken->second.begin() && std::prev(next)->second > span.begin;
+}
 
 void Diagnostics::Report(const DiagnosticKind& kind, const Span& span, std::string message,
                          std::string help, std::vector<Note> notes) {
@@ -49,7 +60,13 @@ void Diagnostics::Report(const DiagnosticKind& kind, const Span& span, std::stri
   std::string key = std::to_string(source) + ':' + std::to_string(span.begin) + ':' +
                     std::to_string(span.end) + ':' + message;
   if (!seen_.insert(std::move(key)).second) return;
-  if (kind.severity == Severity::kError) ++error_count_;
+  if (kind.severity() == Severity::kError) {
+    if (span.source != nullptr) {
+      if (OverlapsAnError(span)) return;
+      taken_[span.source].emplace(span.begin, EndOf(span));
+    }
+    ++error_count_;
+  }
   all_.push_back({&kind, span, std::move(message), std::move(help), std::move(notes)});
 }
 

@@ -1,6 +1,8 @@
 // What can be wrong with a text, said in the user's words and tied to the place.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_set>
@@ -15,8 +17,11 @@ enum class Severity { kError, kWarning };
 /// A kind of diagnostic. Kinds are constants that each layer lists once (`dsl/diagnostic_kinds.h`,
 /// `compiler/diagnostic_kinds.h`); a test holds that every one of them has a golden file.
 struct DiagnosticKind {
-  std::string_view id;  ///< shown in brackets after the message: `[unknown-name]`
-  Severity severity = Severity::kError;
+  std::string_view code;  ///< stable, `E0201`, or `W0201` for a warning: `cdb explain E0201`
+  std::string_view id;    ///< in words, shown behind it: `[E0201 unknown-name]`
+  constexpr Severity severity() const {
+    return code.starts_with('W') ? Severity::kWarning : Severity::kError;
+  }
 };
 
 /// A second place that explains the first ("it was set here before").
@@ -33,7 +38,9 @@ struct Diagnostic {
   std::vector<Note> notes;
 };
 
-/// Collects diagnostics of one compilation. The same message at the same place is kept once.
+/// Collects diagnostics of one compilation. The same message at the same place is kept once. Two
+/// errors never overlap: one that touches a character of an earlier error follows from it as a
+/// rule, and is dropped.
 class Diagnostics {
  public:
   void Report(const DiagnosticKind& kind, const Span& span, std::string message,
@@ -47,7 +54,10 @@ class Diagnostics {
 
  private:
   std::vector<Diagnostic> all_;
+  bool OverlapsAnError(const Span& span) const;
+
   std::unordered_set<std::string> seen_;  // place and message of each
+  std::map<const Source*, std::map<std::uint32_t, std::uint32_t>> taken_;  // errors: begin, end
   int error_count_ = 0;
 };
 

@@ -65,10 +65,11 @@ class Renderer {
   explicit Renderer(const RenderOptions& options) : options_(options) {}
 
   void Add(const Diagnostic& diagnostic) {
-    const bool error = diagnostic.kind->severity == Severity::kError;
+    const bool error = diagnostic.kind->severity() == Severity::kError;
     AddPlace(diagnostic.span, error ? "error" : "warning", error ? kRed : kMagenta,
-             diagnostic.message, diagnostic.kind->id, diagnostic.help);
-    for (const Note& note : diagnostic.notes) AddPlace(note.span, "note", kCyan, note.text, {}, {});
+             diagnostic.message, diagnostic.kind, diagnostic.help);
+    for (const Note& note : diagnostic.notes)
+      AddPlace(note.span, "note", kCyan, note.text, nullptr, {});
   }
   std::string Take() { return std::move(out_); }
 
@@ -80,7 +81,7 @@ class Renderer {
   }
 
   void AddPlace(const Span& span, std::string_view word, std::string_view color,
-                std::string_view message, std::string_view id, std::string_view help) {
+                std::string_view message, const DiagnosticKind* kind, std::string_view help) {
     Position position;
     if (span.source != nullptr) {
       position = span.source->PositionAt(span.begin);
@@ -91,7 +92,7 @@ class Renderer {
     Colored(color, std::string(word) + ':');
     out_ += ' ';
     Colored(kBold, Printable(message));
-    if (!id.empty()) out_ += Concat({" [", id, "]"});
+    if (kind != nullptr) out_ += Concat({" [", kind->code, " ", kind->id, "]"});
     out_ += '\n';
     if (span.source != nullptr) {
       AddExcerpt(span, position.line, color, Printable(help));
@@ -168,8 +169,7 @@ class Renderer {
 
 }  // namespace
 
-std::string Render(const Diagnostics& diagnostics, const RenderOptions& options) {
-  // Files in the order in which they first appear; what has no place comes first.
+std::vector<const Diagnostic*> InOrder(const Diagnostics& diagnostics) {
   std::vector<const Source*> sources{nullptr};
   std::vector<std::pair<std::size_t, const Diagnostic*>> order;
   for (const Diagnostic& diagnostic : diagnostics.all()) {
@@ -181,10 +181,22 @@ std::string Render(const Diagnostics& diagnostics, const RenderOptions& options)
     if (a.first != b.first) return a.first < b.first;
     return a.second->span.begin < b.second->span.begin;
   });
+  std::vector<const Diagnostic*> ordered;
+  for (const auto& [file, diagnostic] : order) ordered.push_back(diagnostic);
+  return ordered;
+}
+
+std::string Render(const Diagnostic& diagnostic, const RenderOptions& options) {
+  Renderer renderer(options);
+  renderer.Add(diagnostic);
+  return renderer.Take();
+}
+
+std::string Render(const Diagnostics& diagnostics, const RenderOptions& options) {
   Renderer renderer(options);
   std::size_t errors = 0, warnings = 0;
-  for (const auto& [file, diagnostic] : order) {
-    std::size_t& count = diagnostic->kind->severity == Severity::kError ? errors : warnings;
+  for (const Diagnostic* diagnostic : InOrder(diagnostics)) {
+    std::size_t& count = diagnostic->kind->severity() == Severity::kError ? errors : warnings;
     if (count++ < options.most) renderer.Add(*diagnostic);
   }
   const auto rest = [&options](std::size_t count, std::string_view what) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "dsl/diagnostics.h"
 
@@ -16,12 +17,17 @@ struct RenderOptions {
 
 /// All diagnostics by file and place, each as
 ///
-///     examples/first.cdb:4:13: error: no object type is called 'cuboyd' [unknown-name]
+///     examples/first.cdb:4:13: error: no object type is called 'cuboyd' [E0201 unknown-name]
 ///       4 |   type      cuboyd
 ///         |             ^^^^^^ did you mean 'cuboid'?
 ///
 /// with notes below it in the same form. Tabs are kept in step, wide lines are cut around the
 /// fault. Ends with a newline where there is anything; empty where there is nothing.
 std::string Render(const Diagnostics& diagnostics, const RenderOptions& options = {});
+/// One of them.
+std::string Render(const Diagnostic& diagnostic, const RenderOptions& options = {});
+
+/// By file, in the order in which files first appear, and place. What has no place comes first.
+std::vector<const Diagnostic*> InOrder(const Diagnostics& diagnostics);
 
 }  // namespace cdb::dsl

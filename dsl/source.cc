@@ -23,7 +23,8 @@ std::uint32_t CountCodePoints(std::string_view text) {
 Source::Source(std::string name, std::string text)
     : name_(std::move(name)), text_(std::move(text)) {
   CDB_CHECK(text_.size() < std::numeric_limits<std::uint32_t>::max());
-  if (text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
+  if (text_.starts_with("\xEF\xBB\xBF")) byte_order_mark_ = 3;
+  text_.erase(0, byte_order_mark_);
   line_starts_.push_back(0);
   for (std::size_t at = text_.find('\n'); at != std::string::npos; at = text_.find('\n', at + 1))
     line_starts_.push_back(static_cast<std::uint32_t>(at + 1));

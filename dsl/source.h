@@ -33,6 +33,8 @@ class Source {
   std::string_view Line(int line) const;
   /// The offset at which a line begins; the length of the text where there is no such line.
   std::uint32_t LineStart(int line) const;
+  /// Where a byte of the text is in the file, whose byte order mark is not part of the text.
+  std::uint32_t FileOffset(std::uint32_t offset) const { return offset + byte_order_mark_; }
   int LineCount() const { return static_cast<int>(line_starts_.size()); }
 
  private:
@@ -40,6 +42,7 @@ class Source {
 
   std::string name_;
   std::string text_;
+  std::uint32_t byte_order_mark_ = 0;  // bytes of it
   std::vector<std::uint32_t> line_starts_;
   // Code points before every kStride-th byte, so that a column in a very long line costs little.
   std::vector<std::uint32_t> code_points_;

@@ -57,7 +57,7 @@ class TokenCursor {
 
   void Report(const DiagnosticKind& kind, const Span& span, std::string message,
               std::string help = {}, std::vector<Note> notes = {}) {
-    if (kind.severity == Severity::kError) ++error_count_;
+    if (kind.severity() == Severity::kError) ++error_count_;
     diagnostics_.Report(kind, span, std::move(message), std::move(help), std::move(notes));
   }
   /// `expected WHAT, not 'x'`, unless the lexer has already complained about this token.

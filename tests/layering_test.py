@@ -17,7 +17,7 @@ NAMESPACE = re.compile(r"^namespace (cdb[\w:]*) \{", re.M)
 
 FOLDERS = ("dsl", "compiler", "library", "runtime")  # from the bottom up
 
-WHOLE_COMPILER = ("runtime/cli", "runtime/manual", "runtime/report")
+WHOLE_COMPILER = ("runtime/cli", "runtime/lsp", "runtime/manual", "runtime/report")
 CONTRACT = ("compiler/schema", "compiler/plan")
 
 # A pattern of headers, and the files or folders that may include them.
@@ -34,7 +34,7 @@ EXTERNAL = [
     (r"^(hacd|meshoptimizer)", ("library/meshes/decompose.cc",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
-    (r"^nlohmann/", ("runtime/compare/", "runtime/document/", "runtime/serve/", "runtime/view/", "runtime/cli/")),
+    (r"^nlohmann/", ("runtime/compare/", "runtime/document/", "runtime/lsp/", "runtime/serve/", "runtime/view/", "runtime/cli/")),
     (r"^httplib", ("runtime/serve/server.cc",)),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]

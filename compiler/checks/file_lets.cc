@@ -5,6 +5,7 @@
 #include <string_view>
 #include <variant>
 
+#include "compiler/checks/unreachable.h"
 #include "compiler/evaluate/dimensions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -90,6 +91,7 @@ void CheckFileLets(const scenario::Scenario& scenario, dsl::Diagnostics& diagnos
     evaluator.Evaluate(*let->value, {scenario.main(), {}, {}, nullptr});
     dimensions.CheckLet(*let, {scenario.main(), {}, {}, nullptr});
     const bool is_unused = !is_for_others && !used.names().contains(let->name.text);
+    if (is_unused) ReportUnusedSweep(*let, diagnostics);
     for (; seen < found.all().size(); ++seen) {
       const dsl::Diagnostic& fault = found.all()[seen];
       if (is_unused || IsFaultAnywhere(*fault.kind))

@@ -1,38 +1,39 @@
 // Every kind of diagnostic the compiler reports, listed once. A test holds that each has a golden
-// file.
+// file. A code is never changed or used for another kind.
 #pragma once
 
 #include "dsl/diagnostics.h"
 
 namespace cdb::scenario {
 
-inline constexpr dsl::DiagnosticKind kUnknownName{"unknown-name"};
-inline constexpr dsl::DiagnosticKind kWrongPlace{"wrong-place"};
-inline constexpr dsl::DiagnosticKind kReservedName{"reserved-name"};
-inline constexpr dsl::DiagnosticKind kSetTwice{"set-twice"};
-inline constexpr dsl::DiagnosticKind kWrongKind{"wrong-kind"};
-inline constexpr dsl::DiagnosticKind kWrongUnit{"wrong-unit"};
-inline constexpr dsl::DiagnosticKind kOutOfDomain{"out-of-domain"};
-inline constexpr dsl::DiagnosticKind kNotFinite{"not-finite"};
-inline constexpr dsl::DiagnosticKind kBadArguments{"bad-arguments"};
-inline constexpr dsl::DiagnosticKind kBadRange{"bad-range"};
-inline constexpr dsl::DiagnosticKind kMisplacedSweep{"misplaced-sweep"};
-inline constexpr dsl::DiagnosticKind kMisplacedRange{"misplaced-range"};
-inline constexpr dsl::DiagnosticKind kAxisTwice{"axis-twice"};
-inline constexpr dsl::DiagnosticKind kCircular{"circular"};
-inline constexpr dsl::DiagnosticKind kNoSuchFile{"no-such-file"};
-inline constexpr dsl::DiagnosticKind kTooManyRuns{"too-many-runs"};
-inline constexpr dsl::DiagnosticKind kNoRuns{"no-runs"};
-inline constexpr dsl::DiagnosticKind kCapacity{"capacity"};
-inline constexpr dsl::DiagnosticKind kUnavailable{"unavailable"};
-inline constexpr dsl::DiagnosticKind kBadComparison{"bad-comparison"};
-inline constexpr dsl::DiagnosticKind kContradiction{"contradiction"};
-inline constexpr dsl::DiagnosticKind kNeeded{"needed"};
-inline constexpr dsl::DiagnosticKind kWrongForm{"wrong-form"};
-inline constexpr dsl::DiagnosticKind kCannotPlace{"cannot-place"};
-inline constexpr dsl::DiagnosticKind kRunsWillFail{"runs-will-fail", dsl::Severity::kWarning};
-inline constexpr dsl::DiagnosticKind kDefaultSize{"default-size", dsl::Severity::kWarning};
-inline constexpr dsl::DiagnosticKind kEllipsoids{"ellipsoids", dsl::Severity::kWarning};
+inline constexpr dsl::DiagnosticKind kUnknownName{"E0201", "unknown-name"};
+inline constexpr dsl::DiagnosticKind kWrongPlace{"E0202", "wrong-place"};
+inline constexpr dsl::DiagnosticKind kReservedName{"E0203", "reserved-name"};
+inline constexpr dsl::DiagnosticKind kSetTwice{"E0204", "set-twice"};
+inline constexpr dsl::DiagnosticKind kWrongKind{"E0205", "wrong-kind"};
+inline constexpr dsl::DiagnosticKind kOutOfDomain{"E0206", "out-of-domain"};
+inline constexpr dsl::DiagnosticKind kNotFinite{"E0207", "not-finite"};
+inline constexpr dsl::DiagnosticKind kBadArguments{"E0208", "bad-arguments"};
+inline constexpr dsl::DiagnosticKind kBadRange{"E0209", "bad-range"};
+inline constexpr dsl::DiagnosticKind kMisplacedSweep{"E0210", "misplaced-sweep"};
+inline constexpr dsl::DiagnosticKind kMisplacedRange{"E0211", "misplaced-range"};
+inline constexpr dsl::DiagnosticKind kAxisTwice{"E0212", "axis-twice"};
+inline constexpr dsl::DiagnosticKind kCircular{"E0213", "circular"};
+inline constexpr dsl::DiagnosticKind kNoSuchFile{"E0214", "no-such-file"};
+inline constexpr dsl::DiagnosticKind kTooManyRuns{"E0215", "too-many-runs"};
+inline constexpr dsl::DiagnosticKind kNoRuns{"E0216", "no-runs"};
+inline constexpr dsl::DiagnosticKind kCapacity{"E0217", "capacity"};
+inline constexpr dsl::DiagnosticKind kUnavailable{"E0218", "unavailable"};
+inline constexpr dsl::DiagnosticKind kBadComparison{"E0219", "bad-comparison"};
+inline constexpr dsl::DiagnosticKind kContradiction{"E0220", "contradiction"};
+inline constexpr dsl::DiagnosticKind kNeeded{"E0221", "needed"};
+inline constexpr dsl::DiagnosticKind kWrongForm{"E0222", "wrong-form"};
+inline constexpr dsl::DiagnosticKind kCannotPlace{"E0223", "cannot-place"};
+inline constexpr dsl::DiagnosticKind kWrongUnit{"E0224", "wrong-unit"};
+inline constexpr dsl::DiagnosticKind kRunsWillFail{"W0201", "runs-will-fail"};
+inline constexpr dsl::DiagnosticKind kDefaultSize{"W0202", "default-size"};
+inline constexpr dsl::DiagnosticKind kUnreachable{"W0203", "unreachable"};
+inline constexpr dsl::DiagnosticKind kEllipsoids{"W0204", "ellipsoids"};
 
 inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
@@ -40,6 +41,6 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
-    &kWrongUnit,      &kEllipsoids};
+    &kUnreachable,    &kWrongUnit,  &kEllipsoids};
 
 }  // namespace cdb::scenario

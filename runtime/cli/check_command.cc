@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/cli/commands.h"
+#include "runtime/cli/diagnostics_json.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
@@ -17,17 +18,29 @@ namespace {
 struct CheckArguments {
   std::vector<std::string> files;
   std::vector<std::string> plugins;  ///< shared libraries with detectors
+  bool json = false;
 };
+
+compiler::Compilation CompileToJson(const std::string& file,
+                                    const std::vector<std::string>& plugins) {
+  compiler::Compilation result =
+      CompileWith(FindScenario(file), ReadInput, std::nullopt, plugins, /*lists_runs=*/false);
+  report::Print(DiagnosticsJson(result.diagnostics));
+  return result;
+}
 
 ExitStatus Check(const CheckArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
-  for (const std::string& file : arguments.files) {
-    const auto result = CompileAndReport(file, std::nullopt, LintText::kWhole, arguments.plugins,
-                                         /*lists_runs=*/false);
+  for (const std::string& name : arguments.files) {
+    const std::string file = FileOrStandardInput(name);
+    const auto result = arguments.json ? CompileToJson(file, arguments.plugins)
+                                       : CompileAndReport(file, std::nullopt, LintText::kWhole,
+                                                          arguments.plugins, /*lists_runs=*/false);
     if (result.diagnostics.has_errors()) {
       status = ExitStatus::kScenario;
       continue;
     }
+    if (arguments.json) continue;
     for (const grid::Grid& grid : result.grids)
       report::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),
                                 grid.run_count() == 1 ? "run" : "runs"));
@@ -40,7 +53,9 @@ ExitStatus Check(const CheckArguments& arguments) {
 void AddCheckCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<CheckArguments>();
   Subcommand command(app, "check", "report every error and warning in scenario files");
-  command.Required("FILE", arguments->files, "scenario files");
+  command.Required("FILE", arguments->files, "scenario files; - for standard input");
+  command.Flag("--json", arguments->json,
+               "print a JSON object a line for each, with the fields of rustc");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return Check(*arguments); });
 }

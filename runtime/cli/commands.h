@@ -31,7 +31,13 @@ void AddVerifyCommand(CLI::App& app, ExitStatus& status);
 /// A page with the bodies of a run in 3-D, or those of a scenario at its start.
 void AddViewCommand(CLI::App& app, ExitStatus& status);
 void AddMergeCommand(CLI::App& app, ExitStatus& status);
+/// A kind of diagnostic, with a wrong and a right example.
+void AddExplainCommand(CLI::App& app, ExitStatus& status);
 void AddFormatCommand(CLI::App& app, ExitStatus& status);
+/// The language server, until the editor ends it.
+void AddLspCommand(CLI::App& app, ExitStatus& status);
+/// Files for editors, shells and man, made from the tables of the language.
+void AddGenerateCommand(CLI::App& app, ExitStatus& status);
 void AddDocCommand(CLI::App& app, ExitStatus& status);
 void AddListCommand(CLI::App& app, ExitStatus& status);
 

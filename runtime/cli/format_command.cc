@@ -24,7 +24,8 @@ struct FormatArguments {
 
 ExitStatus FormatFiles(const FormatArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
-  for (const std::string& file : arguments.files) {
+  for (const std::string& name : arguments.files) {
+    const std::string file = FileOrStandardInput(name);
     const auto source = std::make_shared<const dsl::Source>(file, ReadText(file));
     dsl::Diagnostics diagnostics;
     dsl::Parse(source, diagnostics);
@@ -34,6 +35,10 @@ ExitStatus FormatFiles(const FormatArguments& arguments) {
       continue;
     }
     const std::string formatted = dsl::Format(*source);
+    if (file == kStandardInput && !arguments.check) {
+      report::Print(formatted);
+      continue;
+    }
     if (formatted == source->text()) continue;
     if (arguments.check) {
       report::Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
@@ -50,7 +55,8 @@ ExitStatus FormatFiles(const FormatArguments& arguments) {
 void AddFormatCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<FormatArguments>();
   Subcommand command(app, "fmt", "format scenario files");
-  command.Required("FILE", arguments->files, "scenario files");
+  command.Required("FILE", arguments->files,
+                   "scenario files; - reads standard input and writes standard output");
   command.Flag("--check", arguments->check, "change nothing; exit status 1 if it would");
   command.Action(status, [arguments] { return FormatFiles(*arguments); });
 }

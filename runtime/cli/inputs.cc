@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
+#include <iterator>
 #include <set>
 
 #include "compiler/checks/lints.h"
@@ -73,7 +75,20 @@ std::string ScenarioLibrary() {
   return {};
 }
 
+std::string FileOrStandardInput(const std::string& file) {
+  return file == "-" ? std::string(kStandardInput) : file;
+}
+
+std::optional<std::string> ReadInput(const std::string& path, std::string& why) {
+  if (path != kStandardInput) return compiler::ReadFromDisk(path, why);
+  static const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  return text;
+}
+
 std::string FindScenario(const std::string& file) {
+  if (file == kStandardInput) return file;
+  if (file == "-")
+    throw CommandError("`-`, standard input, is for check, fmt and plan; others need a file");
   std::error_code error;
   if (fs::exists(file, error)) return file;
   const fs::path library = ScenarioLibrary();
@@ -111,7 +126,7 @@ compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
                                        const std::vector<std::string>& plugins, bool lists_runs) {
   compiler::Compilation result =
-      CompileWith(FindScenario(file), compiler::ReadFromDisk, benchmark, plugins, lists_runs);
+      CompileWith(FindScenario(file), ReadInput, benchmark, plugins, lists_runs);
   dsl::Diagnostics shown;
   for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
     if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))
@@ -179,7 +194,7 @@ void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>
 
 std::string ReadText(const std::string& file) {
   std::string why;
-  auto text = compiler::ReadFromDisk(file, why);
+  auto text = ReadInput(file, why);
   if (!text) throw CommandError(fmt::format("cannot read '{}': {}", file, why));
   return std::move(*text);
 }

@@ -17,8 +17,16 @@ namespace cdb::cli {
 /// with it. Empty where there is none.
 std::string ScenarioLibrary();
 
-/// The scenario file that a command line names: the file itself, else the library's of that name,
-/// with or without `.cdb`. Throws CommandError.
+/// What standard input is called in messages and plans.
+inline constexpr std::string_view kStandardInput = "<stdin>";
+/// `-` as kStandardInput, other names as they are: for commands that can read it.
+std::string FileOrStandardInput(const std::string& file);
+
+/// compiler::ReadFromDisk, and standard input, which is read once.
+std::optional<std::string> ReadInput(const std::string& path, std::string& why);
+
+/// The scenario file that a command line names: kStandardInput, the file itself, else the library's
+/// of that name, with or without `.cdb`. Throws CommandError.
 std::string FindScenario(const std::string& file);
 
 /// How much is said of numbers that Bullet cannot follow (compiler/lints.h).

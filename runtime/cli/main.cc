@@ -37,6 +37,7 @@ void AddPlannedCommand(CLI::App& app, const PlannedCommand& planned) {
 void AddCommands(CLI::App& app, ExitStatus& status) {
   using namespace cdb::cli;
   AddCheckCommand(app, status);
+  AddExplainCommand(app, status);
   AddPlanCommand(app, status);
   AddRunCommand(app, status);
   AddTraceCommand(app, status);
@@ -48,8 +49,10 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddVerifyCommand(app, status);
   AddMergeCommand(app, status);
   AddFormatCommand(app, status);
+  AddLspCommand(app, status);
   AddDocCommand(app, status);
   AddListCommand(app, status);
+  AddGenerateCommand(app, status);
   for (const PlannedCommand& planned : kPlannedCommands) AddPlannedCommand(app, planned);
 }
 

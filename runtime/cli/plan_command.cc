@@ -190,14 +190,13 @@ ExitStatus PrintPlans(const PlanArguments& arguments) {
     throw CommandError("--why prints what runs leave out and -o writes a plan: one at a time");
   if (!arguments.why && !arguments.only.empty())
     throw CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
+  const std::string file = FileOrStandardInput(arguments.file);
   if (arguments.why) {
-    const auto plans =
-        LoadPlans(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+    const auto plans = LoadPlans(file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
     return plans.empty() ? ExitStatus::kScenario : Why(plans, arguments.only);
   }
   if (IsPlanFile(arguments.file)) return PrintPlanFile(arguments);
-  const auto grids =
-      LoadGrids(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+  const auto grids = LoadGrids(file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
   if (grids.empty()) return ExitStatus::kScenario;
   if (arguments.out.empty()) {
     std::vector<std::string> tables;
@@ -215,7 +214,8 @@ ExitStatus PrintPlans(const PlanArguments& arguments) {
 void AddPlanCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<PlanArguments>();
   Subcommand command(app, "plan", "print the expanded runs of a scenario file");
-  command.Required("FILE", arguments->file, "scenario file, or a plan");
+  command.Required("FILE", arguments->file,
+                   "scenario file, or a plan; - for a scenario on standard input");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "write the plan as YAML; - for standard output");
   command.Flag("--why", arguments->why,

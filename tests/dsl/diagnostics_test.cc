@@ -12,8 +12,8 @@ using namespace dsl;
 
 namespace {
 
-constexpr dsl::DiagnosticKind kError{"some-error"};
-constexpr dsl::DiagnosticKind kWarning{"some-warning", dsl::Severity::kWarning};
+constexpr dsl::DiagnosticKind kError{"E0001", "some-error"};
+constexpr dsl::DiagnosticKind kWarning{"W0001", "some-warning"};
 
 TEST(DidYouMean, SlipsOfTheHand) {
   const std::vector<std::string_view> types{"sphere", "cuboid", "cylinder", "cone", "bunny"};
@@ -53,13 +53,32 @@ TEST(Diagnostics, TheSameIsKeptOnce) {
   EXPECT_EQ(diagnostics.all().size(), 3u);
 }
 
+TEST(Diagnostics, ErrorsDoNotOverlap) {
+  const dsl::Source source("t", "abcdefgh"), other("u", "abcdefgh");
+  dsl::Diagnostics diagnostics;
+  diagnostics.Report(kError, {&source, 2, 4}, "first");
+  diagnostics.Report(kError, {&source, 3, 5}, "touches its end");
+  diagnostics.Report(kError, {&source, 0, 8}, "holds it");
+  diagnostics.Report(kError, {&source, 2, 2}, "at its begin");
+  diagnostics.Report(kError, {&source, 1, 3}, "touches its begin");
+  EXPECT_EQ(diagnostics.error_count(), 1);
+  diagnostics.Report(kError, {&source, 4, 4}, "behind it");
+  diagnostics.Report(kError, {&source, 0, 2}, "before it");
+  diagnostics.Report(kError, {&other, 2, 4}, "elsewhere");
+  diagnostics.Report(kError, {}, "nowhere");
+  diagnostics.Report(kError, {}, "nowhere either");
+  diagnostics.Report(kWarning, {&source, 2, 4}, "a warning");
+  EXPECT_EQ(diagnostics.error_count(), 6);
+  EXPECT_EQ(diagnostics.warning_count(), 1);
+}
+
 TEST(Render, AsTheHeaderShows) {
   const dsl::Source source("examples/first.cdb", "a\nb\nc\n  type      cuboyd\n");
   dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, 18, 24}, "no object type is called 'cuboyd'",
                      "did you mean 'cuboid'?", {{{&source, 2, 3}, "it was set here before"}});
   EXPECT_EQ(dsl::Render(diagnostics),
-            "examples/first.cdb:4:13: error: no object type is called 'cuboyd' [some-error]\n"
+            "examples/first.cdb:4:13: error: no object type is called 'cuboyd' [E0001 some-error]\n"
             "  4 |   type      cuboyd\n"
             "    |             ^^^^^^ did you mean 'cuboid'?\n"
             "examples/first.cdb:2:1: note: it was set here before\n"
@@ -75,15 +94,15 @@ TEST(Render, ByFileAndPlace) {
   diagnostics.Report(kWarning, {&one, 0, 1}, "second");
   diagnostics.Report(kError, {}, "first", "and help");
   EXPECT_EQ(dsl::Render(diagnostics),
-            "error: first [some-error]\n"
+            "error: first [E0001 some-error]\n"
             "  and help\n"
-            "one:1:1: warning: second [some-warning]\n"
+            "one:1:1: warning: second [W0001 some-warning]\n"
             "  1 | abc\n"
             "    | ^\n"
-            "one:2:1: error: third [some-error]\n"
+            "one:2:1: error: third [E0001 some-error]\n"
             "  2 | def\n"
             "    | ^\n"
-            "two:1:1: error: fourth [some-error]\n"
+            "two:1:1: error: fourth [E0001 some-error]\n"
             "  1 | abc\n"
             "    | ^\n");
   EXPECT_EQ(dsl::Render(dsl::Diagnostics()), "");

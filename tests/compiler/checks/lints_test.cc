@@ -39,7 +39,7 @@ TEST(Lints, AreOneRowEachAboutParametersOfTheSchema) {
     EXPECT_EQ(static_cast<int>(info.lint), index++);
     EXPECT_EQ(&checks::InfoOf(info.lint), &info);
     EXPECT_TRUE(checks::IsLint(info.kind));
-    EXPECT_EQ(info.kind.severity, dsl::Severity::kWarning);
+    EXPECT_EQ(info.kind.severity(), dsl::Severity::kWarning);
     EXPECT_TRUE(names.insert(info.kind.id).second) << info.kind.id;
     EXPECT_NE(info.predicts.find("{}"), std::string_view::npos) << info.predicts;
     std::string_view about = info.about;

@@ -134,7 +134,7 @@ TEST(Accuracy, OfAFormThatDoesNotFitSaysWhy) {
     const Finished refused = program.Run({command, "no.cdb"});
     EXPECT_EQ(refused.status, 1);
     EXPECT_NE(refused.err.find("no.cdb:1:68: error: closed form `spin` is not of this scene: there "
-                               "are 10 objects [wrong-form]"),
+                               "are 10 objects [E0222 wrong-form]"),
               std::string::npos)
         << refused.err;
   }

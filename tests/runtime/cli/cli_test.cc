@@ -215,7 +215,7 @@ TEST(Check, SaysOnceWhatCannotBePlacedBeforeAnythingRuns) {
     EXPECT_EQ(refused.status, 1);
     EXPECT_EQ(refused.err,
               "out.cdb:2:42: error: object 1 of 1 (group `objects`) lies 34.5 m beyond the cube's "
-              "wall +x; in 9 of 9 runs [cannot-place]\n"
+              "wall +x; in 9 of 9 runs [E0223 cannot-place]\n"
               "  2 |   objects { quantity 1; size 1; location at(sweep(40, 50, 60), 0, 0) } }\n"
               "    |                                          ^^^^^^^^^^^^^^^^^^^^^^^^^^^ move it "
               "inwards or make world.side larger\n");

@@ -1,0 +1,70 @@
+// `cdb lsp`: the language server on standard input and output.
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/lsp/message_stream.h"
+#include "runtime/lsp/server.h"
+#include "runtime/report/console.h"
+
+namespace cdb::cli {
+namespace {
+
+/// Diagnostics come when nothing was typed for this time, ms.
+constexpr int kQuietTime = 150;
+
+/// False at the end of standard input.
+bool ReadMore(lsp::MessageReader& reader) {
+  char bytes[1 << 16];
+  ssize_t count = 0;
+  do count = read(STDIN_FILENO, bytes, sizeof bytes);
+  while (count < 0 && errno == EINTR);
+  if (count <= 0) return false;
+  reader.Add({bytes, static_cast<std::size_t>(count)});
+  return true;
+}
+
+bool IsQuiet() {
+  pollfd input = {STDIN_FILENO, POLLIN, 0};
+  return poll(&input, 1, kQuietTime) == 0;
+}
+
+ExitStatus ServeLanguage() {
+  const auto compile = [](const std::string& path, const scenario::ReadFile& read) {
+    return CompileWith(path, read, std::nullopt, {}, /*lists_runs=*/false);
+  };
+  const auto send = [](const std::string& message) {
+    report::Print(lsp::Framed(message));
+    std::fflush(stdout);
+  };
+  lsp::Server server({compile, ScenarioLibrary(), CDB_VERSION, send});
+  lsp::MessageReader reader;
+  while (!server.has_ended()) {
+    if (const auto message = reader.Next()) {
+      server.Handle(*message);
+      continue;
+    }
+    if (reader.is_broken())
+      throw CommandError(
+          "standard input is not the language server protocol; an editor starts this");
+    if (IsQuiet()) server.PublishDiagnostics();
+    if (!ReadMore(reader)) break;
+  }
+  return server.ended_well() ? ExitStatus::kGood : ExitStatus::kScenario;
+}
+
+}  // namespace
+
+void AddLspCommand(CLI::App& app, ExitStatus& status) {
+  Subcommand command(app, "lsp", "the language server for editors, on standard input and output");
+  command.Action(status, [] { return ServeLanguage(); });
+}
+
+}  // namespace cdb::cli

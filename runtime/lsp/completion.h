@@ -1,0 +1,14 @@
+// Completion: the words that may stand at a place.
+#pragma once
+
+#include <string>
+
+#include "runtime/lsp/documents.h"
+
+namespace cdb::lsp {
+
+/// A list of CompletionItem. `library`: the folder of the scenarios that come with cdb.
+Json Complete(const Analysis& analysis, const std::string& path, std::uint32_t offset,
+              const std::string& library);
+
+}  // namespace cdb::lsp

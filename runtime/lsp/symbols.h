@@ -1,0 +1,52 @@
+// Names of a scenario and where they are defined: lets, benchmarks and groups of objects.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/scenario/scenario.h"
+#include "dsl/syntax.h"
+
+namespace cdb::lsp {
+
+enum class SymbolKind { kLet, kBenchmark, kGroup };
+
+struct Definition {
+  SymbolKind kind;
+  dsl::Span name;
+  dsl::Span whole;                            ///< the let, or the head of the block
+  std::string block;                          ///< of a let: the blocks around it, `objects.links`
+  const dsl::Benchmark* benchmark = nullptr;  ///< that it is in; null outside of them
+  /// Definitions of one family have one meaning: a let, and those that override it.
+  std::size_t family = 0;
+};
+
+/// A name that is a definition, or refers to one.
+struct Occurrence {
+  dsl::Span span;
+  std::size_t definition = 0;  ///< index into definitions()
+};
+
+/// Of the main file and all files that it uses. Points into the scenario.
+class Symbols {
+ public:
+  explicit Symbols(const scenario::Scenario& scenario);
+
+  std::span<const Definition> definitions() const { return definitions_; }
+  std::span<const Occurrence> occurrences() const { return occurrences_; }
+  /// Null where no name of the source touches the byte.
+  const Occurrence* At(const dsl::Source& source, std::uint32_t offset) const;
+  /// Every name of the family of `definition`, each once.
+  std::vector<dsl::Span> FamilyOf(std::size_t definition) const;
+
+ private:
+  friend class SymbolCollector;
+  std::vector<Definition> definitions_;
+  std::vector<Occurrence> occurrences_;
+};
+
+}  // namespace cdb::lsp

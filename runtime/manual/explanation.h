@@ -1,0 +1,39 @@
+// Every kind of diagnostic with a wrong and a right example: what `cdb explain CODE` prints.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dsl/diagnostics.h"
+
+namespace cdb::manual {
+
+/// A row of the tables. Both examples are whole files: the wrong one has diagnostics of this kind
+/// only, the right one has none.
+struct Explanation {
+  const dsl::DiagnosticKind* kind;
+  std::string_view text;
+  std::string_view wrong, right;
+};
+
+// In the order of their codes. Any thread.
+std::span<const Explanation> SyntaxExplanations();
+std::span<const Explanation> ScenarioExplanations();
+/// The text of a lint is made from its row in compiler/checks/lints.h.
+std::span<const Explanation> LintExplanations();
+std::vector<const Explanation*> AllExplanations();
+
+/// By code, in upper or lower case, or by name; several kinds may share a name. Empty if there is
+/// none.
+std::vector<const Explanation*> FindExplanations(std::string_view wanted);
+
+/// `E0201 unknown-name: …`, why it is wrong, and both examples. `rendered`: the diagnostics of the
+/// wrong example, as `cdb check` prints them.
+std::string ExplanationText(const Explanation& explanation, std::string_view rendered);
+/// A table of every code.
+std::string ExplanationList();
+
+}  // namespace cdb::manual

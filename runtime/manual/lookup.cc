@@ -1,0 +1,138 @@
+#include "runtime/manual/lookup.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "compiler/schema/catalogue.h"
+#include "compiler/schema/components.h"
+#include "compiler/schema/language_words.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/schema.h"
+#include "runtime/manual/explanation.h"
+#include "runtime/manual/word.h"
+#include "runtime/measure/series.h"
+#include "runtime/measure/verdict.h"
+#include "runtime/report/wrap.h"
+
+namespace cdb::manual {
+namespace {
+
+using schema::Parameter;
+
+/// A word that stands alone, from one of the catalogues.
+struct CatalogueWord {
+  std::string kind, name, doc;
+};
+
+void AddDetectors(std::vector<CatalogueWord>& words) {
+  for (const schema::DetectorInfo& detector : schema::Detectors()) {
+    std::string doc(detector.doc);
+    if (!detector.source.empty()) doc += fmt::format("; from {}", detector.source);
+    if (detector.max_bodies > 0) doc += fmt::format("; at most {} bodies", detector.max_bodies);
+    if (!detector.limits.empty()) doc += fmt::format("; {}", detector.limits);
+    words.push_back({"detector", std::string(detector.name), doc});
+  }
+}
+
+const std::vector<CatalogueWord>& CatalogueWords() {
+  static const std::vector<CatalogueWord> all = [] {
+    std::vector<CatalogueWord> words;
+    const auto add = [&](const char* kind, const auto& rows) {
+      for (const auto& row : rows)
+        words.push_back({kind, std::string(row.name), std::string(row.doc)});
+    };
+    add("object type", schema::ObjectTypes());
+    AddDetectors(words);
+    add("layout", schema::Layouts());
+    add("closed form", schema::ClosedForms());
+    add("component, for omit", schema::Components());
+    add("error, of the results", schema::Errors());
+    add("verdict", measure::Verdicts());
+    add("series, of the results", measure::AllSeries());
+    return words;
+  }();
+  return all;
+}
+
+/// `name` is the parameter's, the last part of it, or that of a block it is in.
+bool Names(std::string_view name, const Parameter& parameter) {
+  return name == parameter.FullName() || name == parameter.name ||
+         name == parameter.name.substr(parameter.name.find('.') + 1) ||
+         parameter.name.starts_with(std::string(name) + ".");
+}
+
+std::string LanguageWordText(const schema::LanguageWord& word) {
+  static constexpr std::string_view kRoles[] = {"statement", "function", "within a statement",
+                                                "value"};
+  return fmt::format("{} ({})\n{}  syntax   {}\n  example  {}\n  more     cdb doc language\n",
+                     word.name, kRoles[static_cast<std::size_t>(word.role)],
+                     report::Wrapped(word.doc, 2), word.syntax, word.example);
+}
+
+/// `walls: a word of omit, world.walls`; empty if no parameter takes it.
+std::string TakersText(std::string_view name) {
+  std::vector<std::string> takers;
+  for (const Parameter& parameter : schema::Schema())
+    if (parameter.HasWord(name)) takers.push_back(parameter.FullName());
+  if (takers.empty()) return {};
+  return report::Wrapped(fmt::format("{}: a word of {}", name, fmt::join(takers, ", ")), 0);
+}
+
+std::string DiagnosticText(const Explanation& row) {
+  return fmt::format("{} ({}): `cdb explain {}` explains it\n", row.kind->id, row.kind->code,
+                     row.kind->code);
+}
+
+}  // namespace
+
+std::string TextAbout(std::string_view name) {
+  std::string text;
+  const auto add = [&text](const std::string& part) {
+    if (!part.empty()) text += (text.empty() ? "" : "\n") + part;
+  };
+  if (const schema::LanguageWord* word = schema::FindLanguageWord(name))
+    add(LanguageWordText(*word));
+  for (const Parameter& parameter : schema::Schema())
+    if (Names(name, parameter)) add(ParameterReference(parameter));
+  for (const schema::ParametrisedWord& word : schema::ParametrisedWords())
+    if (name == word.name) add(WordReference(word));
+  for (const CatalogueWord& word : CatalogueWords())
+    if (name == word.name)
+      add(fmt::format("{} ({})\n{}", word.name, word.kind, report::Wrapped(word.doc, 2)));
+  add(TakersText(name));
+  for (const Explanation* row : FindExplanations(name)) add(DiagnosticText(*row));
+  return text;
+}
+
+std::string LineAbout(std::string_view name) {
+  if (const schema::ParametrisedWord* word = schema::FindParametrisedWord(name))
+    return std::string(word->doc);
+  for (const CatalogueWord& word : CatalogueWords())
+    if (name == word.name) return fmt::format("{}: {}", word.kind, word.doc);
+  if (const schema::LanguageWord* word = schema::FindLanguageWord(name))
+    return std::string(word->doc);
+  return {};
+}
+
+std::vector<std::string> KnownNames() {
+  std::set<std::string> names;
+  for (const schema::LanguageWord& word : schema::LanguageWords()) names.emplace(word.name);
+  for (const Parameter& parameter : schema::Schema()) {
+    names.insert(parameter.FullName());
+    names.emplace(parameter.name);
+    for (const std::string_view word : parameter.AllWords()) names.emplace(word);
+    for (std::size_t dot = parameter.name.find('.'); dot != parameter.name.npos;
+         dot = parameter.name.find('.', dot + 1))
+      names.emplace(parameter.name.substr(0, dot));
+  }
+  for (const schema::ParametrisedWord& word : schema::ParametrisedWords()) names.emplace(word.name);
+  for (const CatalogueWord& word : CatalogueWords()) names.insert(word.name);
+  for (const Explanation* row : AllExplanations()) names.emplace(row->kind->id);
+  return {names.begin(), names.end()};
+}
+
+}  // namespace cdb::manual

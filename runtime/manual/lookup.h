@@ -1,0 +1,21 @@
+// Every word of the language and of the results, and what the manual says of it.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cdb::manual {
+
+/// Everything called `name`: words of the language, parameters (also by the last part of a name, or
+/// by the block that they are in), words with arguments, words that parameters take, verdicts,
+/// series and diagnostics. Empty if there is nothing.
+std::string TextAbout(std::string_view name);
+
+/// What a word is, in one line: `detector: Bullet's two dynamic trees`. Empty if it is none.
+std::string LineAbout(std::string_view name);
+
+/// All names that TextAbout knows, each once.
+std::vector<std::string> KnownNames();
+
+}  // namespace cdb::manual

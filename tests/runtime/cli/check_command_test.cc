@@ -1,0 +1,105 @@
+// `cdb check --json`, `cdb explain`, and standard input.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+using Json = nlohmann::json;
+
+std::vector<Json> Lines(const std::string& text) {
+  std::vector<Json> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(Json::parse(line));
+  return lines;
+}
+
+TEST(Check, JsonHasTheFieldsOfRustc) {
+  const Program program;
+  program.Write("a.cdb",
+                "\xEF\xBB\xBF# caf\xC3\xA9 \xF0\x9F\x98\x80\nbenchmark b {\n  cycles 5\n"
+                "  objects.type cuboyd\n  cycles 6\n}\n");
+  const Finished check = program.Run({"check", "--json", "a.cdb"});
+  EXPECT_EQ(check.status, 1);
+  EXPECT_EQ(check.err, "");
+  const std::vector<Json> lines = Lines(check.out);
+  ASSERT_EQ(lines.size(), 2u) << check.out;
+  const Json& first = lines[0];
+  for (const char* field :
+       {"$message_type", "message", "code", "level", "spans", "children", "rendered"})
+    EXPECT_TRUE(first.contains(field)) << field;
+  EXPECT_EQ(first["message"], "'type' cannot be 'cuboyd'");
+  EXPECT_EQ(first["code"]["code"], "E0201");
+  EXPECT_TRUE(first["code"]["explanation"].is_string());
+  EXPECT_EQ(first["level"], "error");
+  ASSERT_EQ(first["spans"].size(), 1u);
+  const Json& span = first["spans"][0];
+  EXPECT_EQ(span["file_name"], "a.cdb");
+  const std::string file = program.Read("a.cdb");
+  const std::size_t begin = span["byte_start"], end = span["byte_end"];
+  EXPECT_EQ(file.substr(begin, end - begin), "cuboyd");
+  EXPECT_EQ(span["line_start"], 4);
+  EXPECT_EQ(span["line_end"], 4);
+  EXPECT_EQ(span["column_start"], 16);
+  EXPECT_EQ(span["column_end"], 22);
+  EXPECT_EQ(span["is_primary"], true);
+  EXPECT_EQ(span["text"][0]["text"], "  objects.type cuboyd");
+  EXPECT_EQ(span["text"][0]["highlight_start"], 16);
+  EXPECT_EQ(first["children"][0]["level"], "help");
+  EXPECT_EQ(first["children"][0]["message"], "did you mean 'cuboid'?");
+  EXPECT_EQ(first["rendered"].get<std::string>().find("a.cdb:4:16: error: "), 0u);
+  EXPECT_EQ(lines[1]["code"]["code"], "E0204");
+}
+
+TEST(Check, JsonOfAGoodFileIsEmptyAndHasEveryErrorOfABadOne) {
+  const Program program;
+  program.Write("good.cdb", "benchmark b { }\n");
+  const Finished good = program.Run({"check", "--json", "good.cdb"});
+  EXPECT_EQ(good.status, 0);
+  EXPECT_EQ(good.out + good.err, "");
+  std::string text = "benchmark b {\n";
+  for (int i = 0; i < 50; ++i) text += "  colour red\n";
+  program.Write("bad.cdb", text + "}\n");
+  EXPECT_EQ(Lines(program.Run({"check", "--json", "bad.cdb"}).out).size(), 50u);
+  program.Write("bytes.cdb", "benchmark b \"\xE9\" { colour red }\n");
+  EXPECT_EQ(Lines(program.Run({"check", "--json", "bytes.cdb"}).out).size(), 1u);
+}
+
+TEST(StandardInput, IsReadByCheckFmtAndPlan) {
+  const Program program;
+  program.Write("good.cdb", "benchmark b{cycles   5}\n");
+  program.Write("bad.cdb", "benchmark b { colour red }\n");
+  EXPECT_EQ(program.Shell("$CDB check - < good.cdb").out, "<stdin>: b: 1 run\n");
+  const Finished bad = program.Shell("cat bad.cdb | $CDB check -");
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_EQ(bad.err.find("<stdin>:1:15: error: "), 0u) << bad.err;
+  EXPECT_EQ(program.Shell("$CDB fmt - < good.cdb").out, "benchmark b { cycles 5 }\n");
+  EXPECT_EQ(program.Shell("$CDB fmt --check - < good.cdb").status, 1);
+  EXPECT_EQ(program.Shell("$CDB plan - < good.cdb").out.find("b: 1 run"), 0u);
+  const Finished run = program.Shell("$CDB run - < good.cdb");
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.err.find("standard input"), std::string::npos) << run.err;
+}
+
+TEST(Explain, ShowsBothExamplesAndTheMessage) {
+  const Program program;
+  const Finished one = program.Run({"explain", "E0201"});
+  EXPECT_EQ(one.status, 0);
+  for (const char* part : {"E0201 unknown-name (error)", "WRONG", "RIGHT", "detector spa",
+                           "detector sap", "wrong.cdb:1:24: error: "})
+    EXPECT_NE(one.out.find(part), std::string::npos) << part << one.out;
+  EXPECT_EQ(program.Run({"explain", "unknown-name"}).out, one.out);
+  EXPECT_NE(program.Run({"explain"}).out.find("W0301  tall-stack"), std::string::npos);
+  const Finished unknown = program.Run({"explain", "unknown-nme"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("did you mean 'unknown-name'?"), std::string::npos) << unknown.err;
+}
+
+}  // namespace
+}  // namespace cdb::tests

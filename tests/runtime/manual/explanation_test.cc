@@ -1,0 +1,92 @@
+#include "runtime/manual/explanation.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "compiler/checks/lints.h"
+#include "compiler/compile.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "dsl/diagnostic_kinds.h"
+#include "dsl/render.h"
+#include "library/closed_forms/scene_fault.h"
+
+namespace cdb::tests {
+namespace {
+
+std::vector<const dsl::DiagnosticKind*> AllKinds() {
+  std::vector<const dsl::DiagnosticKind*> kinds(std::begin(dsl::kDiagnosticKinds),
+                                                std::end(dsl::kDiagnosticKinds));
+  kinds.insert(kinds.end(), std::begin(scenario::kDiagnosticKinds),
+               std::end(scenario::kDiagnosticKinds));
+  for (const checks::LintInfo& info : checks::Lints()) kinds.push_back(&info.kind);
+  return kinds;
+}
+
+/// As `cdb check` compiles a file, beside nothing.
+compiler::Compilation CompileExample(std::string_view text) {
+  const auto read = [&](const std::string& path, std::string& why) -> std::optional<std::string> {
+    if (path == "wrong.cdb") return std::string(text);
+    why = "No such file or directory";
+    return std::nullopt;
+  };
+  const auto describe = [](const std::string& path,
+                           std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
+    why = "'" + path + "' is no plug-in";
+    return std::nullopt;
+  };
+  return compiler::Compile("wrong.cdb", read,
+                           {"", std::nullopt, {{}, describe}, {}, closed_forms::FindSceneFault});
+}
+
+TEST(Explanation, EveryKindHasACodeOfItsOwn) {
+  std::set<std::string_view> codes;
+  for (const dsl::DiagnosticKind* kind : AllKinds()) {
+    EXPECT_TRUE(std::regex_match(std::string(kind->code), std::regex("[EW][0-9]{4}")))
+        << kind->code << ' ' << kind->id;
+    EXPECT_FALSE(kind->id.empty()) << kind->code;
+    EXPECT_TRUE(codes.insert(kind->code).second) << kind->code << " is of two kinds";
+  }
+}
+
+TEST(Explanation, EveryKindHasOne) {
+  std::map<const dsl::DiagnosticKind*, int> count;
+  for (const manual::Explanation* row : manual::AllExplanations()) ++count[row->kind];
+  EXPECT_EQ(count.size(), AllKinds().size());
+  for (const dsl::DiagnosticKind* kind : AllKinds())
+    EXPECT_EQ(count[kind], 1) << kind->code << ' ' << kind->id;
+}
+
+TEST(Explanation, TheWrongExampleHasThisKindAndNoOther) {
+  for (const manual::Explanation* row : manual::AllExplanations()) {
+    const compiler::Compilation result = CompileExample(row->wrong);
+    EXPECT_FALSE(result.diagnostics.all().empty()) << row->kind->id << "\n" << row->wrong;
+    for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
+      EXPECT_EQ(diagnostic.kind, row->kind) << row->kind->id << "\n"
+                                            << row->wrong << dsl::Render(result.diagnostics);
+  }
+}
+
+TEST(Explanation, TheRightExampleHasNoDiagnostics) {
+  for (const manual::Explanation* row : manual::AllExplanations()) {
+    const compiler::Compilation result = CompileExample(row->right);
+    EXPECT_TRUE(result.diagnostics.all().empty()) << row->kind->id << "\n"
+                                                  << row->right << dsl::Render(result.diagnostics);
+    EXPECT_FALSE(result.plans.empty()) << row->kind->id;
+  }
+}
+
+TEST(Explanation, IsFoundByCodeOrName) {
+  ASSERT_EQ(manual::FindExplanations("e0201").size(), 1u);
+  EXPECT_EQ(manual::FindExplanations("e0201")[0]->kind, &scenario::kUnknownName);
+  EXPECT_EQ(manual::FindExplanations("tall-stack").size(), 1u);
+  EXPECT_EQ(manual::FindExplanations("bad-range").size(), 2u);
+  EXPECT_TRUE(manual::FindExplanations("E9999").empty());
+}
+
+}  // namespace
+}  // namespace cdb::tests
