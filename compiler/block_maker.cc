@@ -34,12 +34,14 @@ schema::Value ConditionValue(const plan::Axis& axis, std::size_t index, bool is_
 }
 
 /// Block::complete may depend on it: a value that is drawn has a seed of its own.
-bool DecidesSeedsOrPlugins(const schema::Parameter& parameter) {
-  using enum schema::ParameterType;
-  const bool is_plain = parameter.type == kCount || parameter.type == kSwitch ||
-                        parameter.type == kWords || parameter.type == kReal;
-  return parameter.name == "seed" || parameter.distribution || !is_plain ||
-         !parameter.AllCalls().empty();
+bool DecidesSeedsOrPlugins(const schema::Parameter& parameter,
+                           const std::vector<schema::Value>& values) {
+  const auto is_plain = [](const schema::Value& value) {
+    return std::holds_alternative<bool>(value) || std::holds_alternative<schema::Number>(value) ||
+           std::holds_alternative<Eigen::Vector3d>(value) ||
+           std::holds_alternative<schema::Ratio>(value);
+  };
+  return parameter.name == "seed" || !std::ranges::all_of(values, is_plain);
 }
 
 }  // namespace
@@ -78,8 +80,12 @@ grid::Block BlockMaker::MakeConditions() {
     checks::LayTrace(configuration->layers(), *facts, scene);
   };
   Choose(Point(extents_.size(), 0));
-  for (const auto& skip : configuration_->layers().skips)
-    block.skips.push_back(Table(*skip.node->when, skip.scope));
+  for (const auto& skip : configuration_->layers().skips) {
+    PointCondition condition = Table(*skip.node->when, skip.scope);
+    if (skip.node->is_only)
+      condition = {PointCondition::Kind::kNot, {}, {}, {std::move(condition)}};
+    block.skips.push_back(std::move(condition));
+  }
   return block;
 }
 
@@ -106,15 +112,17 @@ grid::AxisSet BlockMaker::AxesIn(const dsl::Expr& expr, const scenario::Scope& s
 PointCondition BlockMaker::Table(const dsl::Condition& condition, const scenario::Scope& scope) {
   using enum dsl::ConditionKind;
   PointCondition table;
-  if (condition.kind != kCompare) {
+  if (condition.kind != kCompare && condition.kind != kIn) {
     table.kind = condition.kind == kNot   ? PointCondition::Kind::kNot
                  : condition.kind == kAnd ? PointCondition::Kind::kAnd
                                           : PointCondition::Kind::kOr;
     for (const auto& item : condition.items) table.items.push_back(Table(*item, scope));
     return table;
   }
-  table.by = grid::Subgrid(
-      grid::Union(AxesIn(*condition.left, scope), AxesIn(*condition.right, scope)), extents_);
+  grid::AxisSet axes = AxesIn(*condition.left, scope);
+  if (condition.right) axes = grid::Union(axes, AxesIn(*condition.right, scope));
+  for (const auto& value : condition.values) axes = grid::Union(axes, AxesIn(*value, scope));
+  table.by = grid::Subgrid(axes, extents_);
   Point local(extents_.size(), 0);
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) SetAxis(axis, 0);
   do {
@@ -148,11 +156,7 @@ void BlockMaker::AddSetting(const evaluate::DependentParameter& parameter, grid:
   for (const std::size_t axis : parameter.axes) axes = grid::Union(axes, {axis_of_sweep_[axis]});
   axes = grid::WithoutConstants(axes, extents_);
   const schema::Parameter& row = *parameter.key.second;
-  grid::VaryingSetting setting{grid::VaryingSetting::kWorld,
-                               &row,
-                               grid::Subgrid(axes, extents_),
-                               {},
-                               DecidesSeedsOrPlugins(row)};
+  grid::VaryingSetting setting{grid::VaryingSetting::kWorld, &row, grid::Subgrid(axes, extents_)};
   for (std::size_t i = 0; i < block.base.groups.size(); ++i)
     if (block.base.groups[i].name == parameter.key.first) setting.group = i;
   const grid::Remaining& remaining = RemainingAlong(axes, block);
@@ -170,6 +174,7 @@ void BlockMaker::AddSetting(const evaluate::DependentParameter& parameter, grid:
     if (value) setting.values[index] = std::move(*value);
   } while (setting.by.Advance(local));
   if (errors > 0) bad.push_back({PointCondition::Kind::kTable, setting.by, std::move(is_bad), {}});
+  setting.completes = DecidesSeedsOrPlugins(row, setting.values);
   if (setting.values.size() > 1) {
     block.varying.push_back(std::move(setting));
   } else {

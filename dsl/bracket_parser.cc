@@ -172,6 +172,29 @@ ExprPtr ValueParser::ParseBracketed() {
   return Finish(std::move(vector), cursor_.SpanOf(open));
 }
 
+/// The values behind `word`, which is `in`.
+bool ValueParser::ParseInList(const Token& word, std::vector<ExprPtr>& values) {
+  if (!cursor_.At(TokenKind::kLeftParen) && !cursor_.At(TokenKind::kLeftBracket)) {
+    cursor_.Report(kMissingValue, cursor_.SpanOf(word), "'in' needs a list in brackets after it",
+                   "for example: detector in (sap, dbvt)");
+    return false;
+  }
+  const DepthScope deeper(cursor_);
+  const Token open = TakeOpen();
+  if (!cursor_.FitsDepth(1, cursor_.SpanOf(open))) return false;
+  bool all_good = true;
+  const bool closed = ParseList(open, [&] {
+    ExprPtr value = ParseSum();
+    all_good &= value != nullptr;
+    if (value) values.push_back(std::move(value));
+    return all_good;
+  });
+  if (closed && all_good && values.empty())
+    cursor_.Report(kMissingValue, cursor_.SpanFrom(open.begin),
+                   "there is no value in these brackets");
+  return closed && all_good && !values.empty();
+}
+
 ExprPtr ValueParser::ParseCall(const Token& name) {
   ExprPtr call = Make(ExprKind::kCall, name.begin);
   call->text = cursor_.Text(name);

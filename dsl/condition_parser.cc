@@ -124,7 +124,7 @@ bool ValueParser::BracketHoldsCondition() const {
         return true;
       case TokenKind::kPath:
         if (cursor_.AtWord("and", ahead) || cursor_.AtWord("or", ahead) ||
-            cursor_.AtWord("not", ahead))
+            cursor_.AtWord("not", ahead) || AtIn(ahead))
           return true;
         break;
       case TokenKind::kNewline:
@@ -170,6 +170,28 @@ void ValueParser::ReportMissingComparison() {
       "for example: quantity > 3000");
 }
 
+/// `x in (a, b)` and `x not in (a, b)`, behind `x`.
+ConditionPtr ValueParser::ParseIn(ConditionPtr condition) {
+  const Token first = cursor_.Peek();
+  const bool is_negated = AtNot();
+  if (is_negated) cursor_.Take();
+  const Token word = cursor_.Take();
+  condition->kind = ConditionKind::kIn;
+  if (!ParseInList(word, condition->values)) return nullptr;
+  condition->span = cursor_.SpanFrom(condition->left->span.begin);
+  condition->height = 1 + condition->left->height;
+  for (const ExprPtr& value : condition->values)
+    condition->height = std::max(condition->height, 1 + value->height);
+  bracketed_ = false;
+  if (!cursor_.FitsDepth(condition->height, cursor_.SpanOf(word))) return nullptr;
+  if (!is_negated) return condition;
+  const Span span = condition->span;
+  ConditionPtr negated =
+      MakeLogic(ConditionKind::kNot, cursor_.SpanOf(first), std::move(condition), nullptr);
+  if (negated) negated->span = span;
+  return negated;
+}
+
 ConditionPtr ValueParser::ParseComparison() {
   if (AtComparisonEnd() && !cursor_.Peek().faulty) {
     ReportMissingComparison();
@@ -178,6 +200,8 @@ ConditionPtr ValueParser::ParseComparison() {
   auto condition = std::make_unique<Condition>();
   condition->left = ParseSum();
   if (!condition->left) return nullptr;
+  if (cursor_.AtWord("in") || (AtNot() && cursor_.AtWord("in", 1)))
+    return ParseIn(std::move(condition));
   if (!AtComparison()) {
     if (!AtComparisonEnd()) {
       cursor_.ReportUnexpected("a comparison such as == or <");

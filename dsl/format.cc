@@ -54,6 +54,7 @@ class RoleFinder {
   void Visit(const Expr& expr) {
     if (expr.kind == ExprKind::kNegate) roles_.signs.insert(FirstInside(expr));
     if (expr.kind == ExprKind::kCall) roles_.calls.insert(FirstInside(expr));
+    if (expr.zip) roles_.calls.insert(expr.zip->span.begin);
     if (expr.bare) {
       roles_.opens.insert(FirstInside(expr) + static_cast<std::uint32_t>(expr.text.size()));
       roles_.closes.insert(expr.arguments[0].value->span.end);
@@ -70,6 +71,7 @@ class RoleFinder {
   void Visit(const Condition& condition) {
     if (condition.left) Visit(*condition.left);
     if (condition.right) Visit(*condition.right);
+    for (const ExprPtr& value : condition.values) Visit(*value);
     for (const ConditionPtr& item : condition.items) Visit(*item);
   }
   void Visit(const Block& block) {

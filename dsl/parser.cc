@@ -66,6 +66,10 @@ void StatementParser::ParseItems(File& file) {
     auto* let = file.items.empty() ? nullptr : std::get_if<Let>(&file.items.back());
     const bool is_this = let != nullptr && token.begin < let->name.span.begin;
     if (is_this && (cursor_.fault_count() > faults || !let->value)) Poison(*let);
+    for (Let& more : std::exchange(more_lets_, {})) {
+      if (cursor_.fault_count() > faults) Poison(more);
+      file.items.emplace_back(std::move(more));
+    }
   }
   file.damage = damage_;
 }
@@ -113,6 +117,11 @@ std::optional<Let> StatementParser::ParseLet() {
     SkipStatement();
     return std::nullopt;
   }
+  std::vector<Name> names = {*name};
+  while (cursor_.At(TokenKind::kComma) && cursor_.Peek(1).kind == TokenKind::kPath) {
+    cursor_.Take();
+    if (std::optional<Name> next = cursor_.ParseName("a let")) names.push_back(std::move(*next));
+  }
   if (cursor_.At(TokenKind::kLeftParen)) {
     cursor_.Report(kNoFunctions, cursor_.SpanOf(cursor_.Peek()),
                    "a let is a value and takes no arguments",
@@ -143,7 +152,50 @@ std::optional<Let> StatementParser::ParseLet() {
                    "to vary it, write sweep(a, b)");
     SkipStatement();
   }
-  return Let{std::move(*name), std::move(value)};
+  if (names.size() == 1) return Let{std::move(*name), std::move(value)};
+  more_lets_ = Unzip(names, std::move(value));
+  // After an error, the names are known and their values are not.
+  if (more_lets_.empty())
+    for (Name& one : names) more_lets_.push_back({std::move(one), nullptr});
+  Let first = std::move(more_lets_.front());
+  more_lets_.erase(more_lets_.begin());
+  return first;
+}
+
+std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {
+  if (!zip) return {};
+  const auto fail = [this](const Span& span, std::string_view message, std::string_view help) {
+    cursor_.Report(kOneValue, span, std::string(message), std::string(help));
+    return std::vector<Let>();
+  };
+  constexpr std::string_view kForm = "write: let a, b = zip(sweep(1, 2), sweep(10, 20))";
+  if (zip->kind != ExprKind::kCall || zip->text != "zip")
+    return fail(zip->span, "several names need a zip( ) of several sweeps", kForm);
+  if (zip->arguments.size() != names.size())
+    return fail(zip->span,
+                Concat({"here are ", std::to_string(names.size()), " names, and zip( ) has ",
+                        std::to_string(zip->arguments.size()), " sweeps"}),
+                "each name is one of the sweeps");
+  auto all = std::make_shared<Zip>();
+  all->span = zip->span;
+  all->names = names;
+  all->axis = zip->axis;
+  for (const Argument& argument : zip->arguments) {
+    const Expr& value = *argument.value;
+    if (argument.name || argument.weight || value.kind != ExprKind::kCall || value.text != "sweep")
+      return fail(value.span, "zip( ) takes sweeps only", kForm);
+    if (value.axis)
+      return fail(value.axis->span, "the sweeps of zip( ) are one axis, which has one name",
+                  Concat({"write it behind zip( ): zip(…) as ", value.axis->text}));
+    all->sweeps.push_back(&value);
+  }
+  std::vector<Let> lets;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    ExprPtr sweep = std::move(zip->arguments[i].value);
+    sweep->zip = all;
+    lets.push_back({std::move(names[i]), std::move(sweep)});
+  }
+  return lets;
 }
 
 Benchmark StatementParser::ParseBenchmark() {

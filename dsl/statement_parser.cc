@@ -24,7 +24,7 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
     keep(ParseLet());
   } else if (cursor_.AtWord("cases")) {
     keep(ParseCases());
-  } else if (cursor_.AtWord("skip")) {
+  } else if (cursor_.AtWord("skip") || cursor_.AtWord("only")) {
     keep(std::optional(ParseSkip()));
   } else if (cursor_.AtWord("benchmark") || cursor_.AtWord("use")) {
     ParseMisplaced();
@@ -64,9 +64,16 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
     SkipStatement();
   }
   EndStatement();
+  std::vector<Let> more = std::exchange(more_lets_, {});
   if (!statement) return;
+  const Span span = statement->span;
   Poison(*statement, faults);
   statements.push_back(std::move(*statement));
+  for (Let& let : more) {
+    Statement next{span, std::move(let)};
+    Poison(next, faults);
+    statements.push_back(std::move(next));
+  }
 }
 
 void StatementParser::Poison(Let& let) {
@@ -372,24 +379,28 @@ std::optional<Case> StatementParser::ParseCase() {
 }
 
 Skip StatementParser::ParseSkip() {
+  Skip skip;
+  skip.is_only = cursor_.AtWord("only");
   const Token word = cursor_.Take();
+  const std::string name = skip.is_only ? "only" : "skip";
   if (cursor_.AtWord("when")) {
     cursor_.Take();
   } else if (cursor_.AtStatementEnd()) {
-    cursor_.Report(kMissingWhen, cursor_.SpanOf(word),
-                   "'skip' does not say which points to leave out",
-                   "for example: skip when quantity > 3000");
-    return Skip{};
+    cursor_.Report(
+        kMissingWhen, cursor_.SpanOf(word),
+        Concat({"'", name, "' does not say which points to ", skip.is_only ? "run" : "leave out"}),
+        Concat({"for example: ", name, " when quantity > 3000"}));
+    return skip;
   } else {
     const Token next = cursor_.Peek();
     const bool instead =
         cursor_.AtWord("if") || cursor_.AtWord("where") || cursor_.AtWord("unless");
     if (!next.faulty)
       cursor_.Report(kMissingWhen, cursor_.SpanOf(instead ? next : word),
-                     "'skip' is followed by 'when'", "write: skip when …");
+                     Concat({"'", name, "' is followed by 'when'"}),
+                     Concat({"write: ", name, " when …"}));
     if (instead) cursor_.Take();
   }
-  Skip skip;
   skip.when = values_.ParseCondition();
   if (!skip.when) SkipStatement();
   return skip;

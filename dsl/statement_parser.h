@@ -25,7 +25,10 @@ class StatementParser {
 
  private:
   Use ParseUse();
+  /// Of `let a, b = zip(…)` the first; the others are then in `more_lets_`.
   std::optional<Let> ParseLet();
+  /// The lets of `zip`, which has been read; empty, with a report, where they do not fit.
+  std::vector<Let> Unzip(std::vector<Name> names, ExprPtr zip);
   Benchmark ParseBenchmark();
   void ParseStatement(std::vector<Statement>& statements);
   std::optional<Cases> ParseCases();
@@ -80,6 +83,7 @@ class StatementParser {
   // The brace of a block that was closed by a '}' further left than it should be: where a '}' is
   // missing at the end, it is this block's, whatever the count says.
   std::optional<Span> suspect_;
+  std::vector<Let> more_lets_;     // of the present statement
   Damage damage_ = Damage::kNone;  // of the present benchmark, or of the file outside of them
   bool unclosed_reported_ = false;
   bool statement_begins_ = false;  // where a statement's end is missing and was reported

@@ -44,6 +44,15 @@ enum class ExprKind {
 /// How a range walks: `a .. b`, `step d`, `count n`, `count n log`.
 enum class RangeKind { kByOne, kStep, kCount, kCountLog };
 
+/// `let a, b = zip(sweep(…), sweep(…)) as name`: sweeps that move together. Each is the value of a
+/// let of its own.
+struct Zip {
+  Span span;  ///< of the call
+  std::vector<Name> names;
+  std::vector<const Expr*> sweeps;  ///< as many as names
+  std::optional<Name> axis;         ///< `as name`
+};
+
 struct Expr {
   ExprKind kind = ExprKind::kNumber;
   int height = 1;  ///< nodes on the longest way down; with what it stands in at most `kMaxDepth`
@@ -54,14 +63,15 @@ struct Expr {
   Span text_span;  ///< of the unit of a kQuantity
   std::vector<ExprPtr> items;
   std::vector<Argument> arguments;
-  std::optional<Name> axis;  ///< `as name` after a call
-  bool bare = false;         ///< a call without brackets: `ring radius: 20`
+  std::optional<Name> axis;        ///< `as name` after a call
+  bool bare = false;               ///< a call without brackets: `ring radius: 20`
+  std::shared_ptr<const Zip> zip;  ///< that this sweep is a part of; null where of none
 };
 
 struct Condition;
 using ConditionPtr = std::unique_ptr<Condition>;
 /// `and` binds closer than `or`; `not` negates all that follows it in its brackets.
-enum class ConditionKind { kCompare, kAnd, kOr, kNot };
+enum class ConditionKind { kCompare, kIn, kAnd, kOr, kNot };
 
 struct Condition {
   ConditionKind kind = ConditionKind::kCompare;
@@ -70,6 +80,7 @@ struct Condition {
   std::string op;  ///< kCompare: == != < <= > >=
   ExprPtr left, right;
   std::vector<ConditionPtr> items;  ///< kAnd, kOr: two; kNot: one
+  std::vector<ExprPtr> values;      ///< kIn: one or more, of which `left` is one
 };
 
 struct Statement;
@@ -93,7 +104,8 @@ struct Cases {
   std::vector<Case> cases;
 };
 struct Skip {
-  ConditionPtr when;  ///< null if it could not be read, which is reported
+  ConditionPtr when;     ///< null if it could not be read, which is reported
+  bool is_only = false;  ///< `only when`: what it does not name is left out
 };
 struct Group {
   Name kind;                  ///< `objects`

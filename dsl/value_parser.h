@@ -58,6 +58,12 @@ class ValueParser {
   ConditionPtr ParseNot();
   ConditionPtr ParseBracketedCondition();
   ConditionPtr ParseComparison();
+  ConditionPtr ParseIn(ConditionPtr condition);
+  bool ParseInList(const Token& word, std::vector<ExprPtr>& values);
+  /// At `in (`.
+  bool AtIn(std::size_t ahead) const {
+    return cursor_.AtWord("in", ahead) && cursor_.Peek(ahead + 1).kind == TokenKind::kLeftParen;
+  }
   bool AtComparison() const;
   /// Where a comparison, or a side of it, cannot go on.
   bool AtComparisonEnd() const;

@@ -38,6 +38,7 @@ class NameCollector {
   void Add(const dsl::Condition& condition) {
     if (condition.left) Add(*condition.left);
     if (condition.right) Add(*condition.right);
+    for (const auto& value : condition.values) Add(*value);
     for (const auto& item : condition.items) Add(*item);
   }
   void Add(const dsl::Block& block) {

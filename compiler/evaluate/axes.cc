@@ -135,6 +135,7 @@ class AxisFinder {
   }
 
   void Add(const Expr& call, const scenario::Scope& scope, Statement& statement, const Part& part) {
+    if (call.zip) return AddZip(*call.zip, scope, statement);
     if (!seen_.insert(&call).second) return;
     SweepAxis axis = Describe(call, statement, part);
     const Sweep* sweep = evaluator_.sweeps().Find(call, scope);
@@ -144,6 +145,55 @@ class AxisFinder {
     axis.values = Coordinates(*values);
     CheckDistinct(axis, *sweep, *values);
     axes_.push_back(std::move(axis));
+  }
+
+  /// One axis, with the values of the first sweep; where these are not distinct, with labels of
+  /// all.
+  void AddZip(const dsl::Zip& zip, const scenario::Scope& scope, Statement& statement) {
+    const Expr& first = *zip.sweeps[0];
+    if (!seen_.insert(&first).second) return;
+    std::vector<std::vector<Value>> columns;
+    std::vector<std::string> lengths;
+    bool is_even = true;
+    for (const Expr* sweep : zip.sweeps) {
+      const Sweep* found = evaluator_.sweeps().Find(*sweep, scope);
+      if (found == nullptr) return;
+      lengths.push_back(fmt::format("{}", found->items.size()));
+      is_even =
+          is_even && found->items.size() == evaluator_.sweeps().Find(first, scope)->items.size();
+    }
+    if (!is_even) {
+      evaluator_.Error(
+          scenario::kBadArguments, zip.span,
+          fmt::format("the sweeps of zip( ) have {} values", fmt::join(lengths, " and ")),
+          "sweeps that move together have the same number of values");
+      return;
+    }
+    for (const Expr* sweep : zip.sweeps) {
+      const auto values =
+          Evaluate(*sweep, *evaluator_.sweeps().Find(*sweep, scope), scope, {sweep});
+      if (!values) return;
+      columns.push_back(*values);
+    }
+    SweepAxis axis = Describe(first, statement, {&first});
+    axis.name = zip.axis ? zip.axis->text : zip.names[0].text;
+    axis.span = zip.axis ? zip.axis->span : zip.span;
+    axis.values = Coordinates(columns[0]);
+    const std::unordered_set<plan::Coordinate> distinct(axis.values.begin(), axis.values.end());
+    if (distinct.size() < axis.values.size()) axis.values = JoinedLabels(columns);
+    CheckDistinct(axis, *evaluator_.sweeps().Find(first, scope), columns[0]);
+    axes_.push_back(std::move(axis));
+  }
+
+  static std::vector<plan::Coordinate> JoinedLabels(
+      const std::vector<std::vector<Value>>& columns) {
+    std::vector<plan::Coordinate> labels;
+    for (std::size_t i = 0; i < columns[0].size(); ++i) {
+      std::vector<std::string> parts;
+      for (const std::vector<Value>& column : columns) parts.push_back(LabelOf(column[i]));
+      labels.emplace_back(fmt::format("{}", fmt::join(parts, ", ")));
+    }
+    return labels;
   }
 
   /// An axis without its values.

@@ -112,8 +112,9 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
   if (std::ranges::find(names, schema::WordFor(expr.text)) != names.end())
     near = schema::WordFor(expr.text);
   if (expr.text == "zip")
-    return evaluator.Error(scenario::kUnknownName, expr.span, "no function is called 'zip'",
-                           "cases { } are an axis along which several settings change together");
+    return evaluator.Error(scenario::kMisplacedSweep, expr.span,
+                           "zip( ) gives several values, and stands in a let only",
+                           "write: let a, b = zip(sweep(1, 2), sweep(10, 20)), and use a and b");
   return evaluator.Error(scenario::kUnknownName, expr.span,
                          fmt::format("no function is called '{}'", expr.text),
                          near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))

@@ -52,10 +52,16 @@ bool Conditions::Hold(const dsl::Condition& condition, const scenario::Scope& sc
       const bool right = Hold(*condition.items[1], scope);
       return condition.kind == kAnd ? left && right : left || right;
     }
+    case kIn: {
+      bool is_one = false;
+      for (const auto& value : condition.values)
+        is_one = Compare(*condition.left, "==", *value, condition.span, scope) || is_one;
+      return is_one;
+    }
     case kCompare:
       break;
   }
-  return Compare(condition, scope);
+  return Compare(*condition.left, condition.op, *condition.right, condition.span, scope);
 }
 
 /// A call in a condition has no one value: true, with a report.
@@ -76,22 +82,21 @@ bool Conditions::RefuseCall(const Expr& expr) {
                              [this](const auto& item) { return RefuseCall(*item.value); });
 }
 
-bool Conditions::Compare(const dsl::Condition& condition, const scenario::Scope& scope) {
-  if (RefuseCall(*condition.left) || RefuseCall(*condition.right)) return false;
+bool Conditions::Compare(const Expr& left_expr, const std::string& op, const Expr& right_expr,
+                         const dsl::Span& span, const scenario::Scope& scope) {
+  if (RefuseCall(left_expr) || RefuseCall(right_expr)) return false;
   for (const bool swap : {false, true}) {
-    const Expr& word = swap ? *condition.left : *condition.right;
-    const Expr& other = swap ? *condition.right : *condition.left;
+    const Expr& word = swap ? left_expr : right_expr;
+    const Expr& other = swap ? right_expr : left_expr;
     if (IsLiteralWord(word, scope) && !CheckWord(word, other, scope)) return false;
   }
-  const auto left = Comparand(*condition.left, *condition.right, scope);
-  const auto right = Comparand(*condition.right, *condition.left, scope);
+  const auto left = Comparand(left_expr, right_expr, scope);
+  const auto right = Comparand(right_expr, left_expr, scope);
   if (!left || !right) return false;
-  const std::string& op = condition.op;
   if (AsNumber(*left) && AsNumber(*right))
     return CompareNumbers(op, *AsNumber(*left), *AsNumber(*right));
   if (op != "==" && op != "!=") {
-    evaluator_.Error(scenario::kBadComparison, condition.span,
-                     fmt::format("'{}' compares numbers only", op),
+    evaluator_.Error(scenario::kBadComparison, span, fmt::format("'{}' compares numbers only", op),
                      "words are compared with == and !=");
     return false;
   }

@@ -25,7 +25,9 @@ class Conditions {
   bool Hold(const dsl::Condition& condition, const scenario::Scope& scope);
 
  private:
-  bool Compare(const dsl::Condition& condition, const scenario::Scope& scope);
+  /// A comparison by `op`, which stands at `span`.
+  bool Compare(const dsl::Expr& left, const std::string& op, const dsl::Expr& right,
+               const dsl::Span& span, const scenario::Scope& scope);
   /// One side of a comparison, `other` being its other side.
   std::optional<schema::Value> Comparand(const dsl::Expr& expr, const dsl::Expr& other,
                                          const scenario::Scope& scope);

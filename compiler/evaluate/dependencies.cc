@@ -16,7 +16,8 @@ class Collector {
       : layers_(layers), evaluator_(evaluator) {}
 
   void Add(const Expr& expr, const scenario::Scope& scope) {
-    if (expr.kind == ExprKind::kCall && expr.text == "sweep") found_.insert(&expr);
+    if (expr.kind == ExprKind::kCall && expr.text == "sweep")
+      found_.insert(expr.zip ? expr.zip->sweeps[0] : &expr);
     for (const auto& item : expr.items) Add(*item, scope);
     for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
       const dsl::Argument& argument = expr.arguments[i];

@@ -11,7 +11,8 @@
 
 namespace cdb::evaluate {
 
-/// All calls of `sweep` that the value of `expr` depends on, through lets and parameters too.
+/// All calls of `sweep` that the value of `expr` depends on, through lets and parameters too; of a
+/// zip, the first.
 std::set<const dsl::Expr*> SweepsIn(const dsl::Expr& expr, const scenario::Scope& scope,
                                     const scenario::Layers& layers, const Evaluator& evaluator);
 

@@ -100,7 +100,11 @@ std::nullopt_t Evaluator::Error(const dsl::DiagnosticKind& kind, const dsl::Span
 }
 
 void Evaluator::Choose(const Expr& call, std::size_t index) {
-  if (sweeps_.Choose(call, index)) let_values_.clear();
+  bool is_changed = sweeps_.Choose(call, index);
+  if (call.zip)
+    for (const Expr* sweep : call.zip->sweeps)
+      is_changed = sweeps_.Choose(*sweep, index) || is_changed;
+  if (is_changed) let_values_.clear();
 }
 
 std::optional<Value> Evaluator::Evaluate(const Expr& expr, const scenario::Scope& scope) {

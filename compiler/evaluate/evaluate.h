@@ -31,7 +31,7 @@ class Evaluator {
   std::optional<schema::Value> ConvertFor(const schema::Parameter& parameter,
                                           const schema::Value& value, const dsl::Expr& expr,
                                           const scenario::Scope& scope);
-  /// Chooses the `index`th value of the sweep `call`.
+  /// Chooses the `index`th value of the sweep `call`, and of those that are zipped with it.
   void Choose(const dsl::Expr& call, std::size_t index);
 
   std::nullopt_t Error(const dsl::DiagnosticKind& kind, const dsl::Span& span, std::string message,

@@ -91,4 +91,17 @@ std::optional<Numbers> ExpandRange(const dsl::Expr& range, const scenario::Scope
   return BySteps(range, bounds[0], bounds[1], step, evaluator);
 }
 
+void RoundBetweenEnds(std::vector<Number>& numbers) {
+  Numbers rounded;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const bool is_end = i == 0 || i + 1 == numbers.size();
+    // What is larger is refused as a count.
+    const double real = std::round(numbers[i].AsReal());
+    const bool fits = std::abs(real) < 0x1p63;
+    const Number number = is_end || !fits ? numbers[i] : Number::Whole(static_cast<Integer>(real));
+    if (rounded.empty() || Compare(rounded.back(), number) != 0) rounded.push_back(number);
+  }
+  numbers = std::move(rounded);
+}
+
 }  // namespace cdb::evaluate

@@ -20,4 +20,8 @@ std::optional<std::vector<schema::Number>> ExpandRange(const dsl::Expr& range,
                                                        const scenario::Scope& scope,
                                                        Evaluator& evaluator);
 
+/// Makes the numbers of a logarithmic range whole, of which the ends are as written, and keeps one
+/// of those that are the same then: a count has no 34.66.
+void RoundBetweenEnds(std::vector<schema::Number>& numbers);
+
 }  // namespace cdb::evaluate

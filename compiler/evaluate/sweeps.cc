@@ -104,8 +104,11 @@ bool Sweeps::AddItems(const Expr& expr, const scenario::Scope& scope,
     }
   }
   if (range != nullptr) {
-    const auto numbers = ExpandRange(*range, inner, evaluator_);
+    auto numbers = ExpandRange(*range, inner, evaluator_);
     if (!numbers) return false;
+    const bool is_count =
+        scope.parameter != nullptr && scope.parameter->type == schema::ParameterType::kCount;
+    if (is_count && range->range == dsl::RangeKind::kCountLog) RoundBetweenEnds(*numbers);
     for (const Number& number : *numbers) items.push_back({nullptr, number});
     return true;
   }

@@ -33,8 +33,8 @@ struct VaryingSetting {
   std::size_t group = kWorld;  ///< index into Scene::groups
   const schema::Parameter* parameter = nullptr;
   Subgrid by;
-  std::vector<schema::Value> values;  ///< for each combination that has a run
-  bool completes = false;             ///< Block::complete reads it
+  std::vector<schema::Value> values = {};  ///< for each combination that has a run
+  bool completes = false;                  ///< Block::complete reads it
 };
 
 /// The part of the grid that has one choice of cases. A point of it has a local index on each axis

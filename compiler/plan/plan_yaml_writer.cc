@@ -110,6 +110,17 @@ void AppendIndented(std::string_view text, std::string_view indent, std::string&
   }
 }
 
+std::string SettingYaml(const std::string& name, const schema::Value& value) {
+  // As the emitter writes it, which takes its time over numbers.
+  if (const schema::Number* number = schema::AsNumber(value))
+    return fmt::format("{}: {}\n", name, number->Text());
+  YAML::Emitter out;
+  out << YAML::BeginMap << YAML::Key << name << YAML::Value;
+  WriteValue{out}.Write(value);
+  out << YAML::EndMap;
+  return std::string(out.c_str()) + "\n";
+}
+
 std::string Indices(const std::vector<std::size_t>& at) {
   return fmt::format("[{}]", fmt::join(at, ", "));
 }
@@ -119,19 +130,16 @@ constexpr std::size_t kPiece = 1 << 16;
 
 }  // namespace
 
-bool RunText::Update(const Settings& settings, Lines& lines) {
+bool RunText::Update(const Settings& settings, std::string_view indent, Lines& lines) const {
   bool is_changed = false;
   std::size_t i = 0;
   for (const auto& [name, value] : settings) {
     if (i == lines.size()) lines.emplace_back();
     Line& line = lines[i++];
     if (line.name == name && line.value == value && !line.yaml.empty()) continue;
-    YAML::Emitter out;
-    out << YAML::BeginMap << YAML::Key << name << YAML::Value;
-    WriteValue{out}.Write(value);
-    out << YAML::EndMap;
-    line = {name, value, fmt::format("{} {}\n", name, schema::ToText(value)),
-            std::string(out.c_str()) + "\n"};
+    const std::string yaml = SettingYaml(name, value);
+    line = {name, value, fmt::format("{} {}\n", name, schema::ToText(value)), {}};
+    AppendIndented(yaml, indent_ + std::string(indent), line.yaml);
     is_changed = true;
   }
   is_changed = is_changed || lines.size() != i;
@@ -141,18 +149,18 @@ bool RunText::Update(const Settings& settings, Lines& lines) {
 
 void RunText::Set(const Scene& scene) {
   bool is_changed = !std::exchange(is_begun_, true);
-  is_changed = Update(scene.world, world_) || is_changed;
+  is_changed = Update(scene.world, "  ", world_) || is_changed;
   is_changed = is_changed || groups_.size() != scene.groups.size();
   groups_.resize(scene.groups.size());
   for (std::size_t i = 0; i < groups_.size(); ++i) {
-    is_changed = Update(scene.groups[i].settings, groups_[i].lines) || is_changed;
+    is_changed = Update(scene.groups[i].settings, "    ", groups_[i].lines) || is_changed;
     if (groups_[i].name == scene.groups[i].name) continue;
     is_changed = true;
     YAML::Emitter out;
     out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << scene.groups[i].name
         << YAML::EndMap;
     groups_[i].name = scene.groups[i].name;
-    groups_[i].yaml = out.c_str();
+    groups_[i].yaml = indent_ + "  - " + out.c_str() + "\n";
   }
   if (!is_changed && role_ == scene.role && seeds_ == scene.seeds && plugins_ == scene.plugins)
     return;
@@ -165,40 +173,42 @@ void RunText::Set(const Scene& scene) {
 void RunText::Join(const Scene& scene) {
   canonical_.clear();
   yaml_.clear();
-  if (role_ != Role::kMeasured) yaml_ += fmt::format("role: {}\n", RoleName(role_));
-  yaml_ += "world:\n";
+  const auto add = [this](std::string_view line) { AppendIndented(line, indent_, yaml_); };
+  if (role_ != Role::kMeasured) add(fmt::format("role: {}\n", RoleName(role_)));
+  add("world:\n");
   for (const Line& line : world_) {
     canonical_ += line.canonical;
-    AppendIndented(line.yaml, "  ", yaml_);
+    yaml_ += line.yaml;
   }
   if (role_ != Role::kMeasured) canonical_ += fmt::format("role {}\n", RoleName(role_));
-  yaml_ += "groups:\n";
+  add("groups:\n");
   for (const GroupLines& group : groups_) {
     canonical_ += "group " + group.name + "\n";
-    yaml_ += "  - " + group.yaml + "\n";
+    yaml_ += group.yaml;
     for (const Line& line : group.lines) {
       canonical_ += line.canonical;
-      AppendIndented(line.yaml, "    ", yaml_);
+      yaml_ += line.yaml;
     }
   }
-  yaml_ += seeds_.empty() ? "seeds:\n  {}\n" : "seeds:\n";
-  for (const auto& [stream, seed] : seeds_) yaml_ += fmt::format("  {}: {:#018x}\n", stream, seed);
+  add(seeds_.empty() ? "seeds:\n  {}\n" : "seeds:\n");
+  for (const auto& [stream, seed] : seeds_) add(fmt::format("  {}: {:#018x}\n", stream, seed));
   canonical_ += CanonicalTail(scene);
   if (plugins_.empty()) return;
   YAML::Emitter out;
   out << YAML::BeginMap;
   WritePlugins(out, plugins_);
   out << YAML::EndMap;
-  yaml_ += std::string(out.c_str()) + "\n";
+  add(std::string(out.c_str()) + "\n");
 }
 
 std::string RunText::Id(std::uint64_t rep) const { return RunIdOf(rep, canonical_); }
 
-void RunText::AppendYaml(const std::vector<std::size_t>& at, std::uint64_t rep,
-                         std::string_view indent, std::string& out) const {
-  out +=
-      fmt::format("id: \"{}\"\n{}at: {}\n{}rep: {}\n", Id(rep), indent, Indices(at), indent, rep);
-  AppendIndented(yaml_, indent, out);
+std::string RunText::AppendYaml(const std::vector<std::size_t>& at, std::uint64_t rep,
+                                std::string& out) const {
+  std::string id = Id(rep);
+  out += fmt::format("id: \"{}\"\n{}at: {}\n{}rep: {}\n", id, indent_, Indices(at), indent_, rep);
+  out += yaml_;
+  return id;
 }
 
 PlanWriter::PlanWriter(const Plan& head, std::function<void(std::string_view)> write)
@@ -238,10 +248,7 @@ std::string PlanWriter::AddRun(const std::vector<std::size_t>& at, std::uint64_t
   BeginRuns();
   text_.Set(scene);
   buffer_ += "  - ";
-  const std::size_t begin = buffer_.size();
-  text_.AppendYaml(at, rep, "    ", buffer_);
-  constexpr std::size_t kBeforeId = 5, kIdDigits = 16;  // `id: "`
-  std::string id = buffer_.substr(begin + kBeforeId, kIdDigits);
+  std::string id = text_.AppendYaml(at, rep, buffer_);
   Flush(kPiece);
   return id;
 }
@@ -256,10 +263,10 @@ void PlanWriter::Finish() {
 }
 
 std::string RunToYaml(const Run& run) {
-  RunText text;
+  RunText text("");
   text.Set(run.scene);
   std::string out;
-  text.AppendYaml(run.at, run.rep, "", out);
+  text.AppendYaml(run.at, run.rep, out);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "compiler/plan/plan.h"
@@ -15,13 +16,16 @@ namespace cdb::plan {
 /// The texts of one run after the other. Not for several threads.
 class RunText {
  public:
+  /// `indent`: before each line of an entry but the first.
+  explicit RunText(std::string indent) : indent_(std::move(indent)) {}
+
   /// What follows is of this scene.
   void Set(const Scene& scene);
   /// As RunId gives it.
   std::string Id(std::uint64_t rep) const;
-  /// Appends the entry of the plan's `runs`, each line indented by `indent`.
-  void AppendYaml(const std::vector<std::size_t>& at, std::uint64_t rep, std::string_view indent,
-                  std::string& out) const;
+  /// Appends the entry of the plan's `runs`; returns the id.
+  std::string AppendYaml(const std::vector<std::size_t>& at, std::uint64_t rep,
+                         std::string& out) const;
 
  private:
   /// A setting as it was written last.
@@ -36,9 +40,11 @@ class RunText {
     Lines lines;
   };
 
-  static bool Update(const Settings& settings, Lines& lines);
+  /// `indent`: within the entry.
+  bool Update(const Settings& settings, std::string_view indent, Lines& lines) const;
   void Join(const Scene& scene);
 
+  std::string indent_;
   Lines world_;
   std::vector<GroupLines> groups_;
   Role role_ = Role::kMeasured;
@@ -46,7 +52,7 @@ class RunText {
   std::vector<schema::PluginDetector> plugins_;
   bool is_begun_ = false;
   std::string canonical_;  ///< of the scene
-  std::string yaml_;       ///< lines behind `rep`, without the indentation of the whole entry
+  std::string yaml_;       ///< lines behind `rep`
 };
 
 /// Writes a plan in the order of its document: the head, skipped points, runs, the scenario's text.
@@ -69,7 +75,7 @@ class PlanWriter {
   const Plan& head_;
   std::function<void(std::string_view)> write_;
   std::string buffer_;
-  RunText text_;
+  RunText text_{"    "};
   bool has_skipped_ = false, has_runs_ = false;
 };
 

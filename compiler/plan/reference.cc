@@ -44,7 +44,8 @@ std::string IntervalThatWouldDo(double wanted, double timestep, double other) {
 template <bool kGrouped>
 bool StretchSchedules(SettingsOf<kGrouped>& settings, double from_s, double to_s) {
   for (const schema::Parameter& parameter : schema::Schema()) {
-    if (parameter.grouped != kGrouped || !parameter.TakesCall("every")) continue;
+    if (parameter.grouped != kGrouped || !parameter.TakesCall("every") || !settings.Has(parameter))
+      continue;
     const schema::Call* call = schema::AsCall(settings.ValueOf(parameter));
     if (call == nullptr || call->name != "every") continue;
     const auto& cycles = std::get<schema::Number>(schema::ArgumentOf(*call, "cycles"));

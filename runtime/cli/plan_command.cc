@@ -17,6 +17,8 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/subcommand.h"
+#include "runtime/cli/sweep_estimate.h"
+#include "runtime/process/stop.h"
 #include "runtime/pruning/omissions.h"
 #include "runtime/report/console.h"
 #include "runtime/report/table.h"
@@ -31,6 +33,8 @@ struct PlanArguments {
   std::string out;                   ///< empty: a table on standard output; `-`: YAML there
   bool why = false;                  ///< what each run leaves out, in place of the table
   std::string only;                  ///< the id of the one run that `why` is about, or empty
+  bool estimate = false;             ///< what the sweep will cost, in place of the table
+  std::uint64_t jobs = 1;            ///< runs at a time, of the estimate
   std::vector<std::string> plugins;  ///< shared libraries with detectors
 };
 
@@ -185,7 +189,26 @@ ExitStatus PrintPlanFile(const PlanArguments& arguments) {
   return ExitStatus::kGood;
 }
 
+ExitStatus PrintEstimates(const PlanArguments& arguments) {
+  if (arguments.why || !arguments.out.empty())
+    throw CommandError("--estimate runs a few runs and prints what all cost: without --why and -o");
+  if (IsPlanFile(arguments.file))
+    throw CommandError(
+        fmt::format("--estimate is of a scenario file, and {} is a plan", arguments.file));
+  const auto grids =
+      LoadGrids(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+  process::StopFlag stop;
+  const process::StopOnSignals signals(stop);
+  for (const grid::Grid& grid : grids) {
+    const SweepEstimate estimate = EstimateSweep(grid, stop);
+    if (stop.requested()) return StoppedBy(stop.signal());
+    report::Print(EstimateText(estimate, grid.head.benchmark, arguments.jobs));
+  }
+  return grids.empty() ? ExitStatus::kScenario : ExitStatus::kGood;
+}
+
 ExitStatus PrintPlans(const PlanArguments& arguments) {
+  if (arguments.estimate) return PrintEstimates(arguments);
   if (arguments.why && !arguments.out.empty())
     throw CommandError("--why prints what runs leave out and -o writes a plan: one at a time");
   if (!arguments.why && !arguments.only.empty())
@@ -221,6 +244,9 @@ void AddPlanCommand(CLI::App& app, ExitStatus& status) {
   command.Flag("--why", arguments->why,
                "place the objects of each run, and say what it leaves out and why");
   command.Optional("--only", arguments->only, "with --why: this one run");
+  command.Flag("--estimate", arguments->estimate,
+               "run a few of the runs for a few cycles, and say what all will cost");
+  command.Jobs(arguments->jobs, "with --estimate: runs at a time (default: 1)");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return PrintPlans(*arguments); });
 }

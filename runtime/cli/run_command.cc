@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "compiler/plan/plan_yaml_writer.h"
 #include "compiler/plan/reference.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
@@ -68,26 +69,51 @@ fs::path ResultPath(const RunArguments& arguments, const plan::Plan& plan, std::
   return arguments.out;
 }
 
-/// The run `id` of one of `plans` as a plan of its own, called like the run.
-plan::Plan OnlyRun(const std::vector<plan::Plan>& plans, const std::string& id) {
-  for (const plan::Plan& plan : plans) {
-    const auto found = std::ranges::find(plan.runs, id, &plan::Run::id);
-    if (found == plan.runs.end()) continue;
-    plan::Plan one = plan;
-    one.title = fmt::format("{}: {}", plan.benchmark, plan::Describe(plan, *found));
-    one.repeats = 1;
-    one.skipped.clear();
-    for (std::size_t i = 0; i < one.axes.size(); ++i)
-      one.axes[i].values = {plan.axes[i].values[found->at[i]]};
-    plan::Run run = *found;
-    run.at.assign(one.axes.size(), 0);
-    run.rep = 0;
-    run.id = plan::RunId(run.scene, run.rep);
-    one.runs = {run};
-    plan::AddReferences(one);
-    return one;
+/// A run as a plan of its own, called like the run.
+plan::Plan PlanOfOne(const plan::Plan& head, plan::Run run) {
+  plan::Plan one = head;
+  one.title = fmt::format("{}: {}", head.benchmark, plan::Describe(head, run));
+  one.repeats = 1;
+  one.skipped.clear();
+  for (std::size_t i = 0; i < one.axes.size(); ++i)
+    one.axes[i].values = {head.axes[i].values[run.at[i]]};
+  run.at.assign(one.axes.size(), 0);
+  run.rep = 0;
+  run.id = plan::RunId(run.scene, run.rep);
+  one.runs = {std::move(run)};
+  plan::AddReferences(one);
+  return one;
+}
+
+std::optional<plan::Plan> FindRun(const grid::Grid& grid, const std::string& id) {
+  plan::RunText text("");
+  std::optional<plan::Plan> found;
+  grid::ForEachPoint(grid, [&](const grid::Cursor& cursor, const grid::Point& place) {
+    const plan::Scene scene = cursor.MakeScene();
+    text.Set(scene);
+    for (std::uint64_t rep = 0; rep < grid.head.repeats && !found; ++rep)
+      if (text.Id(rep) == id) found = PlanOfOne(grid.head, {id, place, rep, scene, {}, {}});
+    return !found;
+  });
+  return found;
+}
+
+/// The run `id` by itself. Other runs are not listed.
+std::vector<plan::Plan> OnlyRun(const RunArguments& arguments) {
+  const LintText lints = arguments.quiet ? LintText::kNone : LintText::kOneLine;
+  if (IsPlanFile(arguments.file)) {
+    const auto plans = LoadPlans(arguments.file, arguments.benchmark, lints, arguments.plugins);
+    for (const plan::Plan& plan : plans) {
+      const auto run = std::ranges::find(plan.runs, arguments.only, &plan::Run::id);
+      if (run != plan.runs.end()) return {PlanOfOne(plan, *run)};
+    }
+  } else {
+    const auto grids = LoadGrids(arguments.file, arguments.benchmark, lints, arguments.plugins);
+    if (grids.empty()) return {};
+    for (const grid::Grid& grid : grids)
+      if (auto one = FindRun(grid, arguments.only)) return {std::move(*one)};
   }
-  throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", id));
+  throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", arguments.only));
 }
 
 ExitStatus ShowResult(const fs::path& out, bool quiet) {
@@ -114,10 +140,12 @@ ExitStatus RunPlan(const plan::Plan& plan, const fs::path& out, const PlanRunner
 
 ExitStatus Run(const RunArguments& arguments) {
   const schedule::ShardChoice shard = ParseShard(arguments.shard);
-  auto plans = LoadPlans(arguments.file, arguments.benchmark,
-                         arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
+  const auto plans =
+      !arguments.only.empty()
+          ? OnlyRun(arguments)
+          : LoadPlans(arguments.file, arguments.benchmark,
+                      arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
   if (plans.empty()) return ExitStatus::kScenario;
-  if (!arguments.only.empty()) plans = {OnlyRun(plans, arguments.only)};
   std::vector<fs::path> outs;
   for (const plan::Plan& plan : plans) outs.push_back(ResultPath(arguments, plan, plans.size()));
   if (BuildType() != "Release" && !arguments.quiet)

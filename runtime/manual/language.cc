@@ -51,7 +51,9 @@ STATEMENTS
                               a variable of the results: see `cdb doc results`.
   skip when quantity > 3000 and detector == simple     skips points, which remain as cells of the
                               results. Names are axes, lets and parameters; operators are
-                              and, or, not, ( ), == != < <= > >=
+                              and, or, not, ( ), == != < <= > >=, in and not in:
+                              skip when detector in (simple, sap)
+  only when quantity < 100    skips all other points. Several statements skip what any of them skips.
   omit auto                   omits the parts of the engine that a scene provably does not need;
                               `omit none` times everything; `omit walls, solver` omits these parts.
                               See `cdb doc omit`.
@@ -142,11 +144,15 @@ SWEEPS
                               ratio or a distribution.
   sweep(a .. b)               counts from a to b by one, b included
   a .. b step d               computed as a + i*d, without accumulating rounding errors
-  a .. b count n [log]        n values, both ends included
+  a .. b count n [log]        n values, both ends included. Where a parameter is a count, those of a
+                              logarithmic range are rounded, and equal ones become one.
   let n = sweep(10, 100)      every use of n is the same axis, called n
   sweep(1 .. 5) as z          an axis called z. Without `as`, the axis is named after its parameter:
                               quantity, aspect_z, pebbles_size, links_type. The values of
                               `20 * sweep(1, 2)` are 20 and 40.
+  let n, s = zip(sweep(10, 20), sweep(50, 70))    one axis, along which n and s change together. It is
+                              called n, or as `zip(...) as load` says, and has the values of the
+                              first sweep; if these are not distinct, labels of all.
   Two sweeps make two axes. The one written first varies slowest; lets of the file precede all
   others. The values of an axis must be distinct; use `repeats` to measure a point several times.
 

@@ -328,6 +328,53 @@ TEST(Skip, LeavesPointsOut) {
   EXPECT_EQ(plan.runs.size(), 3u);
 }
 
+TEST(Skip, OnlyLeavesOutTheOthers) {
+  const std::string grid =
+      "benchmark b { objects.quantity sweep(1, 2, 3); detector sweep(simple, sap, dbvt)\n";
+  EXPECT_EQ(PlanOf(grid + "only when quantity > 1 and detector in (sap, dbvt) }").runs.size(), 4u);
+  EXPECT_EQ(PlanOf(grid + "only when quantity > 1; only when detector == sap }").runs.size(), 2u);
+  EXPECT_EQ(PlanOf(grid + "skip when detector not in (sap) }").skipped,
+            PlanOf(grid + "only when detector == sap }").skipped);
+}
+
+TEST(Zip, MovesSweepsTogether) {
+  const std::string uses =
+      "benchmark b { objects.quantity n; world.side s; detector sweep(sap, dbvt) }";
+  const plan::Plan plan =
+      PlanOf("let n, s = zip(sweep(1, 2, 3), sweep(100 .. 300 step 100))\n" + uses);
+  EXPECT_EQ(Axes(plan), "n: 1 2 3; detector: sap dbvt");
+  ASSERT_EQ(plan.runs.size(), 6u);
+  EXPECT_EQ(plan.runs[5].scene.ObjectCount(), 3u);
+  EXPECT_EQ(plan.runs[5].scene.world.Real("world.side"), 300);
+  EXPECT_EQ(Axes(PlanOf("let n, s = zip(sweep(1, 2), sweep(100, 200)) as load\n" + uses)),
+            "load: 1 2; detector: sap dbvt");
+  // Only the second is used, in a condition too.
+  const plan::Plan second = PlanOf(
+      "let n, s = zip(sweep(1, 2), sweep(100, 200))\n"
+      "benchmark b { world.side s; skip when s == 100 }");
+  EXPECT_EQ(Axes(second), "n: 1 2");
+  ASSERT_EQ(second.runs.size(), 1u);
+  EXPECT_EQ(second.runs[0].scene.world.Real("world.side"), 200);
+  // Where the first repeats a value, the axis says both.
+  EXPECT_EQ(PlanOf("let n, s = zip(sweep(1, 1), sweep(100, 200))\n" + uses).axes[0].values,
+            (std::vector<plan::Coordinate>{"1, 100", "1, 200"}));
+  const compiler::Compilation uneven =
+      CompileText("let n, s = zip(sweep(1, 2, 3), sweep(100, 200))\n" + uses);
+  ASSERT_EQ(uneven.diagnostics.error_count(), 1);
+  EXPECT_EQ(uneven.diagnostics.all()[0].message, "the sweeps of zip( ) have 3 and 2 values");
+}
+
+TEST(Sweep, LogarithmicRangesOfCountsAreWhole) {
+  EXPECT_EQ(Axes(PlanOf("benchmark b { objects.quantity sweep(10 .. 5000 count 6 log) }")),
+            "quantity: 10 35 120 416 1443 5000");
+  // Those that are the same then are one.
+  EXPECT_EQ(Axes(PlanOf("benchmark b { cycles sweep(1 .. 8 count 7 log) }")),
+            "cycles: 1 2 3 4 6 8");
+  EXPECT_EQ(Axes(PlanOf("let r = 1 .. 10 count 3 log\n"
+                        "benchmark b { cycles sweep(r); timestep sweep(r) }")),
+            "cycles: 1 3 10; timestep: 1 3.1622776601683795 10");
+}
+
 TEST(Skip, SavesAPointThatCouldNotBeRun) {
   const plan::Plan plan = PlanOf(
       "benchmark b { objects.quantity sweep(10, 20000); detector sweep(sap, dbvt)\n"

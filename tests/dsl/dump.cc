@@ -76,7 +76,7 @@ class Dumper {
   }
   void Line(const dsl::Skip& skip) {
     Start();
-    out_ += "skip ";
+    out_ += skip.is_only ? "only " : "skip ";
     out_ += skip.when ? Dump(*skip.when) : "(error)";
     out_ += '\n';
   }
@@ -178,6 +178,8 @@ std::string Dump(const dsl::Expr& expr) {
       out += ')';
     }
   }
+  if (expr.zip) out += " zipped";
+  if (expr.zip && expr.zip->axis) out += " as " + expr.zip->axis->text;
   if (expr.axis) {
     out += " as ";
     out += expr.axis->text;
@@ -195,6 +197,10 @@ std::string Dump(const dsl::Condition& condition) {
       out += Dump(*condition.left);
       out += ' ';
       out += Dump(*condition.right);
+      break;
+    case dsl::ConditionKind::kIn:
+      out += "in " + Dump(*condition.left);
+      for (const dsl::ExprPtr& value : condition.values) out += ' ' + Dump(*value);
       break;
     case dsl::ConditionKind::kAnd:
       out += "and";

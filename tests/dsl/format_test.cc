@@ -54,6 +54,20 @@ TEST(Format, SpacesAndColumns) {
 )");
 }
 
+TEST(Format, Zip) {
+  EXPECT_EQ(Formatted("let a ,b=zip( sweep(1,- 2),sweep( 3 .. 4))as c\n"),
+            "let a, b = zip(sweep(1, -2), sweep(3 .. 4)) as c\n");
+}
+
+TEST(Format, Conditions) {
+  EXPECT_EQ(Formatted("benchmark b{only when a in(1,- 2 ,b)\nskip when a not in( c )}"),
+            R"(benchmark b {
+  only when a in (1, -2, b)
+  skip when a not in (c)
+}
+)");
+}
+
 TEST(Format, ArgumentsGetTheirBrackets) {
   EXPECT_EQ(Formatted("let n = pair distance :0.5 # near\n"
                       "let m = any(hull file:\"a.obj\" 2,(ring radius:(n+1)*-2))\n"

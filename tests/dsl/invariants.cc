@@ -47,6 +47,7 @@ class Walker {
     int below = 0;
     if (condition.left) below = Height(*condition.left);
     if (condition.right) below = std::max(below, Height(*condition.right));
+    for (const dsl::ExprPtr& value : condition.values) below = std::max(below, Height(*value));
     for (const dsl::ConditionPtr& item : condition.items) below = std::max(below, Height(*item));
     if (condition.height != below + 1 || condition.height > dsl::kMaxDepth)
       problem_ = "a condition is not as high as it says";

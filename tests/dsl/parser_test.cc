@@ -208,6 +208,40 @@ TEST(Parser, Conditions) {
   EXPECT_EQ(When("not a == 1 and b == 2"), "(not (and (== a 1) (== b 2)))");
 }
 
+TEST(Parser, ListsInConditions) {
+  EXPECT_EQ(When("a in (1, b + 1) and c == 2"), "(and (in a 1 (+ b 1)) (== c 2))");
+  EXPECT_EQ(When("(a in (1) or b == 2) and c not in (x, y)"),
+            "(and (or (in a 1) (== b 2)) (not (in c x y)))");
+  EXPECT_EQ(When("(a + 1) in (2)"), "(in (+ a 1) 2)");
+  EXPECT_EQ(Errors("benchmark b { skip when a in }"), "missing-value");
+  EXPECT_EQ(Errors("benchmark b { skip when a in 1, 2 }"), "missing-value");
+  EXPECT_EQ(Errors("benchmark b { skip when a in () }"), "missing-value");
+  EXPECT_EQ(Errors("benchmark b { skip when a in [1, 2] }"), "square-bracket");
+  EXPECT_EQ(Errors("benchmark b { skip when a in (1 2) }"), "missing-comma");
+}
+
+TEST(Parser, ZipGivesSeveralLets) {
+  EXPECT_EQ(Tree("let a, b = zip(sweep(1, 2), sweep(x)) as c\n"),
+            "let a (call sweep 1 2 zipped as c)\nlet b (call sweep x zipped as c)\n");
+  EXPECT_EQ(Errors("let a, b = zip(sweep(1, 2))"), "one-value");
+  EXPECT_EQ(Errors("let a, b = sweep(1, 2)"), "one-value");
+  EXPECT_EQ(Errors("let a, b = zip(1, 2)"), "one-value");
+  EXPECT_EQ(Errors("let a, b = zip(sweep(1), sweep(2) as c)"), "one-value");
+  EXPECT_EQ(Errors("let a, b = "), "missing-value");
+  // One statement, whether it can be read or not.
+  EXPECT_EQ(
+      Tree("benchmark b { let a, b = zip(sweep(1), sweep(2)); size a }"),
+      "benchmark b\n  let a (call sweep 1 zipped)\n  let b (call sweep 2 zipped)\n  set size a\n");
+}
+
+TEST(Parser, OnlyIsTheOppositeOfSkip) {
+  EXPECT_EQ(Tree("benchmark b { only when a > 1 }"), "benchmark b\n  only (> a 1)\n");
+  EXPECT_EQ(Errors("benchmark b { only if a > 1 }"), "missing-when");
+  EXPECT_EQ(Errors("benchmark b { only }"), "missing-when");
+  // It is a word of statements, and free as a name.
+  EXPECT_EQ(Errors("let only = 1\nbenchmark b { size only }"), "");
+}
+
 TEST(Parser, SpansHoldWhatWasWritten) {
   const Parsed parsed("let v = ( a + f(1) as z ) * 2 # c\n");
   ASSERT_FALSE(parsed.diagnostics.has_errors());

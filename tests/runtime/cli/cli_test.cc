@@ -307,6 +307,35 @@ TEST(Plan, PrintsRunsAndWritesYaml) {
   EXPECT_EQ(program.Run({"plan", "p.yaml", "-o", "-"}).out, program.Read("p.yaml"));
 }
 
+TEST(Plan, EstimatesWhatASweepWillCost) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  const Finished some = program.Run({"plan", "--estimate", "small.cdb"});
+  EXPECT_EQ(some.status, 0) << some.err;
+  EXPECT_NE(some.out.find("small: 4 runs\n"), std::string::npos) << some.out;
+  EXPECT_NE(some.out.find("Sampled: 4 of 4 points"), std::string::npos) << some.out;
+  EXPECT_EQ(program.Run({"plan", "--estimate", "small.cdb", "-o", "p.yaml"}).status, 2);
+  EXPECT_EQ(program.Run({"plan", "small.cdb", "-o", "p.yaml"}).status, 0);
+  EXPECT_EQ(program.Run({"plan", "--estimate", "p.yaml"}).status, 2);
+}
+
+TEST(Run, FindsOneRunOfAMillion) {
+  const Program program;
+  program.Write("many.cdb",
+                "benchmark many { seed sweep(1 .. 100); cycles sweep(1 .. 100); world.side 100\n"
+                "objects { size 1; quantity 1; mass sweep(1 .. 100) } }");
+  const Finished check = program.Run({"check", "many.cdb"});
+  EXPECT_NE(check.out.find("many: 1000000 runs"), std::string::npos) << check.out << check.err;
+  const Finished table = program.Run({"plan", "many.cdb"});
+  EXPECT_NE(table.out.find("and 990000 more"), std::string::npos);
+  const std::size_t row = table.out.find("  ", table.out.find("---\n")) + 2;
+  const std::string id = table.out.substr(row, 16);
+  EXPECT_EQ(program.Run({"run", "many.cdb", "--only", id}).status, 0) << id;
+  EXPECT_TRUE(program.Exists(id + ".h5"));
+  // All of them are too many for a list.
+  EXPECT_EQ(program.Run({"run", "many.cdb"}).status, 1);
+}
+
 TEST(Plan, SaysWhatEachRunLeavesOut) {
   const Program program;
   program.Write("o.cdb",
