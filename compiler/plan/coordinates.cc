@@ -13,7 +13,7 @@ namespace {
 constexpr int kWrittenDigits = 6;
 constexpr int kLeastDigits = 4;
 constexpr int kAllDigits = 17;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoNeighbour = std::numeric_limits<double>::infinity();
 
 int SignificantDigits(std::string_view text) {
   int digits = 0;
@@ -24,7 +24,7 @@ int SignificantDigits(std::string_view text) {
 
 /// The nearest values below and above `value` among those of the axis; infinite if there are none.
 struct Neighbours {
-  double below = -kInfinity, above = kInfinity;
+  double below = -kNoNeighbour, above = kNoNeighbour;
 };
 
 Neighbours NeighboursOf(const Axis& axis, double value) {

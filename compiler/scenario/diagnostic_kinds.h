@@ -21,6 +21,7 @@ inline constexpr dsl::DiagnosticKind kMisplacedRange{"misplaced-range"};
 inline constexpr dsl::DiagnosticKind kAxisTwice{"axis-twice"};
 inline constexpr dsl::DiagnosticKind kCircular{"circular"};
 inline constexpr dsl::DiagnosticKind kNoSuchFile{"no-such-file"};
+inline constexpr dsl::DiagnosticKind kBadTable{"bad-table"};
 inline constexpr dsl::DiagnosticKind kTooManyRuns{"too-many-runs"};
 inline constexpr dsl::DiagnosticKind kNoRuns{"no-runs"};
 inline constexpr dsl::DiagnosticKind kCapacity{"capacity"};
@@ -40,6 +41,6 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
-    &kWrongUnit,      &kEllipsoids};
+    &kWrongUnit,      &kEllipsoids, &kBadTable};
 
 }  // namespace cdb::scenario
