@@ -75,7 +75,7 @@ VALUES
                               with powers and quotients: kg/m^3. The dimension has to be that of the
                               parameter. A number without a unit is in the SI unit of `cdb doc
                               parameters`; the metres of a scene are a convention, as in MJCF and
-                              Scenic, which have no units.
+                              Scenic, whose only unit is the degree.
 
   uniform(a, b)               uniform between a and b. Vectors are drawn component by component.
   normal(m, s)                mean and standard deviation; also normal(m, variance: v) and
