@@ -78,7 +78,8 @@ std::vector<std::string> CoordinateLabels(const Axis& axis) {
       continue;
     }
     Neighbours neighbours;
-    const auto [low, high] = std::ranges::equal_range(sorted, *number);
+    const auto low = std::lower_bound(sorted.begin(), sorted.end(), *number);
+    const auto high = std::upper_bound(low, sorted.end(), *number);
     if (low != sorted.begin()) neighbours.below = *(low - 1);
     if (high != sorted.end()) neighbours.above = *high;
     labels.push_back(Label(*number, neighbours));
