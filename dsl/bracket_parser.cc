@@ -215,7 +215,28 @@ ExprPtr ValueParser::ParseCall(const Token& name) {
       return nullptr;
     }
   }
+  // `in (a, b)` belongs to a condition.
+  const bool has_limits = cursor_.AtWord("in") && cursor_.Peek(1).kind != TokenKind::kLeftParen;
+  if (has_limits && !ParseLimits(*call)) return nullptr;
   return Finish(std::move(call), cursor_.SpanOf(name));
+}
+
+/// `in 2 .. 8` behind a call: false, with a report, if it is incomplete.
+bool ValueParser::ParseLimits(Expr& call) {
+  const Token in = cursor_.Take();
+  ExprPtr least = ParseSum();
+  if (!least) return false;
+  if (!cursor_.At(TokenKind::kDots)) {
+    cursor_.Report(kBadRange, cursor_.SpanFrom(in.begin), "'in' needs two limits",
+                   "for example: normal(5, 1) in 2 .. 8");
+    return false;
+  }
+  cursor_.Take();
+  ExprPtr most = ParseSum();
+  if (!most) return false;
+  call.items.push_back(std::move(least));
+  call.items.push_back(std::move(most));
+  return true;
 }
 
 bool ValueParser::AtLabel(std::size_t ahead) const {

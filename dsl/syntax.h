@@ -28,17 +28,17 @@ struct Argument {
 };
 
 enum class ExprKind {
-  kNumber,  ///< text: the literal as written (`1_000`, `0xAA`, `1e6`), sign not included
-  kText,    ///< text: the contents with escapes resolved
-  kPath,    ///< text: the name or the path, words such as `sphere` and `on` too
-  kVector,  ///< items: x, y, z
-  kRatio,   ///< items: the three parts of `1 : y : z`
-  kCall,    ///< text: the function; arguments; axis from `as`
-  kNegate,  ///< items: the operand
-  kBinary,  ///< op; items: left, right
-  kRange,   ///< items: first, last, and the step or the count where given; range
+  kNumber,    ///< text: the literal as written (`1_000`, `0xAA`, `1e6`), sign not included
+  kText,      ///< text: the contents with escapes resolved
+  kPath,      ///< text: the name or the path, words such as `sphere` and `on` too
+  kVector,    ///< items: x, y, z
+  kRatio,     ///< items: the three parts of `1 : y : z`
+  kCall,      ///< text: the function; arguments; axis from `as`; items: the two limits of `in`
+  kNegate,    ///< items: the operand
+  kBinary,    ///< op; items: left, right
+  kRange,     ///< items: first, last, and the step or the count where given; range
   kQuantity,  ///< items: the value; text: its unit, `m/s^2`; text_span
-  kError,   ///< could not be read, which is reported: a value that nothing is known of
+  kError,     ///< could not be read, which is reported: a value that nothing is known of
 };
 
 /// How a range walks: `a .. b`, `step d`, `count n`, `count n log`.

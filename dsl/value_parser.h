@@ -39,6 +39,7 @@ class ValueParser {
   ExprPtr ParsePrimary();
   ExprPtr ParseBracketed();
   ExprPtr ParseCall(const Token& name);
+  bool ParseLimits(Expr& call);
   bool ParseArgument(Expr& call);
   bool ParseLabelled(Argument& argument);
   /// `ring radius: 20`: a call with one argument, without brackets.

@@ -1,10 +1,10 @@
 #include "compiler/checks/bounds.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
+#include "compiler/schema/cumulative.h"
 #include "compiler/schema/parametrised_words.h"
 
 namespace cdb::checks {
@@ -12,19 +12,26 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDeviations = 3;
 constexpr double kLeastPart = 1e-3;
 
-/// The ends of what uniform, log_uniform or normal draws.
+/// The ends of what a distribution of numbers or vectors usually draws.
 std::pair<Vector3d, Vector3d> EndsOf(const schema::Distribution& distribution) {
-  const auto part = [&](std::size_t index) -> Vector3d {
-    const schema::Value& value = distribution.arguments[index];
-    if (const schema::Number* number = schema::AsNumber(value))
-      return Vector3d::Constant(number->AsReal());
-    return std::get<Vector3d>(value);
+  const auto is_vector = [](const schema::Value& value) {
+    return schema::AsVector(value) != nullptr;
   };
-  if (distribution.kind != schema::DistributionKind::kNormal) return {part(0), part(1)};
-  return {part(0) - kDeviations * part(1), part(0) + kDeviations * part(1)};
+  if (std::ranges::none_of(distribution.arguments, is_vector)) {
+    const schema::Limits range = schema::UsualRange(distribution);
+    return {Vector3d::Constant(range.least), Vector3d::Constant(range.most)};
+  }
+  std::pair<Vector3d, Vector3d> ends;
+  for (int i = 0; i < 3; ++i) {
+    schema::Distribution component = distribution;
+    for (schema::Value& argument : component.arguments) argument = (*schema::AsVector(argument))[i];
+    const schema::Limits range = schema::UsualRange(component);
+    ends.first[i] = range.least;
+    ends.second[i] = range.most;
+  }
+  return ends;
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ struct Bounds {
   double least = 0, most = 0;
 };
 
-/// Of a number: of a normal distribution three standard deviations to each side, of any( ) its
+/// Of a number: of a distribution its usual range (compiler/schema/cumulative.h), of any( ) its
 /// numbers. What can only be more than 0 is at least a thousandth of `most`: few draws are less.
 /// Of same( ) and density( ), of their value. {0, 0} where the value is a word.
 Bounds PositiveBounds(const schema::Value& value);

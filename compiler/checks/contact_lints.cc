@@ -142,14 +142,13 @@ std::optional<Estimate> SoftContact(const SceneFacts& scene, const GroupFacts& o
 std::optional<Estimate> ThinShape(const SceneFacts& scene, const GroupFacts& objects) {
   if (!scene.MayTouch()) return std::nullopt;
   const schema::Value& type = objects.settings->Get("type");
-  const bool is_round = MayBe(type, "sphere") && objects.least_side == objects.longest_side;
+  const bool is_round = MayBe(type, "sphere") && objects.elongation == 1;
   if (is_round) return std::nullopt;
   // Contacts with planes are found without GJK.
   if (scene.count < 2 && !scene.has_box_walls) return std::nullopt;
   // The depth of contacts becomes wrong, and only some runs fail of it.
   const bool open = true;
-  return Estimate{objects.longest_side / objects.least_side, kThinShape, Harmless(kThinShape),
-                  open};
+  return Estimate{objects.elongation, kThinShape, Harmless(kThinShape), open};
 }
 
 }  // namespace cdb::checks

@@ -106,6 +106,10 @@ GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, 
   objects.most_sides = size.most * aspect;
   objects.least_side = objects.least_sides.minCoeff();
   objects.longest_side = objects.most_sides.maxCoeff();
+  // One draw for all sides leaves the aspect as it is.
+  objects.elongation = schema::AsCall(settings.Get("size")) != nullptr
+                           ? aspect.maxCoeff() / aspect.minCoeff()
+                           : objects.longest_side / objects.least_side;
   objects.mass = MassBounds(settings, objects);
   objects.moves = objects.mass.most > 0;
   objects.velocity = LargestComponents(settings.Get("linear_velocity"));

@@ -19,6 +19,7 @@ struct GroupFacts {
   double quantity = 0;
   Eigen::Vector3d least_sides, most_sides;
   double least_side = 0, longest_side = 0;  ///< of any object
+  double elongation = 1;                    ///< of one object: its longest side over its shortest
   bool moves = false;
   Bounds mass;
   Eigen::Vector3d velocity;  ///< largest components

@@ -110,6 +110,11 @@ class AxisFinder {
     // Of a function that there is not, nothing is known.
     if (!schema::FindDistribution(call.text) && schema::FindParametrisedWord(call.text) == nullptr)
       return;
+    for (const auto& limit : call.items) {
+      Part inner = part;
+      inner.slot = limit.get();
+      Walk(*limit, scope, statement, inner);
+    }
     for (std::size_t i = 0; i < call.arguments.size(); ++i) {
       const dsl::Argument& argument = call.arguments[i];
       Part inner = part;

@@ -103,7 +103,8 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
     return evaluator.Error(scenario::kBadArguments, expr.span,
                            fmt::format("'{}' takes no arguments", expr.text),
                            fmt::format("write {} alone", expr.text));
-  std::vector<std::string_view> names = {"sweep", "any", "uniform", "normal", "log_uniform"};
+  std::vector<std::string_view> names = schema::DistributionNames();
+  names.insert(names.begin(), "sweep");
   names.insert(names.end(), FunctionNames().begin(), FunctionNames().end());
   for (const schema::ParametrisedWord& info : schema::ParametrisedWords())
     if (scope.parameter == nullptr || scope.parameter->TakesCall(info.name))
@@ -125,6 +126,10 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
 
 std::optional<Value> EvaluateCall(const Expr& call, const scenario::Scope& scope,
                                   Evaluator& evaluator) {
+  if (!call.items.empty() && !schema::FindDistribution(call.text))
+    return evaluator.Error(scenario::kBadArguments, call.span,
+                           fmt::format("{}( ) has no limits", call.text),
+                           "'in a .. b' limits a distribution");
   if (call.text == "sweep") return evaluator.sweeps().Evaluate(call, scope);
   if (call.axis)
     return evaluator.Error(scenario::kMisplacedSweep, call.axis->span,

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "compiler/evaluate/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/catalogue.h"
+#include "compiler/schema/cumulative.h"
 
 namespace cdb::evaluate {
 namespace {
@@ -120,7 +120,7 @@ class Converter {
           scenario::kWrongKind,
           fmt::format("'{}' is a number and cannot be drawn from vectors", parameter_.name));
     if (are_vectors) return drawn;
-    if (!Reachable(drawn)) return std::nullopt;
+    if (!TableInDomain(drawn) || !Reachable(drawn)) return std::nullopt;
     for (Value& argument : drawn.arguments) argument = AsNumber(argument)->AsReal();
     return drawn;
   }
@@ -233,27 +233,36 @@ class Converter {
     return false;
   }
 
+  /// A measured value outside the domain is a fault of the table.
+  bool TableInDomain(const schema::Distribution& drawn) const {
+    if (drawn.kind != schema::DistributionKind::kEmpirical) return true;
+    return std::ranges::all_of(drawn.arguments, [&](const Value& value) {
+      const schema::Number& number = *AsNumber(value);
+      if (parameter_.domain.Contains(number.AsReal())) return true;
+      Error(scenario::kOutOfDomain,
+            fmt::format("'{}' must be {}; '{}' has {}", parameter_.name, parameter_.domain.Text(),
+                        drawn.file, number.Text()));
+      return false;
+    });
+  }
+
   /// Draws outside the domain are drawn again; that has to end.
   bool Reachable(const schema::Distribution& drawn) const {
-    const double a = AsNumber(drawn.arguments[0])->AsReal();
-    const double b = AsNumber(drawn.arguments[1])->AsReal();
     const schema::Domain& domain = parameter_.domain;
-    double chance = 0;
-    if (a == b || (drawn.kind == schema::DistributionKind::kNormal && b == 0)) {
-      chance = domain.Contains(a) ? 1 : 0;
-    } else if (drawn.kind == schema::DistributionKind::kNormal) {
-      const auto below = [&](double x) { return 0.5 * std::erfc((a - x) / (b * std::sqrt(2.0))); };
-      chance = below(domain.max) - below(domain.min);
-    } else {
-      const bool log = drawn.kind == schema::DistributionKind::kLogUniform;
-      const auto scale = [log](double x) { return log ? std::log(x) : x; };
-      const double low = std::max(a, domain.min), high = std::min(b, domain.max);
-      chance = low < high ? (scale(high) - scale(low)) / (scale(b) - scale(a)) : 0;
+    schema::Limits allowed{domain.min, domain.max};
+    if (drawn.limits) {
+      allowed.least = std::max(allowed.least, drawn.limits->least);
+      allowed.most = std::min(allowed.most, drawn.limits->most);
     }
+    const double chance = schema::ChanceWithin(drawn, allowed.least, allowed.most);
     if (chance >= kLeastChance) return true;
+    const char* how_often = chance > 0 ? "hardly ever" : "never";
+    const std::string text = LabelOf(Value(drawn));
     Error(scenario::kOutOfDomain,
-          fmt::format("'{}' must be {}; {} {} is", parameter_.name, domain.Text(),
-                      ToText(Value(drawn)), chance > 0 ? "hardly ever" : "never"),
+          drawn.limits ? fmt::format("{} {} draws a value within its limits that is {}", text,
+                                     how_often, domain.Text())
+                       : fmt::format("'{}' must be {}; {} {} is", parameter_.name, domain.Text(),
+                                     text, how_often),
           "what is outside is drawn again, so most of it has to lie inside");
     return false;
   }

@@ -232,10 +232,31 @@ Dimensions::Dimension Dimensions::FindCall(const Expr& expr, const scenario::Sco
     return {};
   }
   if (IsFunction(expr.text)) return FindFunction(expr, scope);
+  if (expr.text != "sweep" && !schema::FindDistribution(expr.text)) return {};
+  Parts parts = ItemsOf(expr, scope, expr.items.size());
+  parts.push_back({FindDrawn(expr, scope), expr.span});
+  return Join(parts);
+}
+
+/// Of the draws themselves, without their limits.
+Dimensions::Dimension Dimensions::FindDrawn(const Expr& expr, const scenario::Scope& scope) {
   if (expr.text == "normal") return FindNormal(expr, scope);
-  if (expr.text == "sweep" || schema::FindDistribution(expr.text))
-    return Join(ArgumentsOf(expr, scope));
-  return {};
+  if (expr.text == "empirical") return {};
+  const Parts parts = ArgumentsOf(expr, scope);
+  const bool has_shape = expr.text == "gamma" || expr.text == "weibull";
+  if (expr.text != "lognormal" && !has_shape) return Join(parts);
+  Dimension found = Pure();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto& name = expr.arguments[i].name;
+    const bool is_median = name && name->text == "median";
+    const bool is_scale = has_shape && (name ? name->text == "scale" : i == 1);
+    if (is_median || is_scale) {
+      found = parts[i].dimension;
+    } else {
+      RequirePure(parts[i], has_shape ? "a shape" : "a logarithm");
+    }
+  }
+  return found;
 }
 
 Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario::Scope& scope) {

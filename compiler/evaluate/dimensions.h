@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/evaluate/evaluate.h"
+#include "compiler/schema/parametrised_words.h"
 #include "dsl/units.h"
 
 namespace cdb::evaluate {
@@ -60,6 +61,7 @@ class Dimensions {
   Dimension FindRange(const dsl::Expr& expr, const scenario::Scope& scope);
   Dimension FindCall(const dsl::Expr& expr, const scenario::Scope& scope);
   Dimension FindFunction(const dsl::Expr& expr, const scenario::Scope& scope);
+  Dimension FindDrawn(const dsl::Expr& expr, const scenario::Scope& scope);
   Dimension FindNormal(const dsl::Expr& expr, const scenario::Scope& scope);
   /// The arguments of a word, each checked by itself.
   void CheckWord(const dsl::Expr& call, const schema::ParametrisedWord& info,

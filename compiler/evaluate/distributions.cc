@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/evaluate/empirical.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/evaluate/kind_name.h"
+#include "compiler/evaluate/positive_distributions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -162,6 +164,18 @@ class PairDistribution {
   bool is_variance_ = false;  ///< the second argument is one
 };
 
+/// `in 2 .. 8`; nullopt after a diagnostic.
+std::optional<schema::Limits> LimitsOf(const Expr& call, const scenario::Scope& scope,
+                                       Evaluator& evaluator) {
+  const auto least = evaluator.EvaluateNumber(*call.items[0], scope, "limits");
+  const auto most = evaluator.EvaluateNumber(*call.items[1], scope, "limits");
+  if (!least || !most) return std::nullopt;
+  if (Compare(*least, *most) < 0) return schema::Limits{least->AsReal(), most->AsReal()};
+  return evaluator.Error(scenario::kOutOfDomain, call.items[0]->span,
+                         fmt::format("the lower limit, {}, is not less than the upper, {}",
+                                     least->Text(), most->Text()));
+}
+
 }  // namespace
 
 std::optional<Value> EvaluateAny(const Expr& call, const scenario::Scope& scope,
@@ -174,12 +188,31 @@ std::optional<Value> EvaluateAny(const Expr& call, const scenario::Scope& scope,
   for (const dsl::Argument& argument : call.arguments)
     good = AddChoice(argument, scope, evaluator, drawn) && good;
   if (!good) return std::nullopt;
+  if (!call.items.empty())
+    return evaluator.Error(scenario::kBadArguments, call.items[0]->span,
+                           "any( ) draws from a list and has no limits",
+                           "leave out the values outside of them");
   return drawn;
 }
 
 std::optional<Value> EvaluateDistribution(const Expr& call, DistributionKind kind,
                                           const scenario::Scope& scope, Evaluator& evaluator) {
-  return PairDistribution(call, kind, scope, evaluator).Evaluate();
+  using enum DistributionKind;
+  std::optional<Value> drawn;
+  if (kind == kAny) return EvaluateAny(call, scope, evaluator);
+  if (kind == kEmpirical) {
+    drawn = EvaluateEmpirical(call, evaluator);
+  } else if (kind == kUniform || kind == kNormal || kind == kLogUniform) {
+    drawn = PairDistribution(call, kind, scope, evaluator).Evaluate();
+  } else {
+    drawn = EvaluatePositive(call, kind, scope, evaluator);
+  }
+  if (!drawn || call.items.empty()) return drawn;
+  const auto limits = LimitsOf(call, scope, evaluator);
+  if (!limits) return std::nullopt;
+  schema::Distribution limited = *AsDistribution(*drawn);
+  limited.limits = limits;
+  return limited;
 }
 
 }  // namespace cdb::evaluate

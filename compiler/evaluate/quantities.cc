@@ -90,11 +90,22 @@ std::optional<Value> Scaled(const dsl::Expr& expr, const dsl::Unit& unit, const 
 
 std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const dsl::Unit& unit,
                                         schema::Distribution drawn, Evaluator& evaluator) {
+  using enum schema::DistributionKind;
+  if (drawn.kind == kLognormal) {
+    // Of the logarithm: a factor moves its mean.
+    const double factor = InSi(Number::Whole(1), unit).AsReal();
+    drawn.arguments[0] = AsNumber(drawn.arguments[0])->AsReal() + std::log(factor);
+  }
+  const bool has_shape = drawn.kind == kGamma || drawn.kind == kWeibull;
   for (Value& argument : drawn.arguments) {
+    if (drawn.kind == kLognormal || (has_shape && &argument == &drawn.arguments[0])) continue;
     auto scaled = Scaled(expr, unit, argument, evaluator);
     if (!scaled) return std::nullopt;
     argument = *scaled;
   }
+  if (drawn.limits)
+    drawn.limits = schema::Limits{InSi(drawn.limits->least, unit).AsReal(),
+                                  InSi(drawn.limits->most, unit).AsReal()};
   return drawn;
 }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr int kWrittenDigits = 6;
 constexpr int kLeastDigits = 4;
 constexpr int kAllDigits = 17;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoNeighbour = std::numeric_limits<double>::infinity();
 
 int SignificantDigits(std::string_view text) {
   int digits = 0;
@@ -24,7 +24,7 @@ int SignificantDigits(std::string_view text) {
 
 /// The nearest values below and above `value` among those of the axis; infinite if there are none.
 struct Neighbours {
-  double below = -kInfinity, above = kInfinity;
+  double below = -kNoNeighbour, above = kNoNeighbour;
 };
 
 Neighbours NeighboursOf(const Axis& axis, double value) {
@@ -78,7 +78,8 @@ std::vector<std::string> CoordinateLabels(const Axis& axis) {
       continue;
     }
     Neighbours neighbours;
-    const auto [low, high] = std::ranges::equal_range(sorted, *number);
+    const auto low = std::lower_bound(sorted.begin(), sorted.end(), *number);
+    const auto high = std::upper_bound(low, sorted.end(), *number);
     if (low != sorted.begin()) neighbours.below = *(low - 1);
     if (high != sorted.end()) neighbours.above = *high;
     labels.push_back(Label(*number, neighbours));

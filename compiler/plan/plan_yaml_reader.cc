@@ -84,9 +84,11 @@ class ValueReader : public Nodes {
   schema::Value ReadValue(const YAML::Node& node, const schema::Parameter& parameter,
                           std::span<const schema::PluginDetector> plugins = {}) const {
     if (node.IsMap()) {
-      if (node.size() != 1) Fail(node.Mark(), "one distribution or word should be here");
+      if (node.size() == 0) Fail(node.Mark(), "one distribution or word should be here");
       const schema::ParametrisedWord* info =
           schema::FindParametrisedWord(Text(node.begin()->first));
+      if (info != nullptr && node.size() > 1)
+        Fail(node.Mark(), "one distribution or word should be here");
       if (info != nullptr) return ReadCall(node, *info, parameter);
       return ReadDistribution(node, parameter);
     }
@@ -171,9 +173,25 @@ class ValueReader : public Nodes {
     const auto kind = schema::FindDistribution(name);
     if (!kind) Fail(node.Mark(), fmt::format("this version has no distribution `{}`", name));
     schema::Distribution distribution{*kind, {}, {}};
-    const YAML::Node arguments = node.begin()->second;
+    ReadArguments(node.begin()->second, parameter, distribution);
+    const std::size_t wanted = schema::InfoOf(*kind).arguments;
+    const bool enough =
+        wanted == 0 ? !distribution.arguments.empty() : distribution.arguments.size() == wanted;
+    const bool has_weights = distribution.weights.empty()
+                                 ? *kind != schema::DistributionKind::kAny
+                                 : distribution.weights.size() == distribution.arguments.size();
+    if (!enough || !has_weights)
+      Fail(node.Mark(), fmt::format("`{}` has not the arguments it needs", name));
+    ReadLimits(node, distribution);
+    return distribution;
+  }
+
+  void ReadArguments(const YAML::Node& arguments, const schema::Parameter& parameter,
+                     schema::Distribution& distribution) const {
+    const bool is_any = distribution.kind == schema::DistributionKind::kAny;
+    const bool has_weights = is_any || distribution.kind == schema::DistributionKind::kEmpirical;
     for (const YAML::Node& item : arguments) {
-      if (*kind == schema::DistributionKind::kAny) {
+      if (is_any || (has_weights && item.IsSequence())) {
         if (!item.IsSequence() || item.size() != 2)
           Fail(item.Mark(), "a choice and its weight should be here");
         distribution.arguments.push_back(ReadValue(item[0], parameter));
@@ -188,11 +206,21 @@ class ValueReader : public Nodes {
         distribution.arguments.emplace_back(Real(item));
       }
     }
-    const bool enough = *kind == schema::DistributionKind::kAny
-                            ? !distribution.arguments.empty()
-                            : distribution.arguments.size() == 2;
-    if (!enough) Fail(node.Mark(), fmt::format("`{}` has not the arguments it needs", name));
-    return distribution;
+  }
+
+  void ReadLimits(const YAML::Node& node, schema::Distribution& distribution) const {
+    for (const auto& entry : node) {
+      const std::string& key = Text(entry.first);
+      if (key == "in") {
+        if (!entry.second.IsSequence() || entry.second.size() != 2)
+          Fail(entry.second.Mark(), "two limits should be here");
+        distribution.limits = schema::Limits{Real(entry.second[0]), Real(entry.second[1])};
+      } else if (key == "file") {
+        distribution.file = Text(entry.second);
+      } else if (key != schema::DistributionName(distribution.kind)) {
+        Fail(entry.first.Mark(), fmt::format("a distribution has no `{}`", key));
+      }
+    }
   }
 
   [[noreturn]] void FailWord(const YAML::Node& node, const schema::Parameter& parameter) const {

@@ -52,7 +52,7 @@ struct WriteValue {
     out << YAML::Flow << YAML::BeginMap << YAML::Key
         << std::string(schema::DistributionName(d.kind)) << YAML::Value << YAML::BeginSeq;
     for (std::size_t i = 0; i < d.arguments.size(); ++i) {
-      if (d.kind != schema::DistributionKind::kAny) {
+      if (d.weights.empty()) {
         Write(d.arguments[i]);
         continue;
       }
@@ -60,7 +60,12 @@ struct WriteValue {
       Write(d.arguments[i]);
       out << YamlReal(d.weights[i]) << YAML::EndSeq;
     }
-    out << YAML::EndSeq << YAML::EndMap;
+    out << YAML::EndSeq;
+    if (d.limits)
+      out << YAML::Key << "in" << YAML::Value << YAML::BeginSeq << YamlReal(d.limits->least)
+          << YamlReal(d.limits->most) << YAML::EndSeq;
+    if (!d.file.empty()) out << YAML::Key << "file" << YAML::Value << YAML::DoubleQuoted << d.file;
+    out << YAML::EndMap;
   }
 
   void Write(const schema::Value& value) const {

@@ -30,6 +30,7 @@ inline constexpr dsl::DiagnosticKind kNeeded{"E0221", "needed"};
 inline constexpr dsl::DiagnosticKind kWrongForm{"E0222", "wrong-form"};
 inline constexpr dsl::DiagnosticKind kCannotPlace{"E0223", "cannot-place"};
 inline constexpr dsl::DiagnosticKind kWrongUnit{"E0224", "wrong-unit"};
+inline constexpr dsl::DiagnosticKind kBadTable{"E0225", "bad-table"};
 inline constexpr dsl::DiagnosticKind kRunsWillFail{"W0201", "runs-will-fail"};
 inline constexpr dsl::DiagnosticKind kDefaultSize{"W0202", "default-size"};
 inline constexpr dsl::DiagnosticKind kUnreachable{"W0203", "unreachable"};
@@ -41,6 +42,6 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
-    &kUnreachable,    &kWrongUnit,  &kEllipsoids};
+    &kUnreachable,    &kWrongUnit,  &kEllipsoids,   &kBadTable};
 
 }  // namespace cdb::scenario

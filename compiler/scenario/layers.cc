@@ -25,7 +25,9 @@ bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
 /// `gravity`, `height` and `spin` are names a scene wants, and behind the parameter that takes them
 /// they are words (Names::Resolve).
 bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDetector> plugins) {
-  if (schema::FindDistribution(name) || name == "sweep" || name == "true" || name == "false" ||
+  const bool is_reserved_distribution =
+      name == "uniform" || name == "normal" || name == "log_uniform" || name == "any";
+  if (is_reserved_distribution || name == "sweep" || name == "true" || name == "false" ||
       name == "on" || name == "off")
     return true;
   return std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& p) {

@@ -87,6 +87,10 @@ class Scenario {
   /// The SHA-256 of a file, which is read once; nullopt, and why, where it cannot be read. Not for
   /// several threads.
   std::optional<std::string> HashOf(const std::string& path, std::string& why) const;
+  /// The text of a file; nullopt, and why, where it cannot be read.
+  std::optional<std::string> TextOf(const std::string& path, std::string& why) const {
+    return read_(path, why);
+  }
   /// The detectors of all plug-ins, whichever file uses them, in the order of their names.
   std::span<const schema::PluginDetector> plugins() const { return plugins_; }
   /// What a trace holds, read once; nullopt, and why, where it is of no use. Not for several

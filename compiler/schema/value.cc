@@ -2,17 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 
 namespace cdb::schema {
 namespace {
 
-constexpr std::pair<std::string_view, DistributionKind> kDistributions[] = {
-    {"uniform", DistributionKind::kUniform},
-    {"normal", DistributionKind::kNormal},
-    {"log_uniform", DistributionKind::kLogUniform},
-    {"any", DistributionKind::kAny}};
+constexpr DistributionInfo kDistributions[] = {
+    {"uniform", DistributionKind::kUniform, 2, "uniform(least, most)"},
+    {"normal", DistributionKind::kNormal, 2,
+     "normal(mean, deviation), or normal(mean, variance: v)"},
+    {"log_uniform", DistributionKind::kLogUniform, 2, "log_uniform(least, most)"},
+    {"any", DistributionKind::kAny, 0, "any(a, b 3)"},
+    {"lognormal", DistributionKind::kLognormal, 2,
+     "lognormal(mu, sigma) of the logarithm, or lognormal(median: m, sigma: s)"},
+    {"exponential", DistributionKind::kExponential, 1, "exponential(mean)"},
+    {"gamma", DistributionKind::kGamma, 2, "gamma(shape, scale)"},
+    {"weibull", DistributionKind::kWeibull, 2, "weibull(shape, scale)"},
+    {"empirical", DistributionKind::kEmpirical, 0, "empirical(\"sizes.csv\")"}};
 
 std::string QuotedText(std::string_view text) {
   std::string quoted = "\"";
@@ -83,12 +93,18 @@ struct TextOf {
   }
   std::string operator()(const Distribution& d) const {
     std::string text = std::string(DistributionName(d.kind)) + "(";
+    // A label needs no more than the name of a table; a run is made of its values.
+    if (d.kind == DistributionKind::kEmpirical) text += QuotedText(d.file);
     for (std::size_t i = 0; i < d.arguments.size(); ++i) {
-      if (i > 0) text += ", ";
+      if (d.kind == DistributionKind::kEmpirical && is_label) break;
+      if (i > 0 || d.kind == DistributionKind::kEmpirical) text += ", ";
       text += Of(d.arguments[i]);
       if (!d.weights.empty() && d.weights[i] != 1) text += " " + FormatReal(d.weights[i]);
     }
-    return text + ")";
+    text += ")";
+    if (d.limits)
+      text += fmt::format(" in {} .. {}", FormatReal(d.limits->least), FormatReal(d.limits->most));
+    return text;
   }
 
   std::string Of(const Value& value) const {
@@ -98,20 +114,28 @@ struct TextOf {
 
 }  // namespace
 
-std::string_view DistributionName(DistributionKind kind) {
-  for (const auto& [name, candidate] : kDistributions)
-    if (candidate == kind) return name;
-  return {};
+const DistributionInfo& InfoOf(DistributionKind kind) {
+  const auto* row = std::ranges::find(kDistributions, kind, &DistributionInfo::kind);
+  CDB_CHECK(row != std::end(kDistributions));
+  return *row;
 }
 
+std::string_view DistributionName(DistributionKind kind) { return InfoOf(kind).name; }
+
 std::optional<DistributionKind> FindDistribution(std::string_view name) {
-  for (const auto& [candidate, kind] : kDistributions)
-    if (candidate == name) return kind;
-  return std::nullopt;
+  const auto* row = std::ranges::find(kDistributions, name, &DistributionInfo::name);
+  return row == std::end(kDistributions) ? std::nullopt : std::optional(row->kind);
+}
+
+std::vector<std::string_view> DistributionNames() {
+  std::vector<std::string_view> names;
+  for (const DistributionInfo& row : kDistributions) names.push_back(row.name);
+  return names;
 }
 
 bool Distribution::operator==(const Distribution& other) const {
-  return kind == other.kind && arguments == other.arguments && weights == other.weights;
+  return kind == other.kind && arguments == other.arguments && weights == other.weights &&
+         limits == other.limits && file == other.file;
 }
 
 bool Call::operator==(const Call& other) const {

@@ -44,16 +44,36 @@ struct Ratio {
 };
 
 /// The kinds of distribution; their transforms are in `library/distributions`.
-enum class DistributionKind { kUniform, kNormal, kLogUniform, kAny };
+enum class DistributionKind {
+  kUniform,
+  kNormal,
+  kLogUniform,
+  kAny,
+  kLognormal,
+  kExponential,
+  kGamma,
+  kWeibull,
+  kEmpirical,
+};
+
+/// `in 2 .. 8`: draws outside are drawn again, each component of a vector by itself.
+struct Limits {
+  double least = 0, most = 0;
+  bool operator==(const Limits&) const = default;
+};
 
 /// A value drawn anew for each object.
 /// uniform, log_uniform: arguments are {minimum, maximum}; normal: {mean, standard deviation}; each
 /// a real or a vector. any: arguments are the choices (words, calls, reals, booleans), weights
-/// their weights, > 0, as many.
+/// their weights, > 0, as many. lognormal: {mean, standard deviation} of the natural logarithm;
+/// exponential: {mean}; gamma, weibull: {shape, scale}; all reals. empirical: arguments are the
+/// values of a table, weights as those of any, or empty if all are alike.
 struct Distribution {
   DistributionKind kind = DistributionKind::kUniform;
   std::vector<Value> arguments;
   std::vector<double> weights;
+  std::optional<Limits> limits = {};
+  std::string file = {};  ///< of an empirical one: the table that it was read from
   bool operator==(const Distribution&) const;
 };
 
@@ -82,9 +102,19 @@ inline const Distribution* AsDistribution(const Value& value) {
 inline const Text* AsText(const Value& value) { return std::get_if<Text>(&value); }
 inline const Call* AsCall(const Value& value) { return std::get_if<Call>(&value); }
 
-/// `uniform`, `normal`, `log_uniform`, `any`; and back.
+/// A row of the table of distributions.
+struct DistributionInfo {
+  std::string_view name;
+  DistributionKind kind;
+  std::size_t arguments;   ///< how many, all of them numbers; 0: a list
+  std::string_view usage;  ///< `gamma(shape, scale)`
+};
+
+const DistributionInfo& InfoOf(DistributionKind kind);
+/// `uniform`, `normal`, `log_uniform`, `any`, …; and back.
 std::string_view DistributionName(DistributionKind kind);
 std::optional<DistributionKind> FindDistribution(std::string_view name);
+std::vector<std::string_view> DistributionNames();
 
 /// A value as `.cdb` writes it: `normal(275, 75)`, `1 : 1 : 5`, `any(sphere 3, cone)`.
 std::string ToText(const Value& value);

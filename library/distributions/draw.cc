@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "compiler/schema/parametrised_words.h"
@@ -54,6 +55,15 @@ const Value& Weighed(const Distribution& distribution, Stream& stream) {
   return distribution.arguments.back();
 }
 
+/// A value of a table; each alike where it has no weights.
+const Value& OfTable(const Distribution& table, Stream& stream) {
+  if (!table.weights.empty()) return Weighed(table, stream);
+  CDB_CHECK(!table.arguments.empty());
+  const auto count = static_cast<double>(table.arguments.size());
+  const auto index = static_cast<std::size_t>(stream.Uniform() * count);
+  return table.arguments[std::min(index, table.arguments.size() - 1)];
+}
+
 double FromDistribution(const Distribution& distribution, int component, Stream& stream) {
   const auto argument = [&](std::size_t i) {
     return Component(distribution.arguments.at(i), component);
@@ -65,6 +75,16 @@ double FromDistribution(const Distribution& distribution, int component, Stream&
       return argument(0) + argument(1) * stream.Normal();
     case DistributionKind::kLogUniform:
       return stream.LogUniform(argument(0), argument(1));
+    case DistributionKind::kLognormal:
+      return stream.Lognormal(argument(0), argument(1));
+    case DistributionKind::kExponential:
+      return stream.Exponential(argument(0));
+    case DistributionKind::kGamma:
+      return stream.Gamma(argument(0), argument(1));
+    case DistributionKind::kWeibull:
+      return stream.Weibull(argument(0), argument(1));
+    case DistributionKind::kEmpirical:
+      return Component(OfTable(distribution, stream), component);
     case DistributionKind::kAny:
       break;
   }
@@ -110,10 +130,17 @@ double Draw::RealFrom(const Value& value, int component) {
                                  : Component(value, component);
 }
 
+bool Draw::Accepts(const Value& value, double real) const {
+  const Distribution* drawn = AsDistribution(value);
+  const bool is_within = drawn == nullptr || !drawn->limits ||
+                         (real >= drawn->limits->least && real <= drawn->limits->most);
+  return is_within && parameter_->domain.Contains(real);
+}
+
 double Draw::RealInDomain(const Value& value, int component) {
   for (int tries = 0; tries < kMaxRedraws; ++tries) {
     const double real = RealFrom(value, component);
-    if (parameter_->domain.Contains(real)) return real;
+    if (Accepts(value, real)) return real;
   }
   NeverInDomain();
 }
@@ -121,7 +148,7 @@ double Draw::RealInDomain(const Value& value, int component) {
 void Draw::NeverInDomain() const {
   throw library::SceneError(
       fmt::format("`{} {}` gave {} values in a row that are not {}; change it", name_,
-                  schema::ToText(*value_), kMaxRedraws, parameter_->domain.Text()));
+                  schema::LabelOf(*value_), kMaxRedraws, parameter_->domain.Text()));
 }
 
 double Draw::Real() { return RealInDomain(*value_, 0); }
@@ -146,7 +173,7 @@ std::optional<double> Draw::RealOrWord(std::string_view* word) {
       return std::nullopt;
     }
     const double real = RealFrom(value, 0);
-    if (parameter_->domain.Contains(real)) return real;
+    if (Accepts(value, real)) return real;
   }
   NeverInDomain();
 }

@@ -15,7 +15,8 @@
 namespace cdb::distributions {
 
 /// One parameter of a group or of the world. A number outside the parameter's domain (a size or a
-/// mass of 0 or less) is drawn again, a vector component by component. Not for several threads; the
+/// mass of 0 or less) or the limits of the distribution is drawn again, a vector component by
+/// component. Not for several threads; the
 /// scene must outlive it. Every call throws SceneError where kMaxRedraws draws in a row are outside
 /// the domain. A schedule gives what it begins with and then what comes next: each Vector() of
 /// `every` is a new draw of its value; `rotating` gives the vector that it turns. Of `same` and
@@ -50,6 +51,8 @@ class Draw {
  private:
   const schema::Value& Choose();
   double RealFrom(const schema::Value& value, int component);
+  /// Inside the domain of the parameter and the limits of the distribution.
+  bool Accepts(const schema::Value& value, double real) const;
   double RealInDomain(const schema::Value& value, int component);
   [[noreturn]] void NeverInDomain() const;
 

@@ -30,6 +30,35 @@ double Stream::LogUniform(double minimum, double maximum) {
   return Exp(low + (Log(maximum) - low) * Uniform());
 }
 
+double Stream::Open() {
+  // (k + 1/2) / 2^53 rounds to 1 for the largest k.
+  const double u = (static_cast<double>(Bits53()) + 0.5) * kTwoToMinus53;
+  return u < 1 ? u : 1 - kTwoToMinus53;
+}
+
+double Stream::Lognormal(double mu, double sigma) { return Exp(mu + sigma * Normal()); }
+
+double Stream::Exponential(double mean) { return -mean * Log(Open()); }
+
+double Stream::Weibull(double shape, double scale) {
+  return scale * Exp(Log(-Log(Open())) / shape);
+}
+
+double Stream::Gamma(double shape, double scale) {
+  if (shape < 1) {
+    const double above = Gamma(shape + 1, scale);
+    return above * Exp(Log(Open()) / shape);
+  }
+  const double d = shape - 1.0 / 3, c = 1 / std::sqrt(9 * d);
+  while (true) {
+    const double x = Normal();
+    const double root = 1 + c * x;
+    if (root <= 0) continue;
+    const double v = root * root * root;
+    if (Log(Open()) < x * x / 2 + d - d * v + d * Log(v)) return scale * d * v;
+  }
+}
+
 Eigen::Quaterniond Stream::Turn() {
   double x[2], y[2], s[2];
   for (int i = 0; i < 2; ++i) {

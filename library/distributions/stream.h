@@ -6,8 +6,13 @@
 //   Uniform       k / 2^53 with k the engine's upper 53 bits: [0, 1)
 //   Normal        the inverse of the normal distribution at (k + 1/2) / 2^53 (Wichura 1988, AS 241)
 //   LogUniform    exp(log a + (log b - log a) * Uniform), with Log and Exp below
+//   Lognormal     exp(mu + sigma * Normal)
+//   Exponential   -mean * log u with u = (k + 1/2) / 2^53
+//   Weibull       scale * exp(log(-log u) / shape)
+//   Gamma         Marsaglia and Tsang 2000, from Normal and u by rejection; shapes below 1 from the
+//                 one above, times u^(1/shape)
 //   Turn          Marsaglia 1972: two points in the unit disc, each by rejection
-// Each draw of Uniform, Normal and LogUniform takes one number of the engine.
+// Each draw takes one number of the engine, except for those by rejection.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -31,10 +36,18 @@ class Stream {
   double Normal();
   /// minimum, maximum > 0.
   double LogUniform(double minimum, double maximum);
+  /// The logarithm has mean mu and standard deviation sigma; |mu| + 9 sigma <= 700.
+  double Lognormal(double mu, double sigma);
+  double Exponential(double mean);
+  /// Both: 0.01 <= shape, scale > 0.
+  double Gamma(double shape, double scale);
+  double Weibull(double shape, double scale);
   /// Uniform over all turns; a unit quaternion.
   Eigen::Quaterniond Turn();
 
  private:
+  /// Above 0 and below 1.
+  double Open();
   std::uint64_t Bits53() { return engine_() >> 11; }
   std::mt19937_64 engine_;
 };

@@ -77,13 +77,20 @@ VALUES
                               with powers and quotients: kg/m^3. The dimension has to be that of the
                               parameter. A number without a unit is in the SI unit of `cdb doc
                               parameters`; the metres of a scene are a convention, as in MJCF and
-                              Scenic, which have no units.
+                              Scenic, whose only unit is the degree.
 
   uniform(a, b)               uniform between a and b. Vectors are drawn component by component.
   normal(m, s)                mean and standard deviation; also normal(m, variance: v) and
                               normal(m, sd: s)
   log_uniform(a, b)           uniform in the logarithm; a, b > 0
   any(x, y 3)                 one of the values; here y is three times as likely as x
+  lognormal(mu, sigma)        of the natural logarithm; also lognormal(median: 5 cm, sigma: 0.4)
+  exponential(mean)   gamma(shape, scale)   weibull(shape, scale)
+  empirical("sizes.csv")      a measured value; the file holds one on each line, or a value, a comma
+                              and its weight, with or without a heading. The plan stores the values.
+  normal(5, 1) in 2 .. 8      limits: draws outside are drawn again; not for any( )
+                              (Scenic has Normal, TruncatedNormal, Range and Discrete; JUBE and MJCF
+                              draw nothing.)
                               A value outside the parameter's domain (size <= 0) is drawn again.
                               Each distribution has a separate random stream, seeded by `seed` and
                               the name of the parameter, so that adding one does not affect others.

@@ -184,6 +184,10 @@ std::string Dump(const dsl::Expr& expr) {
     out += " as ";
     out += expr.axis->text;
   }
+  for (const dsl::ExprPtr& limit : expr.items) {
+    out += &limit == &expr.items[0] ? " in " : " ";
+    out += Dump(*limit);
+  }
   out += ')';
   return out;
 }

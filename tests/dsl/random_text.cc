@@ -106,6 +106,13 @@ RandomText::Piece RandomText::Call(int depth) {
     call.text += Join({Space(), "as", Gap(), axis});
     call.dump += Join({" as ", axis});
   }
+  if (OneIn(6)) {
+    const std::string least = Number(), most = Number();
+    // Its upper limit would take a sum that goes on.
+    call.level = 0;
+    call.text += Join({Gap(), "in", Gap(), least, Space(), "..", Space(), most});
+    call.dump += Join({" in ", least, " ", most});
+  }
   call.dump += ')';
   return call;
 }

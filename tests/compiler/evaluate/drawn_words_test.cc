@@ -26,6 +26,17 @@ TEST(DrawnWords, PlansHoldThemAndReadThemBack) {
   EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan"), plan);
 }
 
+// One draw for all sides makes no thin shapes.
+TEST(DrawnWords, SameIsNoElongation) {
+  const auto thin_shapes = [](const std::string& size) {
+    const compiler::Compilation result =
+        CompileText("benchmark b { timestep 1e-6; objects { type cuboid; size " + size + " } }");
+    return dsl::Render(result.diagnostics).find("[thin-shape]") != std::string::npos;
+  };
+  EXPECT_TRUE(thin_shapes("log_uniform(1, 100)"));
+  EXPECT_FALSE(thin_shapes("same(log_uniform(1, 100))"));
+}
+
 std::ptrdiff_t EllipsoidWarnings(const std::string& objects) {
   const compiler::Compilation result =
       CompileText("benchmark b { world.side 1000; objects { " + objects + " } }");
