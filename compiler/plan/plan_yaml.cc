@@ -71,6 +71,7 @@ struct WriteValue {
 
 void WriteSettings(YAML::Emitter& out, const Settings& settings) {
   for (const auto& [name, value] : settings) {
+    if (IsLeftOutOfPlans(name, value)) continue;
     out << YAML::Key << name << YAML::Value;
     WriteValue{out}.Write(value);
   }
