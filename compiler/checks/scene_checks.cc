@@ -8,6 +8,7 @@
 
 #include "compiler/checks/traced_scene.h"
 #include "compiler/plan/capacity.h"
+#include "compiler/plan/collisions.h"
 #include "compiler/plan/poses.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"
@@ -57,6 +58,7 @@ bool SceneChecks::CheckCounts(evaluate::Configuration& configuration, const plan
   }
   const bool places_good = CheckPlaces(configuration, scene);
   if (!CheckLinks(configuration, scene) || !places_good) return false;
+  if (!CheckCollisions(configuration, scene)) return false;
   bool holds = true;
   using DetectorParameter = schema::ParameterRef<false, schema::ValueKind::kWord>;
   for (const auto parameter : {DetectorParameter("detector"), DetectorParameter("narrow_phase")}) {
@@ -144,6 +146,45 @@ bool SceneChecks::CheckTable(evaluate::Configuration& configuration, const plan:
           fmt::format("'{}' gives the {} of each object of {}", file, parameter.name(), group.name),
           "take it out here, or its columns out of the file");
   return true;
+}
+
+// `collides_with` names groups that there are, of no more kinds than Bullet tells apart.
+bool SceneChecks::CheckCollisions(evaluate::Configuration& configuration,
+                                  const plan::Scene& scene) {
+  const auto parameter = schema::GroupParameter("collides_with");
+  std::vector<std::string_view> names = {plan::kWallsWord};
+  for (const plan::Group& group : scene.groups) names.push_back(group.name);
+  const bool is_ambiguous = std::ranges::count(names, plan::kWallsWord) > 1;
+  bool good = true;
+  for (const plan::Group& group : scene.groups) {
+    for (const std::string& word : group.settings.Words("collides_with")) {
+      if (parameter.get()->HasWord(word)) continue;
+      const bool is_known = std::ranges::find(names, word) != names.end();
+      if (is_known && !(is_ambiguous && word == plan::kWallsWord)) continue;
+      good = false;
+      if (!misplaced_.emplace(group.name, word).second) continue;
+      const dsl::Span span = configuration.SpanOfWord({group.name, parameter.get()}, word);
+      const std::string_view near = dsl::DidYouMean(word, names);
+      if (is_known)
+        diagnostics_.Report(scenario::kContradiction, span,
+                            "'walls' may be those of the world or the group of that name",
+                            "give the group another name");
+      else
+        diagnostics_.Report(scenario::kUnknownName, span,
+                            fmt::format("there is no group '{}'", word),
+                            near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                                         : fmt::format("did you mean '{}'?", near));
+    }
+  }
+  const std::size_t classes = plan::Collisions(scene).ClassCount();
+  if (!good || classes <= plan::kMostCollisionClasses) return good;
+  if (misplaced_.emplace("", "collides_with").second)
+    diagnostics_.Report(scenario::kCapacity, benchmark_,
+                        fmt::format("collides_with makes {} kinds of groups, and Bullet tells {} "
+                                    "apart",
+                                    classes, plan::kMostCollisionClasses),
+                        "let more groups touch the same others");
+  return false;
 }
 
 // What links cannot hold.

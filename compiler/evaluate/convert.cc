@@ -189,6 +189,8 @@ class Converter {
       if (const auto detector = schema::FindDetector(text, plugins_))
         return CanBeUsed(*detector) ? std::optional(Value(word)) : std::nullopt;
     if (parameter_.HasWord(text)) return Value(word);
+    // Which groups there are is checked with the whole scene.
+    if (parameter_.word_source == schema::WordSource::kGroups) return Value(word);
     if (parameter_.TakesCall(text)) {
       const schema::ParametrisedWord& info = *schema::FindParametrisedWord(text);
       if (auto call = schema::WithDefaults(info)) return Value(std::move(*call));

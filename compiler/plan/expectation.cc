@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "compiler/plan/collisions.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 
@@ -32,8 +33,9 @@ bool Stands(const Group& group) {
 
 bool MustRest(const Scene& scene) {
   const auto* down = std::get_if<Eigen::Vector3d>(&scene.world.Get("acceleration"));
-  return scene.ObjectCount() > 0 && scene.world.WordOr("world.walls") != "none" &&
-         down != nullptr && down->y() < 0 && down->x() == 0 && down->z() == 0 &&
+  return scene.ObjectCount() > 0 && Collisions(scene).AllMayTouch() &&
+         scene.world.WordOr("world.walls") != "none" && down != nullptr && down->y() < 0 &&
+         down->x() == 0 && down->z() == 0 &&
          std::ranges::all_of(scene.groups, [](const Group& group) {
            return group.settings.Count("quantity") == 0 ||
                   (Stands(group) && IsZero(group.settings.Get("linear_velocity")) &&

@@ -16,7 +16,7 @@ namespace {
 std::string CanonicalText(const Settings& settings) {
   std::string text;
   for (const auto& [name, value] : settings)
-    text += fmt::format("{} {}\n", name, schema::ToText(value));
+    if (!IsLeftOutOfPlans(name, value)) text += fmt::format("{} {}\n", name, schema::ToText(value));
   return text;
 }
 

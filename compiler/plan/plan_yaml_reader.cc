@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "compiler/plan/collisions.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/reference.h"
 #include "compiler/schema/parametrised_words.h"
@@ -132,7 +133,8 @@ class ValueReader : public Nodes {
         if (!node.IsSequence()) Fail(node.Mark(), "a list of words should be here");
         schema::WordList words;
         for (const YAML::Node& item : node) {
-          if (!parameter.HasWord(Text(item))) FailWord(item, parameter);
+          const bool is_group = parameter.word_source == schema::WordSource::kGroups;
+          if (!is_group && !parameter.HasWord(Text(item))) FailWord(item, parameter);
           words.push_back(Text(item));
         }
         return words;
@@ -246,6 +248,9 @@ class PlanReader : public ValueReader {
       settings.SetValue(*parameter, ReadValue(entry.second, *parameter, plugins));
     }
     for (const schema::Parameter& parameter : schema::Schema())
+      if (parameter.grouped == kGrouped && !settings.Has(parameter) && parameter.is_brief)
+        settings.SetValue(parameter, BriefDefault(parameter));
+    for (const schema::Parameter& parameter : schema::Schema())
       if (parameter.grouped == kGrouped && !settings.Has(parameter))
         Fail(map.Mark(), fmt::format("`{}` is missing", parameter.name));
     return settings;
@@ -262,6 +267,9 @@ class PlanReader : public ValueReader {
     for (const YAML::Node& group : Member(node, "groups"))
       run.scene.groups.push_back({Text(Member(group, "name")), ReadSettings<true>(group)});
     if (run.scene.groups.empty()) Fail(node.Mark(), "a run needs a group of objects");
+    if (Collisions(run.scene).ClassCount() > kMostCollisionClasses)
+      Fail(node.Mark(), fmt::format("`collides_with` makes more than {} kinds of groups",
+                                    kMostCollisionClasses));
     for (const auto& entry : Member(node, "seeds"))
       run.scene.seeds.emplace(Text(entry.first), Count(entry.second));
     for (const schema::PluginDetector& plugin : run.scene.plugins)

@@ -139,6 +139,7 @@ bool RunText::Update(const Settings& settings, std::string_view indent, Lines& l
   bool is_changed = false;
   std::size_t i = 0;
   for (const auto& [name, value] : settings) {
+    if (IsLeftOutOfPlans(name, value)) continue;
     if (i == lines.size()) lines.emplace_back();
     Line& line = lines[i++];
     if (line.name == name && line.value == value && !line.yaml.empty()) continue;

@@ -1,6 +1,7 @@
 #include "compiler/plan/settings.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "compiler/schema/schema.h"
 #include "dsl/check.h"
@@ -49,6 +50,28 @@ const schema::Value& Settings::ValueOf(const schema::Parameter& parameter) const
   const auto found = values_.find(parameter.name);
   CDB_CHECK(found != values_.end());
   return found->second;
+}
+
+schema::Value BriefDefault(const schema::Parameter& parameter) {
+  CDB_CHECK(parameter.is_brief && parameter.HasWord(parameter.default_text));
+  const std::string word(parameter.default_text);
+  if (parameter.type == schema::ParameterType::kWords) return schema::WordList{word};
+  return schema::Word{word};
+}
+
+bool IsLeftOutOfPlans(std::string_view name, const schema::Value& value) {
+  struct Brief {
+    std::string_view name;
+    schema::Value value;
+  };
+  static const std::vector<Brief> all = [] {
+    std::vector<Brief> briefs;
+    for (const schema::Parameter& parameter : schema::kParameters)
+      if (parameter.is_brief) briefs.push_back({parameter.name, BriefDefault(parameter)});
+    return briefs;
+  }();
+  return std::ranges::any_of(
+      all, [&](const Brief& brief) { return brief.name == name && brief.value == value; });
 }
 
 template <bool kGrouped>

@@ -77,6 +77,12 @@ class Settings {
   Values values_;
 };
 
+/// Plans do not write it: a brief parameter that has its default. So plans of earlier versions, and
+/// the ids of their runs, stay what they are.
+bool IsLeftOutOfPlans(std::string_view name, const schema::Value& value);
+/// The default of a brief parameter.
+schema::Value BriefDefault(const schema::Parameter& parameter);
+
 /// The settings of the world, or of a group. Complete: what the file leaves out has the schema's
 /// default. A parameter of the other, one that does not exist or one of another type is a compile
 /// error; a value that is missing or, where the parameter takes several types, has another is our

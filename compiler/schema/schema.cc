@@ -80,6 +80,8 @@ std::vector<std::string_view> Parameter::AllWords(std::span<const PluginDetector
     case kClosedForms:
       add(ClosedForms());
       break;
+    case kGroups:
+      break;
   }
   return all;
 }
@@ -150,6 +152,7 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
   }
   for (const std::string_view call : AllCalls())
     list(call, RequiredArguments(*FindParametrisedWord(call)).empty() ? "" : "( )");
+  if (word_source == kGroups) listed += " groups, and walls";
   text = (alone.empty() ? "" : alone + "or ") + text + listed;
   if (distribution) text += ", or a distribution";
   return text;

@@ -34,6 +34,7 @@ enum class WordSource {
   kComponents,
   kMetrics,
   kClosedForms,
+  kGroups,  ///< of the benchmark, and `walls`; which there are is known only in a scene
 };
 
 /// Numbers a parameter takes: those between `min` and `max`. A vector's components each, a ratio's
@@ -61,6 +62,7 @@ struct Parameter {
   std::string_view doc;         ///< one line
   std::string_view also = {};   ///< space-separated names that people try first, to put them right
   std::string_view calls = {};  ///< space-separated words that take arguments: parametrised_words.h
+  bool is_brief = false;        ///< a plan leaves it out where it has its default
 
   /// `objects.size`, `timestep`.
   std::string FullName() const;

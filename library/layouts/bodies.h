@@ -36,6 +36,7 @@ class Bodies {
  public:
   Bodies(const plan::Scene& scene, InitialState& state);
 
+  const plan::Scene& scene() const { return scene_; }
   const std::vector<GroupRange>& groups() const { return groups_; }
   double side() const { return side_; }  ///< of the cube
   std::size_t size() const { return state_.objects.size(); }

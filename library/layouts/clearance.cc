@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "compiler/plan/collisions.h"
 #include "compiler/plan/poses.h"
 #include "library/layouts/exact_layouts.h"
 #include "library/layouts/hash_grid.h"
@@ -127,6 +128,10 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
   const auto may_overlap = [&](std::uint32_t index) {
     return overlaps[bodies.object(index).group] != 0;
   };
+  const plan::Collisions collisions(bodies.scene());
+  const auto may_touch = [&](std::uint32_t a, std::uint32_t b) {
+    return collisions.MayTouch(bodies.object(a).group, bodies.object(b).group);
+  };
   std::vector<std::pair<int, std::uint32_t>> by_size;  // the largest first
   by_size.reserve(indices.size());
   for (const std::uint32_t index : indices) {
@@ -140,6 +145,7 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
     grid.AnyOf(box, [&](std::uint32_t other) {
       if (is_fixed(index) && is_fixed(other)) return false;
       if (may_overlap(index) && may_overlap(other)) return false;
+      if (!may_touch(index, other)) return false;
       if (bodies.TouchesAt(index, bodies.core(index).position, box, other))
         CheckPair(bodies, index, other);
       return false;

@@ -174,6 +174,9 @@ OBJECTS
   an error if no run can be placed, else a warning. If there is no free position, the run fails and
   states the packing fraction. `overlap on` permits initial overlaps, if a layout with arguments
   yields them: line(gap: -0.5).
+  `collides_with` names the groups, and `walls`, that the objects of a group may touch: `collides_with
+  walls, pebbles`, `all` (the default) or `none`. Two groups touch where each one allows the other.
+  What may not touch makes no pairs and no contacts, by any detector, and may begin in one another.
 )reference";
 
 const std::string_view kOmitReference = R"reference(WHAT A RUN OMITS

@@ -64,7 +64,7 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
   std::vector<BodyPair> pairs;
   for (auto a = rows.begin(); a != rows.end(); ++a) {
     for (auto b = a + 1; b != rows.end() && b->box.lower.x() <= a->box.upper.x(); ++b) {
-      if (a->is_fixed && b->is_fixed) continue;
+      if ((a->is_fixed && b->is_fixed) || !engine.MayTouch(a->object, b->object)) continue;
       if ((a->box.lower.array() <= b->box.upper.array()).all() &&
           (b->box.lower.array() <= a->box.upper.array()).all())
         pairs.push_back(std::minmax(a->object, b->object));
@@ -93,7 +93,7 @@ std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
         std::min(size_of(first), size_of(second)));
   }
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if (objects[i].IsFixed()) continue;
+    if (objects[i].IsFixed() || !engine.MayTouchWalls(i)) continue;
     const objects::Pose pose = PoseOf(*engine.objects()[i]);
     for (const auto& wall : engine.walls()) {
       const auto index = static_cast<std::uint32_t>(wall->getUserIndex());

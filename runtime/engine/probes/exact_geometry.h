@@ -16,7 +16,8 @@ namespace cdb::probes {
 /// Bodies by getUserIndex, the smaller first.
 using BodyPair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Pairs of objects, not both fixed, whose tightest boxes overlap: all of them, in order.
+/// Pairs of objects that may touch, not both fixed, whose tightest boxes overlap: all of them, in
+/// order.
 std::vector<BodyPair> ExactPairs(const world::Engine& engine);
 
 /// Two bodies in each other.

@@ -125,7 +125,7 @@ std::int32_t PassWatch::ComparePaths(const BodyStates& before) {
 
 /// Remembers a centre that ends inside.
 bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint32_t other) {
-  if (!(sizes_[object].inner > 0)) return false;
+  if (!(sizes_[object].inner > 0) || !engine_.MayTouch(object, other)) return false;
   const btRigidBody &body = *engine_.objects()[object], &through = *engine_.objects()[other];
   const auto origin = [](const btTransform& pose) { return world::ToEigen(pose.getOrigin()); };
   if (LeastDistance(origin(before[object].pose) - origin(before[other].pose),

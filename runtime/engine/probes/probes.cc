@@ -247,12 +247,13 @@ bool Probes::IsTooLarge(const btRigidBody& body) const {
 void Probes::RecordStability(std::uint64_t cycle) {
   double fastest = 0;
   std::int32_t escaped = 0, asleep = 0, removed = 0, non_finite = 0;
-  for (const auto& body : engine_.objects()) {
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
+    const auto& body = engine_.objects()[i];
     if (!IsFinite(*body)) {
       ++non_finite;
       continue;
     }
-    escaped += IsBeyondWall(body->getWorldTransform().getOrigin());
+    escaped += engine_.MayTouchWalls(i) && IsBeyondWall(body->getWorldTransform().getOrigin());
     if (body->isStaticObject()) continue;  // Bullet marks fixed bodies as asleep
     fastest = std::max(fastest, world::ToEigen(body->getLinearVelocity()).norm());
     asleep += body->getActivationState() == ISLAND_SLEEPING;

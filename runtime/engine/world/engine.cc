@@ -29,6 +29,13 @@ using schema::Component;
 constexpr int kObjectGroup = btBroadphaseProxy::DefaultFilter;
 constexpr int WallGroup(int wall) { return 64 << wall; }
 
+/// With `collides_with`, those of a class of groups: bits that no wall has.
+constexpr int ClassGroup(std::size_t collision_class, bool is_fixed) {
+  const auto bit = static_cast<int>(2 * collision_class) + (is_fixed ? 1 : 0);
+  return 1 << (bit < 6 ? bit : bit + 6);
+}
+static_assert(ClassGroup(plan::kMostCollisionClasses - 1, true) == 1 << 29);
+
 /// The timestep in Bullet's precision.
 btScalar TimestepOf(const plan::Scene& scene) {
   const double seconds = scene.world.Real("timestep");
@@ -80,7 +87,11 @@ void CheckRange(std::size_t index, const ObjectState& object, const btVector3& i
 /// object can fly in the run.
 double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
-  if (scene.world.WordOr("world.walls") == "all") return half;
+  const plan::Collisions collisions(scene);
+  bool are_held = scene.world.WordOr("world.walls") == "all";
+  for (std::size_t i = 0; i < scene.groups.size(); ++i)
+    are_held = are_held && collisions.MayTouchWalls(i);
+  if (are_held) return half;
   double fastest = 0;
   for (const ObjectState& object : state.objects)
     fastest = std::max(fastest, object.linear_velocity.norm());
@@ -127,6 +138,7 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state, pruning::O
                const detection::Detectors& detectors)
     : scene_(scene),
       state_(std::move(state)),
+      collisions_(scene_),
       omissions_(std::move(omissions)),
       standing_(pruning::StandingWalls(scene)),
       side_(scene.world.Real("world.side")),
@@ -303,9 +315,20 @@ void Engine::MakeWorld() {
   world_->getDispatchInfo().m_deterministicOverlappingPairs =
       scene_.world.WordOr("pair_order") == "sorted";
   SetUpSolver();
+  if (faithful_) {
+    for (const auto& body : objects_) body->setContactProcessingThreshold(0);
+    for (const auto& wall : walls_) wall->setContactProcessingThreshold(0);
+  }
+  if (collisions_.AllMayTouch()) {
+    AddBodies();
+  } else {
+    AddFilteredBodies();
+  }
+}
+
+void Engine::AddBodies() {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     btRigidBody& body = *objects_[i];
-    if (faithful_) body.setContactProcessingThreshold(0);
     int without = 0;
     for (int wall = 0; wall < pruning::kWallCount; ++wall)
       if (IsWithoutWall(i, wall)) without |= WallGroup(wall);
@@ -316,7 +339,6 @@ void Engine::MakeWorld() {
     }
   }
   for (const auto& wall : walls_) {
-    if (faithful_) wall->setContactProcessingThreshold(0);
     if (omissions_.walls.empty()) {
       world_->addRigidBody(wall.get());
     } else {
@@ -325,6 +347,35 @@ void Engine::MakeWorld() {
                            kObjectGroup);
     }
   }
+}
+
+// Those that are fixed have groups of their own, as two of them never touch.
+void Engine::AddFilteredBodies() {
+  const auto mask_of = [&](std::size_t group, bool is_fixed) {
+    int mask = 0;
+    for (std::size_t other = 0; other < scene_.groups.size(); ++other) {
+      if (!collisions_.MayTouch(group, other)) continue;
+      mask |= ClassGroup(collisions_.ClassOf(other), false);
+      if (!is_fixed) mask |= ClassGroup(collisions_.ClassOf(other), true);
+    }
+    return mask;
+  };
+  int movers = 0;  // that may touch walls
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const bool is_fixed = objects_[i]->isStaticObject();
+    const std::size_t group = state_.objects[i].group;
+    const int own = ClassGroup(collisions_.ClassOf(group), is_fixed);
+    int mask = mask_of(group, is_fixed);
+    if (!is_fixed && collisions_.MayTouchWalls(group)) {
+      movers |= own;
+      for (int wall = 0; wall < pruning::kWallCount; ++wall)
+        if (!IsWithoutWall(i, wall)) mask |= WallGroup(wall);
+    }
+    world_->addRigidBody(objects_[i].get(), own, mask);
+  }
+  for (const auto& wall : walls_)
+    world_->addRigidBody(
+        wall.get(), WallGroup(wall->getUserIndex() - static_cast<int>(objects_.size())), movers);
 }
 
 }  // namespace cdb::world

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "compiler/plan/collisions.h"
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/detection/detectors.h"
@@ -53,6 +54,13 @@ class Engine {
   bool IsWithoutWall(std::size_t object, int wall) const {
     return !omissions_.walls.empty() && (standing_ & ~omissions_.walls[object] & 1 << wall) != 0;
   }
+  /// By the objects' places; of walls, by the object's.
+  bool MayTouch(std::size_t object, std::size_t other) const {
+    return collisions_.MayTouch(state_.objects[object].group, state_.objects[other].group);
+  }
+  bool MayTouchWalls(std::size_t object) const {
+    return collisions_.MayTouchWalls(state_.objects[object].group);
+  }
   std::string_view detector() const { return scene_.world.WordOr("detector"); }
   /// The bodies as input of detectors; null if both phases are Bullet's own.
   const detection::SceneView* scene_view() const { return scene_view_.get(); }
@@ -80,11 +88,14 @@ class Engine {
   void MakeWall(int wall);
   void SettleRotation();
   void MakeWorld();
+  void AddBodies();
+  void AddFilteredBodies();
   void SetUpSolver();
 
   // Members are declared in dependency order; the world uses all of those before it.
   const plan::Scene scene_;
   const layouts::InitialState state_;
+  const plan::Collisions collisions_;
   pruning::Omissions omissions_;
   const std::uint8_t standing_;  ///< walls of the scene, by their bits
   const double side_;

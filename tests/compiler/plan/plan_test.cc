@@ -141,6 +141,23 @@ TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
   EXPECT_EQ(again.plans.at(0).runs[0].id, plan.runs[0].id);
 }
 
+TEST(PlanYaml, LeavesOutABriefParameterAtItsDefault) {
+  const auto plan_of = [](const std::string& text) {
+    const compiler::Compilation result =
+        CompileText("benchmark b { objects { size 2 " + text + " } objects dust { size 1 } }");
+    EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+    return result.plans.at(0);
+  };
+  const plan::Plan plain = plan_of(""), same = plan_of("; collides_with all"),
+                   filtered = plan_of("; collides_with walls, dust");
+  EXPECT_EQ(plan::ToYaml(plain).find("collides_with: "), std::string::npos);
+  EXPECT_EQ(plain.runs[0].id, same.runs[0].id);
+  EXPECT_NE(plain.runs[0].id, filtered.runs[0].id);
+  EXPECT_NE(plan::ToYaml(filtered).find("collides_with: [dust, walls]"), std::string::npos);
+  for (const plan::Plan& plan : {plain, same, filtered})
+    EXPECT_TRUE(plan::FromYaml(plan::ToYaml(plan), "plan.yaml") == plan);
+}
+
 TEST(PlanYaml, ReadsPointsBack) {
   const compiler::Compilation result = CompileText(
       "benchmark b { objects { location sweep(at((0.1, 0, -3), (1e9, 2, 3)), at(1, 2, 3)) } }");

@@ -12,6 +12,7 @@
 
 #include "compiler/compile.h"
 #include "dsl/render.h"
+#include "library/layouts/pose_table.h"
 #include "library/scene_error.h"
 #include "tests/runtime/engine/paired_run.h"
 #include "tests/support/folders.h"
@@ -80,8 +81,9 @@ TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
   std::size_t plans = 0;
   for (const std::string& file : ShippedScenarios()) {
     SCOPED_TRACE(file);
-    const auto result = compiler::Compile(file, compiler::ReadFromDisk,
-                                          {SourceFolder() / "library/scenarios", std::nullopt});
+    const auto result = compiler::Compile(
+        file, compiler::ReadFromDisk,
+        {SourceFolder() / "library/scenarios", std::nullopt, {}, {}, {}, layouts::ReadPoseFacts});
     ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
     for (const plan::Plan& plan : result.plans) {
       ++plans;

@@ -102,6 +102,7 @@ std::map<std::string, Variation> Variations() {
       {"objects.contact_damping",
        {With(crowd, Objects("contact_stiffness", 5000.0)), Objects("contact_damping", 30.0)}},
       {"objects.ccd", {BulletScene(), Objects("ccd", true)}},
+      {"objects.collides_with", {crowd, Objects("collides_with", schema::WordList{"walls"})}},
       {"objects.orientation", {crowd, Objects("orientation", Word("random"))}},
       {"objects.links.type", {chain, Objects("links.type", Word("ball"))}},
       {"objects.links.stiffness", {chain, Objects("links.stiffness", 900.0)}},
