@@ -12,6 +12,7 @@
 #include "runtime/cli/subcommand.h"
 #include "runtime/manual/explanation.h"
 #include "runtime/report/console.h"
+#include "runtime/report/wrap.h"
 
 namespace cdb::cli {
 namespace {
@@ -30,7 +31,7 @@ std::string RenderedWrong(const manual::Explanation& explanation) {
 /// `code`: a code or a name; empty for the list of all.
 ExitStatus Explain(const std::string& code) {
   if (code.empty()) {
-    report::Print(manual::ExplanationList());
+    report::Print(report::Fitted(manual::ExplanationList(), report::TerminalWidth()));
     return ExitStatus::kGood;
   }
   const auto found = manual::FindExplanations(code);

@@ -1,5 +1,8 @@
 // `cdb list`: the names that a scenario can use.
+#include "runtime/cli/list_command.h"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <memory>
 #include <string>
@@ -10,6 +13,7 @@
 #include "runtime/cli/topics.h"
 #include "runtime/manual/detector.h"
 #include "runtime/report/console.h"
+#include "runtime/report/wrap.h"
 
 namespace cdb::cli {
 namespace {
@@ -32,11 +36,13 @@ ExitStatus List(const std::string& asked) {
   if (text.empty())
     throw CommandError(
         fmt::format("there is no list of '{}'; there are {}", asked, fmt::join(kKinds, ", ")));
-  report::Print(text);
+  report::Print(report::Fitted(text, report::TerminalWidth()));
   return ExitStatus::kGood;
 }
 
 }  // namespace
+
+std::vector<std::string> ListKinds() { return {std::begin(kKinds), std::end(kKinds)}; }
 
 void AddListCommand(CLI::App& app, ExitStatus& status) {
   const auto kind = std::make_shared<std::string>();

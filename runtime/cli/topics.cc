@@ -7,13 +7,18 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <system_error>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "compiler/checks/lints.h"
+#include "compiler/compile.h"
 #include "compiler/plan/pruning.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
+#include "dsl/parser.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/manual/detector.h"
 #include "runtime/manual/document.h"
@@ -33,6 +38,7 @@ using schema::Parameter;
 
 std::string AllParameters() {
   report::Table table;
+  table.KeepWhole();
   table.AddColumn("parameter", false);
   table.AddColumn("default", false);
   table.AddColumn("unit", false);
@@ -52,6 +58,7 @@ std::string AllStatuses() {
 
 std::string AllSeriesText() {
   report::Table table;
+  table.KeepWhole();
   table.AddColumn("dataset", false);
   table.AddColumn("recorded by", false);
   table.AddColumn("unit", false);
@@ -64,6 +71,7 @@ std::string AllSeriesText() {
 
 std::string AllComponents() {
   report::Table table;
+  table.KeepWhole();
   table.AddColumn("component", false);
   table.AddColumn("what it is", false);
   table.AddColumn("without it", false);
@@ -75,6 +83,7 @@ std::string AllComponents() {
 
 std::string AllVerdicts() {
   report::Table table;
+  table.KeepWhole();
   table.AddColumn("", true);
   table.AddColumn("verdict", false);
   table.AddColumn("when", false);
@@ -87,6 +96,7 @@ std::string AllVerdicts() {
 
 std::string AllLints() {
   report::Table table;
+  table.KeepWhole();
   for (const char* head : {"lint", "number", "limit", "beyond it"}) table.AddColumn(head, false);
   for (const checks::LintInfo& info : checks::Lints())
     table.AddRow({std::string(info.kind.id), std::string(info.number), std::string(info.threshold),
@@ -96,6 +106,7 @@ std::string AllLints() {
 
 std::string AllErrors() {
   report::Table table;
+  table.KeepWhole();
   for (const char* head : {"error", "metrics", "unit", "compared with", "up to", ""})
     table.AddColumn(head, false);
   for (const schema::ErrorInfo& error : schema::Errors())
@@ -103,6 +114,7 @@ std::string AllErrors() {
                   error.needs_truth ? "truth" : "nothing", error.to_horizon ? "horizon" : "end",
                   std::string(error.doc)});
   report::Table forms;
+  forms.KeepWhole();
   forms.AddColumn("closed form", false);
   forms.AddColumn("", false);
   for (const schema::ClosedFormInfo& form : schema::ClosedForms())
@@ -110,7 +122,23 @@ std::string AllErrors() {
   return table.Text() + "\n" + forms.Text();
 }
 
-/// The scenarios of the library, a table for each folder, with their first comment line.
+/// `benchmarks: a, b`, in the order of the file.
+std::string BenchmarksIn(const fs::path& file) {
+  std::string why, names;
+  auto text = compiler::ReadFromDisk(file.string(), why);
+  if (!text) return "  " + why;
+  dsl::Diagnostics diagnostics;
+  const dsl::File tree =
+      dsl::Parse(std::make_shared<const dsl::Source>(file.string(), std::move(*text)), diagnostics);
+  int count = 0;
+  for (const auto& item : tree.items)
+    if (const auto* benchmark = std::get_if<dsl::Benchmark>(&item))
+      names += (count++ == 0 ? "" : ", ") + benchmark->name.text;
+  return fmt::format("  {}: {}", count == 1 ? "benchmark" : "benchmarks", names);
+}
+
+/// The scenarios of the library, a table for each folder, with their first comment line and the
+/// benchmarks in them.
 std::string Scenarios() {
   const fs::path library = ScenarioLibrary();
   std::map<std::string, std::vector<fs::path>> folders;
@@ -124,6 +152,7 @@ std::string Scenarios() {
   std::string text;
   for (auto& [folder, files] : folders) {
     report::Table table;
+    table.KeepWhole();
     table.AddColumn("scenarios: " + folder, false);
     table.AddColumn("", false);
     std::ranges::sort(files);
@@ -133,6 +162,7 @@ std::string Scenarios() {
       std::getline(in, line);
       line.erase(0, std::min(line.find_first_not_of("# "), line.size()));
       table.AddRow({(fs::path(folder) / file.stem()).string(), line});
+      table.AddRow({"", BenchmarksIn(file)});
     }
     text += (text.empty() ? "" : "\n") + table.Text();
   }

@@ -17,7 +17,7 @@ using scenario::Joined;
 class ContextFinder {
  public:
   ContextFinder(const dsl::Source& source, std::uint32_t offset)
-      : source_(source), offset_(offset) {}
+      : source_(source), offset_(offset), word_begin_(WordBegin()) {}
 
   Context Find() {
     dsl::Diagnostics unused;
@@ -27,10 +27,12 @@ class ContextFinder {
       if (comment.begin < offset_ && offset_ <= comment.end) return context_;
     for (const Token& token : list.tokens) {
       if (token.kind == TokenKind::kEnd || token.begin >= offset_) break;
+      if (token.kind != TokenKind::kText && token.begin >= word_begin_) {
+        WriteFrom(word_begin_, std::max(offset_, token.end));
+        break;
+      }
       if (IsBeingWritten(token)) {
-        context_.begin = token.begin;
-        context_.end = token.end;
-        context_.prefix = std::string(TextOf(token)).substr(0, offset_ - token.begin);
+        WriteFrom(token.begin, token.end);
         break;
       }
       Take(token);
@@ -52,8 +54,24 @@ class ContextFinder {
     return source_.text().substr(token.begin, token.end - token.begin);
   }
   bool IsBeingWritten(const Token& token) const {
-    return (token.kind == TokenKind::kPath && offset_ <= token.end) ||
-           (token.kind == TokenKind::kText && (offset_ < token.end || token.faulty));
+    return token.kind == TokenKind::kText && (offset_ < token.end || token.faulty);
+  }
+
+  void WriteFrom(std::uint32_t begin, std::uint32_t end) {
+    context_.begin = begin;
+    context_.end = end;
+    context_.prefix = source_.text().substr(begin, offset_ - begin);
+  }
+
+  /// Where the name before the place begins, which may end with a dot: `world.`.
+  std::uint32_t WordBegin() const {
+    const auto is_of_name = [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+             c == '_' || c == '.';
+    };
+    std::uint32_t begin = offset_;
+    while (begin > 0 && is_of_name(source_.text()[begin - 1])) --begin;
+    return begin;
   }
 
   void Take(const Token& token) {
@@ -153,7 +171,7 @@ class ContextFinder {
   }
 
   const dsl::Source& source_;
-  const std::uint32_t offset_;
+  const std::uint32_t offset_, word_begin_;
   Context context_;
   std::vector<Block> blocks_;
   std::vector<Token> statement_;  ///< what stands before the place, since the statement began

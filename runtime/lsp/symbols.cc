@@ -49,7 +49,7 @@ class SymbolCollector {
     return index;
   }
   void Refer(const dsl::Span& span, std::size_t definition) {
-    symbols_.occurrences_.push_back({span, definition});
+    if (span.source != nullptr) symbols_.occurrences_.push_back({span, definition});
   }
   std::size_t FamilyOf(std::size_t index) const {
     while (families_[index] != index) index = families_[index];
@@ -59,6 +59,7 @@ class SymbolCollector {
   void DefineFile(const ScenarioFile& file) {
     for (const auto& item : file.tree.items) {
       if (const auto* let = std::get_if<dsl::Let>(&item)) {
+        if (let->name.span.source == nullptr) continue;  // it has no name
         file_lets_[let] = Define({SymbolKind::kLet, let->name.span, WholeOf(*let), "", nullptr, 0});
       } else if (const auto* benchmark = std::get_if<dsl::Benchmark>(&item)) {
         if (benchmark->name.span.source == nullptr) continue;

@@ -61,6 +61,7 @@ std::string ExplanationText(const Explanation& explanation, std::string_view ren
 
 std::string ExplanationList() {
   report::Table table;
+  table.KeepWhole();
   for (const char* head : {"code", "name", ""}) table.AddColumn(head, false);
   for (const Explanation* row : AllExplanations()) {
     std::string_view sentence = row->text.substr(0, row->text.find(". "));

@@ -29,6 +29,7 @@ std::string Signature(const ParametrisedWord& info) {
 /// A table of every argument.
 std::string Arguments(const std::vector<const ParametrisedWord*>& calls) {
   report::Table table;
+  table.KeepWhole();
   for (const char* head : {"argument", "of", "takes", "unit", ""}) table.AddColumn(head, false);
   for (const ParametrisedWord* info : calls)
     for (const Parameter& argument : info->arguments)
@@ -49,6 +50,7 @@ template <typename Rows>
 std::string Words(const char* title, const Rows& rows,
                   const std::vector<const ParametrisedWord*>& calls) {
   report::Table table;
+  table.KeepWhole();
   table.AddColumn(title, false);
   table.AddColumn("", false);
   for (const auto& row : rows) table.AddRow({std::string(row.name), std::string(row.doc)});

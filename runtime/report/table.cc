@@ -9,6 +9,7 @@
 
 #include "compiler/plan/coordinates.h"
 #include "runtime/report/console.h"
+#include "runtime/report/wrap.h"
 
 namespace cdb::report {
 namespace {
@@ -24,6 +25,31 @@ std::string WithoutSpaces(std::string range) {
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::size_t LongestWord(const std::string& cell) {
+  std::size_t longest = 0;
+  for (std::size_t begin = 0; begin < cell.size();) {
+    const std::size_t end = std::min(cell.find(' ', begin), cell.size());
+    longest = std::max(longest, Width(cell.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return longest + std::min(cell.find_first_not_of(' '), cell.size());
+}
+
+/// The lines of a cell of so many columns: broken at spaces, and each as far to the right as the
+/// first.
+std::vector<std::string> LinesOf(const std::string& cell, std::size_t width) {
+  if (Width(cell) <= width) return {cell};
+  const std::size_t indent = std::min(cell.find_first_not_of(' '), width / 2);
+  std::vector<std::string> lines;
+  const std::string wrapped = Wrapped(cell, indent, width);
+  for (std::size_t begin = 0; begin < wrapped.size();) {
+    const std::size_t end = wrapped.find('\n', begin);
+    lines.push_back(wrapped.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
 }
 
 }  // namespace
@@ -47,7 +73,46 @@ std::vector<std::size_t> Table::Widths() const {
   return widths;
 }
 
+Table Table::NoWiderThan(std::size_t screen) const {
+  std::vector<std::size_t> widths = Widths(), least;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    least.push_back(LongestWord(columns_[c].head));
+    for (const auto& row : rows_) least[c] = std::max(least[c], LongestWord(row[c]));
+  }
+  std::size_t all = std::accumulate(widths.begin(), widths.end(), 2 * widths.size());
+  for (; all > screen; --all) {
+    std::size_t widest = widths.size();
+    for (std::size_t c = 0; c < widths.size(); ++c)
+      if (widths[c] > least[c] && (widest == widths.size() || widths[c] > widths[widest]))
+        widest = c;
+    if (widest == widths.size()) break;
+    --widths[widest];
+  }
+  Table table(keys_);
+  table.is_whole_ = true;
+  table.columns_ = columns_;
+  for (const auto& row : rows_) {
+    std::vector<std::vector<std::string>> cells;
+    std::size_t height = 1;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      cells.push_back(LinesOf(row[c], widths[c]));
+      height = std::max(height, cells.back().size());
+    }
+    for (std::size_t line = 0; line < height; ++line) {
+      std::vector<std::string> part;
+      for (const auto& cell : cells) part.push_back(line < cell.size() ? cell[line] : "");
+      table.rows_.push_back(std::move(part));
+    }
+  }
+  return table;
+}
+
 std::string Table::Text() const {
+  if (is_whole_) {
+    const std::size_t screen = TerminalWidth();
+    const Table table = screen > 0 ? NoWiderThan(screen) : *this;
+    return table.TextOf(table.Widths());
+  }
   const std::vector<std::size_t> widths = Widths();
   if (std::accumulate(widths.begin(), widths.end(), 2 * widths.size()) > kScreen) {
     Table narrow = *this;
@@ -59,7 +124,7 @@ std::string Table::Text() const {
 }
 
 std::string Table::TextOf(const std::vector<std::size_t>& widths) const {
-  const std::size_t screen = TerminalWidth();
+  const std::size_t screen = is_whole_ ? 0 : TerminalWidth();
   std::vector<std::size_t> keys;
   std::size_t keys_width = 0;
   for (std::size_t c = 0; c < std::min(keys_, columns_.size()); ++c) {

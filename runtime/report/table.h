@@ -17,6 +17,8 @@ class Table {
   /// `right`: aligned to the right.
   void AddColumn(std::string head, bool right);
   void AddRow(std::vector<std::string> cells);
+  /// On a narrow terminal, cells are broken at spaces, and the table stays in one part.
+  void KeepWhole() { is_whole_ = true; }
   bool empty() const { return rows_.empty(); }
   /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
   /// Ranges lose their spaces (`1..2`) in a table of more than 100 columns. A table that is wider
@@ -24,6 +26,7 @@ class Table {
   std::string Text() const;
 
  private:
+  Table NoWiderThan(std::size_t screen) const;
   std::vector<std::size_t> Widths() const;
   std::string TextOf(const std::vector<std::size_t>& widths) const;
   std::string PartText(const std::vector<std::size_t>& widths,
@@ -34,6 +37,7 @@ class Table {
     bool right;
   };
   const std::size_t keys_;
+  bool is_whole_ = false;
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
 };

@@ -14,4 +14,9 @@ std::size_t TextWidth();
 /// newline. Widths count UTF-8 code points. A word that is wider stands on its own line.
 std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width = TextWidth());
 
+/// Tables and paragraphs, laid out for any width, in lines of at most `width` columns; 0 leaves
+/// them as they are. The second column of a row goes on below itself, and a paragraph into its next
+/// line. A line without a place to break stays long.
+std::string Fitted(std::string_view text, std::size_t width);
+
 }  // namespace cdb::report

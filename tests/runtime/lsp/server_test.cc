@@ -163,6 +163,17 @@ TEST(Server, CompletesWhatMayStandThere) {
     EXPECT_EQ(item["textEdit"]["range"], Range(3, 17, 19));
 }
 
+TEST(Server, CompletesAfterADot) {
+  Client client;
+  client.Open(kUri, "benchmark b {\n  world.\n  objects { links.t }\n  cycles 1..\n}\nlet = 5\n");
+  const Json items = client.At("completion", kUri, 1, 8);
+  EXPECT_TRUE(Labels(items).contains("world.side"));
+  EXPECT_EQ(items[0]["textEdit"]["range"], Range(1, 2, 8));
+  EXPECT_TRUE(Labels(client.At("completion", kUri, 2, 19)).contains("links.type"));
+  EXPECT_FALSE(client.At("completion", kUri, 3, 12).is_null());
+  EXPECT_TRUE(client.At("references", kUri, 5, 2).empty());
+}
+
 TEST(Server, HoversShowTheManual) {
   Client client;
   client.Open(kUri,

@@ -1,0 +1,78 @@
+#include "runtime/manual/lookup.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "compiler/schema/language_words.h"
+#include "compiler/schema/schema.h"
+#include "compiler/schema/value.h"
+#include "dsl/render.h"
+#include "runtime/manual/language.h"
+#include "runtime/report/wrap.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+TEST(Lookup, FindsEveryWordOfTheLanguage) {
+  for (const char* word : {"sweep", "any", "let", "skip", "cases", "from", "uniform", "dbvt",
+                           "tunnelled", "ring", "side", "world.side", "links", "duration"})
+    EXPECT_FALSE(manual::TextAbout(word).empty()) << word;
+  for (const std::string& name : manual::KnownNames())
+    EXPECT_FALSE(manual::TextAbout(name).empty()) << name;
+  EXPECT_TRUE(manual::TextAbout("frobnicate").empty());
+}
+
+TEST(Lookup, TellsEveryMeaningOfAWord) {
+  const std::string sweep = manual::TextAbout("sweep");
+  EXPECT_NE(sweep.find("sweep (function)"), std::string::npos) << sweep;
+  EXPECT_NE(sweep.find("sweep (detector)"), std::string::npos) << sweep;
+  const std::string uniform = manual::TextAbout("uniform");
+  EXPECT_NE(uniform.find("uniform (function)"), std::string::npos);
+  EXPECT_NE(uniform.find("uniform (layout)"), std::string::npos);
+}
+
+TEST(LanguageWords, HaveExamplesThatCompile) {
+  for (const schema::LanguageWord& word : schema::LanguageWords()) {
+    if (word.name == "use") continue;  // of a file that is not here
+    std::string text(word.example);
+    const bool is_item = text.starts_with("benchmark ") || text.starts_with("let ");
+    if (text.find(" from ") != text.npos) text = "benchmark paper_experiment2 { }\n" + text;
+    if (!is_item) text = "benchmark b {\n" + text + "\n}";
+    const compiler::Compilation result = CompileText(text + "\nbenchmark last { }\n");
+    for (const dsl::Diagnostic& one : result.diagnostics.all())
+      EXPECT_TRUE(one.kind->severity() == dsl::Severity::kWarning || one.kind->id == "no-runs")
+          << word.name << ": " << dsl::Render(one);
+  }
+}
+
+// A distribution or a reserved word that has no row would be in no manual and no syntax file.
+TEST(LanguageWords, HaveAllThatTheReferenceBeginsALineWith) {
+  const std::string_view text = manual::kLanguageReference;
+  for (std::size_t at = text.find("\n  "); at != text.npos; at = text.find("\n  ", at + 1)) {
+    const std::string_view line = text.substr(at + 3, text.find('\n', at + 1) - at - 3);
+    const std::size_t end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz_");
+    if (end == 0 || end == line.npos || line[end] != '(') continue;
+    EXPECT_FALSE(manual::TextAbout(line.substr(0, end)).empty()) << line;
+  }
+}
+
+TEST(Fitted, GoesOnBelowTheLastColumn) {
+  EXPECT_EQ(report::Fitted("  nm  one two three\n", 14), "  nm  one two\n      three\n");
+  EXPECT_EQ(report::Fitted("  name  one two three\n        four\n  next  5\n", 16),
+            "  name  one two\n        three\n        four\n  next  5\n");
+  EXPECT_EQ(report::Fitted("one two three\nfour five\n", 8), "one two\nthree\nfour\nfive\n");
+  EXPECT_EQ(report::Fitted("-------------\nabcdefghij\n", 5), "-----\nabcdefghij\n");
+  EXPECT_EQ(report::Fitted("\xC3\xA9\xC3\xA9\xC3\xA9 z\n", 5), "\xC3\xA9\xC3\xA9\xC3\xA9 z\n");
+  EXPECT_EQ(report::Fitted("a b c\n", 0), "a b c\n");
+  const std::string fitted = report::Fitted(manual::kLanguageReference, 60);
+  std::size_t long_lines = 0;
+  for (std::size_t at = 0; at < fitted.size(); at = fitted.find('\n', at) + 1)
+    if (fitted.find('\n', at) - at > 60) ++long_lines;
+  EXPECT_EQ(long_lines, 0u);
+}
+
+}  // namespace
+}  // namespace cdb::tests
