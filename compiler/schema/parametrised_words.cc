@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compiler/schema/parameter_table.h"
 #include "dsl/check.h"
 
 namespace cdb::schema {
@@ -9,12 +10,12 @@ namespace {
 
 using enum ParameterType;
 
-constexpr Domain kAny = {};
-constexpr Domain kPositive = {.min = 0, .min_open = true};
-constexpr Domain kNotNegative = {.min = 0};
+constexpr Domain kAny = ParameterTable::kAny;
+constexpr Domain kPositive = ParameterTable::kPositive;
+constexpr Domain kNotNegative = ParameterTable::kNotNegative;
 constexpr Domain kNotZero = {.not_zero = true};
-constexpr Domain kCountFromZero = {.min = 0, .max = 2147483647};
-constexpr Domain kCountFromOne = {.min = 1, .max = 2147483647};
+constexpr Domain kCountFromZero = ParameterTable::kCountFromZero;
+constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
 
 struct ArgumentOptions {
   std::string_view default_text = {};

@@ -204,7 +204,7 @@ class PointColumns {
         all["counts"][series] = MeasuredColumn([&](const report::MeasuredPoint& point) {
           return report::Mean(file_.ReadSeries(series, point.cells[0]));
         });
-    const auto most = [this](const report::MeasuredPoint& point, auto read) {
+    const auto most = [](const report::MeasuredPoint& point, auto read) {
       double bytes = report::kNone;
       for (const Cell& cell : point.cells) bytes = std::fmax(bytes, read(cell));
       return bytes;

@@ -97,10 +97,10 @@ constexpr Explanation kScenarioRows[] = {
      "asked for, or adds numbers with and without a unit.",
      "benchmark b { objects.size 5 kg }\n", "benchmark b { objects.size 5 cm }\n"},
     {&scenario::kBadTable,
-     "A table of measured values is a text file of numbers, one a line; a row of it is something "
-     "else, or there is none.",
-     "benchmark b { objects.size empirical(\"bad.csv\") }\n",
-     "benchmark b { objects.size lognormal(2, 0.5) }\n"},
+     "A table of measured values has a row that is not a number, or not a number, a comma and its "
+     "weight; here sizes.csv has `2.5 mm`. A table has plain numbers in the unit of the parameter.",
+     "benchmark b { objects.size empirical(\"sizes.csv\") }\n",
+     "benchmark b { objects.size any(1.5, 2.5) }\n"},
     {&scenario::kRunsWillFail, "Some of the runs cannot be placed; the others can.",
      "benchmark b { world.side 1000; objects { size 200; quantity sweep(1, 2, 500) } }\n",
      "benchmark b { world.side 5000; objects { size 200; quantity sweep(1, 2, 500) } }\n"},

@@ -9,14 +9,13 @@
 
 namespace cdb::report {
 
-using Cell = store::ResultFile::Cell;
-
-std::string NoiseText(const store::ResultFile& file, const std::vector<Cell>& cells) {
+std::string NoiseText(const store::ResultFile& file,
+                      const std::vector<store::ResultFile::Cell>& cells) {
   if (!file.Has("noise") || !file.Has("noise_cause") || !file.Has("cpu_time")) return {};
   std::size_t noisy = 0;
-  const Cell* worst = nullptr;
+  const store::ResultFile::Cell* worst = nullptr;
   double least_share = std::numeric_limits<double>::infinity();
-  for (const Cell& cell : cells) {
+  for (const store::ResultFile::Cell& cell : cells) {
     if (file.ReadReal("noise", cell) != static_cast<double>(measure::Noise::kNoisy)) continue;
     ++noisy;
     const double share = file.ReadReal("cpu_time", cell) / file.ReadReal("cycles_time", cell);

@@ -27,10 +27,11 @@ std::vector<const dsl::DiagnosticKind*> AllKinds() {
   return kinds;
 }
 
-/// As `cdb check` compiles a file, beside nothing.
+/// As `cdb check` compiles a file, beside a table with a unit in it.
 compiler::Compilation CompileExample(std::string_view text) {
   const auto read = [&](const std::string& path, std::string& why) -> std::optional<std::string> {
     if (path == "wrong.cdb") return std::string(text);
+    if (path == "sizes.csv") return "1.5\n2.5 mm\n";
     why = "No such file or directory";
     return std::nullopt;
   };
