@@ -277,7 +277,7 @@ class Expander {
                           "its `skip` leaves out every point");
       return;
     }
-    if (find_fault_) checks.FindFaults(find_fault_);
+    checks.FindFaults(find_fault_);
     if (lints_) checks.Lint();
   }
 

@@ -31,7 +31,7 @@ TEST(DrawnWords, SameIsNoElongation) {
   const auto thin_shapes = [](const std::string& size) {
     const compiler::Compilation result =
         CompileText("benchmark b { timestep 1e-6; objects { type cuboid; size " + size + " } }");
-    return dsl::Render(result.diagnostics).find("[thin-shape]") != std::string::npos;
+    return dsl::Render(result.diagnostics).find(" thin-shape]") != std::string::npos;
   };
   EXPECT_TRUE(thin_shapes("log_uniform(1, 100)"));
   EXPECT_FALSE(thin_shapes("same(log_uniform(1, 100))"));

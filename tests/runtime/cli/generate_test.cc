@@ -36,18 +36,20 @@ TEST(Completion, OfBashKnowsCommandsOptionsWordsAndFiles) {
 
 TEST(Completion, OfZshAndFishIsWellFormed) {
   const Program program;
-  if (IsThere(program, "zsh"))
+  if (IsThere(program, "zsh")) {
     EXPECT_EQ(program
                   .Shell("$CDB generate zsh > _cdb && zsh -n _cdb && zsh -fc 'autoload -U "
                          "compinit && compinit -D && source ./_cdb && echo $_comps[cdb]'")
                   .out,
               "_cdb\n");
-  if (IsThere(program, "fish"))
+  }
+  if (IsThere(program, "fish")) {
     EXPECT_EQ(program
                   .Shell("$CDB generate fish > cdb.fish && HOME=. fish -c 'source cdb.fish; "
                          "complete -C \"cdb doc tunn\"'")
                   .out,
               "tunnelled\n");
+  }
 }
 
 TEST(Man, PagesHaveNoErrorsAndEveryCommandAndParameter) {
