@@ -81,6 +81,7 @@ grid::Block BlockMaker::MakeConditions() {
   };
   Choose(Point(extents_.size(), 0));
   for (const auto& skip : configuration_->layers().skips) {
+    if (!skip.node->when) continue;  // a fault that is reported
     PointCondition condition = Table(*skip.node->when, skip.scope);
     if (skip.node->is_only)
       condition = {PointCondition::Kind::kNot, {}, {}, {std::move(condition)}};

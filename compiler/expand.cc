@@ -56,8 +56,8 @@ class Expander {
     if (!layered_.is_readable() || !Configure()) return std::nullopt;
     MakeAxes();
     CheckAxisNames({});
-    const bool countable = !Failed() && layered_.is_complete() && !HasUnreadSkip();
-    if (!countable || !MakeHead() || !MakeBlocks()) {
+    const bool has_axes = !FailedBut(UnitErrors()) && layered_.is_complete();
+    if (!has_axes || !MakeHead() || !MakeBlocks() || HasUnreadSkip()) {
       // No grid, but each setting can still be looked at.
       for (const auto& configuration : configurations_) configuration->CheckSettings();
       return std::nullopt;
@@ -69,7 +69,15 @@ class Expander {
   }
 
  private:
-  bool Failed() const { return diagnostics_.error_count() > errors_before_; }
+  bool Failed() const { return FailedBut(0); }
+  bool FailedBut(int errors) const { return diagnostics_.error_count() > errors_before_ + errors; }
+
+  /// Of units in settings.
+  int UnitErrors() const {
+    int errors = 0;
+    for (const auto& configuration : configurations_) errors += configuration->unit_errors();
+    return errors;
+  }
 
   bool TooMany(double count, double most, std::string_view what) {
     diagnostics_.Report(scenario::kTooManyRuns, benchmark_.benchmark->name.span,

@@ -71,7 +71,9 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
   // Unused lets are checked too.
   for (const auto& [key, let] : layers_.lets)
     if (let.node->value->kind != ExprKind::kRange) evaluator_.Evaluate(*let.node->value, let.scope);
+  const int before = diagnostics.error_count();
   faulty_ = Dimensions(layers_, evaluator_).CheckAll();
+  unit_errors_ = diagnostics.error_count() - before;
   for (const schema::Parameter& parameter : schema::Schema()) {
     if (!parameter.grouped) {
       Add({"", &parameter});

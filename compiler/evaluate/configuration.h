@@ -58,6 +58,8 @@ class Configuration {
   /// The place of one word of the list that `key` is set to, at the chosen point.
   dsl::Span SpanOfWord(const scenario::ParameterKey& key, std::string_view word);
 
+  /// Errors of units in settings: axes and conditions can be read in spite of them.
+  int unit_errors() const { return unit_errors_; }
   /// The value that axis `like` of another configuration has here, where it is not swept.
   std::optional<schema::Value> ConstantFor(const SweepAxis& like);
 
@@ -70,6 +72,7 @@ class Configuration {
   Evaluator evaluator_;
   Conditions conditions_;
   std::vector<SweepAxis> axes_;
+  int unit_errors_ = 0;
   std::set<scenario::ParameterKey> faulty_;  ///< settings that are reported and not evaluated
   std::vector<DependentParameter> parameters_;
   Point point_;

@@ -35,7 +35,7 @@ constexpr Explanation kScenarioRows[] = {
     {&scenario::kBadArguments,
      "The arguments are not those of the word: too many, too few, unknown names, or values that do "
      "not go together. The values of an axis must be distinct.",
-     "benchmark b { objects.size uniform(5) }\n", "benchmark b { objects.size uniform(5, 10) }\n"},
+     "benchmark b { objects.mass uniform(5) }\n", "benchmark b { objects.mass uniform(5, 10) }\n"},
     {&scenario::kBadRange,
      "The range has no values or never ends, or its count is no whole number.",
      "benchmark b { cycles sweep(5 .. 1) }\n", "benchmark b { cycles sweep(5 .. 1 step -1) }\n"},
@@ -95,12 +95,12 @@ constexpr Explanation kScenarioRows[] = {
     {&scenario::kWrongUnit,
      "A value has a unit of another dimension than its parameter, as a mass where a length is "
      "asked for, or adds numbers with and without a unit.",
-     "benchmark b { objects.size 5 kg }\n", "benchmark b { objects.size 5 cm }\n"},
+     "benchmark b { objects.size 5 kg }\n", "benchmark b { objects.size 5 m }\n"},
     {&scenario::kBadTable,
      "A table of measured values has a row that is not a number, or not a number, a comma and its "
-     "weight; here sizes.csv has `2.5 mm`. A table has plain numbers in the unit of the parameter.",
-     "benchmark b { objects.size empirical(\"sizes.csv\") }\n",
-     "benchmark b { objects.size any(1.5, 2.5) }\n"},
+     "weight; here masses.csv has `2.5 kg`. A table has plain numbers in the unit of the parameter.",
+     "benchmark b { objects.mass empirical(\"masses.csv\") }\n",
+     "benchmark b { objects.mass any(1.5, 2.5) }\n"},
     {&scenario::kRunsWillFail, "Some of the runs cannot be placed; the others can.",
      "benchmark b { world.side 1000; objects { size 200; quantity sweep(1, 2, 500) } }\n",
      "benchmark b { world.side 5000; objects { size 200; quantity sweep(1, 2, 500) } }\n"},

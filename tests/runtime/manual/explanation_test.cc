@@ -31,7 +31,7 @@ std::vector<const dsl::DiagnosticKind*> AllKinds() {
 compiler::Compilation CompileExample(std::string_view text) {
   const auto read = [&](const std::string& path, std::string& why) -> std::optional<std::string> {
     if (path == "wrong.cdb") return std::string(text);
-    if (path == "sizes.csv") return "1.5\n2.5 mm\n";
+    if (path == "masses.csv") return "1.5\n2.5 kg\n";
     why = "No such file or directory";
     return std::nullopt;
   };
