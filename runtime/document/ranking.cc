@@ -102,7 +102,8 @@ Certainty Ranking::certainty() const {
 }
 
 Certainty CertaintyOf(const report::Interval& interval, report::IntervalKind kind) {
-  if (kind == report::IntervalKind::kAbsent || std::isnan(interval.low) || std::isnan(interval.high))
+  if (kind == report::IntervalKind::kAbsent || std::isnan(interval.low) ||
+      std::isnan(interval.high))
     return Certainty::kUnknown;
   if (interval.low <= 1 && interval.high >= 1) return Certainty::kTie;
   return kind == report::IntervalKind::kInterval ? Certainty::kClear : Certainty::kUnknown;

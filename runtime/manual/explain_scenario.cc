@@ -98,7 +98,8 @@ constexpr Explanation kScenarioRows[] = {
      "benchmark b { objects.size 5 kg }\n", "benchmark b { objects.size 5 m }\n"},
     {&scenario::kBadTable,
      "A table of measured values has a row that is not a number, or not a number, a comma and its "
-     "weight; here masses.csv has `2.5 kg`. A table has plain numbers in the unit of the parameter.",
+     "weight; here masses.csv has `2.5 kg`. A table has plain numbers in the unit of the "
+     "parameter.",
      "benchmark b { objects.mass empirical(\"masses.csv\") }\n",
      "benchmark b { objects.mass any(1.5, 2.5) }\n"},
     {&scenario::kRunsWillFail, "Some of the runs cannot be placed; the others can.",
