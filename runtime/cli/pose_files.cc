@@ -45,14 +45,14 @@ struct Arguments {
 }
 
 /// `detector=dbvt, quantity=100`.
-std::vector<view::Selection> SelectionsOf(const std::string& text) {
-  std::vector<view::Selection> selections;
+std::vector<report::AxisSelection> SelectionsOf(const std::string& text) {
+  std::vector<report::AxisSelection> selections;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     std::string word = text.substr(begin, end - begin);
     word.erase(0, word.find_first_not_of(' '));
     word.erase(word.find_last_not_of(' ') + 1);
-    selections.push_back(view::ParseSelection(word));
+    selections.push_back(report::ParseSelection(word));
     begin = end + 1;
   }
   return selections;
@@ -60,9 +60,9 @@ std::vector<view::Selection> SelectionsOf(const std::string& text) {
 
 ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
   ResultFile::Cell cell{std::vector<std::size_t>(file.axes().size(), 0), 0};
-  const auto selections = from.run ? SelectionsOf(*from.run) : std::vector<view::Selection>();
+  const auto selections = from.run ? SelectionsOf(*from.run) : std::vector<report::AxisSelection>();
   const auto is_named = [&](std::string_view axis) {
-    return std::ranges::find(selections, axis, &view::Selection::axis) != selections.end();
+    return std::ranges::find(selections, axis, &report::AxisSelection::axis) != selections.end();
   };
   std::string open;
   for (const plan::Axis& axis : file.axes())

@@ -35,31 +35,31 @@ struct ViewArguments {
 /// A .glb file is shorter than 4 GB; its poses take less than twice the bytes of a page's.
 constexpr std::size_t kGltfBudget = 1'000'000'000;
 
+using report::AxisSelection;
 using view::SceneRecording;
-using view::Selection;
 
 bool IsResults(const std::string& file) { return file.ends_with(".h5") || file.ends_with(".nc"); }
 
-std::vector<Selection> ParseAll(const std::vector<std::string>& words) {
-  std::vector<Selection> selections;
-  for (const std::string& word : words) selections.push_back(view::ParseSelection(word));
+std::vector<AxisSelection> ParseAll(const std::vector<std::string>& words) {
+  std::vector<AxisSelection> selections;
+  for (const std::string& word : words) selections.push_back(report::ParseSelection(word));
   return selections;
 }
 
-bool HasAxis(const std::vector<plan::Axis>& axes, const Selection& selection) {
+bool HasAxis(const std::vector<plan::Axis>& axes, const AxisSelection& selection) {
   return selection.axis == "rep" ||
          std::ranges::find(axes, selection.axis, &plan::Axis::name) != axes.end();
 }
 
 /// Of `selections` those for this sweep. With two files one of them may lack an axis; `used` gets
 /// the axes that were found.
-std::vector<Selection> ForSweep(const std::vector<plan::Axis>& axes,
-                                std::vector<Selection> selections, const ViewArguments& arguments,
-                                std::set<std::string>& used) {
+std::vector<AxisSelection> ForSweep(const std::vector<plan::Axis>& axes,
+                                    std::vector<AxisSelection> selections,
+                                    const ViewArguments& arguments, std::set<std::string>& used) {
   if (arguments.files.size() > 1)
     std::erase_if(selections,
-                  [&](const Selection& selection) { return !HasAxis(axes, selection); });
-  for (const Selection& selection : selections) used.insert(selection.axis);
+                  [&](const AxisSelection& selection) { return !HasAxis(axes, selection); });
+  for (const AxisSelection& selection : selections) used.insert(selection.axis);
   return selections;
 }
 
@@ -107,7 +107,7 @@ void ViewResults(const std::string& name, const ViewArguments& arguments,
   }
 }
 
-const plan::Run& RunAt(const plan::Plan& plan, const std::vector<Selection>& selections) {
+const plan::Run& RunAt(const plan::Plan& plan, const std::vector<AxisSelection>& selections) {
   store::ResultFile::Cell cell{plan.runs.at(0).at, plan.runs[0].rep};
   view::Select(plan.axes, plan.repeats, selections, cell);
   for (const plan::Run& run : plan.runs)
@@ -128,12 +128,12 @@ bool ViewScenario(const std::string& name, const ViewArguments& arguments, Viewe
                             plans[0].benchmark));
   }
   try {
-    std::vector<Selection> selections =
+    std::vector<AxisSelection> selections =
         ForSweep(plans[0].axes, ParseAll(arguments.select), arguments, viewed.axes);
     recordings.push_back(view::StartOf(plans[0], RunAt(plans[0], selections)));
     recordings.back().file = name;
     if (arguments.beside.empty()) return true;
-    for (Selection& other : ParseAll(arguments.beside)) selections.push_back(std::move(other));
+    for (AxisSelection& other : ParseAll(arguments.beside)) selections.push_back(std::move(other));
     recordings.push_back(view::StartOf(plans[0], RunAt(plans[0], selections)));
     recordings.back().file = name;
   } catch (const CommandError&) {
@@ -203,7 +203,7 @@ ExitStatus View(const ViewArguments& arguments) {
       return ExitStatus::kScenario;
     }
   }
-  for (const Selection& selection : ParseAll(arguments.select))
+  for (const AxisSelection& selection : ParseAll(arguments.select))
     if (!viewed.axes.contains(selection.axis))
       throw CommandError(fmt::format("no file has the axis '{}'", selection.axis));
   const std::vector<SceneRecording>& recordings = viewed.recordings;

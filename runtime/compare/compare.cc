@@ -9,7 +9,8 @@ namespace {
 /// Throws StoreError as MatchPoints does; if these are different benchmarks, it says so first.
 PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b,
                            const CompareOptions& options) {
-  const auto selections = ParseSelections(options.select);
+  std::vector<report::AxisSelection> selections;
+  for (const std::string& word : options.select) selections.push_back(report::ParseSelection(word));
   try {
     return MatchPoints(a, b, selections);
   } catch (const store::StoreError& error) {

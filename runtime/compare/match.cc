@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -15,6 +15,7 @@
 namespace cdb::compare {
 namespace {
 
+using report::AxisSelection;
 using Cell = store::ResultFile::Cell;
 
 /// An axis as far as it is selected.
@@ -24,33 +25,21 @@ struct SelectedAxis {
 };
 using SelectedAxes = std::map<std::string, SelectedAxis>;
 
-std::string ValuesText(const plan::Axis& axis, const std::vector<std::size_t>& values) {
-  std::string text;
-  for (const std::size_t i : values)
-    text += (text.empty() ? "" : ", ") + report::CoordinateText(axis, i);
-  return text;
-}
-
-bool IsValue(const plan::Axis& axis, std::size_t index, const std::string& text) {
-  if (report::CoordinateText(axis, index) == text) return true;
-  if (axis.IsText()) return false;
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size() &&
-         std::get<double>(axis.values[index]) == number;
-}
-
 /// The indices of the values that are selected; all without a selection of the axis.
 std::vector<std::size_t> SelectValues(const plan::Axis& axis,
                                       const std::vector<AxisSelection>& selections) {
-  const auto selection = std::ranges::find(selections, axis.name, &AxisSelection::axis);
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < axis.values.size(); ++i)
-    if (selection == selections.end() ||
-        std::ranges::any_of(selection->values,
-                            [&](const std::string& text) { return IsValue(axis, i, text); }))
-      indices.push_back(i);
-  return indices;
+  std::set<std::size_t> indices;
+  bool is_selected = false;
+  for (const AxisSelection& selection : selections) {
+    if (selection.axis != axis.name) continue;
+    is_selected = true;
+    const report::NamedValues values = report::FindValues(axis, selection.text);
+    indices.insert(values.indices.begin(), values.indices.end());
+  }
+  if (is_selected) return {indices.begin(), indices.end()};
+  std::vector<std::size_t> all(axis.values.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 SelectedAxes SelectAxes(const ComparedFile& of, const std::vector<AxisSelection>& selections) {
@@ -59,10 +48,8 @@ SelectedAxes SelectAxes(const ComparedFile& of, const std::vector<AxisSelection>
   for (std::size_t i = 0; i < axes.size(); ++i) {
     selected[axes[i].name] = {i, SelectValues(axes[i], selections)};
     if (!selected[axes[i].name].values.empty()) continue;
-    std::vector<std::size_t> all(axes[i].values.size());
-    for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
     throw store::StoreError(fmt::format("--select {}: {} has none of these values; it has {}",
-                                        axes[i].name, of.name, ValuesText(axes[i], all)));
+                                        axes[i].name, of.name, report::ValuesText(axes[i])));
   }
   return selected;
 }
@@ -116,7 +103,7 @@ class Matcher {
 
   /// An axis that the other file lacks, or has with another value.
   void IgnoreAxis(const ComparedFile& of, const std::string& name, const SelectedAxis& axis) {
-    const std::string values = ValuesText(of.file.axes()[axis.place], axis.values);
+    const std::string values = report::ValuesText(of.file.axes()[axis.place], axis.values);
     if (axis.values.size() > 1)
       throw store::StoreError(fmt::format(
           "only {} has the axis '{}' ({}): choose one of its values, as in --select "
@@ -217,21 +204,6 @@ ComparedFile::ComparedFile(const std::filesystem::path& path, std::string name_o
       file(path),
       plan(report::ReadPlan(file)),
       points(report::MeasuredPoints(file, false)) {}
-
-std::vector<AxisSelection> ParseSelections(const std::vector<std::string>& texts) {
-  std::vector<AxisSelection> selections;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == 0 || equals == text.npos || equals + 1 == text.size())
-      throw store::StoreError(
-          fmt::format("--select {}: is not axis=value, as in --select detector=sap", text));
-    const std::string axis = text.substr(0, equals);
-    auto selection = std::ranges::find(selections, axis, &AxisSelection::axis);
-    if (selection == selections.end()) selection = selections.insert(selections.end(), {axis, {}});
-    selection->values.push_back(text.substr(equals + 1));
-  }
-  return selections;
-}
 
 std::string MatchedPoint::PlaceText(const std::vector<std::string>& axes) const {
   std::string text;

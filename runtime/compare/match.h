@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/report/axis_values.h"
 #include "runtime/report/points.h"
 #include "runtime/store/store.h"
 
@@ -23,14 +24,6 @@ struct ComparedFile {
   const std::optional<plan::Plan> plan;  ///< nullopt for that of another version of cdb
   const std::vector<report::MeasuredPoint> points;
 };
-
-/// `--select detector=sap`: the points with one of `values` on an axis.
-struct AxisSelection {
-  std::string axis;
-  std::vector<std::string> values;
-};
-/// From `axis=value`; values of the same axis add up. Throws StoreError for another form.
-std::vector<AxisSelection> ParseSelections(const std::vector<std::string>& texts);
 
 /// A point that both files have.
 struct MatchedPoint {
@@ -52,6 +45,6 @@ struct PointMatch {
 /// axis of several values that only one file has, for a selection that neither has, and if no point
 /// is left.
 PointMatch MatchPoints(const ComparedFile& a, const ComparedFile& b,
-                       const std::vector<AxisSelection>& selections);
+                       const std::vector<report::AxisSelection>& selections);
 
 }  // namespace cdb::compare

@@ -8,8 +8,8 @@
 
 namespace cdb::report {
 
-/// Each of `selections` is `axis=value`, `axis=a,b` or, on an axis of numbers, `axis=a..b` with
-/// both ends. Throws StoreError that names the axes of the file, or the values of the axis.
+/// Each of `selections` is `axis=value`, `axis=a,b` or `axis=a..b` (axis_values.h). Throws
+/// StoreError that names the axes of the file, or the values of the axis.
 void SelectPart(store::ResultFile& file, const std::vector<std::string>& selections);
 
 }  // namespace cdb::report

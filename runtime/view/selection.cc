@@ -5,7 +5,7 @@
 
 #include <charconv>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 #include "runtime/report/table.h"
 
@@ -22,11 +22,12 @@ std::optional<double> NumberOf(const std::string& text) {
   return value;
 }
 
-std::string ValuesText(const plan::Axis& axis) {
-  std::vector<std::string> values;
-  for (std::size_t i = 0; i < axis.values.size(); ++i)
-    values.push_back(report::CoordinateText(axis, i));
-  return fmt::format("{}", fmt::join(values, ", "));
+std::size_t OneOf(const plan::Axis& axis, const std::string& text) {
+  const report::NamedValues values = report::FindValues(axis, text);
+  if (values.indices.size() == 1 && values.unknown.empty()) return values.indices[0];
+  throw StoreError(fmt::format("{}={}: {}the axis has the values {}", axis.name, text,
+                               values.indices.empty() ? "" : "that is more than one; ",
+                               report::ValuesText(axis)));
 }
 
 std::uint64_t RepeatOf(const std::string& value, std::uint64_t repeats) {
@@ -39,36 +40,8 @@ std::uint64_t RepeatOf(const std::string& value, std::uint64_t repeats) {
 
 }  // namespace
 
-Selection ParseSelection(const std::string& word) {
-  const std::size_t equals = word.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == word.size())
-    throw StoreError(
-        fmt::format("'{}' selects nothing; write AXIS=VALUE, such as detector=dbvt", word));
-  return {word.substr(0, equals), word.substr(equals + 1)};
-}
-
-std::size_t FindCoordinate(const plan::Axis& axis, const std::string& value) {
-  std::optional<std::size_t> best;
-  double least = std::numeric_limits<double>::infinity();
-  const auto number = NumberOf(value);
-  for (std::size_t i = 0; i < axis.values.size(); ++i) {
-    const auto* coordinate = std::get_if<double>(&axis.values[i]);
-    if (coordinate == nullptr) {
-      if (std::get<std::string>(axis.values[i]) == value) return i;
-    } else if (number) {
-      const double difference = std::abs(*coordinate - *number);
-      if (difference > 1e-4 * std::abs(*coordinate) || difference >= least) continue;
-      least = difference;
-      best = i;
-    }
-  }
-  if (best) return *best;
-  throw StoreError(
-      fmt::format("{}={}: the axis has the values {}", axis.name, value, ValuesText(axis)));
-}
-
 void Select(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
-            const std::vector<Selection>& selections, store::ResultFile::Cell& cell) {
+            const std::vector<report::AxisSelection>& selections, store::ResultFile::Cell& cell) {
   for (const auto& [name, value] : selections) {
     if (name == "rep") {
       cell.rep = RepeatOf(value, repeats);
@@ -79,7 +52,7 @@ void Select(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
     for (std::size_t i = 0; i < axes.size(); ++i) {
       names.push_back(axes[i].name);
       if (axes[i].name != name) continue;
-      cell.at[i] = FindCoordinate(axes[i], value);
+      cell.at[i] = OneOf(axes[i], value);
       is_found = true;
     }
     if (is_found) continue;

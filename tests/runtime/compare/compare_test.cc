@@ -239,7 +239,7 @@ TEST(Compare, ComparesOnlyWhatIsSelected) {
   EXPECT_EQ(RefusalOf(results, {.select = {"quantity=11"}}),
             "--select quantity: a.h5 has none of these values; it has 10, 20");
   EXPECT_EQ(RefusalOf(results, {.select = {"quantity"}}),
-            "--select quantity: is not axis=value, as in --select detector=sap");
+            "'quantity' selects nothing; write AXIS=VALUE, such as detector=dbvt");
 }
 
 TEST(Compare, IgnoresAnAxisOfOneValueAndRefusesOneOfSeveral) {

@@ -108,7 +108,7 @@ TEST(Select, NamesAxesAndValuesOfTheFile) {
   EXPECT_EQ(error_of({"y=1"}), "there is no axis 'y'; there are detector, x");
   EXPECT_EQ(error_of({"x=7"}), "the axis 'x' has no value 7; it has 0.5, 2, 30");
   EXPECT_EQ(error_of({"x=3..9"}), "the axis 'x' has no value 3..9; it has 0.5, 2, 30");
-  EXPECT_EQ(error_of({"x"}), "--select takes AXIS=VALUE, AXIS=A,B or AXIS=A..B, not 'x'");
+  EXPECT_EQ(error_of({"x"}), "'x' selects nothing; write AXIS=VALUE, such as detector=dbvt");
   EXPECT_EQ(error_of({"x=2", "x=30"}),
             "--select names the axis 'x' twice: list its values in one, as x=A,B");
 }

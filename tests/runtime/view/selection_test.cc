@@ -25,8 +25,8 @@ TEST(Selection, FindsCoordinatesByTextAndByNearlyEqualNumbers) {
                                         TextAxis("detector", {"simple", "dbvt"})};
   store::ResultFile::Cell cell{{0, 0}, 0};
   view::Select(axes, 3,
-               {view::ParseSelection("dt=0.008333"), view::ParseSelection("detector=dbvt"),
-                view::ParseSelection("rep=2")},
+               {report::ParseSelection("dt=0.008333"), report::ParseSelection("detector=dbvt"),
+                report::ParseSelection("rep=2")},
                cell);
   EXPECT_EQ(cell.at, (std::vector<std::size_t>{1, 1}));
   EXPECT_EQ(cell.rep, 2U);
@@ -38,11 +38,13 @@ TEST(Selection, RefusesByName) {
   const std::vector<plan::Axis> axes = {TextAxis("detector", {"simple", "dbvt"})};
   store::ResultFile::Cell cell{{0}, 0};
   const auto select = [&](const char* word) {
-    return MessageOf([&] { view::Select(axes, 2, {view::ParseSelection(word)}, cell); });
+    return MessageOf([&] { view::Select(axes, 2, {report::ParseSelection(word)}, cell); });
   };
   EXPECT_EQ(select("detector"),
             "'detector' selects nothing; write AXIS=VALUE, such as detector=dbvt");
   EXPECT_EQ(select("detector=sap"), "detector=sap: the axis has the values simple, dbvt");
+  EXPECT_EQ(select("detector=simple,dbvt"),
+            "detector=simple,dbvt: that is more than one; the axis has the values simple, dbvt");
   EXPECT_EQ(select("size=1"), "there is no axis 'size'; there are detector, rep");
   EXPECT_EQ(select("rep=2"), "rep=2: the repeats are 0 to 1");
 }
