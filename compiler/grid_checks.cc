@@ -43,10 +43,7 @@ grid::AxisSet GridChecks::AxesOfPlacement() const {
           setting.parameter->name == "world.side" || setting.parameter->name == "trace")
         axes = grid::Union(axes, setting.by.axes());
   }
-  if (!has_closed_form) return axes;
-  axes.resize(grid_.head.axes.size());
-  for (std::size_t axis = 0; axis < axes.size(); ++axis) axes[axis] = axis;
-  return axes;
+  return has_closed_form ? grid::AllAxes(grid_.head.axes.size()) : axes;
 }
 
 void GridChecks::FindFaults(const plan::FindSceneFault& find) {

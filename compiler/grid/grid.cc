@@ -14,11 +14,7 @@ namespace {
 constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
 constexpr std::uint64_t kNotChosen = std::numeric_limits<std::uint64_t>::max();
 
-Subgrid WholeGrid(const Grid& grid) {
-  AxisSet all(grid.head.axes.size());
-  for (std::size_t axis = 0; axis < all.size(); ++axis) all[axis] = axis;
-  return {all, grid.extents()};
-}
+Subgrid WholeGrid(const Grid& grid) { return {AllAxes(grid.head.axes.size()), grid.extents()}; }
 
 }  // namespace
 
@@ -66,9 +62,7 @@ Point Block::PlaceOf(const Point& local) const {
 }
 
 Remaining RemainingBy(const Block& block, const AxisSet& axes) {
-  AxisSet all(block.extents.size());
-  for (std::size_t axis = 0; axis < all.size(); ++axis) all[axis] = axis;
-  const Subgrid whole(all, block.extents);
+  const Subgrid whole(AllAxes(block.extents.size()), block.extents);
   const Subgrid looked_at(Union(Subgrid(axes, block.extents).axes(), block.SkipAxes()),
                           block.extents);
   // Points that differ in other axes only are left out together.

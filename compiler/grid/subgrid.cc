@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 namespace cdb::grid {
 
@@ -9,6 +10,12 @@ AxisSet Union(const AxisSet& a, const AxisSet& b) {
   AxisSet both;
   std::ranges::set_union(a, b, std::back_inserter(both));
   return both;
+}
+
+AxisSet AllAxes(std::size_t count) {
+  AxisSet all(count);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 AxisSet WithoutConstants(const AxisSet& axes, const Point& extents) {

@@ -13,6 +13,7 @@ using Point = std::vector<std::size_t>;
 using AxisSet = std::vector<std::size_t>;
 
 AxisSet Union(const AxisSet& a, const AxisSet& b);
+AxisSet AllAxes(std::size_t count);
 /// The axes that have more than one value.
 AxisSet WithoutConstants(const AxisSet& axes, const Point& extents);
 /// A double, as it may be more than 64 bits hold.

@@ -9,12 +9,6 @@
 namespace cdb::grid {
 namespace {
 
-AxisSet AllAxes(const Point& extents) {
-  AxisSet all(extents.size());
-  for (std::size_t axis = 0; axis < all.size(); ++axis) all[axis] = axis;
-  return all;
-}
-
 /// Numbers below `size`, spread evenly for every stride: the additive sequence of the golden ratio.
 /// Both ends are among them.
 std::vector<std::uint64_t> SpreadNumbers(std::uint64_t size, std::uint64_t count) {
@@ -47,7 +41,7 @@ std::vector<Point> CornersOf(const Point& extents, std::size_t most) {
 
 std::uint64_t Survey::NumberOf(const Point& place) const {
   const Point extents = grid_.extents();
-  return Subgrid(AllAxes(extents), extents).IndexOf(place);
+  return Subgrid(AllAxes(extents.size()), extents).IndexOf(place);
 }
 
 Samples Survey::Whole(const AxisSet& axes) const {
@@ -55,7 +49,7 @@ Samples Survey::Whole(const AxisSet& axes) const {
   for (std::size_t b = 0; b < grid_.blocks.size(); ++b) {
     const Block& block = grid_.blocks[b];
     const Remaining remaining = RemainingBy(block, axes);
-    const Subgrid whole(AllAxes(block.extents), block.extents);
+    const Subgrid whole(AllAxes(block.extents.size()), block.extents);
     for (std::size_t i = 0; i < remaining.counts.size(); ++i) {
       if (remaining.counts[i] == 0) continue;
       Point local(block.extents.size(), 0);
@@ -74,7 +68,7 @@ Samples Survey::Spread(std::uint64_t most) const {
   const std::uint64_t each = std::max<std::uint64_t>(1, most / grid_.blocks.size());
   for (std::size_t b = 0; b < grid_.blocks.size(); ++b) {
     const Block& block = grid_.blocks[b];
-    const Subgrid whole(AllAxes(block.extents), block.extents);
+    const Subgrid whole(AllAxes(block.extents.size()), block.extents);
     std::vector<Point> points = CornersOf(block.extents, each);
     for (const std::uint64_t number : SpreadNumbers(whole.size(), each)) {
       points.emplace_back(block.extents.size(), 0);
