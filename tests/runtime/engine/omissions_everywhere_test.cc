@@ -16,6 +16,7 @@
 #include "library/scene_error.h"
 #include "tests/runtime/engine/paired_run.h"
 #include "tests/support/folders.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -72,11 +73,7 @@ std::vector<plan::Scene> ScaledDown(plan::Scene scene) {
 TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
   // States are compared in the ordinary build; what the sanitizers look for is the same in fewer
   // runs.
-#ifdef __SANITIZE_ADDRESS__
-  constexpr std::size_t kMostRunsOfAPlan = 3;
-#else
-  constexpr std::size_t kMostRunsOfAPlan = 10;
-#endif
+  constexpr std::size_t kMostRunsOfAPlan = kAddressSanitizer ? 3 : 10;
   Tally tally;
   std::size_t plans = 0;
   for (const std::string& file : ShippedScenarios()) {

@@ -16,6 +16,7 @@
 
 #include "tests/runtime/schedule/plans.h"
 #include "tests/support/folders.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -340,9 +341,7 @@ TEST(WorkerTest, WhatCannotBeStartedIsNamed) {
 }
 
 TEST(WorkerTest, NoDescriptorLeftIsAnError) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the sanitizer needs descriptors for its own checks";
-#endif
+  if (kAddressSanitizer) GTEST_SKIP() << "the sanitizer needs descriptors for its own checks";
   const auto plan = MakeBehaviourPlan({kFinishes});
   rlimit before = {};
   getrlimit(RLIMIT_NOFILE, &before);

@@ -85,8 +85,8 @@ plan::Plan MakePlan(std::vector<plan::Axis> axes, std::uint64_t repeats, const S
 double ValueAt(const plan::Run& run, const measure::Series& series, std::size_t index) {
   if (series.name == "contacts") return ContactsIn(run, index);
   const auto row = static_cast<double>(&series - measure::AllSeries().data());
-  const double whole =
-      1e6 * (row + 1) + 1000 * static_cast<double>(NumberOf(run)) + static_cast<double>(index);
+  const auto number = static_cast<double>(NumberOf(run) % 1'000'000);  // fits an int32
+  const double whole = 1e6 * (row + 1) + 1000 * number + static_cast<double>(index);
   const bool is_whole = series.type == measure::SeriesType::kInt32 || series.name == "duration";
   return is_whole ? whole : whole + 0.1;
 }

@@ -20,6 +20,7 @@
 #include "library/detectors/exact_pairs.h"
 #include "library/detectors/kernels/kernels.h"
 #include "tests/library/detectors/box_scenes.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -75,11 +76,7 @@ TEST(BuiltinDetectors, AreExactOnEveryScene) {
 }
 
 TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
-#ifdef __SANITIZE_THREAD__
-  constexpr int kCycles = 10;
-#else
-  constexpr int kCycles = 20;
-#endif
+  constexpr int kCycles = kThreadSanitizer ? 10 : 20;
   for (const std::string_view name : kBoxScenes) {
     BoxScene moving(name, 3000, true, 7);
     std::vector<Named> first = All(1), second = All(1), two = All(2), three = All(3);
@@ -231,11 +228,8 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
 
 TEST(BuiltinDetectors, AreExactWhateverHappens) {
   std::mt19937_64 random(11);
-#ifdef __SANITIZE_THREAD__
-  constexpr int kRounds = 18, kFewestThreads = 2;  // one thread alone races with none
-#else
-  constexpr int kRounds = 36, kFewestThreads = 1;
-#endif
+  constexpr int kRounds = kThreadSanitizer ? 18 : 36;
+  constexpr int kFewestThreads = kThreadSanitizer ? 2 : 1;  // one thread alone races with none
   for (int round = 0; round < kRounds; ++round) {
     Boxes boxes;
     const std::size_t count = 1 + random() % 400;
