@@ -1,8 +1,8 @@
 #include "runtime/report/detector_figures.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "compiler/schema/catalogue.h"
 #include "runtime/report/cells.h"
@@ -152,19 +152,23 @@ std::optional<DetectorGrowth> GrowthByRow(const store::ResultFile& file,
 }
 
 double GrowthExponent(const std::vector<std::pair<double, double>>& points) {
-  const auto n = static_cast<Eigen::Index>(points.size());
-  Eigen::MatrixX2d terms(n, 2);
-  Eigen::VectorXd logs(n);
   std::vector<double> xs;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& [x, y] = points[static_cast<std::size_t>(i)];
+  std::vector<double> ys;
+  for (const auto& [x, y] : points) {
     if (!(x > 0) || !(y > 0)) return kNone;
-    terms.row(i) << std::log(x), 1;
-    logs[i] = std::log(y);
-    if (std::ranges::find(xs, x) == xs.end()) xs.push_back(x);
+    xs.push_back(std::log(x));
+    ys.push_back(std::log(y));
   }
-  if (xs.size() < kLeastPoints) return kNone;
-  return terms.colPivHouseholderQr().solve(logs)[0];
+  if (std::set<double>(xs.begin(), xs.end()).size() < kLeastPoints) return kNone;
+  const double middle_x = Mean(xs);
+  const double middle_y = Mean(ys);
+  double across = 0;
+  double along = 0;
+  for (std::size_t i = 0; i < xs.size(); ++i) {
+    across += (xs[i] - middle_x) * (ys[i] - middle_y);
+    along += (xs[i] - middle_x) * (xs[i] - middle_x);
+  }
+  return across / along;
 }
 
 std::optional<HarnessCost> HarnessCostOf(const store::ResultFile& file,
