@@ -46,6 +46,8 @@ SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
   }
   boxes_.assign(size(), {{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
   filters_.resize(size());
+  is_asleep_.assign(size(), 0);
+  box_pass_.emplace(std::span(bodies_).first(first_plane_));
   for (Id id = 0; id < size(); ++id) filters_[id].is_fixed = body(id).isStaticObject();
 }
 
@@ -56,14 +58,11 @@ void SceneView::SetFilter(Id id, int group, int mask) {
 
 void SceneView::TakePoses() {
   poses_.resize(size());
-  is_asleep_.resize(size());
   for (Id id = 0; id < size(); ++id) {
     const btTransform& pose = body(id).getWorldTransform();
     const btMatrix3x3& basis = pose.getBasis();
     poses_[id] = {bullet::ToVec3(pose.getOrigin()), bullet::ToVec3(basis.getColumn(0)),
                   bullet::ToVec3(basis.getColumn(1)), bullet::ToVec3(basis.getColumn(2))};
-    // Bullet marks fixed bodies as asleep.
-    is_asleep_[id] = !body(id).isActive() && !filters_[id].is_fixed;
   }
   has_poses_ = true;
 }
@@ -74,11 +73,10 @@ Scene SceneView::For(bool wants_poses) {
                  .filters = filters_,
                  .poses = {},
                  .shapes = shapes_,
-                 .is_asleep = {}};
+                 .is_asleep = is_asleep_};
   if (!wants_poses) return scene;
   if (!has_poses_) TakePoses();
   scene.poses = poses_;
-  scene.is_asleep = is_asleep_;
   return scene;
 }
 

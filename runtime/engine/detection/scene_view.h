@@ -5,11 +5,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "library/detectors/bullet/vectors.h"
 #include "library/detectors/detector.h"
 #include "library/layouts/initial_state.h"
+#include "runtime/engine/detection/box_pass.h"
 #include "runtime/engine/detection/detector_shapes.h"
 
 namespace cdb::detection {
@@ -31,6 +33,9 @@ class SceneView {
     if (id >= first_plane_) return;
     boxes_[id] = {bullet::ToVec3(lower), bullet::ToVec3(upper)};
   }
+  /// What btCollisionWorld::updateAabbs does, for all bodies at once; see BoxPass. To be called in
+  /// its place, before BeginCycle.
+  void UpdateBoxes(bool updates_all) { box_pass_->Update(updates_all, boxes_, is_asleep_); }
   const Box& box(Id id) const { return boxes_[id]; }
   void SetFilter(Id id, int group, int mask);
 
@@ -41,8 +46,7 @@ class SceneView {
   }
   /// From 1, including the warm-up; 0 before the first cycle.
   std::uint64_t cycle() const { return cycle_; }
-  /// The current input of a detector. Poses and sleeping states are read once per cycle, and only
-  /// on request.
+  /// The current input of a detector. Poses are read once per cycle, and only on request.
   Scene For(bool wants_poses);
 
  private:
@@ -56,6 +60,7 @@ class SceneView {
   std::vector<Filter> filters_;
   std::vector<Pose> poses_;
   std::vector<std::uint8_t> is_asleep_;
+  std::optional<BoxPass> box_pass_;  ///< of all bodies but planes
   std::uint64_t cycle_ = 0;
   bool has_poses_ = false;
 };

@@ -195,6 +195,7 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
     dispatcher_ = std::make_unique<btCollisionDispatcher>(&configuration_);
   }
   MakeWorld();
+  world_->ComputeBoxesBy(*scene_view_);
   broad.Prepare();
   if (narrow != nullptr && detectors.narrow.detector != detectors.broad.detector) narrow->Prepare();
 }
