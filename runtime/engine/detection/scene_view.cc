@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "runtime/engine/detection/wall_pairs.h"
+
 namespace cdb::detection {
 namespace {
 
@@ -33,7 +35,8 @@ Shape WallShape(const btRigidBody& wall) {
 
 SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
                      const std::vector<std::unique_ptr<btRigidBody>>& walls,
-                     const layouts::InitialState& state) {
+                     const layouts::InitialState& state)
+    : objects_(objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     bodies_.push_back(objects[i].get());
     shapes_.push_back(shape_parts_.Of(state.objects[i].solid));
@@ -54,6 +57,10 @@ SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
 void SceneView::SetFilter(Id id, int group, int mask) {
   filters_[id].group = static_cast<std::uint32_t>(group);
   filters_[id].mask = static_cast<std::uint32_t>(mask);
+}
+
+void SceneView::CutPlanes() {
+  for (Id id = first_plane_; id < size(); ++id) boxes_[id] = HalfSpaceBox(body(id), objects_);
 }
 
 void SceneView::TakePoses() {

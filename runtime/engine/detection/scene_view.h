@@ -18,7 +18,8 @@ namespace cdb::detection {
 
 /// Objects, then the walls of the world, numbered consecutively in the order in which they are
 /// added to the world. Boxes are Bullet's, including the 0.02 m that it adds on each side for
-/// future contacts, except those of planes, which are infinite. Not thread-safe.
+/// future contacts, except those of planes, which are infinite or, after CutPlanes, HalfSpaceBox.
+/// Not thread-safe.
 class SceneView {
  public:
   /// The bodies must outlive it.
@@ -38,6 +39,8 @@ class SceneView {
   void UpdateBoxes(bool updates_all) { box_pass_->Update(updates_all, boxes_, is_asleep_); }
   const Box& box(Id id) const { return boxes_[id]; }
   void SetFilter(Id id, int group, int mask);
+  /// From now on, the box of a plane is that of its half-space.
+  void CutPlanes();
 
   /// Begins a new cycle: poses must be read again.
   void BeginCycle() {
@@ -53,6 +56,7 @@ class SceneView {
   void TakePoses();
 
   std::vector<btRigidBody*> bodies_;
+  const std::vector<std::unique_ptr<btRigidBody>>& objects_;
   Id first_plane_;  ///< planes come last
   DetectorShapes shape_parts_;
   std::vector<Shape> shapes_;
