@@ -95,8 +95,8 @@ void AdapterBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   } catch (...) {
     Blame(detector_, "FindPairs", view_.cycle());
   }
-  for (const Pair& pair : changes_.went()) cache_.Remove(pair.a, pair.b, dispatcher);
-  for (const Pair& pair : changes_.came()) cache_.Add(pair.a, pair.b);
+  cache_.Remove(changes_.went(), dispatcher);
+  cache_.Add(changes_.came());
 }
 
 void AdapterBroadPhase::getBroadphaseAabb(btVector3& lower, btVector3& upper) const {

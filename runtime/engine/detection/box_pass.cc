@@ -100,7 +100,8 @@ struct BoxPass::Corners {
 };
 
 // Sums are in Bullet's order: x, y, z.
-BoxPass::Corners BoxPass::Around(const ShapeBox& shape, const btTransform& pose) {
+[[gnu::always_inline]] inline BoxPass::Corners BoxPass::Around(const ShapeBox& shape,
+                                                               const btTransform& pose) {
   if (shape.kind == Kind::kVirtual) {
     btVector3 lower, upper;
     shape.shape->getAabb(pose, lower, upper);

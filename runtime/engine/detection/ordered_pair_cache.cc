@@ -34,19 +34,43 @@ void OrderedPairCache::Grow() {
     if (slot.key != 0) slots_[Find(slot.key)] = slot;
 }
 
-void OrderedPairCache::Add(std::uint32_t a, std::uint32_t b) {
+void OrderedPairCache::Append(Key key) {
   is_sorted_ = false;
   if (2 * (static_cast<std::size_t>(pairs_.size()) + 1) > slots_.size()) Grow();
-  const Key key = KeyOf(a, b);
   slots_[Find(key)] = {key, static_cast<std::uint32_t>(pairs_.size())};
   btBroadphasePair& pair = pairs_.expandNonInitializing();
-  new (&pair) btBroadphasePair(first_[a], first_[b]);
+  new (&pair) btBroadphasePair(first_[key >> 32], first_[key & 0xFFFFFFFF]);
   pair.m_internalTmpValue = 0;
 }
 
-void OrderedPairCache::Remove(std::uint32_t a, std::uint32_t b, btDispatcher* dispatcher) {
-  const std::size_t slot = Find(KeyOf(a, b));
-  if (slots_[slot].key != 0) RemoveAt(slot, dispatcher);
+void OrderedPairCache::Add(std::span<const Pair> pairs) {
+  for (const Pair& pair : pairs) Append(KeyOf(pair.a, pair.b));
+}
+
+// A pair that leaves is anywhere in memory, and so is what Bullet keeps of it: its slot is fetched
+// first, then the pair, then its algorithm.
+void OrderedPairCache::FetchAhead(std::span<const Pair> pairs, std::size_t at) const {
+#if defined(__GNUC__)
+  constexpr std::size_t kStep = 6;
+  const auto key = [&](std::size_t i) { return KeyOf(pairs[i].a, pairs[i].b); };
+  if (at + 3 * kStep < pairs.size()) __builtin_prefetch(&slots_[HomeOf(key(at + 3 * kStep))]);
+  const auto place = [&](std::size_t i) {
+    const Slot& slot = slots_[Find(key(i))];
+    return slot.key == 0 ? nullptr : &pairs_[static_cast<int>(slot.place)];
+  };
+  if (at + 2 * kStep < pairs.size())
+    if (const btBroadphasePair* pair = place(at + 2 * kStep)) __builtin_prefetch(pair);
+  if (at + kStep < pairs.size())
+    if (const btBroadphasePair* pair = place(at + kStep)) __builtin_prefetch(pair->m_algorithm);
+#endif
+}
+
+void OrderedPairCache::Remove(std::span<const Pair> pairs, btDispatcher* dispatcher) {
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    FetchAhead(pairs, i);
+    const std::size_t slot = Find(KeyOf(pairs[i].a, pairs[i].b));
+    if (slots_[slot].key != 0) RemoveAt(slot, dispatcher);
+  }
 }
 
 void OrderedPairCache::RemoveAt(std::size_t slot, btDispatcher* dispatcher) {
@@ -66,8 +90,7 @@ void OrderedPairCache::RemoveAt(std::size_t slot, btDispatcher* dispatcher) {
 btBroadphasePair* OrderedPairCache::addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) {
   if (!needsBroadphaseCollision(a, b)) return nullptr;
   if (btBroadphasePair* pair = findPair(a, b)) return pair;
-  const auto [first, second] = std::minmax({IdOf(a), IdOf(b)});
-  Add(first, second);
+  Append(KeyOf(a, b));
   return &pairs_[pairs_.size() - 1];
 }
 

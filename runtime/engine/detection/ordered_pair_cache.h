@@ -4,7 +4,10 @@
 #include <btBulletCollisionCommon.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
+
+#include "library/detectors/detector.h"
 
 namespace cdb::detection {
 
@@ -17,10 +20,10 @@ class OrderedPairCache final : public btOverlappingPairCache {
   /// The proxies are an array of `size` elements, with ascending m_uniqueId from 1.
   OrderedPairCache(btBroadphaseProxy* first, std::size_t size) : first_(first), begins_(size + 1) {}
 
-  /// A pair, a < b, that is not there.
-  void Add(std::uint32_t a, std::uint32_t b);
-  /// Does nothing if it is not there.
-  void Remove(std::uint32_t a, std::uint32_t b, btDispatcher* dispatcher);
+  /// Pairs, a < b, that are not there.
+  void Add(std::span<const Pair> pairs);
+  /// Passes over those that are not there.
+  void Remove(std::span<const Pair> pairs, btDispatcher* dispatcher);
   bool Has(std::uint32_t a, std::uint32_t b) const { return slots_[Find(KeyOf(a, b))].key != 0; }
 
   btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override;
@@ -75,6 +78,8 @@ class OrderedPairCache final : public btOverlappingPairCache {
   std::size_t HomeOf(Key key) const { return key * 0x9E3779B97F4A7C15u >> shift_; }
   std::size_t Find(Key key) const;  ///< its slot, or the one for it
   void Free(std::size_t slot);
+  void Append(Key key);
+  void FetchAhead(std::span<const Pair> pairs, std::size_t at) const;
   void Grow();
   void RemoveAt(std::size_t slot, btDispatcher* dispatcher);
   void Sort();
