@@ -4,9 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
-#include "library/detectors/builtin/builtin.h"
+#include "library/scene_error.h"
 #include "tests/runtime/engine/paired_run.h"
 #include "tests/runtime/engine/random_scenes.h"
 
@@ -35,8 +36,8 @@ plan::Scene Large(double fall) {
 }
 
 /// Steps both, and expects all bodies in the same state after each step.
-void ExpectSameMotion(const plan::Scene& scene, int steps, const char* detector) {
-  const layouts::InitialState state = layouts::MakeInitialState(scene);
+void ExpectSameMotion(const plan::Scene& scene, const layouts::InitialState& state, int steps,
+                      const char* detector) {
   const auto omissions = pruning::KeepEverything(scene);
   // `simple` lists the boxes that overlap, and nothing else.
   world::Engine all(Sorted(scene, "simple"), state, omissions);
@@ -50,6 +51,10 @@ void ExpectSameMotion(const plan::Scene& scene, int steps, const char* detector)
   }
 }
 
+void ExpectSameMotion(const plan::Scene& scene, int steps, const char* detector) {
+  ExpectSameMotion(scene, layouts::MakeInitialState(scene), steps, detector);
+}
+
 TEST(WallPairs, LeaveTheMotionAsItIs) {
   for (const double fall : {0.0, 9.8, 200.0}) ExpectSameMotion(Large(fall), 400, "auto");
   for (const char* detector : {"grid", "octree", "sweep"})
@@ -57,11 +62,20 @@ TEST(WallPairs, LeaveTheMotionAsItIs) {
 }
 
 TEST(WallPairs, LeaveTheMotionOfRandomScenesAsItIs) {
+  std::size_t placed = 0;
   for (const RandomScene& random : RandomScenes(80, 15)) {
     SCOPED_TRACE(std::string(random.theme));
+    layouts::InitialState state;
+    try {
+      state = layouts::MakeInitialState(random.scene);
+    } catch (const library::SceneError&) {
+      continue;  // some do not fit
+    }
+    ++placed;
     const auto steps = static_cast<int>(random.scene.world.Count("cycles"));
-    ExpectSameMotion(random.scene, steps, "auto");
+    ExpectSameMotion(random.scene, state, steps, "auto");
   }
+  EXPECT_GT(placed, 60u);
 }
 
 /// Pairs after one step.
