@@ -86,6 +86,8 @@ struct Scene {
   std::span<const Pose> poses;
   /// Empty if only boxes are known, as in a trace.
   std::span<const Shape> shapes;
+  /// A body that is asleep and was so in the last call has not moved, and has the same box. Empty
+  /// if this is not known, as in a trace.
   std::span<const std::uint8_t> is_asleep;
 
   bool MayCollide(Id a, Id b) const {

@@ -277,10 +277,15 @@ those pairs (narrow phase). Bullet provides any phase the detector does not.
   cdb verify FILE             does so for every detector at every point
 
 Bullet's four detectors run unmodified. All others implement one interface, library/detectors/
-detector.h, which takes boxes and returns pairs. cdb translates the list into changes of Bullet's pair
-cache, which counts as time of the broad phase. A missed pair is a collision that does not happen; a
-false positive pair (phantom_pairs) costs time in the narrow phase. `null` finds nothing: its time is
-the cost of calling a detector.
+detector.h, which takes boxes and returns pairs. cdb computes the boxes of all bodies in one pass and
+translates the list into changes of the pairs that Bullet reads; both count as time of the broad
+phase. A missed pair is a collision that does not happen; a false positive pair (phantom_pairs) costs
+time in the narrow phase. `null` finds nothing: its time is the cost of calling a detector.
+  In Bullet, the box of a plane is infinite, so that every object is in a pair with every plane. With
+`pair_order sorted`, the detectors of the interface get the box of the half-space instead, widened by
+the distance up to which Bullet keeps contacts, and list the objects that reach it; every object moves
+as before, to the last bit. With `pair_order listed`, with ccd, or with objects of several convex
+pieces, the boxes of planes remain infinite, because the motion depends on all pairs there.
 
 PLUG-INS
   use detector "mine.so"      a shared library with your own detectors, from the folder of the file

@@ -60,6 +60,17 @@ bool Overlap(const kernels::FatBox& a, const kernels::FatBox& b) {
   return true;
 }
 
+/// Without touching its sides.
+bool LiesInside(const kernels::FatBox& fat, const Box& room) {
+  const auto inside = [](float lower, float upper, double least, double most) {
+    return static_cast<double>(lower) > least && static_cast<double>(upper) < most;
+  };
+  return inside(fat.lower[0], fat.upper[0], room.lower.x, room.upper.x) &&
+         inside(fat.lower[1], fat.upper[1], room.lower.y, room.upper.y) &&
+         inside(fat.lower[2], fat.upper[2], room.lower.z, room.upper.z);
+}
+bool AreSame(const Box& a, const Box& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
 /// A float is off by less than the last term. Infinity stays what it is.
 float Below(double x) { return static_cast<float>(x < kInfinity ? x - std::fabs(x) * 0x1p-23 : x); }
 float Above(double x) {
@@ -104,7 +115,7 @@ Skin::Skin(const Options& options, const kernels::Kernels& kernels)
 
 void Skin::Prepare(const Scene& scene) {
   bodies_.Learn(scene);
-  is_built_ = false;
+  is_built_ = sleeps_ = false;
   velocity_.assign(bodies_.movers(), {0, 0, 0});
   recent_.assign(bodies_.movers(), {});
   margins_.assign(bodies_.movers(), 0);
@@ -117,15 +128,17 @@ void Skin::Prepare(const Scene& scene) {
 
 void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
   if (scene.size != built_.size()) Prepare(scene);
+  bodies_.MeasureRoom(scene);
   const std::size_t movers = bodies_.movers();
   if (is_built_) {
     ++age_;
-    if (pairs_are_of_built_ && IsUnchanged(scene)) {
+    if (StillSleeps(scene) || (pairs_are_of_built_ && IsUnchanged(scene))) {
       parts_.AppendTo(pairs);
       return;
     }
   }
-  bool is_over = !is_built_ || age_ >= kMaxAge || (goes_on_ && age_ > horizon_);
+  bool is_over = !is_built_ || age_ >= kMaxAge || (goes_on_ && age_ > horizon_) ||
+                 !AreSame(bodies_.room(), room_);
   if (!is_over) {
     const std::size_t escaped =
         kernels_.find_escaped(scene.boxes.data(), fat_.data(), movers, escaped_.data());
@@ -150,9 +163,18 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
     kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
   });
   if (untracked_ > 0) AppendUntracked(scene, untracked_, parts_.last());
-  bodies_.MeetWalls(scene, kernels_, parts_.last());
+  bodies_.MeetBounds(scene, near_walls_, parts_.last());
+  bodies_.MeetOthers(scene, kernels_, parts_.last());
   pairs_are_of_built_ = age_ == 0;
+  last_room_ = bodies_.room();
   parts_.AppendTo(pairs);
+}
+
+/// All movers have been asleep since the last call, so that its pairs are those of this one.
+bool Skin::StillSleeps(const Scene& scene) {
+  const bool did_sleep = sleeps_;
+  sleeps_ = bodies_.AllSleep(scene);
+  return did_sleep && sleeps_ && AreSame(bodies_.room(), last_room_) && bodies_.others().empty();
 }
 
 bool Skin::IsUnchanged(const Scene& scene) const {
@@ -187,6 +209,7 @@ bool Skin::Regrow(const Scene& scene, Id id) {
     return false;
   }
   ++regrowths_[id];
+  if (LiesInside(old, room_) && !LiesInside(*larger, room_)) near_walls_.push_back(id);
   fat_[id] = *larger;
   regrown_.Put(id, *larger);
   // Candidates are all pairs whose fat boxes overlap: those that overlap only now are to add.
@@ -217,6 +240,9 @@ void Skin::AppendUntracked(const Scene& scene, std::size_t count, kernels::PairB
   };
   untracked_boxes_.clear();
   for (std::size_t i = 0; i < count; ++i) is_untracked_[escaped_[i]] = 1;
+  for (std::size_t i = 0; i < count; ++i)  // of the others it is known whether they are near
+    if (LiesInside(fat_[escaped_[i]], room_))
+      bodies_.MeetBounds(scene, std::span(escaped_).subspan(i, 1), pairs);
   for (std::size_t i = 0; i < count; ++i) {
     const Box& box = scene.boxes[escaped_[i]];
     untracked_boxes_.push_back(box);
@@ -253,6 +279,7 @@ void Skin::MakeList(const Scene& scene) {
     grid_.Reshape();
   }
   share_ = std::max(share_, kLeastShare);
+  FindNearWalls();
   std::ranges::copy(scene.boxes, built_.begin());
   candidates_.Clear();
   parts_.AppendTo(candidates_);
@@ -264,6 +291,13 @@ void Skin::MakeList(const Scene& scene) {
                                                         static_cast<double>(grid_.TooLong()))) *
                              static_cast<double>(movers) +
                          kListedCost * static_cast<double>(candidates_.size());
+}
+
+void Skin::FindNearWalls() {
+  room_ = bodies_.room();
+  near_walls_.clear();
+  for (Id id = 0; id < bodies_.movers(); ++id)
+    if (!LiesInside(fat_[id], room_)) near_walls_.push_back(id);
 }
 
 /// False if it is limited and there are far too many.

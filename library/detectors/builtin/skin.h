@@ -5,7 +5,8 @@
 // only the candidates are tested, in double. The few escaped boxes get larger fat boxes, whose
 // pairs are looked up in the grid and added to the candidates; those that escape again are
 // untracked and looked up in every cycle. Once this has cost as much as a new list, the list is
-// rebuilt. If no box has changed since the list was made, the pairs are the same as before.
+// rebuilt. If no box has changed since the list was made, or all bodies sleep, the pairs are the
+// same as before.
 //
 // The lifetime of a list is learnt: other lifetimes are tried and the better one is kept, judged by
 // the number of tests, not by time, so that the same motion yields the same list in the same order.
@@ -47,7 +48,7 @@ class Skin final : public Detector {
   double MeanOccupancy() const { return grid_.MeanOccupancy(); }
   /// Discards the list, because boxes have moved since the last call.
   void Forget() {
-    is_built_ = false;
+    is_built_ = sleeps_ = false;
     last_cost_ = 0;
   }
 
@@ -58,11 +59,13 @@ class Skin final : public Detector {
   void LearnCost();
   void Fatten(const Scene& scene);
   bool FindCandidates(const Scene& scene, bool is_limited);
+  void FindNearWalls();
   bool Regrow(const Scene& scene, Id id);
   std::size_t RegrowEscaped(const Scene& scene, std::size_t count);
   void AppendUntracked(const Scene& scene, std::size_t count, kernels::PairBuffer& pairs);
   std::span<const Pair> Near(const kernels::FatBox& box, Id id);
   bool IsUnchanged(const Scene& scene) const;
+  bool StillSleeps(const Scene& scene);
 
   const kernels::Kernels& kernels_;
   kernels::Bodies bodies_;
@@ -72,6 +75,8 @@ class Skin final : public Detector {
 
   bool is_built_ = false;
   bool pairs_are_of_built_ = false;   ///< parts_ holds the pairs of built_
+  bool sleeps_ = false;               ///< all movers were asleep in the last call
+  Box last_room_ = {};                ///< in the last call
   std::vector<Box> built_;            ///< all boxes when the list was made
   std::vector<kernels::FatBox> fat_;  ///< of movers, in the grid or regrown_
   std::vector<Vec3> velocity_;        ///< of movers, per cycle, when the list was made
@@ -85,6 +90,9 @@ class Skin final : public Detector {
   std::vector<double> margins_;  ///< of movers, in this list
   double most_margin_ = 0, most_speed_ = 0;
   double share_ = 1;  ///< of all that, in this list
+
+  Box room_ = {};               ///< between the walls, when the list was made
+  std::vector<Id> near_walls_;  ///< movers whose fat boxes do not lie inside it
 
   kernels::PairBuffer candidates_;
   std::size_t made_ = 0;  ///< candidates when the list was made

@@ -1,6 +1,8 @@
 #include "library/detectors/kernels/bodies.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace cdb::kernels {
 namespace {
@@ -16,6 +18,41 @@ bool AreSame(const Box& a, const Box& b) {
          a.upper.x == b.upper.x && a.upper.y == b.upper.y && a.upper.z == b.upper.z;
 }
 
+/// Moves a side of the room to where `wall` ends, or begins, as seen from `middle`; false if it
+/// does not lie on one side of it.
+bool Bound(const Box& wall, const Vec3& middle, Box& room) {
+  double farthest = 0;
+  double Vec3::*side = nullptr;
+  bool is_lower = false;
+  for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    const double below = middle.*axis - wall.upper.*axis, above = wall.lower.*axis - middle.*axis;
+    if (std::max(below, above) <= farthest) continue;
+    farthest = std::max(below, above);
+    side = axis;
+    is_lower = below > above;
+  }
+  if (side == nullptr) return false;
+  double& end = is_lower ? room.lower.*side : room.upper.*side;
+  end = is_lower ? std::max(end, wall.upper.*side) : std::min(end, wall.lower.*side);
+  return true;
+}
+
+/// Of those of a sample whose boxes are finite.
+Vec3 MiddleOf(std::span<const Box> boxes) {
+  constexpr std::size_t kSample = 64;
+  Vec3 sum = {0, 0, 0};
+  double count = 0;
+  for (std::size_t k = 0; k < std::min(boxes.size(), kSample); ++k) {
+    const Box& box = boxes[SamplePlace(k, boxes.size())];
+    const Vec3 at = {box.lower.x / 2 + box.upper.x / 2, box.lower.y / 2 + box.upper.y / 2,
+                     box.lower.z / 2 + box.upper.z / 2};
+    if (!std::isfinite(at.x + at.y + at.z)) continue;
+    sum = {sum.x + at.x, sum.y + at.y, sum.z + at.z};
+    ++count;
+  }
+  return count > 0 ? Vec3{sum.x / count, sum.y / count, sum.z / count} : sum;
+}
+
 }  // namespace
 
 void Bodies::Learn(const Scene& scene) {
@@ -26,21 +63,57 @@ void Bodies::Learn(const Scene& scene) {
   movers_collide_ =
       std::ranges::all_of(movers, [&](const Filter& f) { return AreSame(f, movers[0]); }) &&
       (movers_ == 0 || scene.MayCollide(0, 0));
+  fixed_ = static_cast<std::size_t>(std::ranges::count(movers, true, &Filter::is_fixed));
+  middle_ = MiddleOf(scene.boxes.first(movers_));
 }
 
-void Bodies::MeetWalls(const Scene& scene, const Kernels& kernels, PairBuffer& pairs) const {
+bool Bodies::AllSleep(const Scene& scene) const {
+  if (scene.is_asleep.size() < movers_) return false;
+  const auto awake = std::ranges::count(scene.is_asleep.first(movers_), 0);
+  return static_cast<std::size_t>(awake) == fixed_;
+}
+
+void Bodies::MeasureRoom(const Scene& scene) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  room_ = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+  bounds_.clear();
+  others_.clear();
+  for (auto wall = static_cast<Id>(movers_); wall < scene.size; ++wall)
+    (Bound(scene.boxes[wall], middle_, room_) ? bounds_ : others_).push_back(wall);
+}
+
+void Bodies::MeetWalls(const Scene& scene, const Kernels& kernels, PairBuffer& pairs) {
+  MeasureRoom(scene);
+  if (!bounds_.empty()) {
+    outside_.resize(movers_);
+    const std::size_t count =
+        kernels.find_outside(scene.boxes.data(), movers_, room_, outside_.data());
+    MeetBounds(scene, std::span(outside_).first(count), pairs);
+  }
+  MeetOthers(scene, kernels, pairs);
+}
+
+void Bodies::MeetBounds(const Scene& scene, std::span<const Id> movers, PairBuffer& pairs) const {
+  for (const Id mover : movers)
+    for (const Id wall : bounds_)
+      if (Overlap(scene.boxes[mover], scene.boxes[wall]) && scene.MayCollide(mover, wall))
+        pairs.Add({mover, wall});
+}
+
+void Bodies::MeetOthers(const Scene& scene, const Kernels& kernels, PairBuffer& pairs) const {
   const std::size_t before = pairs.size();
-  const auto first = static_cast<Id>(movers_);
-  for (Id wall = first; wall < scene.size;) {
-    // A scene's planes all have the box that is everywhere.
-    Id end = wall + 1;
-    while (end < scene.size && AreSame(scene.boxes[end], scene.boxes[wall]) &&
-           AreSame(scene.filters[end], scene.filters[wall]))
+  for (std::size_t at = 0; at < others_.size();) {
+    const Id wall = others_[at];
+    // Planes may all have the box that is everywhere.
+    std::size_t end = at + 1;
+    while (end < others_.size() && others_[end] == wall + (end - at) &&
+           AreSame(scene.boxes[others_[end]], scene.boxes[wall]) &&
+           AreSame(scene.filters[others_[end]], scene.filters[wall]))
       ++end;
     if (!movers_collide_ || (movers_ > 0 && scene.MayCollide(0, wall)))
-      kernels.meet_wall(scene.boxes.data(), movers_, scene.boxes[wall], wall, end - wall,
+      kernels.meet_wall(scene.boxes.data(), movers_, scene.boxes[wall], wall, end - at,
                         pairs.sink());
-    wall = end;
+    at = end;
   }
   if (movers_collide_) return;
   const auto rest = std::ranges::remove_if(pairs.pairs().subspan(before), [&](const Pair& pair) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "library/detectors/detector.h"
@@ -19,8 +20,8 @@ inline std::size_t SamplePlace(std::size_t k, std::size_t count) {
 }
 
 /// The bodies of a scene. The fixed bodies at its end are walls if they are few; all bodies before
-/// them are `movers`. Walls are tested with each mover, because their boxes are often infinite and
-/// would fill every cell of a grid. Threads: one at a time.
+/// them are `movers`. Walls are not put into a grid, because their boxes are often infinite and
+/// would fill every cell. Threads: one at a time.
 class Bodies {
  public:
   /// Reads the filters, which are valid until the number of bodies changes.
@@ -31,8 +32,21 @@ class Bodies {
   }
   std::size_t movers() const { return movers_; }
 
-  /// Appends the pairs of movers and walls.
-  void MeetWalls(const Scene& scene, const Kernels& kernels, PairBuffer& pairs) const;
+  /// Appends the pairs of movers and walls. Cost: one pass over the movers, and a test of each that
+  /// is not well inside the room.
+  void MeetWalls(const Scene& scene, const Kernels& kernels, PairBuffer& pairs);
+
+  /// The room between the walls: a box that lies inside it meets none of those that bound it. Walls
+  /// that do not bound it are around it, or have no end.
+  void MeasureRoom(const Scene& scene);
+  const Box& room() const { return room_; }
+  const std::vector<Id>& others() const { return others_; }  ///< walls that do not bound the room
+  /// All movers are asleep or fixed. False if this is not known.
+  bool AllSleep(const Scene& scene) const;
+  /// Appends the pairs of these movers and the walls that bound the room.
+  void MeetBounds(const Scene& scene, std::span<const Id> movers, PairBuffer& pairs) const;
+  /// Appends the pairs of all movers and the other walls.
+  void MeetOthers(const Scene& scene, const Kernels& kernels, PairBuffer& pairs) const;
   /// Drops pairs of movers that may not collide, and, unless `is_exact`, those whose boxes do not
   /// overlap in double. Keeps the order.
   void Sieve(const Scene& scene, bool is_exact, PairBuffer& pairs) const;
@@ -40,6 +54,11 @@ class Bodies {
  private:
   std::size_t size_ = static_cast<std::size_t>(-1), movers_ = 0;
   bool movers_collide_ = true;  ///< any two movers may collide
+  std::size_t fixed_ = 0;       ///< among the movers
+  Vec3 middle_ = {};            ///< of the finite boxes of movers, when they were learnt
+  Box room_ = {};
+  std::vector<Id> bounds_, others_;  ///< walls
+  std::vector<Id> outside_;          ///< movers
 };
 
 }  // namespace cdb::kernels

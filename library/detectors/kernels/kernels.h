@@ -71,6 +71,9 @@ struct Kernels {
                        std::size_t end, PairSink& sink);
   /// Lists the boxes that have left their fat boxes; `escaped` has room for all.
   std::size_t (*find_escaped)(const Box* boxes, const FatBox* fat, std::size_t count, Id* escaped);
+  /// Lists the boxes that do not lie inside `room`, without touching its sides; `outside` has room
+  /// for all.
+  std::size_t (*find_outside)(const Box* boxes, std::size_t count, const Box& room, Id* outside);
   /// The pairs whose boxes overlap, in double.
   void (*filter)(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink);
   /// Pairs of the boxes 0 to count with `walls` bodies from `first_wall` that share a box, in

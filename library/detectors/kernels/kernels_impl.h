@@ -273,6 +273,16 @@ std::size_t FindEscaped(const Box* boxes, const FatBox* fat, std::size_t count, 
   return found;
 }
 
+std::size_t FindOutside(const Box* boxes, std::size_t count, const Box& room, Id* outside) {
+  const InnerProbe probe(room);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < count; ++i) {  // written always, kept if it is outside: no branch
+    outside[found] = static_cast<Id>(i);
+    found += !probe.Holds(boxes[i]);
+  }
+  return found;
+}
+
 void Filter(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink) {
   constexpr std::size_t kBlock = 64;
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
@@ -301,7 +311,7 @@ void MeetWall(const Box* boxes, std::size_t count, const Box& wall, Id first_wal
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name, Narrow, Bin, Query, QueryOne, Sweep, FindEscaped, Filter, MeetWall};
+  return {name, Narrow, Bin, Query, QueryOne, Sweep, FindEscaped, FindOutside, Filter, MeetWall};
 }
 
 }  // namespace

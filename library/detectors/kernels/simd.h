@@ -269,5 +269,37 @@ inline unsigned Escapes(const Box* boxes, const FatBox* fat) {
 
 #endif
 
+/// A box that others lie inside without touching its sides, in double.
+class InnerProbe {
+ public:
+#if defined(__SSE2__)
+  explicit InnerProbe(const Box& box)
+      : lower_xy_(_mm_setr_pd(box.lower.x, box.lower.y)),
+        middle_(_mm_setr_pd(box.lower.z, -box.upper.x)),
+        upper_yz_(_mm_setr_pd(box.upper.y, box.upper.z)) {}
+  bool Holds(const Box& box) const {
+    const double* at = &box.lower.x;
+    const __m128d middle = _mm_xor_pd(_mm_loadu_pd(at + 2), _mm_setr_pd(0, -0.0));
+    const __m128d all = _mm_and_pd(_mm_cmplt_pd(middle_, middle),
+                                   _mm_and_pd(_mm_cmplt_pd(lower_xy_, _mm_loadu_pd(at)),
+                                              _mm_cmplt_pd(_mm_loadu_pd(at + 4), upper_yz_)));
+    return _mm_movemask_pd(all) == 3;
+  }
+
+ private:
+  __m128d lower_xy_, middle_, upper_yz_;
+#else
+  explicit InnerProbe(const Box& box) : box_(box) {}
+  bool Holds(const Box& box) const {
+    return (box_.lower.x < box.lower.x) & (box_.lower.y < box.lower.y) &
+           (box_.lower.z < box.lower.z) & (box.upper.x < box_.upper.x) &
+           (box.upper.y < box_.upper.y) & (box.upper.z < box_.upper.z);
+  }
+
+ private:
+  Box box_;
+#endif
+};
+
 }  // namespace
 }  // namespace cdb::kernels

@@ -19,50 +19,6 @@ btVector3 Finite(const Vec3& v) {
 
 }  // namespace
 
-btBroadphasePair* OrderedPairCache::addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) {
-  is_sorted_ = false;
-  return btHashedOverlappingPairCache::addOverlappingPair(a, b);
-}
-
-void* OrderedPairCache::removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
-                                              btDispatcher* dispatcher) {
-  is_sorted_ = false;
-  return btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
-}
-
-void OrderedPairCache::processAllOverlappingPairs(btOverlapCallback* callback,
-                                                  btDispatcher* dispatcher,
-                                                  const btDispatcherInfo& info) {
-  if (!info.m_deterministicOverlappingPairs)
-    return btHashedOverlappingPairCache::processAllOverlappingPairs(callback, dispatcher);
-  if (!is_sorted_) Sort();
-  btBroadphasePairArray& pairs = getOverlappingPairArray();
-  for (auto place = order_.rbegin(); place != order_.rend(); ++place) {
-    const bool is_removed = callback->processOverlap(pairs[static_cast<int>(place->at)]);
-    CDB_CHECK(!is_removed);  // nobody who asks for this order removes
-  }
-}
-
-// By the first body with a count, as there are few pairs of each, and then by the second.
-void OrderedPairCache::Sort() {
-  const btBroadphasePairArray& pairs = std::as_const(*this).getOverlappingPairArray();
-  const auto body = [this](const btBroadphaseProxy* proxy) {
-    return static_cast<std::uint32_t>(proxy - first_);
-  };
-  std::ranges::fill(begins_, 0);
-  for (int i = 0; i < pairs.size(); ++i) ++begins_[body(pairs[i].m_pProxy0) + 1];
-  for (std::size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
-  order_.resize(static_cast<std::size_t>(pairs.size()));
-  for (int i = 0; i < pairs.size(); ++i)
-    order_[begins_[body(pairs[i].m_pProxy0)]++] = {body(pairs[i].m_pProxy1),
-                                                   static_cast<std::uint32_t>(i)};
-  std::uint32_t begin = 0;
-  for (std::size_t i = 0; begin < order_.size(); begin = begins_[i++])
-    std::sort(order_.begin() + begin, order_.begin() + begins_[i],
-              [](const Place& a, const Place& b) { return a.second < b.second; });
-  is_sorted_ = true;
-}
-
 AdapterBroadPhase::AdapterBroadPhase(NamedDetector detector, SceneView& view)
     : detector_(std::move(detector)),
       view_(view),
@@ -131,9 +87,7 @@ void AdapterBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   view_.BeginCycle();
   const Scene scene = view_.For(detector_.WantsPoses());
   found_.clear();
-  const auto is_kept = [this](const Pair& pair) {
-    return cache_.findPair(&proxies_[pair.a], &proxies_[pair.b]) != nullptr;
-  };
+  const auto is_kept = [this](const Pair& pair) { return cache_.Has(pair.a, pair.b); };
   try {
     detector_.detector->FindPairs(scene, found_);
     if (keeps_list_) list_ = found_;
@@ -141,10 +95,8 @@ void AdapterBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   } catch (...) {
     Blame(detector_, "FindPairs", view_.cycle());
   }
-  for (const Pair& pair : changes_.went())
-    cache_.removeOverlappingPair(&proxies_[pair.a], &proxies_[pair.b], dispatcher);
-  for (const Pair& pair : changes_.came())
-    cache_.addOverlappingPair(&proxies_[pair.a], &proxies_[pair.b]);
+  cache_.Remove(changes_.went(), dispatcher);
+  cache_.Add(changes_.came());
 }
 
 void AdapterBroadPhase::getBroadphaseAabb(btVector3& lower, btVector3& upper) const {

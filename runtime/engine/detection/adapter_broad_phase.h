@@ -6,41 +6,14 @@
 #include <vector>
 
 #include "runtime/engine/detection/detectors.h"
+#include "runtime/engine/detection/ordered_pair_cache.h"
 #include "runtime/engine/detection/pair_changes.h"
 #include "runtime/engine/detection/scene_view.h"
 
 namespace cdb::detection {
 
-/// Bullet's hashed pair cache, which can process pairs in the order of their bodies without
-/// Bullet's sorting in every cycle.
-class OrderedPairCache final : public btHashedOverlappingPairCache {
- public:
-  /// The proxies are an array of `size` elements, with ascending m_uniqueId from 1.
-  OrderedPairCache(const btBroadphaseProxy* first, std::size_t size)
-      : first_(first), begins_(size + 1) {}
-
-  btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override;
-  void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
-                              btDispatcher* dispatcher) override;
-  using btHashedOverlappingPairCache::processAllOverlappingPairs;
-  /// In the order of Bullet 3.24 in deterministic mode: the pairs of later bodies first.
-  void processAllOverlappingPairs(btOverlapCallback* callback, btDispatcher* dispatcher,
-                                  const btDispatcherInfo& info) override;
-
- private:
-  void Sort();
-
-  const btBroadphaseProxy* first_;
-  bool is_sorted_ = false;
-  struct Place {
-    std::uint32_t second;  ///< body of a pair
-    std::uint32_t at;      ///< in Bullet's array
-  };
-  std::vector<Place> order_;
-  std::vector<std::uint32_t> begins_;  ///< of the pairs of a first body, while they are sorted
-};
-
-/// Passes the boxes to the detector, checks its pairs and applies the changes to Bullet's cache.
+/// Passes the boxes to the detector, checks its pairs and applies the changes to the cache that
+/// Bullet reads.
 ///
 /// Throws library::SceneError, from within a step, if the detector throws, or lists an unknown body
 /// or a body with itself. A pair listed twice counts once. Ray casts, which `ccd` uses, test every

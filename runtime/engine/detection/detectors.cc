@@ -96,8 +96,7 @@ Detectors MakeDetectors(const plan::Scene& scene) {
   const std::string_view name = scene.world.WordOr("detector");
   const std::string_view narrow = scene.world.WordOr("narrow_phase");
   const bool own_contacts = narrow == "own" || narrow == name;
-  if ((own_contacts || narrow == "bullet") && Find(bullet::BulletDetectors(), name) != nullptr)
-    return {};
+  if ((own_contacts || narrow == "bullet") && IsBullets(name)) return {};
   Detectors detectors;
   detectors.broad = MakeDetector(name, scene);
   if (!HasAny(detectors.broad.phases, cdb::kBroad))
@@ -114,6 +113,10 @@ Detectors MakeDetectors(const plan::Scene& scene) {
                       narrow));
   }
   return detectors;
+}
+
+bool IsBullets(std::string_view detector) {
+  return Find(bullet::BulletDetectors(), detector) != nullptr;
 }
 
 void Blame(const NamedDetector& detector, std::string_view in, std::uint64_t cycle) {

@@ -37,6 +37,9 @@ struct Detectors {
 /// otherwise. Throws library::SceneError if one does not exist, or lacks the phase.
 Detectors MakeDetectors(const plan::Scene& scene);
 
+/// The detector is one of Bullet's broad phases, alone or through the interface.
+bool IsBullets(std::string_view detector);
+
 /// Rethrows the current exception as a library::SceneError that names the detector, the function
 /// (`FindPairs`) and the cycle (0: before the first).
 [[noreturn]] void Blame(const NamedDetector& detector, std::string_view in, std::uint64_t cycle);

@@ -9,44 +9,25 @@
 namespace cdb::detection {
 namespace {
 
-/// Lists of which more than this part has moved are sorted.
+/// Lists of which more than this part is not in the order of the last one are sorted.
 constexpr std::size_t kMostMoved = 8;  // one in so many
 constexpr std::size_t kFewMoved = 64;
+/// Pairs that may be inserted or dropped in one place.
+constexpr std::size_t kWindow = 8;
 
-/// Smaller body first, and all of them there.
-void PutInShape(const Scene& scene, std::span<Pair> pairs) {
-  for (Pair& pair : pairs) {
-    if (pair.a >= scene.size || pair.b >= scene.size)
-      throw std::invalid_argument(
-          fmt::format("it lists the pair ({}, {}), and the scene's {} bodies are counted from 0",
-                      pair.a, pair.b, scene.size));
-    if (pair.a == pair.b)
-      throw std::invalid_argument(fmt::format("it lists body {} with itself", pair.a));
-    if (pair.a > pair.b) std::swap(pair.a, pair.b);
-  }
+/// Smaller body first, and both there.
+Pair InShape(const Scene& scene, const Pair& pair) {
+  if (pair.a >= scene.size || pair.b >= scene.size)
+    throw std::invalid_argument(
+        fmt::format("it lists the pair ({}, {}), and the scene's {} bodies are counted from 0",
+                    pair.a, pair.b, scene.size));
+  if (pair.a == pair.b)
+    throw std::invalid_argument(fmt::format("it lists body {} with itself", pair.a));
+  return pair.a < pair.b ? pair : Pair{pair.b, pair.a};
 }
 
-/// By the first body with a count, as there are few pairs of each, and then by the second.
-void Sort(std::size_t bodies, std::vector<Pair>& pairs, std::vector<Pair>& sorting,
-          std::vector<std::uint32_t>& begins) {
-  if (std::ranges::is_sorted(pairs)) return;
-  if (pairs.size() < bodies / 8) {
-    std::ranges::sort(pairs);
-    return;
-  }
-  begins.assign(bodies + 1, 0);
-  for (const Pair& pair : pairs) ++begins[pair.a + 1];
-  for (std::size_t body = 0; body < bodies; ++body) begins[body + 1] += begins[body];
-  sorting.resize(pairs.size());
-  for (const Pair& pair : pairs) sorting[begins[pair.a]++] = pair;
-  pairs.swap(sorting);
-  // Each beginning has moved to its end.
-  std::uint32_t begin = 0;
-  for (std::size_t body = 0; body < bodies; ++body) {
-    std::sort(pairs.begin() + begin, pairs.begin() + begins[body],
-              [](const Pair& x, const Pair& y) { return x.b < y.b; });
-    begin = begins[body];
-  }
+void PutInShape(const Scene& scene, std::span<Pair> pairs) {
+  for (Pair& pair : pairs) pair = InShape(scene, pair);
 }
 
 bool AreSame(const std::vector<Pair>& a, const std::vector<Pair>& b) {
@@ -54,18 +35,60 @@ bool AreSame(const std::vector<Pair>& a, const std::vector<Pair>& b) {
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Pair)) == 0);
 }
 
+/// How many pairs from `a` and `b` on are the same, of `count`.
+std::size_t CommonPairs(const Pair* a, const Pair* b, std::size_t count) {
+  constexpr std::size_t kBlock = 8;
+  std::size_t same = 0;
+  while (same + kBlock <= count && std::memcmp(a + same, b + same, kBlock * sizeof(Pair)) == 0)
+    same += kBlock;
+  while (same < count && a[same] == b[same]) ++same;
+  return same;
+}
+
+/// How far the first `pair` is in the window of `list` from `at`; its size if it is not there.
+std::size_t Ahead(const std::vector<Pair>& list, std::size_t at, const Pair& pair) {
+  const std::size_t window = std::min(kWindow, list.size() - at);
+  for (std::size_t k = 1; k < window; ++k)
+    if (list[at + k] == pair) return k;
+  return kWindow;
+}
+
 }  // namespace
+
+/// False if a pair is listed twice; it is in the lists once.
+bool PairChanges::ByBody::Sort(const Scene& scene, std::span<const Pair> pairs) {
+  begins.assign(scene.size + 2, 0);
+  for (const Pair& pair : pairs) ++begins[InShape(scene, pair).a + 2];
+  for (std::size_t body = 2; body < begins.size(); ++body) begins[body] += begins[body - 1];
+  seconds.resize(pairs.size());
+  for (const Pair& pair : pairs)
+    seconds[begins[std::min(pair.a, pair.b) + 1]++] = std::max(pair.a, pair.b);
+  begins.pop_back();
+  const auto first = seconds.begin();
+  Id* end = seconds.data();
+  for (std::size_t body = 0; body < scene.size; ++body) {
+    const auto begin = first + begins[body], stop = first + begins[body + 1];
+    if (stop - begin > 1) std::sort(begin, stop);
+    begins[body] = static_cast<std::uint32_t>(end - seconds.data());
+    for (auto at = begin; at != stop; ++at)
+      if (at == begin || *at != *(at - 1)) *end++ = *at;
+  }
+  const auto count = static_cast<std::size_t>(end - seconds.data());
+  begins[scene.size] = static_cast<std::uint32_t>(count);
+  seconds.resize(count);
+  return count == pairs.size();
+}
 
 bool PairChanges::Update(const Scene& scene, std::vector<Pair>& found,
                          const std::function<bool(const Pair&)>& is_kept) {
   came_.clear();
   went_.clear();
   if (AreSame(found, listed_)) return false;
-  if (CompareByPlace(scene, found, is_kept)) {
+  if (CompareInOrder(scene, found, is_kept)) {
     listed_.swap(found);
     is_sorted_known_ = false;
   } else {
-    CompareSorted(scene, found);
+    CompareByBody(scene, found);
   }
   const auto may_not = [&](const Pair& pair) { return !scene.MayCollide(pair.a, pair.b); };
   std::erase_if(came_, may_not);
@@ -73,57 +96,84 @@ bool PairChanges::Update(const Scene& scene, std::vector<Pair>& found,
   return !came_.empty() || !went_.empty();
 }
 
-// False where it gives up: too many have another place, or a pair is listed twice, which only
-// sorting all of them can settle.
-bool PairChanges::CompareByPlace(const Scene& scene, const std::vector<Pair>& found,
-                                 const std::function<bool(const Pair&)>& is_kept) {
-  const std::size_t most = found.size() / kMostMoved + kFewMoved;
-  const std::size_t common = std::min(found.size(), listed_.size());
-  const std::size_t longer = std::max(found.size(), listed_.size()) - common;
-  if (longer > most) return false;
-  new_places_.assign(found.begin() + static_cast<std::ptrdiff_t>(common), found.end());
-  old_places_.assign(listed_.begin() + static_cast<std::ptrdiff_t>(common), listed_.end());
-  for (std::size_t i = 0; i < common; ++i) {
-    if (found[i] == listed_[i]) continue;
-    if (new_places_.size() + old_places_.size() > 2 * most) return false;
-    new_places_.push_back(found[i]);
-    old_places_.push_back(listed_[i]);
+/// Puts what is not common to both lists, in the same order, into moved_in_ and moved_out_. False
+/// if that is too much.
+bool PairChanges::CollectMoved(const std::vector<Pair>& found) {
+  const std::size_t most = 2 * (found.size() / kMostMoved + kFewMoved);
+  moved_in_.clear();
+  moved_out_.clear();
+  std::size_t in = 0, out = 0;
+  while (in < found.size() && out < listed_.size()) {
+    const std::size_t same = CommonPairs(found.data() + in, listed_.data() + out,
+                                         std::min(found.size() - in, listed_.size() - out));
+    in += same;
+    out += same;
+    if (in == found.size() || out == listed_.size()) break;
+    if (moved_in_.size() + moved_out_.size() > most) return false;
+    const std::size_t inserted = Ahead(found, in, listed_[out]);
+    const std::size_t dropped = Ahead(listed_, out, found[in]);
+    if (inserted == kWindow && dropped == kWindow) {
+      moved_in_.push_back(found[in++]);
+      moved_out_.push_back(listed_[out++]);
+    } else if (inserted <= dropped) {
+      for (std::size_t k = 0; k < inserted; ++k) moved_in_.push_back(found[in++]);
+    } else {
+      for (std::size_t k = 0; k < dropped; ++k) moved_out_.push_back(listed_[out++]);
+    }
   }
-  PutInShape(scene, new_places_);
-  PutInShape(scene, old_places_);
-  std::ranges::sort(new_places_);
-  std::ranges::sort(old_places_);
-  if (std::ranges::adjacent_find(new_places_) != new_places_.end()) return false;
-  std::ranges::set_difference(new_places_, old_places_, std::back_inserter(came_));
+  if (found.size() - in + listed_.size() - out > most) return false;
+  moved_in_.insert(moved_in_.end(), found.begin() + static_cast<std::ptrdiff_t>(in), found.end());
+  moved_out_.insert(moved_out_.end(), listed_.begin() + static_cast<std::ptrdiff_t>(out),
+                    listed_.end());
+  return true;
+}
+
+// False where it gives up: too many have moved, or a pair is listed twice, which only sorting all
+// of them can settle.
+bool PairChanges::CompareInOrder(const Scene& scene, const std::vector<Pair>& found,
+                                 const std::function<bool(const Pair&)>& is_kept) {
+  if (!CollectMoved(found)) return false;
+  PutInShape(scene, moved_in_);
+  PutInShape(scene, moved_out_);
+  std::ranges::sort(moved_in_);
+  std::ranges::sort(moved_out_);
+  if (std::ranges::adjacent_find(moved_in_) != moved_in_.end()) return false;
+  std::ranges::set_difference(moved_in_, moved_out_, std::back_inserter(came_));
   if (std::ranges::any_of(came_, is_kept)) {
     came_.clear();
     return false;
   }
-  std::ranges::set_difference(old_places_, new_places_, std::back_inserter(went_));
+  std::ranges::set_difference(moved_out_, moved_in_, std::back_inserter(went_));
   return true;
 }
 
-void PairChanges::CompareSorted(const Scene& scene, std::vector<Pair>& found) {
-  std::vector<Pair>& sorted = new_places_;
-  sorted = found;
-  PutInShape(scene, sorted);
-  Sort(scene.size, sorted, sorting_, begins_);
-  const bool has_duplicates = std::ranges::adjacent_find(sorted) != sorted.end();
-  if (has_duplicates) sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-  if (!is_sorted_known_) {
-    sorted_ = listed_;
-    PutInShape(scene, sorted_);
-    Sort(scene.size, sorted_, sorting_, begins_);
+void PairChanges::CompareByBody(const Scene& scene, std::vector<Pair>& found) {
+  const bool are_distinct = sorting_.Sort(scene, found);
+  if (!is_sorted_known_) sorted_.Sort(scene, listed_);
+  for (Id body = 0; body < scene.size; ++body) {
+    const Id* in = sorting_.seconds.data() + sorting_.begins[body];
+    const Id* in_end = sorting_.seconds.data() + sorting_.begins[body + 1];
+    const Id* out = sorted_.seconds.data() + sorted_.begins[body];
+    const Id* out_end = sorted_.seconds.data() + sorted_.begins[body + 1];
+    while (in != in_end || out != out_end) {
+      if (in != in_end && out != out_end && *in == *out) {
+        ++in;
+        ++out;
+      } else if (out == out_end || (in != in_end && *in < *out)) {
+        came_.push_back({body, *in++});
+      } else {
+        went_.push_back({body, *out++});
+      }
+    }
   }
-  std::ranges::set_difference(sorted, sorted_, std::back_inserter(came_));
-  std::ranges::set_difference(sorted_, sorted, std::back_inserter(went_));
-  sorted_.swap(sorted);
+  std::swap(sorted_, sorting_);
   is_sorted_known_ = true;
-  if (has_duplicates) {
-    listed_ = sorted_;
-  } else {
-    listed_.swap(found);
-  }
+  listed_.swap(found);
+  if (are_distinct) return;
+  listed_.clear();
+  for (Id body = 0; body < scene.size; ++body)
+    for (std::uint32_t at = sorted_.begins[body]; at < sorted_.begins[body + 1]; ++at)
+      listed_.push_back({body, sorted_.seconds[at]});
 }
 
 }  // namespace cdb::detection

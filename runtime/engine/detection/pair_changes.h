@@ -11,14 +11,14 @@ namespace cdb::detection {
 
 /// Keeps the last list. Pairs may be listed in any order, with either body first, and repeatedly.
 ///
-/// If most pairs are at the same index as in the last list, only the others are compared; otherwise
-/// both lists are sorted. Not thread-safe.
+/// If most pairs are in the order of the last list, with some inserted, dropped or replaced, only
+/// those are looked at; otherwise both lists are sorted by body. Not thread-safe.
 class PairChanges {
  public:
   /// Compares `found` with the list of the previous call (initially empty) and keeps it. `is_kept`:
-  /// whether a pair was added before and not removed. Returns false if nothing has changed. Throws
-  /// std::invalid_argument for a pair of a body with itself or with an unknown body, without any
-  /// change.
+  /// whether a pair was added before and not removed; asked only for pairs that seem new. Returns
+  /// false if nothing has changed. Throws std::invalid_argument for a pair of a body with itself or
+  /// with an unknown body, without any change.
   bool Update(const Scene& scene, std::vector<Pair>& found,
               const std::function<bool(const Pair&)>& is_kept);
 
@@ -27,15 +27,23 @@ class PairChanges {
   std::span<const Pair> went() const { return went_; }
 
  private:
-  bool CompareByPlace(const Scene& scene, const std::vector<Pair>& found,
+  /// A list by first body.
+  struct ByBody {
+    std::vector<std::uint32_t> begins;  ///< of the pairs of each body; and the end
+    std::vector<Id> seconds;            ///< in order for each body
+
+    bool Sort(const Scene& scene, std::span<const Pair> pairs);
+  };
+
+  bool CompareInOrder(const Scene& scene, const std::vector<Pair>& found,
                       const std::function<bool(const Pair&)>& is_kept);
-  void CompareSorted(const Scene& scene, std::vector<Pair>& found);
+  bool CollectMoved(const std::vector<Pair>& found);
+  void CompareByBody(const Scene& scene, std::vector<Pair>& found);
 
   std::vector<Pair> listed_;  ///< the last list, each pair once
-  std::vector<Pair> sorted_;  ///< the same in order, a < b, if known
-  bool is_sorted_known_ = true;
-  std::vector<Pair> came_, went_, new_places_, old_places_, sorting_;
-  std::vector<std::uint32_t> begins_;  ///< of the pairs of a body, while they are sorted
+  ByBody sorted_, sorting_;   ///< the same, if known
+  bool is_sorted_known_ = false;
+  std::vector<Pair> came_, went_, moved_in_, moved_out_;
 };
 
 }  // namespace cdb::detection

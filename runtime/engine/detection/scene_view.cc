@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "runtime/engine/detection/wall_pairs.h"
+
 namespace cdb::detection {
 namespace {
 
@@ -33,7 +35,8 @@ Shape WallShape(const btRigidBody& wall) {
 
 SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
                      const std::vector<std::unique_ptr<btRigidBody>>& walls,
-                     const layouts::InitialState& state) {
+                     const layouts::InitialState& state)
+    : objects_(objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     bodies_.push_back(objects[i].get());
     shapes_.push_back(shape_parts_.Of(state.objects[i].solid));
@@ -46,6 +49,8 @@ SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
   }
   boxes_.assign(size(), {{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
   filters_.resize(size());
+  is_asleep_.assign(size(), 0);
+  box_pass_.emplace(std::span(bodies_).first(first_plane_));
   for (Id id = 0; id < size(); ++id) filters_[id].is_fixed = body(id).isStaticObject();
 }
 
@@ -54,16 +59,17 @@ void SceneView::SetFilter(Id id, int group, int mask) {
   filters_[id].mask = static_cast<std::uint32_t>(mask);
 }
 
+void SceneView::CutPlanes() {
+  for (Id id = first_plane_; id < size(); ++id) boxes_[id] = HalfSpaceBox(body(id), objects_);
+}
+
 void SceneView::TakePoses() {
   poses_.resize(size());
-  is_asleep_.resize(size());
   for (Id id = 0; id < size(); ++id) {
     const btTransform& pose = body(id).getWorldTransform();
     const btMatrix3x3& basis = pose.getBasis();
     poses_[id] = {bullet::ToVec3(pose.getOrigin()), bullet::ToVec3(basis.getColumn(0)),
                   bullet::ToVec3(basis.getColumn(1)), bullet::ToVec3(basis.getColumn(2))};
-    // Bullet marks fixed bodies as asleep.
-    is_asleep_[id] = !body(id).isActive() && !filters_[id].is_fixed;
   }
   has_poses_ = true;
 }
@@ -74,11 +80,10 @@ Scene SceneView::For(bool wants_poses) {
                  .filters = filters_,
                  .poses = {},
                  .shapes = shapes_,
-                 .is_asleep = {}};
+                 .is_asleep = is_asleep_};
   if (!wants_poses) return scene;
   if (!has_poses_) TakePoses();
   scene.poses = poses_;
-  scene.is_asleep = is_asleep_;
   return scene;
 }
 

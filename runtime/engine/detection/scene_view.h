@@ -5,18 +5,21 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "library/detectors/bullet/vectors.h"
 #include "library/detectors/detector.h"
 #include "library/layouts/initial_state.h"
+#include "runtime/engine/detection/box_pass.h"
 #include "runtime/engine/detection/detector_shapes.h"
 
 namespace cdb::detection {
 
 /// Objects, then the walls of the world, numbered consecutively in the order in which they are
 /// added to the world. Boxes are Bullet's, including the 0.02 m that it adds on each side for
-/// future contacts, except those of planes, which are infinite. Not thread-safe.
+/// future contacts, except those of planes, which are infinite or, after CutPlanes, HalfSpaceBox.
+/// Not thread-safe.
 class SceneView {
  public:
   /// The bodies must outlive it.
@@ -31,8 +34,13 @@ class SceneView {
     if (id >= first_plane_) return;
     boxes_[id] = {bullet::ToVec3(lower), bullet::ToVec3(upper)};
   }
+  /// What btCollisionWorld::updateAabbs does, for all bodies at once; see BoxPass. To be called in
+  /// its place, before BeginCycle.
+  void UpdateBoxes(bool updates_all) { box_pass_->Update(updates_all, boxes_, is_asleep_); }
   const Box& box(Id id) const { return boxes_[id]; }
   void SetFilter(Id id, int group, int mask);
+  /// From now on, the box of a plane is that of its half-space.
+  void CutPlanes();
 
   /// Begins a new cycle: poses must be read again.
   void BeginCycle() {
@@ -41,14 +49,14 @@ class SceneView {
   }
   /// From 1, including the warm-up; 0 before the first cycle.
   std::uint64_t cycle() const { return cycle_; }
-  /// The current input of a detector. Poses and sleeping states are read once per cycle, and only
-  /// on request.
+  /// The current input of a detector. Poses are read once per cycle, and only on request.
   Scene For(bool wants_poses);
 
  private:
   void TakePoses();
 
   std::vector<btRigidBody*> bodies_;
+  const std::vector<std::unique_ptr<btRigidBody>>& objects_;
   Id first_plane_;  ///< planes come last
   DetectorShapes shape_parts_;
   std::vector<Shape> shapes_;
@@ -56,6 +64,7 @@ class SceneView {
   std::vector<Filter> filters_;
   std::vector<Pose> poses_;
   std::vector<std::uint8_t> is_asleep_;
+  std::optional<BoxPass> box_pass_;  ///< of all bodies but planes
   std::uint64_t cycle_ = 0;
   bool has_poses_ = false;
 };

@@ -9,6 +9,7 @@
 #include "compiler/plan/expectation.h"
 #include "runtime/engine/probes/memory.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/manifolds.h"
 #include "runtime/measure/file_descriptor_io.h"
 
 namespace cdb::probes {

@@ -6,6 +6,7 @@
 
 #include "compiler/plan/reference.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/manifolds.h"
 
 namespace cdb::probes {
 namespace {

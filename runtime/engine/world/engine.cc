@@ -14,6 +14,7 @@
 #include "runtime/engine/detection/adapter_broad_phase.h"
 #include "runtime/engine/detection/adapter_dispatcher.h"
 #include "runtime/engine/detection/broad_phase.h"
+#include "runtime/engine/detection/wall_pairs.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/precision.h"
 
@@ -182,6 +183,10 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
   for (const detection::NamedDetector* detector : {&detectors.broad, &detectors.narrow})
     detection::CheckHolds(detector->name, detector->max_bodies, bodies);
   scene_view_ = std::make_unique<detection::SceneView>(objects_, walls_, state_);
+  // Bullet's own list all, as they do alone.
+  if (!detection::IsBullets(detectors.broad.name) &&
+      detection::WhyAllWallPairs(scene_, objects_).empty())
+    scene_view_->CutPlanes();
   auto broad_phase = std::make_unique<detection::AdapterBroadPhase>(detectors.broad, *scene_view_);
   detection::AdapterBroadPhase& broad = *broad_phase;
   broad_phase_ = std::move(broad_phase);
@@ -195,6 +200,7 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
     dispatcher_ = std::make_unique<btCollisionDispatcher>(&configuration_);
   }
   MakeWorld();
+  world_->ComputeBoxesBy(*scene_view_);
   broad.Prepare();
   if (narrow != nullptr && detectors.narrow.detector != detectors.broad.detector) narrow->Prepare();
 }

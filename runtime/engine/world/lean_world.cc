@@ -40,7 +40,11 @@ LeanWorld::LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phas
 }
 
 void LeanWorld::updateAabbs() {
-  btDiscreteDynamicsWorld::updateAabbs();
+  if (view_ != nullptr) {
+    view_->UpdateBoxes(getForceUpdateAllAabbs());
+  } else {
+    btDiscreteDynamicsWorld::updateAabbs();
+  }
   // The first update widens the boxes that bodies were added with.
   if (Omits(Component::kStaticBoxes)) setForceUpdateAllAabbs(false);
 }

@@ -17,6 +17,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include "runtime/engine/detection/scene_view.h"
 #include "runtime/pruning/omissions.h"
 
 namespace cdb::world {
@@ -28,6 +29,10 @@ class LeanWorld : public btDiscreteDynamicsWorld {
   LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phase,
             btConstraintSolver* solver, btCollisionConfiguration* configuration,
             const pruning::Omissions& omissions);
+
+  /// From the next step on, boxes are computed by `view`, which must outlive it; its bodies must be
+  /// all of the world's.
+  void ComputeBoxesBy(detection::SceneView& view) { view_ = &view; }
 
   void updateAabbs() override;
   void performDiscreteCollisionDetection() override;
@@ -50,6 +55,7 @@ class LeanWorld : public btDiscreteDynamicsWorld {
   void ApplyForces(btRigidBody& body, btScalar timestep);
 
   unsigned omitted_ = 0;  ///< bit by component
+  detection::SceneView* view_ = nullptr;
 };
 
 /// The body stays as it is turned, to the bit, while nothing touches it: it does not spin, and

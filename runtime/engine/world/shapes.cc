@@ -147,16 +147,39 @@ void SolidShape::batchedUnitVectorGetSupportingVertexWithoutMargin(const btVecto
   for (int i = 0; i < count; ++i) points[i] = localGetSupportingVertexWithoutMargin(directions[i]);
 }
 
+SolidShape::Extent SolidShape::ExtentOfTetrahedron(const btVector3& direction) const {
+  const btVector3 at = direction * core_;
+  const btScalar x = at.x(), y = at.y(), z = at.z();
+  // Of its corners; each sum is in the order of a scalar product.
+  const btScalar corners[] = {x + y + z, x - y - z, -x + y - z, -x - y + z};
+  Extent extent = {corners[0], corners[0]};
+  for (const btScalar corner : corners) {
+    if (corner < extent.least) extent.least = corner;
+    if (corner > extent.most) extent.most = corner;
+  }
+  return extent;
+}
+
+SolidShape::Extent SolidShape::ExtentAlong(const btVector3& direction) const {
+  if (solid_.shape == Shape::kTetrahedron) return ExtentOfTetrahedron(direction);
+  const auto farthest = [&](const btVector3& along) {
+    return direction.dot(SolidShape::localGetSupportingVertexWithoutMargin(along));
+  };
+  const btScalar most = farthest(direction);
+  // Every other solid is as long on both sides, unless a support point was made up.
+  const bool is_symmetric = solid_.shape != Shape::kCone && most > 0;
+  return {is_symmetric ? -most : farthest(-direction), most};
+}
+
 void SolidShape::getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const {
   const btMatrix3x3& basis = pose.getBasis();
   const btScalar margin = getMarginNV();
   for (int axis = 0; axis < 3; ++axis) {
     // A row of the basis is the world's axis in the body's frame.
-    const btVector3& direction = basis[axis];
+    const Extent extent = ExtentAlong(basis[axis]);
     const btScalar origin = pose.getOrigin()[axis];
-    upper[axis] = origin + direction.dot(localGetSupportingVertexWithoutMargin(direction)) + margin;
-    lower[axis] =
-        origin + direction.dot(localGetSupportingVertexWithoutMargin(-direction)) - margin;
+    upper[axis] = origin + extent.most + margin;
+    lower[axis] = origin + extent.least - margin;
   }
   upper.setW(0);
   lower.setW(0);

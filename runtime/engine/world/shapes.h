@@ -34,6 +34,13 @@ class SolidShape : public btConvexInternalShape {
   const char* getName() const override { return "solid"; }
 
  private:
+  /// Of the core, along a direction.
+  struct Extent {
+    btScalar least, most;
+  };
+  Extent ExtentAlong(const btVector3& direction) const;
+  Extent ExtentOfTetrahedron(const btVector3& direction) const;
+
   objects::Solid solid_;
   btVector3 core_;       ///< half extents of the core
   btScalar core_shift_;  ///< y of the core's box centre

@@ -94,6 +94,16 @@ void BoxScene::Move() {
   }
 }
 
+void BoxScene::CutWalls() {
+  for (std::size_t wall = 0; wall < 6; ++wall) {
+    Box& box = boxes_[at_.size() + wall];
+    const auto axis = kAxes[wall / 2];
+    const double end = Rounded(0.9 * half_side_);
+    if (wall % 2 == 0) box.upper.*axis = -end;
+    if (wall % 2 == 1) box.lower.*axis = end;
+  }
+}
+
 Scene BoxScene::View() const {
   return {.size = boxes_.size(),
           .boxes = boxes_,

@@ -19,6 +19,10 @@ class BoxScene {
  public:
   BoxScene(std::string_view name, std::size_t objects, bool walls = false, std::uint64_t seed = 1);
 
+  /// The walls, of which there must be six, get the boxes of the half-spaces outside a cube that is
+  /// a little smaller than the objects'.
+  void CutWalls();
+
   /// The bodies as they stand; valid until Move or the end.
   Scene View() const;
   /// One cycle further. Objects bounce off the sides of their cube.

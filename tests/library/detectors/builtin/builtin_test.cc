@@ -75,6 +75,56 @@ TEST(BuiltinDetectors, AreExactOnEveryScene) {
   }
 }
 
+TEST(BuiltinDetectors, AreExactBetweenHalfSpaces) {
+  for (const std::string_view name : kBoxScenes) {
+    BoxScene moving(name, 300, true, 11);
+    moving.CutWalls();
+    std::vector<Named> all = All();
+    for (Named& named : all) named.detector->Prepare(moving.View());
+    for (int cycle = 0; cycle < 150; ++cycle, moving.Move())
+      ExpectExact(all, moving.View(), std::string(name) + ", cycle " + std::to_string(cycle));
+  }
+}
+
+TEST(BuiltinDetectors, AreExactWhereBodiesFallAsleepAndWake) {
+  for (const bool cuts_walls : {false, true}) {
+    BoxScene moving("dense", 300, true, 13);
+    if (cuts_walls) moving.CutWalls();
+    std::vector<Named> all = All();
+    for (int cycle = 0; cycle < 120; ++cycle) {
+      Scene scene = moving.View();
+      // All are awake for a while, then all sleep, and then all but one.
+      const int phase = cycle / 10 % 3;
+      std::vector<std::uint8_t> is_asleep(scene.size, phase > 0);
+      if (phase == 2) is_asleep[7] = 0;
+      scene.is_asleep = is_asleep;
+      std::vector<Box> boxes(scene.boxes.begin(), scene.boxes.end());
+      if (phase == 2) boxes[7] = boxes[static_cast<std::size_t>(cycle) % 300];
+      scene.boxes = boxes;
+      ExpectExact(all, scene, "cycle " + std::to_string(cycle));
+      if (phase == 0) moving.Move();
+    }
+  }
+}
+
+TEST(BuiltinDetectors, AreExactWhereWallsMoveOrStandAmongTheBodies) {
+  BoxScene moving("dense", 300, true, 12);
+  std::vector<Named> all = All();
+  Scene scene = moving.View();
+  std::vector<Box> boxes(scene.boxes.begin(), scene.boxes.end());
+  for (int cycle = 0; cycle < 60; ++cycle, moving.Move()) {
+    scene = moving.View();
+    std::ranges::copy(scene.boxes.first(300), boxes.begin());
+    // Half-spaces that come nearer, until they overlap one another, and a block in the middle.
+    const double end = boxes[0].upper.x - boxes[0].lower.x;
+    boxes[300] = {{-kInfinite, -kInfinite, -kInfinite}, {end * (cycle - 20), kInfinite, kInfinite}};
+    boxes[301] = {{-end * cycle, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}};
+    boxes[302] = {{-end, -end, -end}, {end, end, end}};
+    scene.boxes = boxes;
+    ExpectExact(all, scene, "moving walls, cycle " + std::to_string(cycle));
+  }
+}
+
 TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
   constexpr int kCycles = kThreadSanitizer ? 10 : 20;
   for (const std::string_view name : kBoxScenes) {

@@ -81,6 +81,37 @@ TEST(PairChanges, ComeToTheListWhateverItsOrder) {
   }
 }
 
+TEST(PairChanges, AreFoundInAListThatKeepsItsOrder) {
+  constexpr std::size_t kBodies = 400;
+  const Bodies bodies(kBodies);
+  std::mt19937 random(5);
+  std::vector<Pair> candidates;
+  for (Id a = 0; a < kBodies; ++a)
+    for (Id b = a + 1; b < std::min<Id>(a + 12, kBodies); ++b) candidates.push_back({a, b});
+  std::ranges::shuffle(candidates, random);
+  std::vector<char> is_listed(candidates.size(), 0);
+  Kept kept;
+  for (int cycle = 0; cycle < 300; ++cycle) {
+    // Few, many in one place, and many everywhere.
+    const std::size_t flips = cycle % 50 == 49 ? 2000 : cycle % 7;
+    for (std::size_t k = 0; k < flips; ++k) is_listed[random() % candidates.size()] ^= 1;
+    if (cycle % 20 == 10)
+      for (std::size_t k = 0; k < 40; ++k) is_listed[1000 + k] ^= 1;
+    std::vector<Pair> list;
+    std::set<Pair> expected;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (!is_listed[i]) continue;
+      list.push_back(candidates[i]);
+      if (candidates[i].b != kBodies - 1) expected.insert(candidates[i]);
+    }
+    const bool same = expected == kept.pairs();
+    EXPECT_EQ(kept.Update(bodies.View(), list), !same);
+    ASSERT_EQ(kept.pairs(), expected) << "cycle " << cycle;
+    EXPECT_TRUE(std::ranges::is_sorted(kept.changes().came()));
+    EXPECT_TRUE(std::ranges::is_sorted(kept.changes().went()));
+  }
+}
+
 TEST(PairChanges, TellWhatCameAndWhatWent) {
   const Bodies bodies(10);
   Kept kept;

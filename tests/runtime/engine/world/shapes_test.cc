@@ -38,6 +38,29 @@ TEST(Shapes, ExtentsAreTheSidesWithTheMarginInside) {
   }
 }
 
+TEST(Shapes, BoxIsThatOfTheSupportPointsToTheBit) {
+  distributions::Stream stream(4);
+  for (std::size_t i = 0; i < 3000; ++i) {
+    const Vector3d sides = {stream.Uniform(1, 9), stream.Uniform(1, 9), stream.Uniform(1, 9)};
+    const auto margin = static_cast<btScalar>(i % 3 == 0 ? 0 : 0.04);
+    const world::SolidShape shape({kShapes[i % std::size(kShapes)], sides}, margin);
+    // A few stand upright, where support points are not unique.
+    btTransform pose = i % 7 == 0 ? btTransform::getIdentity() : Turned(stream.Turn());
+    pose.setOrigin(ToBullet(Vector3d(stream.Uniform(-50, 50), stream.Uniform(-5, 5), 0)));
+    btVector3 lower, upper;
+    shape.getAabb(pose, lower, upper);
+    for (int axis = 0; axis < 3; ++axis) {
+      const btVector3& direction = pose.getBasis()[axis];
+      const auto end = [&](const btVector3& along) {
+        return direction.dot(shape.localGetSupportingVertexWithoutMargin(along));
+      };
+      const btScalar origin = pose.getOrigin()[axis];
+      EXPECT_EQ(upper[axis], origin + end(direction) + margin) << i;
+      EXPECT_EQ(lower[axis], origin + end(-direction) - margin) << i;
+    }
+  }
+}
+
 TEST(Shapes, BoxHoldsTheTurnedSolid) {
   distributions::Stream stream(1);
   for (std::size_t i = 0; i < 500; ++i) {

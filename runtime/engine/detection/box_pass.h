@@ -1,0 +1,62 @@
+// The boxes of rigid bodies, computed in one pass over their poses.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "library/detectors/detector.h"
+
+namespace cdb::detection {
+
+/// The boxes that btCollisionWorld::updateAabbs gives a broad phase, to the bit: around a body
+/// where it is and, unless it is fixed or kinematic, where it is predicted, plus
+/// gContactBreakingThreshold on each side. Balls, boxes, cylinders, capsules, convex pieces and
+/// compounds are computed here, provided that a trial at the start agrees with the virtual getAabb
+/// of their shape; all other shapes are asked. Not thread-safe.
+class BoxPass {
+ public:
+  /// The bodies, their shapes and the sizes of those must outlive it and not change.
+  explicit BoxPass(std::span<btRigidBody* const> bodies);
+
+  /// Writes the boxes of active bodies, and, if `updates_all`, of the others. Skips those that were
+  /// asleep in the last call too: they have not moved. `is_asleep` has the last call's values and
+  /// gets this one's; fixed and kinematic bodies are never asleep. A body whose box exceeds
+  /// Bullet's limit of 10^6 m keeps its box and is switched off, as by Bullet. Both spans have a
+  /// value for each body.
+  void Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep);
+
+  /// Whether the boxes of this body are computed here.
+  bool IsComputed(Id id) const { return shapes_[bodies_[id].shape].kind != Kind::kVirtual; }
+
+ private:
+  enum class Kind : std::uint8_t {
+    kBall,       ///< the same in every orientation
+    kCentred,    ///< a box around the origin
+    kOffCentre,  ///< a box around another point
+    kVirtual,
+  };
+  struct ShapeBox {
+    btVector3 half;    ///< with margin
+    btVector3 centre;  ///< in the body's frame
+    const btCollisionShape* shape;
+    Kind kind;
+  };
+  struct Body {
+    btRigidBody* body;
+    std::uint32_t shape;  ///< in shapes_
+  };
+  struct Corners;
+
+  static ShapeBox Describe(const btCollisionShape& shape);
+  static Corners Around(const ShapeBox& shape, const btTransform& pose);
+  static bool Agrees(const ShapeBox& shape);
+  static bool Write(const ShapeBox& shape, const btRigidBody& body, Box& box);
+
+  std::vector<ShapeBox> shapes_;  ///< each once
+  std::vector<Body> bodies_;
+};
+
+}  // namespace cdb::detection

@@ -1,0 +1,216 @@
+// Broad phases in live scenes: Bullet's dbvt and sap32 alone, dbvt behind cdb's interface, and
+// cdb's own, each in a world of its own in one program, in blocks of cycles in turn. Broad is
+// boxes moved and pairs found and lost, as the series of that name. Pairs are in the order
+// `sorted`, and nothing sleeps where sleep would depend on the list of pairs; so all worlds that
+// list what there is have to be in the same state after every block, else the scene is marked.
+// Times are processor time of the thread, so that other programs on the machine disturb them less.
+//
+// Usage: bench_live_f32 [-r ROUNDS] [-c CYCLES] [-d DETECTOR]... [-s SCENE]...
+
+#include <fmt/format.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "library/layouts/placement.h"
+#include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/worker/settle.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/engine/world/precision.h"
+#include "tests/bench/median.h"
+#include "tests/support/scene.h"
+
+namespace cdb::bench {
+namespace {
+
+/// Cycles of a world before it is the next one's turn.
+constexpr int kBlock = 8;
+constexpr const char* kThrough = "dbvt via cdb";
+
+struct LiveScene {
+  std::string name;
+  int warmup;
+  std::function<plan::Scene()> make;
+};
+
+plan::Scene Balls(std::uint64_t quantity, double side, double speed, double fall) {
+  plan::Scene scene = tests::DefaultScene(quantity, side);
+  tests::SetWorld(scene, "timestep", 1.0 / 60);
+  tests::SetWorld(scene, "sleeping", false);
+  tests::SetWorld(scene, "acceleration", Eigen::Vector3d(0, -fall, 0));
+  tests::SetGroup(scene, "size", 1.0);
+  tests::SetGroup(scene, "restitution", fall > 0 ? 0.2 : 1.0);
+  tests::SetGroup(scene, "linear_velocity", tests::Uniform(-speed, speed));
+  return scene;
+}
+
+plan::Scene Gas(std::uint64_t quantity) {
+  return Balls(quantity, 2 * std::cbrt(static_cast<double>(quantity)), 5, 0);
+}
+
+plan::Scene OfFile(const std::string& file) {
+  const auto compiled =
+      compiler::Compile(CDB_SOURCE_DIR "/library/scenarios/" + file, compiler::ReadFromDisk, {});
+  plan::Scene scene = compiled.plans.front().runs.back().scene;
+  tests::SetWorld(scene, "sleeping", false);
+  return scene;
+}
+
+std::vector<LiveScene> Scenes() {
+  const auto open = [](plan::Scene scene) {
+    tests::SetWorld(scene, "world.walls", tests::Word("none"));
+    return scene;
+  };
+  const auto pile = [](std::uint64_t n) {
+    return Balls(n, 2 / 1.2 * std::cbrt(static_cast<double>(n)), 3, 9.8);
+  };
+  return {
+      {"sparse 5000", 40, [=] { return open(Balls(5000, 250000, 50, 0)); }},
+      {"paper 5000", 40, [] { return Balls(5000, 250000, 50, 9.8); }},
+      {"gas 4000", 40, [] { return Gas(4000); }},
+      {"gas 5000", 40, [] { return Gas(5000); }},
+      {"open gas 5000", 40, [=] { return open(Gas(5000)); }},
+      {"dense 5000", 40, [] { return Balls(5000, std::cbrt(3.5 * 5000), 60, 0); }},
+      {"rubble falling", 40, [] { return OfFile("application/rubble.cdb"); }},
+      {"rubble 1500", 400, [] { return OfFile("application/rubble.cdb"); }},
+      {"heap 400", 20, [] { return OfFile("application/heap.cdb"); }},
+      {"warehouse 1001", 60, [] { return OfFile("application/warehouse.cdb"); }},
+      {"pile 216", 200, [=] { return pile(216); }},
+      {"pile 1000", 200, [=] { return pile(1000); }},
+      {"pile 5000", 200, [=] { return pile(5000); }},
+  };
+}
+
+/// A detector in its world.
+struct World {
+  std::string name;
+  std::unique_ptr<world::Engine> engine;
+  std::vector<double> broad, step;  ///< us
+};
+
+World MakeWorld(const std::string& name, plan::Scene scene, const layouts::InitialState& state) {
+  const bool is_through = name == kThrough;
+  tests::SetWorld(scene, "detector", tests::Word(is_through ? "dbvt" : name));
+  const auto omissions = pruning::KeepEverything(scene);
+  World world{name, nullptr, {}, {}};
+  if (is_through) {
+    const detection::Detectors detectors{.broad = detection::MakeDetector("dbvt", scene),
+                                         .narrow = {}};
+    world.engine = std::make_unique<world::Engine>(scene, state, omissions, detectors);
+  } else {
+    world.engine = std::make_unique<world::Engine>(scene, state, omissions);
+  }
+  return world;
+}
+
+void RunBlock(World& world, int cycles, bool counts) {
+  for (int cycle = 0; cycle < cycles; ++cycle) {
+    world.engine->Step();
+    if (!counts) continue;
+    const auto durations = world.engine->timed_world()->Durations();
+    world.broad.push_back(durations[measure::IndexOf(measure::Phase::kBroad)] / 1e3);
+    world.step.push_back(durations[measure::IndexOf(measure::Phase::kStep)] / 1e3);
+  }
+}
+
+bool AreAlike(const std::vector<World>& worlds) {
+  const std::string first = probes::StateHash(*worlds.front().engine);
+  return std::ranges::all_of(
+      worlds, [&](const World& world) { return probes::StateHash(*world.engine) == first; });
+}
+
+void RunScene(const LiveScene& live, const std::vector<std::string>& names, int rounds,
+              int cycles) {
+  plan::Scene scene = live.make();
+  tests::SetWorld(scene, "precision", tests::Word(world::EnginePrecision()));
+  tests::SetWorld(scene, "record", schema::WordList{"timing"});
+  tests::SetWorld(scene, "pair_order", tests::Word("sorted"));
+  layouts::InitialState state = layouts::DrawObjects(scene);
+  layouts::Place(scene, state);
+  if (worker::HasPile(scene)) worker::SettlePiles(scene, state);
+  std::vector<std::vector<double>> broad(names.size()), step(names.size());
+  bool are_alike = true;
+  std::vector<int> pairs(names.size());
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<World> worlds;
+    for (const std::string& name : names) worlds.push_back(MakeWorld(name, scene, state));
+    for (World& world : worlds) RunBlock(world, live.warmup, false);
+    for (int block = 0; block * kBlock < cycles; ++block) {
+      for (std::size_t i = 0; i < worlds.size(); ++i)
+        RunBlock(worlds[(i + static_cast<std::size_t>(block + round)) % worlds.size()], kBlock,
+                 true);
+      are_alike = are_alike && AreAlike(worlds);
+    }
+    for (std::size_t i = 0; i < worlds.size(); ++i) {
+      broad[i].push_back(Median(worlds[i].broad));
+      step[i].push_back(Median(worlds[i].step));
+      pairs[i] = worlds[i].engine->world().getPairCache()->getNumOverlappingPairs();
+    }
+  }
+  fmt::print("\n{}{}\n", live.name, are_alike ? "" : ": the worlds went different ways");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::vector<double> ratios, steps;
+    for (std::size_t round = 0; round < broad[i].size(); ++round) {
+      ratios.push_back(broad[0][round] / broad[i][round]);
+      steps.push_back(step[0][round] / step[i][round]);
+    }
+    const auto [least, most] = std::ranges::minmax(ratios);
+    fmt::print("  {:<14} {:>9.1f} {:>8} {:>7.2f} ({:.2f} .. {:.2f}) {:>10.1f} {:>6.2f}\n", names[i],
+               Median(broad[i]), pairs[i], Median(ratios), least, most, Median(step[i]),
+               Median(steps));
+  }
+  std::fflush(stdout);
+}
+
+int Main(int argc, char** argv) {
+  int rounds = 3, cycles = 96;
+  std::vector<std::string> names = {"dbvt"}, only;
+  for (int option; (option = getopt(argc, argv, "r:c:d:s:")) != -1;) {
+    switch (option) {
+      case 'r':
+        rounds = std::atoi(optarg);
+        break;
+      case 'c':
+        cycles = std::atoi(optarg);
+        break;
+      case 'd':
+        names.push_back(optarg);
+        break;
+      case 's':
+        only.push_back(optarg);
+        break;
+      default:
+        return 2;
+    }
+  }
+  if (names.size() == 1) names = {"dbvt", "sap32", kThrough, "auto"};
+  fmt::print(
+      "{} precision, {} rounds of {} cycles; medians, and dbvt's to them with the range of "
+      "the rounds\n  {:<14} {:>9} {:>8} {:>7} {:>26} {:>6}\n",
+      world::EnginePrecision(), rounds, cycles, "", "broad us", "pairs", "dbvt/", "step us",
+      "dbvt/");
+  for (const LiveScene& live : Scenes())
+    if (only.empty() || std::ranges::count(only, live.name) > 0)
+      RunScene(live, names, rounds, cycles);
+  return 0;
+}
+
+}  // namespace
+}  // namespace cdb::bench
+
+/// In place of the C library's: the clock of the phases shows this thread's processor time.
+extern "C" int clock_gettime(clockid_t clock, timespec* time) noexcept {
+  if (clock == CLOCK_MONOTONIC) clock = CLOCK_THREAD_CPUTIME_ID;
+  return static_cast<int>(syscall(SYS_clock_gettime, clock, time));
+}
+
+int main(int argc, char** argv) { return cdb::bench::Main(argc, argv); }

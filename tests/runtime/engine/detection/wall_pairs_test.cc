@@ -1,0 +1,124 @@
+// Pairs with planes that no box reaches are not listed, and no body moves otherwise for it.
+#include "runtime/engine/detection/wall_pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "library/scene_error.h"
+#include "tests/runtime/engine/paired_run.h"
+#include "tests/runtime/engine/random_scenes.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+plan::Scene Sorted(plan::Scene scene, const char* detector) {
+  SetWorld(scene, "pair_order", Word("sorted"));
+  SetWorld(scene, "detector", Word(detector));
+  return scene;
+}
+
+/// Objects of 40 m, so that Bullet keeps contacts up to 0.4 m and more.
+plan::Scene Large(double fall) {
+  plan::Scene scene = EngineScene(60, 300);
+  SetWorld(scene, "timestep", 1.0 / 60);
+  SetWorld(scene, "acceleration", Vector3d(0, -fall, 0));
+  SetGroup(scene, "type", AnyType());
+  SetGroup(scene, "size", Uniform(10.0, 60.0));
+  SetGroup(scene, "friction", 0.5);
+  SetGroup(scene, "linear_velocity", Normal(0.0, 30.0));
+  SetGroup(scene, "angular_velocity", Normal(0.0, 1.0));
+  return scene;
+}
+
+/// Steps both, and expects all bodies in the same state after each step.
+void ExpectSameMotion(const plan::Scene& scene, const layouts::InitialState& state, int steps,
+                      const char* detector) {
+  const auto omissions = pruning::KeepEverything(scene);
+  // `simple` lists the boxes that overlap, and nothing else.
+  world::Engine all(Sorted(scene, "simple"), state, omissions);
+  world::Engine reached(Sorted(scene, detector), state, omissions);
+  for (int step = 0; step < steps; ++step) {
+    all.Step();
+    reached.Step();
+    ASSERT_TRUE(HaveSameState(all, reached)) << detector << ", step " << step;
+    ASSERT_LE(reached.world().getPairCache()->getNumOverlappingPairs(),
+              all.world().getPairCache()->getNumOverlappingPairs());
+  }
+}
+
+void ExpectSameMotion(const plan::Scene& scene, int steps, const char* detector) {
+  ExpectSameMotion(scene, layouts::MakeInitialState(scene), steps, detector);
+}
+
+TEST(WallPairs, LeaveTheMotionAsItIs) {
+  for (const double fall : {0.0, 9.8, 200.0}) ExpectSameMotion(Large(fall), 400, "auto");
+  for (const char* detector : {"grid", "octree", "sweep"})
+    ExpectSameMotion(Large(50), 150, detector);
+}
+
+TEST(WallPairs, LeaveTheMotionOfRandomScenesAsItIs) {
+  std::size_t placed = 0;
+  for (const RandomScene& random : RandomScenes(80, 15)) {
+    SCOPED_TRACE(std::string(random.theme));
+    layouts::InitialState state;
+    try {
+      state = layouts::MakeInitialState(random.scene);
+    } catch (const library::SceneError&) {
+      continue;  // some do not fit
+    }
+    ++placed;
+    const auto steps = static_cast<int>(random.scene.world.Count("cycles"));
+    ExpectSameMotion(random.scene, state, steps, "auto");
+  }
+  EXPECT_GT(placed, 60u);
+}
+
+/// Pairs after one step.
+int Pairs(const plan::Scene& scene) {
+  world::Engine engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene));
+  engine.Step();
+  return engine.world().getPairCache()->getNumOverlappingPairs();
+}
+
+TEST(WallPairs, AreThoseThatReachTheHalfSpace) {
+  plan::Scene scene = EngineScene(50, 1000);
+  EXPECT_EQ(Pairs(Sorted(scene, "dbvt")), 300);
+  EXPECT_LT(Pairs(Sorted(scene, "auto")), 10);
+  EXPECT_LT(Pairs(Sorted(scene, "octree")), 10);
+}
+
+TEST(WallPairs, AreAllWhereTheirAbsenceCouldBeSeen) {
+  plan::Scene scene = Sorted(EngineScene(50, 1000), "auto");
+  SetWorld(scene, "pair_order", Word("listed"));
+  EXPECT_EQ(Pairs(scene), 300);
+  scene = Sorted(scene, "auto");
+  SetGroup(scene, "ccd", true);
+  EXPECT_EQ(Pairs(scene), 300);
+}
+
+TEST(WallPairs, HalfSpacesReachAsFarAsContacts) {
+  const plan::Scene scene = Large(0);
+  world::Engine engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene));
+  double breaking = 0;
+  for (const auto& body : engine.objects())
+    breaking = std::max(breaking,
+                        static_cast<double>(body->getCollisionShape()->getContactBreakingThreshold(
+                            gContactBreakingThreshold)));
+  ASSERT_GT(breaking, 0.3);
+  const Box left = detection::HalfSpaceBox(*engine.walls()[0], engine.objects());
+  const Box above = detection::HalfSpaceBox(*engine.walls()[3], engine.objects());
+  EXPECT_GE(left.upper.x, -150 + breaking - 0.02);
+  EXPECT_LT(left.upper.x, -150 + breaking);
+  EXPECT_LE(above.lower.y, 150 - breaking + 0.02);
+  EXPECT_EQ(left.lower.x, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(left.upper.y, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(static_cast<double>(static_cast<btScalar>(left.upper.x)), left.upper.x);
+}
+
+}  // namespace
+}  // namespace cdb::tests
