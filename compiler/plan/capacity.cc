@@ -13,7 +13,7 @@ std::uint64_t BodyCount(const Scene& scene) {
 
 std::uint64_t MaxBodyCount(const Plan& plan) {
   std::uint64_t most = 0;
-  for (const Run& run : plan.runs) most = std::max(most, BodyCount(run.scene));
+  for (const Run& run : plan.Bounds()) most = std::max(most, BodyCount(run.scene));
   return most;
 }
 

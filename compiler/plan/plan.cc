@@ -28,12 +28,12 @@ std::string CanonicalText(const Scene& scene) {
   return text + CanonicalTail(scene);
 }
 
+}  // namespace
+
 std::string CoordinateText(const Coordinate& coordinate) {
   if (const auto* number = std::get_if<double>(&coordinate)) return schema::FormatReal(*number);
   return std::get<std::string>(coordinate);
 }
-
-}  // namespace
 
 std::string CanonicalTail(const Scene& scene) {
   std::string text;
@@ -96,7 +96,18 @@ std::string RunId(const Scene& scene, std::uint64_t rep) {
   return RunIdOf(rep, CanonicalText(scene));
 }
 
+void Plan::ForEachRun(const WholePlan::VisitRun& visit) const {
+  if (whole) return whole->for_each_run(visit);
+  for (const Run& run : runs) visit(run.id, run.at, run.rep);
+}
+
+void Plan::ForEachSkipped(const WholePlan::VisitPoint& visit) const {
+  if (whole) return whole->for_each_skipped(visit);
+  for (const auto& point : skipped) visit(point);
+}
+
 std::string Plan::Sha256() const {
+  if (whole) return whole->sha256;
   std::string text = fmt::format("plan {}\n{}\nrepeats {}\n", kPlanVersion, benchmark, repeats);
   for (const Axis& axis : axes) {
     text += fmt::format("axis {} {} {}", axis.name, axis.parameter, axis.unit);
@@ -111,18 +122,18 @@ std::string Plan::Sha256() const {
 
 std::uint64_t Plan::MaxCycles() const {
   std::uint64_t most = 0;
-  for (const Run& run : runs) most = std::max(most, run.scene.world.Count("cycles"));
+  for (const Run& run : Bounds()) most = std::max(most, run.scene.world.Count("cycles"));
   return most;
 }
 
 std::uint64_t Plan::MaxObjects() const {
   std::uint64_t most = 0;
-  for (const Run& run : runs) most = std::max(most, run.scene.ObjectCount());
+  for (const Run& run : Bounds()) most = std::max(most, run.scene.ObjectCount());
   return most;
 }
 
 bool Plan::Records(std::string_view what) const {
-  return std::ranges::any_of(runs,
+  return std::ranges::any_of(Bounds(),
                              [&](const Run& run) { return run.scene.world.Lists("record", what); });
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -61,6 +63,8 @@ std::uint64_t StreamSeed(std::uint64_t seed, std::string_view name);
 
 /// A coordinate on an axis: numbers are numbers, anything else is its `.cdb` text.
 using Coordinate = std::variant<double, std::string>;
+/// As hashes of plans have it.
+std::string CoordinateText(const Coordinate& coordinate);
 
 struct Axis {
   std::string name;                ///< `quantity`, `aspect_z`
@@ -85,6 +89,22 @@ struct Run {
   bool operator==(const Run&) const = default;
 };
 
+/// Of a plan that is too long to be listed: what the parts of it must know.
+struct WholePlan {
+  using VisitRun = std::function<void(const std::string& id, const std::vector<std::size_t>& at,
+                                      std::uint64_t rep)>;
+  using VisitPoint = std::function<void(const std::vector<std::size_t>& at)>;
+
+  std::string sha256;
+  std::uint64_t run_count = 0;
+  /// Runs of it: the most cycles, objects, bodies and samples of any run are those of one of these,
+  /// and what some run records or asks for, one of these does.
+  std::vector<Run> bounds;
+  std::string short_text;                             ///< as YAML (compiler/plan/short_plan.h)
+  std::function<void(const VisitRun&)> for_each_run;  ///< in grid order
+  std::function<void(const VisitPoint&)> for_each_skipped;  ///< in grid order
+};
+
 struct Plan {
   std::string benchmark;      ///< its name; decides the result file's
   std::string title;          ///< the text after the name; may be empty
@@ -96,9 +116,18 @@ struct Plan {
   std::vector<std::vector<std::size_t>> skipped;  ///< points that `skip` left out, in grid order
   /// Reference runs and their twins, each once; they follow from `runs` (AddReferences).
   std::vector<Run> references;
+  /// Where it is not null, `runs` are some of its runs, and `skipped` is empty.
+  std::shared_ptr<const WholePlan> whole;
+
+  /// What holds of these, as of WholePlan::bounds, holds of all runs.
+  const std::vector<Run>& Bounds() const { return whole ? whole->bounds : runs; }
+  /// Of all runs and skipped points, listed or not.
+  std::uint64_t RunCount() const { return whole ? whole->run_count : runs.size(); }
+  void ForEachRun(const WholePlan::VisitRun& visit) const;
+  void ForEachSkipped(const WholePlan::VisitPoint& visit) const;
 
   /// 64 hex digits over axes, repeats, runs and skipped points: what decides the results. Title,
-  /// source and text do not.
+  /// source and text do not. That of `whole` where there is one.
   std::string Sha256() const;
   /// The most cycles, objects of any run: the extent of the result's `cycle` and `body`.
   std::uint64_t MaxCycles() const;

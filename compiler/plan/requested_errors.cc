@@ -32,7 +32,7 @@ std::vector<const ErrorInfo*> ErrorsOf(const Scene& scene) {
 
 std::vector<const ErrorInfo*> ErrorsOf(const Plan& plan) {
   std::set<std::string, std::less<>> words;
-  for (const Run& run : plan.runs)
+  for (const Run& run : plan.Bounds())
     if (const WordList& metrics = MetricsOf(run.scene); !AsksForNone(metrics))
       words.insert(metrics.begin(), metrics.end());
   return ErrorsNamed(words);

@@ -184,8 +184,8 @@ bool Series::IsRecordedBy(const plan::Scene& scene) const {
 }
 
 bool Series::IsRecordedBy(const plan::Plan& plan) const {
-  return std::any_of(plan.runs.begin(), plan.runs.end(),
-                     [&](const plan::Run& run) { return IsRecordedBy(run.scene); });
+  return std::ranges::any_of(plan.Bounds(),
+                             [&](const plan::Run& run) { return IsRecordedBy(run.scene); });
 }
 
 std::span<const Series> AllSeries() { return kSeries; }

@@ -147,7 +147,7 @@ WorkerPrograms FindWorkers(const plan::Plan& plan, const fs::path& folder) {
     const auto is_of_it = [precision](const plan::Run& run) {
       return run.scene.world.WordOr("precision") == precision;
     };
-    return std::ranges::any_of(plan.runs, is_of_it) ||
+    return std::ranges::any_of(plan.Bounds(), is_of_it) ||
            std::ranges::any_of(plan.references, is_of_it);
   };
   if (uses("single")) programs.single = FindWorker(folder, kSingleWorker);

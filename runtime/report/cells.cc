@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/plan/brief_runs.h"
 #include "compiler/plan/plan_yaml.h"
 #include "runtime/report/console.h"
 #include "runtime/report/table.h"
@@ -81,10 +82,9 @@ std::optional<plan::Plan> ReadPlan(const store::ResultFile& file) {
 CellDetectors::CellDetectors(const store::ResultFile& file)
     : file_(file), axis_(DetectorAxis(file)) {
   if (axis_) return;
-  const auto plan = ReadPlan(file);
-  if (!plan) return;
-  for (const plan::Run& run : plan->runs)
-    by_run_.emplace(run.id, run.scene.world.WordOr("detector"));
+  const auto runs = plan::FindBriefRuns(file.ReadProvenance("plan_text"));
+  if (!runs) return;
+  for (const plan::BriefRun& run : *runs) by_run_.emplace(run.id, run.detector);
 }
 
 std::string CellDetectors::Of(const Cell& cell) const {

@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "runtime/report/figures.h"
@@ -18,30 +22,75 @@ namespace {
 /// of these a stall is away at least; and the part of all times that stalls may be.
 constexpr double kDeviation = 1.4826, kFarOff = 5, kMostStalls = 0.05;
 
-/// A cycle in the repeats that reached it, the fastest first, with the repeat.
-using SortedCycle = std::vector<std::pair<double, std::size_t>>;
+/// The time of a cycle in a repeat.
+using TimedRepeat = std::pair<double, std::size_t>;
+/// A cycle in the repeats that reached it, the fastest first.
+using SortedCycle = std::span<const TimedRepeat>;
 
-/// Of the values, each as often as `counts` says of its repeat; NaN where that is never.
-double MedianOf(const SortedCycle& cycle, const std::vector<std::uint32_t>& counts) {
+/// Cycles, one after the other.
+class SortedCycles {
+ public:
+  explicit SortedCycles(const std::vector<std::vector<double>>& repeats) {
+    std::size_t cycles = 0, all = 0;
+    for (const std::vector<double>& repeat : repeats) {
+      cycles = std::max(cycles, repeat.size());
+      all += repeat.size();
+    }
+    times_.reserve(all);
+    for (std::size_t c = 0; c < cycles; ++c) {
+      begins_.push_back(times_.size());
+      for (std::size_t r = 0; r < repeats.size(); ++r)
+        if (c < repeats[r].size()) times_.emplace_back(repeats[r][c], r);
+      std::sort(times_.begin() + static_cast<std::ptrdiff_t>(begins_.back()), times_.end());
+    }
+    begins_.push_back(times_.size());
+  }
+
+  std::size_t size() const { return begins_.size() - 1; }
+  SortedCycle operator[](std::size_t cycle) const {
+    return std::span(times_).subspan(begins_[cycle], begins_[cycle + 1] - begins_[cycle]);
+  }
+  std::span<TimedRepeat> At(std::size_t cycle) {
+    return std::span(times_).subspan(begins_[cycle], begins_[cycle + 1] - begins_[cycle]);
+  }
+  std::size_t time_count() const { return times_.size(); }
+
+ private:
+  std::vector<TimedRepeat> times_;
+  std::vector<std::size_t> begins_;  ///< of each cycle, and the end
+};
+
+/// Where the two middle values of a sorted list stand, of which each counts as often as its repeat;
+/// they are the same where the number is odd. Nullopt where there is none.
+std::optional<std::pair<std::size_t, std::size_t>> MiddleOf(
+    SortedCycle cycle, const std::vector<std::uint32_t>& counts) {
   std::size_t total = counts.size();  // what the counts of all repeats add up to
   if (cycle.size() < counts.size()) {
     total = 0;
     for (const auto& [time, repeat] : cycle) total += counts[repeat];
-    if (total == 0) return kNone;
+    if (total == 0) return std::nullopt;
   }
-  auto middle = cycle.begin();
-  std::size_t seen = counts[middle->second];
-  while (seen <= (total - 1) / 2) seen += counts[(++middle)->second];
-  const double low = middle->first;
-  if (seen > total / 2) return low;
+  std::size_t middle = 0;
+  std::size_t seen = counts[cycle[0].second];
+  while (seen <= (total - 1) / 2) seen += counts[cycle[++middle].second];
+  const std::size_t low = middle;
+  if (seen > total / 2) return std::pair{low, low};
   do ++middle;
-  while (counts[middle->second] == 0);
-  return (low + middle->first) / 2;
+  while (counts[cycle[middle].second] == 0);
+  return std::pair{low, middle};
+}
+
+/// Of the values, each as often as `counts` says of its repeat; NaN where that is never.
+double MedianOf(SortedCycle cycle, const std::vector<std::uint32_t>& counts) {
+  const auto middle = MiddleOf(cycle, counts);
+  if (!middle) return kNone;
+  const auto [low, high] = *middle;
+  return low == high ? cycle[low].first : (cycle[low].first + cycle[high].first) / 2;
 }
 
 /// Of the values, each as often as `counts` says of its repeat: the least of `chosen`, in the mean
 /// over all choices of so many. NaN where there is none.
-double FastestOfChosen(const SortedCycle& cycle, const std::vector<std::uint32_t>& counts,
+double FastestOfChosen(SortedCycle cycle, const std::vector<std::uint32_t>& counts,
                        std::size_t chosen) {
   std::size_t total = 0;
   for (const auto& [time, repeat] : cycle) total += counts[repeat];
@@ -60,28 +109,63 @@ double FastestOfChosen(const SortedCycle& cycle, const std::vector<std::uint32_t
   return mean;
 }
 
-std::vector<SortedCycle> SortCycles(const std::vector<std::vector<double>>& repeats) {
-  std::vector<SortedCycle> cycles;
-  for (std::size_t r = 0; r < repeats.size(); ++r) {
-    cycles.resize(std::max(cycles.size(), repeats[r].size()));
-    for (std::size_t c = 0; c < repeats[r].size(); ++c) cycles[c].emplace_back(repeats[r][c], r);
+/// Cycles in which the repeats have the same order: their median is at the same place in every
+/// draw, so that the mean over all of them takes no look at each.
+struct AlikeCycles {
+  SortedCycle first;
+  std::vector<double> sums;  ///< of the times at each place of the order
+};
+
+/// Nullopt where a repeat is missing in some cycle, or the repeats are too many to be often in the
+/// same order.
+std::optional<std::vector<AlikeCycles>> GroupAlike(const SortedCycles& cycles,
+                                                   std::size_t repeats) {
+  constexpr std::size_t kMostRepeats = 6;
+  if (repeats > kMostRepeats || cycles.time_count() != repeats * cycles.size()) return std::nullopt;
+  std::vector<AlikeCycles> groups;
+  std::map<std::uint64_t, std::size_t> places;  // by the order of the repeats
+  for (std::size_t c = 0; c < cycles.size(); ++c) {
+    std::uint64_t order = 0;
+    for (const auto& [time, repeat] : cycles[c]) order = order * kMostRepeats + repeat;
+    const auto [place, is_new] = places.try_emplace(order, groups.size());
+    if (is_new) groups.push_back({cycles[c], std::vector<double>(repeats, 0)});
+    for (std::size_t i = 0; i < repeats; ++i) groups[place->second].sums[i] += cycles[c][i].first;
   }
-  for (SortedCycle& cycle : cycles) std::ranges::sort(cycle);
-  return cycles;
+  return groups;
+}
+
+/// The mean over the cycles of their medians in a draw.
+double MeanOfMedians(const std::vector<AlikeCycles>& groups, std::size_t cycles,
+                     const std::vector<std::uint32_t>& counts) {
+  double sum = 0;
+  for (const AlikeCycles& group : groups) {
+    const auto [low, high] = *MiddleOf(group.first, counts);
+    sum += low == high ? group.sums[low] : (group.sums[low] + group.sums[high]) / 2;
+  }
+  return sum / static_cast<double>(cycles);
+}
+
+/// Percentile of values in any order, which are moved about.
+double PercentileOf(std::vector<double>& values, double p) {
+  const double place = p * static_cast<double>(values.size() - 1);
+  const auto low = values.begin() + static_cast<std::ptrdiff_t>(place);
+  std::nth_element(values.begin(), low, values.end());
+  const auto high = low + 1 == values.end() ? low : std::min_element(low + 1, values.end());
+  return std::lerp(*low, *high, place - std::floor(place));
 }
 
 /// Limits times far from `typical`, the time of each cycle (cycle_times.h).
-void Winsorise(std::vector<SortedCycle>& cycles, const std::vector<double>& typical) {
+void Winsorise(SortedCycles& cycles, const std::vector<double>& typical) {
   std::vector<double> distances;
+  distances.reserve(cycles.time_count());
   for (std::size_t c = 0; c < cycles.size(); ++c)
     for (const auto& [time, repeat] : cycles[c])
       if (typical[c] > 0) distances.push_back(std::fabs(time - typical[c]) / typical[c]);
   if (distances.empty()) return;
-  std::ranges::sort(distances);
-  const double limit = std::max(kFarOff * kDeviation * Percentile(distances, 0.5),
-                                Percentile(distances, 1 - kMostStalls));
+  const double limit = std::max(kFarOff * kDeviation * PercentileOf(distances, 0.5),
+                                PercentileOf(distances, 1 - kMostStalls));
   for (std::size_t c = 0; c < cycles.size(); ++c)
-    for (auto& [time, repeat] : cycles[c])
+    for (auto& [time, repeat] : cycles.At(c))
       time = std::clamp(time, typical[c] * (1 - limit), typical[c] * (1 + limit));
 }
 
@@ -138,13 +222,13 @@ std::span<const std::string_view> CycleStatisticNames() { return kStatisticNames
 
 PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap,
                      CycleStatistic statistic, std::optional<std::size_t> fastest_of) {
-  std::vector<SortedCycle> cycles = SortCycles(repeats);
+  SortedCycles cycles(repeats);
   const auto over_cycles = [&](const std::vector<std::uint32_t>& counts) {
     std::vector<double> times;
     times.reserve(cycles.size());
-    for (const SortedCycle& cycle : cycles)
-      times.push_back(fastest_of ? FastestOfChosen(cycle, counts, *fastest_of)
-                                 : MedianOf(cycle, counts));
+    for (std::size_t c = 0; c < cycles.size(); ++c)
+      times.push_back(fastest_of ? FastestOfChosen(cycles[c], counts, *fastest_of)
+                                 : MedianOf(cycles[c], counts));
     return times;
   };
   PhaseTimes times;
@@ -154,8 +238,13 @@ PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Boot
       std::ranges::count_if(repeats, [](const auto& repeat) { return !repeat.empty(); }));
   const bool is_other = statistic != CycleStatistic::kMean;
   if (is_other) times.other.value = StatisticOf(times.cycles, statistic);
-  Winsorise(cycles, times.cycles);
+  if (!bootstrap.draws().empty()) Winsorise(cycles, times.cycles);
+  const auto alike = is_other || fastest_of ? std::nullopt : GroupAlike(cycles, repeats.size());
   for (const Draw& draw : bootstrap.draws()) {
+    if (alike) {
+      times.mean.drawn.push_back(MeanOfMedians(*alike, cycles.size(), draw.counts));
+      continue;
+    }
     const std::vector<double> drawn = over_cycles(draw.counts);
     times.mean.drawn.push_back(Mean(drawn));
     if (is_other) times.other.drawn.push_back(StatisticOf(drawn, statistic));

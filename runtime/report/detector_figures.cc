@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "compiler/plan/brief_runs.h"
 #include "compiler/schema/catalogue.h"
 #include "runtime/report/cells.h"
 #include "runtime/report/figures.h"
@@ -34,10 +35,10 @@ bool CanFit(const plan::Axis& axis) { return !axis.IsText() && axis.values.size(
 std::map<Point, double> ObjectCounts(const store::ResultFile& file) {
   std::map<Point, double> objects;
   if (std::ranges::none_of(file.axes(), CanFit)) return objects;
-  const auto plan = ReadPlan(file);
-  if (!plan) return objects;
-  for (const plan::Run& run : plan->runs)
-    objects[run.at] = static_cast<double>(run.scene.ObjectCount());
+  const auto runs = plan::FindBriefRuns(file.ReadProvenance("plan_text"));
+  if (!runs) return objects;
+  for (const plan::BriefRun& run : *runs)
+    if (const auto at = file.SelectedPoint(run.at)) objects[*at] = static_cast<double>(run.objects);
   return objects;
 }
 

@@ -264,7 +264,7 @@ void CheckMemory(const plan::Plan& plan) {
       bytes += static_cast<double>(
           series.ItemBytes() *
           series.ValueCount({plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)}));
-  for (const plan::Run& run : plan.runs)
+  for (const plan::Run& run : plan.Bounds())
     if (const auto shape = measure::SampleShapeOf(run.scene))
       sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
   // Those of the run, of its reference and of its twin.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -60,9 +61,10 @@ Dimension Labelled(std::string name, std::vector<std::string> texts, std::string
   return dimension;
 }
 
-Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_t index) {
-  std::vector<plan::Coordinate> values = axis.values;
-  if (run != nullptr) values = {axis.values[run->at[index]]};
+Dimension AxisDimension(const plan::Axis& axis, bool is_integer, const plan::Run* run,
+                        std::size_t index) {
+  std::span<const plan::Coordinate> values = axis.values;
+  if (run != nullptr) values = values.subspan(run->at[index], 1);
   Dimension dimension;
   if (axis.IsText()) {
     std::vector<std::string> texts;
@@ -72,7 +74,7 @@ Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_
     // By the whole axis, so that a shard's coordinate has the type of the merged one.
     dimension.name = axis.name;
     dimension.size = values.size();
-    dimension.type = axis.IsInteger() ? Type::kInt32 : Type::kFloat64;
+    dimension.type = is_integer ? Type::kInt32 : Type::kFloat64;
     for (const auto& value : values) dimension.numbers.push_back(std::get<double>(value));
   }
   dimension.attributes.emplace("parameter", axis.parameter);

@@ -33,6 +33,8 @@ Dimension Labelled(std::string name, std::vector<std::string> texts, std::string
 /// What files say of a number without a unit, by the netCDF Climate and Forecast conventions.
 inline constexpr const char* kNoUnit = "1";
 /// The values of an axis, the one numbered `index`; only that of `run` where that is not null.
-Dimension AxisDimension(const plan::Axis& axis, const plan::Run* run, std::size_t index);
+/// `is_integer`: what Axis::IsInteger says, which looks at all values.
+Dimension AxisDimension(const plan::Axis& axis, bool is_integer, const plan::Run* run,
+                        std::size_t index);
 
 }  // namespace cdb::store

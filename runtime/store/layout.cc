@@ -87,7 +87,7 @@ class Maker {
   /// The axes and `rep`, which every group has that holds arrays over the grid.
   void AddGrid(const std::string& group) {
     for (std::size_t i = 0; i < plan_.axes.size(); ++i)
-      AddDimension(group, AxisDimension(plan_.axes[i], run_, i));
+      AddDimension(group, AxisDimension(plan_.axes[i], facts_.integer_axes[i], run_, i));
     Dimension rep = Counted("rep", run_ != nullptr ? 1 : plan_.repeats, "timed repeat of a point");
     if (run_ != nullptr) rep.numbers = {static_cast<double>(run_->rep)};
     AddDimension(group, std::move(rep));

@@ -23,6 +23,10 @@ constexpr std::string_view kComment =
     "-1 for counts) marks cycles that did not run and runs that do not exist. Coordinates of text "
     "are labels, and axes are in the order of the scenario, so that neither need be monotonic.";
 
+std::string HistoryLine(std::string_view now, std::string_view what) {
+  return fmt::format("{} cdb: {}", now, what);
+}
+
 std::string Now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
 /// The groups on the way to `path`, as far as they are missing.
@@ -75,7 +79,7 @@ void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
   file.SetText("comment", kComment);
   file.SetText("schema", kSchema);
   file.SetNumber("schema_version", Type::kInt32, kSchemaVersion);
-  file.SetText("history", fmt::format("{} cdb: {}", now, what));
+  file.SetText("history", HistoryLine(now, what));
   file.SetText("date_created", now);
   file.SetText("plan_sha256", facts.sha256);
   file.SetText("benchmark", plan.benchmark);
@@ -83,6 +87,12 @@ void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
   for (std::size_t i = 0; i < plan.axes.size(); ++i)
     axes.append(i == 0 ? "" : " ").append(plan.axes[i].name);
   file.SetText("axes", axes);
+}
+
+void RenewHead(hdf5::File& file, std::string_view what) {
+  const std::string now = Now();
+  file.ReplaceText("history", HistoryLine(now, what));
+  file.ReplaceText("date_created", now);
 }
 
 }  // namespace cdb::store

@@ -17,4 +17,7 @@ void CreateArrays(hdf5::File& file, const Layout& layout);
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
                std::string_view what);
 
+/// The same attributes of a copy of such a file, where they differ: `history` and `date_created`.
+void RenewHead(hdf5::File& file, std::string_view what);
+
 }  // namespace cdb::store

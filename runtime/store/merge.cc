@@ -20,6 +20,7 @@
 #include "runtime/store/reference_shard.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
+#include "runtime/store/shard_index.h"
 #include "runtime/store/store.h"
 #include "runtime/store/versions.h"
 
@@ -43,13 +44,26 @@ struct CopiedRows {
   std::uint64_t checksum;  ///< of the values as doubles
 };
 
-/// A run and every cell of the grid that it fills.
+/// A run, by its id, and every cell of the grid that it fills.
 struct Cells {
-  const plan::Run* run;
+  std::string run_id;
   std::vector<std::size_t> cells;
 };
 
-/// A shard that is being merged.
+/// A folder of shards, or one shard.
+struct Place {
+  fs::path path;
+  bool is_folder;
+};
+
+std::vector<Place> PlacesOf(const std::vector<fs::path>& paths) {
+  std::vector<Place> places;
+  std::error_code error;
+  for (const fs::path& path : paths) places.push_back({path, fs::is_directory(path, error)});
+  return places;
+}
+
+/// A shard that is being merged and has no index that fits.
 struct Source {
   const hdf5::File& file;
   int version;
@@ -79,7 +93,7 @@ hdf5::Shape Unflatten(const hdf5::Shape& grid, std::size_t index) {
 class Merger {
  public:
   Merger(const plan::Plan& plan, const Provenance& provenance, const std::vector<fs::path>& shards)
-      : plan_(plan), provenance_(provenance), shards_(shards), facts_(plan) {
+      : plan_(plan), provenance_(provenance), places_(PlacesOf(shards)), facts_(plan) {
     hdf5::Shape grid;
     for (const plan::Axis& axis : plan.axes) grid.push_back(axis.values.size());
     grid.push_back(plan.repeats);
@@ -88,6 +102,7 @@ class Merger {
     layout_ = MakeLayout(plan, facts_, nullptr, contact_rows_);
     for (const Array& array : layout_.arrays)
       if (array.series != nullptr) series_.push_back(&array);
+    layout_checksum_ = LayoutChecksum(layout_, facts_);
     is_cut_known_.assign(series_.size(), false);
     for (const RunNumber& number : facts_.numbers)
       numbers_.emplace_back(hdf5::Product(grid), number.missing);
@@ -95,11 +110,12 @@ class Merger {
       texts_.emplace_back(hdf5::Product(grid));
       if (text.name != "run/run_id") continue;
       for (const Cells& cells : runs_)
-        for (const std::size_t cell : cells.cells) texts_.back()[cell] = cells.run->id;
+        for (const std::size_t cell : cells.cells) texts_.back()[cell] = cells.run_id;
     }
-    for (const auto& point : plan.skipped)
+    plan.ForEachSkipped([&](const std::vector<std::size_t>& point) {
       for (std::uint64_t rep = 0; rep < plan.repeats; ++rep)
         numbers_[0][FlatIndex(grid, point, rep)] = static_cast<double>(Status::kSkipped);
+    });
   }
 
   void Write(const fs::path& path) {
@@ -160,53 +176,54 @@ class Merger {
   static bool SameBits(double a, double b) { return a == b || (a != a && b != b); }
 
   void FindRuns(const hdf5::Shape& grid) {
-    std::unordered_map<std::string_view, std::size_t> index;
-    for (const plan::Run& run : plan_.runs) {
-      const auto [found, is_new] = index.try_emplace(run.id, runs_.size());
-      if (is_new) runs_.push_back({&run, {}});
-      runs_[found->second].cells.push_back(FlatIndex(grid, run.at, run.rep));
-    }
+    std::unordered_map<std::string, std::size_t> index;
+    plan_.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+      const auto [found, is_new] = index.try_emplace(id, runs_.size());
+      if (is_new) runs_.push_back({id, {}});
+      runs_[found->second].cells.push_back(FlatIndex(grid, at, rep));
+    });
   }
 
-  /// The first place that has the run's shard; where none has, a path that there is not.
-  fs::path PathOf(const plan::Run& run) const {
-    const std::string name = run.id + ".h5";
-    for (const fs::path& place : shards_) {
+  /// In the first place that has the run's shard; nullopt where none has.
+  std::optional<fs::path> FindShard(const std::string& run_id) const {
+    const std::string name = run_id + ".h5";
+    for (const Place& place : places_) {
+      const fs::path path = place.is_folder ? place.path / name : place.path;
       std::error_code error;
-      const fs::path path = fs::is_directory(place, error) ? place / name : place;
-      if (path.filename() == name &&
+      if ((place.is_folder || path.filename() == name) &&
           fs::symlink_status(path, error).type() != fs::file_type::not_found)
         return path;
     }
-    return name + " (in no place)";
-  }
-
-  bool IsThere(const plan::Run& run) const {
-    std::error_code error;
-    return fs::symlink_status(PathOf(run), error).type() != fs::file_type::not_found;
+    return std::nullopt;
   }
 
   /// Where the shard of each reference is; empty where there is none.
   std::vector<fs::path> ReferencePaths() const {
     std::vector<fs::path> paths;
     for (const plan::Run& reference : plan_.references)
-      paths.push_back(IsThere(reference) ? PathOf(reference) : fs::path());
+      paths.push_back(FindShard(reference.id).value_or(fs::path()));
     return paths;
   }
 
-  hdf5::File OpenOf(const plan::Run& run) const {
-    const fs::path path = PathOf(run);
-    hdf5::File shard = OpenShard(path);
-    if (shard.Text("plan_sha256") != facts_.sha256)
+  /// `plan_sha256` and `run_id`: as the shard at `path` says.
+  void CheckIsOf(const std::string& wanted, const fs::path& path, const std::string& plan_sha256,
+                 const std::string& run_id) const {
+    if (plan_sha256 != facts_.sha256)
       throw StoreError(fmt::format(
           "{}: belongs to another plan than `{}`; nothing was merged, and it was left as it is: "
           "start over with --fresh, or choose another name (-o)",
           path.string(), plan_.benchmark));
-    if (shard.Text("run_id") != run.id)
+    if (run_id != wanted)
       throw StoreError(
           fmt::format("{}: holds the run {} under another name; nothing was merged: "
                       "rename or remove it",
-                      path.string(), shard.Text("run_id")));
+                      path.string(), run_id));
+  }
+
+  hdf5::File OpenOf(const std::string& wanted, const fs::path& path,
+                    std::span<const std::byte> bytes) const {
+    hdf5::File shard = OpenShard(path, bytes);
+    CheckIsOf(wanted, path, shard.Text("plan_sha256"), shard.Text("run_id"));
     return shard;
   }
 
@@ -217,8 +234,9 @@ class Merger {
     std::vector<std::uint64_t> rows(cells, 0);
     std::vector<bool> recorded(cells, false);
     for (const Cells& run : runs_) {
-      if (!IsThere(*run.run)) continue;
-      const hdf5::File shard = OpenOf(*run.run);
+      const auto path = FindShard(run.run_id);
+      if (!path) continue;
+      const hdf5::File shard = OpenOf(run.run_id, *path, ReadSealed(*path));
       const double first = shard.OpenDataset("contact_first").Read().at(0);
       for (const std::size_t cell : run.cells) {
         recorded[cell] = first == first;
@@ -239,25 +257,70 @@ class Merger {
       for (const char* name : kContactArrays) contacts.push_back(file.OpenDataset(name));
     std::size_t merged = 0;
     for (const Cells& run : runs_) {
-      if (!IsThere(*run.run)) continue;
-      const hdf5::File shard = OpenOf(*run.run);
-      const Source source = {shard, ReadVersion(shard, PathOf(*run.run).string())};
-      try {
-        for (std::size_t i = 0; i < series.size(); ++i) CopySeries(source, run.cells, i, series[i]);
-        ReadRunArrays(source, run);
-        for (std::size_t i = 0; i < contacts.size(); ++i)
-          CopyContacts(kContactArrays[i], shard.OpenDataset(kContactArrays[i]), run.cells,
-                       contacts[i]);
-      } catch (const std::out_of_range&) {
-        throw StoreError(
-            fmt::format("{}: lacks the values of its run; nothing was merged: remove "
-                        "it and its run is done again",
-                        PathOf(*run.run).string()));
+      const auto path = FindShard(run.run_id);
+      if (!path) continue;
+      const std::vector<std::byte> bytes = ReadSealed(*path);
+      const auto index = FindIndex(bytes);
+      if (index && IsUsable(*index)) {
+        CheckIsOf(run.run_id, *path, index->info.plan_sha256, index->info.run_id);
+        CopyIndexed(*index, bytes, run, series);
+      } else {
+        CopyFile(run, *path, OpenOf(run.run_id, *path, bytes), series, contacts);
       }
       file.CheckWritten();
       ++merged;
     }
     return merged;
+  }
+
+  bool IsUsable(const ShardIndex& index) const {
+    const auto is_known = [this](const IndexedChunk& chunk) {
+      return chunk.series < series_.size() &&
+             chunk.chunk < ChunksOfCell(*series_[chunk.series], layout_.grid.size());
+    };
+    return index.layout == layout_checksum_ && index.numbers.size() == numbers_.size() &&
+           index.texts.size() == texts_.size() && std::ranges::all_of(index.chunks, is_known);
+  }
+
+  void CopyFile(const Cells& run, const fs::path& path, const hdf5::File& shard,
+                std::vector<hdf5::Dataset>& series, std::vector<hdf5::Dataset>& contacts) {
+    const Source source = {shard, ReadVersion(shard, path.string())};
+    try {
+      for (std::size_t i = 0; i < series.size(); ++i) CopySeries(source, run.cells, i, series[i]);
+      ReadRunArrays(source, run);
+      for (std::size_t i = 0; i < contacts.size(); ++i)
+        CopyContacts(kContactArrays[i], shard.OpenDataset(kContactArrays[i]), run.cells,
+                     contacts[i]);
+    } catch (const std::out_of_range&) {
+      throw StoreError(
+          fmt::format("{}: lacks the values of its run; nothing was merged: remove "
+                      "it and its run is done again",
+                      path.string()));
+    }
+  }
+
+  /// The same by the index of a shard, without HDF5.
+  void CopyIndexed(const ShardIndex& index, std::span<const std::byte> bytes, const Cells& run,
+                   std::vector<hdf5::Dataset>& series) {
+    for (const IndexedChunk& chunk : index.chunks)
+      CopyChunk(chunk.series, chunk.chunk, chunk.filter_mask,
+                bytes.subspan(chunk.begin, chunk.bytes), run.cells, series[chunk.series]);
+    for (const std::size_t cell : run.cells) {
+      for (std::size_t i = 0; i < numbers_.size(); ++i) numbers_[i][cell] = index.numbers[i];
+      for (std::size_t i = 0; i < texts_.size(); ++i) texts_[i][cell] = index.texts[i];
+    }
+    run_provenance_.Add(run.run_id, index.provenance);
+  }
+
+  void CopyChunk(std::uint32_t series, std::uint32_t chunk, std::uint32_t filter_mask,
+                 std::span<const std::byte> bytes, const std::vector<std::size_t>& cells,
+                 hdf5::Dataset& target) {
+    const std::uint64_t checksum = Checksum(bytes);
+    for (const std::size_t cell : cells) {
+      target.WriteChunk(ChunkStart(*series_[series], Unflatten(layout_.grid, cell), chunk),
+                        filter_mask, bytes);
+      copied_.push_back({series, chunk, cell, checksum});
+    }
   }
 
   void CopySeries(const Source& shard, const std::vector<std::size_t>& cells, std::size_t index,
@@ -278,11 +341,8 @@ class Merger {
     hdf5::RawChunk chunk;
     for (std::uint32_t i = 0; i < chunks; ++i) {
       if (!source.ReadChunk(ChunkStart(array, origin, i), chunk)) continue;  // no cycle of it ran
-      const std::uint64_t checksum = Checksum(chunk.bytes);
-      for (const std::size_t cell : cells) {
-        target.WriteChunk(ChunkStart(array, Unflatten(layout_.grid, cell), i), chunk);
-        copied_.push_back({static_cast<std::uint32_t>(index), i, cell, checksum});
-      }
+      CopyChunk(static_cast<std::uint32_t>(index), i, chunk.filter_mask, chunk.bytes, cells,
+                target);
     }
   }
 
@@ -299,7 +359,7 @@ class Merger {
       const std::string text = dataset->ReadText().at(0);
       for (const std::size_t cell : run.cells) texts_[i][cell] = text;
     }
-    run_provenance_.Add(run.run->id, shard.file.OpenGroup("provenance").Texts());
+    run_provenance_.Add(run.run_id, shard.file.OpenGroup("provenance").Texts());
   }
 
   void CopyContacts(const char* name, const hdf5::Dataset& source,
@@ -322,16 +382,18 @@ class Merger {
       dataset.WriteText({{text}});
       dataset.SetText("long_name", doc);
     };
-    write("plan_text", plan::ToYaml(plan_), "the plan, as YAML");
+    write("plan_text", plan_.whole ? plan_.whole->short_text : plan::ToYaml(plan_),
+          "the plan, as YAML");
     write("scenario_text", plan_.scenario_text, "the scenario and the files that it uses");
   }
 
   const plan::Plan& plan_;
   const Provenance& provenance_;
-  const std::vector<fs::path> shards_;
+  const std::vector<Place> places_;
   const PlanFacts facts_;
   std::vector<Cells> runs_;  ///< each id once, in grid order
   Layout layout_;
+  std::uint64_t layout_checksum_ = 0;
   std::vector<const Array*> series_;
   std::vector<bool> is_cut_known_;  ///< as series_
   std::vector<CopiedChunk> copied_;

@@ -2,6 +2,7 @@
 // an attribute; one that differs is an array over `run`, the ids of the runs.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,8 +20,17 @@ class MergedProvenance {
   hdf5::Group Write(hdf5::File& file, const Provenance& of_merging) const;
 
  private:
+  /// The texts of one fact, each once, and which of them each run has.
+  struct Fact {
+    std::vector<std::string> texts = {""};  ///< the first: of runs that have none
+    std::vector<std::size_t> by_run;        ///< as ids_; runs at the end may be missing
+    std::map<std::string, std::size_t> places = {{"", 0}};
+  };
+
+  std::vector<std::string> TextsOf(const Fact& fact) const;
+
   std::vector<std::string> ids_;
-  std::map<std::string, std::vector<std::string>> facts_;  ///< as ids_; empty where it has none
+  std::map<std::string, Fact> facts_;
 };
 
 }  // namespace cdb::store

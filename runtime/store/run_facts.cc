@@ -113,11 +113,12 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
       boxes(plan.Records("boxes")),
       contacts(plan.Records("contacts")) {
   CheckAxisNames(plan);
+  for (const plan::Axis& axis : plan.axes) integer_axes.push_back(axis.IsInteger());
   for (const measure::Series& row : measure::AllSeries())
     if (row.IsRecordedBy(plan)) series.push_back(&row);
   numbers = RunNumbers();
   texts = RunTexts();
-  for (const plan::Run& run : plan.runs) {
+  for (const plan::Run& run : plan.Bounds()) {
     if (const auto sampling = plan::SamplingOf(run.scene)) {
       samples = std::max(samples, sampling->count);
       interval_s = sampling->interval_s;

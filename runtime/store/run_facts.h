@@ -50,6 +50,7 @@ struct PlanFacts {
   PlanFacts(const PlanFacts&) = delete;
   PlanFacts& operator=(const PlanFacts&) = delete;
   std::string sha256;
+  std::vector<bool> integer_axes;              ///< Axis::IsInteger of each
   std::uint64_t cycles;                        ///< extent of `cycle`
   std::uint64_t bodies;                        ///< extent of `body`
   std::uint64_t box_bodies;                    ///< extent of `box_body`

@@ -5,13 +5,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
 
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
-#include "runtime/store/layout_file.h"
 #include "runtime/store/safe_file.h"
+#include "runtime/store/shard_index.h"
+#include "runtime/store/shard_template.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
@@ -85,15 +92,68 @@ void WriteContacts(hdf5::File& file, const RunResult& result, std::uint64_t rows
   write("contact_distance", distances, {n});
 }
 
+/// A number as an array of `type` holds it.
+double AsStored(double value, hdf5::Type type) {
+  if (type == hdf5::Type::kFloat64) return value;
+  const bool is_byte = type == hdf5::Type::kInt8;
+  const double least =
+      is_byte ? std::numeric_limits<std::int8_t>::min() : std::numeric_limits<std::int32_t>::min();
+  const double most =
+      is_byte ? std::numeric_limits<std::int8_t>::max() : std::numeric_limits<std::int32_t>::max();
+  return std::isnan(value) ? 0 : std::trunc(std::clamp(value, least, most));
+}
+
+/// Chunks of a series whose places are looked up one by one, each through all of them.
+constexpr std::uint64_t kMostIndexedChunks = 64;
+
+/// The chunks of a file that was flushed; nullopt where they are too many.
+std::optional<std::vector<IndexedChunk>> FindChunks(const hdf5::File& file, const Layout& layout) {
+  std::vector<IndexedChunk> chunks;
+  std::uint32_t series = 0;
+  const hdf5::Shape cell(layout.grid.size(), 0);
+  for (const Array& array : layout.arrays) {
+    if (array.series == nullptr) continue;
+    const std::uint64_t count = ChunksOfCell(array, cell.size());
+    if (count > kMostIndexedChunks) return std::nullopt;
+    const hdf5::Dataset dataset = file.OpenDataset(array.name);
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (const auto place = dataset.FindChunk(ChunkStart(array, cell, i)))
+        chunks.push_back({series, i, place->filter_mask, place->begin, place->bytes});
+    ++series;
+  }
+  return chunks;
+}
+
+/// Empty where the merge needs the HDF5 file: contacts are copied by rows.
+std::vector<std::byte> MakeIndex(const hdf5::File& file, const Layout& layout,
+                                 const PlanFacts& facts, const plan::Run& run,
+                                 const RunResult& result, const Provenance& provenance) {
+  if (facts.contacts) return {};
+  auto chunks = FindChunks(file, layout);
+  if (!chunks) return {};
+  ShardIndex index;
+  index.layout = LayoutChecksum(layout, facts);
+  index.info = {run.id, facts.sha256, result.outcome(), result.omitted, result.decisions};
+  for (const RunNumber& number : facts.numbers)
+    index.numbers.push_back(AsStored(number.get(result), number.type));
+  // HDF5 ends a text at its first NUL.
+  for (const RunText& text : facts.texts) index.texts.emplace_back(text.get(run, result).c_str());
+  for (const auto& [name, text] : provenance)
+    if (!text.empty()) index.provenance.emplace(name, hdf5::AttributeText(text));
+  if (!result.models.empty())
+    index.provenance.insert_or_assign("models", std::string(hdf5::AttributeText(result.models)));
+  index.chunks = *std::move(chunks);
+  return IndexBytes(index);
+}
+
 std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
-                                 const plan::Run& run, const RunResult& result,
-                                 const Provenance& provenance) {
+                                 const ShardTemplates& templates, const plan::Run& run,
+                                 const RunResult& result, const Provenance& provenance) {
   const std::uint64_t rows = ContactRows(run, result);
-  const Layout layout = MakeLayout(plan, facts, &run, rows);
-  hdf5::File file = hdf5::File::CreateInMemory();
-  WriteHead(file, plan, facts, fmt::format("run {}", run.id));
-  file.SetText("run_id", run.id);
-  CreateArrays(file, layout);
+  const auto from = templates.Get(run, rows);
+  const Layout& layout = from->layout;
+  hdf5::File file = hdf5::File::CopyImage(from->image);
+  WritePlace(file, plan, facts, run);
   WriteSeries(file, layout, run, result);
   if (facts.contacts) {
     WriteContacts(file, result, rows);
@@ -105,25 +165,35 @@ std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
     file.OpenDataset(number.name).Write({{number.get(result)}});
   for (const RunText& text : facts.texts)
     file.OpenDataset(text.name).WriteText({{text.get(run, result)}});
-  hdf5::Group group = file.CreateGroup("provenance");
-  for (const auto& [name, text] : provenance) group.SetText(name.c_str(), text);
-  if (!result.models.empty()) group.SetText("models", result.models);
-  hdf5::Dataset text = group.CreateDataset({"run_text", hdf5::Type::kText, {}, {}, 0});
-  text.WriteText({{plan::RunToYaml(run)}});
-  text.SetText("long_name", "all that decides the run, as YAML");
-  return file.Image();
+  file.OpenDataset("provenance/run_text").WriteText({{plan::RunToYaml(run)}});
+  if (!result.models.empty()) file.OpenGroup("provenance").SetText("models", result.models);
+  std::vector<std::byte> image = file.Image();
+  const std::vector<std::byte> index = MakeIndex(file, layout, facts, run, result, provenance);
+  image.insert(image.end(), index.begin(), index.end());
+  return image;
+}
+
+[[noreturn]] void RefuseShard(const std::filesystem::path& path, std::string_view why) {
+  throw StoreError(
+      fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and its run is done "
+                  "again",
+                  path.string(), why));
 }
 
 }  // namespace
 
 struct ShardWriter::Impl {
+  Impl(const plan::Plan& of, const Provenance& with)
+      : plan(of), provenance(with), facts(of), templates(plan, facts, provenance) {}
+
   const plan::Plan& plan;
   const Provenance& provenance;
-  PlanFacts facts;
+  const PlanFacts facts;
+  const ShardTemplates templates;
 };
 
 ShardWriter::ShardWriter(const plan::Plan& plan, const Provenance& provenance)
-    : impl_(new Impl{plan, provenance, PlanFacts(plan)}) {}
+    : impl_(std::make_unique<const Impl>(plan, provenance)) {}
 
 ShardWriter::~ShardWriter() = default;
 
@@ -133,7 +203,9 @@ void ShardWriter::Write(const plan::Run& run, const RunResult& result,
   RequireFolder(folder, "shards");
   const std::filesystem::path file = folder / (run.id + ".h5");
   try {
-    WriteSealed(MakeImage(impl_->plan, impl_->facts, run, result, impl_->provenance), file);
+    WriteSealed(
+        MakeImage(impl_->plan, impl_->facts, impl_->templates, run, result, impl_->provenance),
+        file);
   } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: cannot be made: {}; nothing was written", file.string(), error.what()));
@@ -145,22 +217,24 @@ void WriteShard(const plan::Plan& plan, const plan::Run& run, const RunResult& r
   ShardWriter(plan, provenance).Write(run, result, folder);
 }
 
-hdf5::File OpenShard(const std::filesystem::path& path) {
-  const std::vector<std::byte> image = ReadSealed(path);
+hdf5::File OpenShard(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   try {
-    hdf5::File file = hdf5::File::OpenImage(image);
+    hdf5::File file = hdf5::File::OpenImage(bytes);
     ReadVersion(file, path.string());
     return file;
   } catch (const hdf5::Error& error) {
-    throw StoreError(
-        fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "
-                    "its run is done again",
-                    path.string(), error.what()));
+    RefuseShard(path, error.what());
   }
 }
 
+hdf5::File OpenShard(const std::filesystem::path& path) {
+  return OpenShard(path, ReadSealed(path));
+}
+
 ShardInfo ReadShardInfo(const std::filesystem::path& path) {
-  const hdf5::File file = OpenShard(path);
+  const std::vector<std::byte> bytes = ReadSealed(path);
+  if (auto index = FindIndex(bytes)) return std::move(index->info);
+  const hdf5::File file = OpenShard(path, bytes);
   try {
     const std::vector<double> status = file.OpenDataset("status").Read();
     const std::string id = file.Text("run_id");
@@ -178,10 +252,7 @@ ShardInfo ReadShardInfo(const std::filesystem::path& path) {
             text("run/omitted"),
             text("run/needs")};
   } catch (const hdf5::Error& error) {
-    throw StoreError(
-        fmt::format("{}: is no whole shard: {}; it was left as it is: remove it and "
-                    "its run is done again",
-                    path.string(), error.what()));
+    RefuseShard(path, error.what());
   }
 }
 

@@ -116,7 +116,8 @@ std::vector<double> Dataset::Read(const Shape& start, const Shape& count) const 
   std::vector<double> values(Product(count));
   if (values.empty()) return values;
   const Id file_space = Part(id_, start, count);
-  const Id memory_space = NewSpace({values.size()});
+  // Of the same shape: HDF5 goes through a list of another shape value by value.
+  const Id memory_space = NewSpace(count);
   Check(H5Dread(id_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
                 Transfer(values.size()).get(), values.data()),
         "read an array");
@@ -127,7 +128,7 @@ void Dataset::Write(const Shape& start, const Shape& count, std::span<const doub
   if (values.size() != Product(count)) throw Error("an array of another size");
   if (values.empty()) return;
   const Id file_space = Part(id_, start, count);
-  const Id memory_space = NewSpace({values.size()});
+  const Id memory_space = NewSpace(count);
   Check(H5Dwrite(id_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
                  Transfer(values.size()).get(), values.data()),
         "write an array");
@@ -146,21 +147,30 @@ void Dataset::Write(const Shape& start, const Shape& count, const std::byte* dat
 
 bool Dataset::ReadChunk(const Shape& start, RawChunk& chunk) const {
   hsize_t bytes = 0;
-  unsigned mask = 0;
-  haddr_t address = HADDR_UNDEF;
-  Check(H5Dget_chunk_info_by_coord(id_.get(), Dims(start), &mask, &address, &bytes),
-        "find a chunk");
-  if (address == HADDR_UNDEF || bytes == 0) return false;
+  // Looks the chunk up; H5Dget_chunk_info_by_coord would look through all.
+  Check(H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes), "find a chunk");
+  if (bytes == 0) return false;
   chunk.bytes.resize(bytes);
   Check(H5Dread_chunk(id_.get(), H5P_DEFAULT, Dims(start), &chunk.filter_mask, chunk.bytes.data()),
         "read a chunk");
   return true;
 }
 
-void Dataset::WriteChunk(const Shape& start, const RawChunk& chunk) {
-  Check(H5Dwrite_chunk(id_.get(), H5P_DEFAULT, chunk.filter_mask, Dims(start), chunk.bytes.size(),
-                       chunk.bytes.data()),
-        "write a chunk");
+void Dataset::WriteChunk(const Shape& start, std::uint32_t filter_mask,
+                         std::span<const std::byte> bytes) {
+  Check(
+      H5Dwrite_chunk(id_.get(), H5P_DEFAULT, filter_mask, Dims(start), bytes.size(), bytes.data()),
+      "write a chunk");
+}
+
+std::optional<ChunkPlace> Dataset::FindChunk(const Shape& start) const {
+  hsize_t bytes = 0;
+  unsigned mask = 0;
+  haddr_t address = HADDR_UNDEF;
+  Check(H5Dget_chunk_info_by_coord(id_.get(), Dims(start), &mask, &address, &bytes),
+        "find a chunk");
+  if (address == HADDR_UNDEF || bytes == 0) return std::nullopt;
+  return ChunkPlace{mask, address, bytes};
 }
 
 void Dataset::MakeScale(const std::string& name) {

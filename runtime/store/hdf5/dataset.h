@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -16,6 +17,12 @@ namespace cdb::hdf5 {
 struct RawChunk {
   std::uint32_t filter_mask = 0;
   std::vector<std::byte> bytes;
+};
+
+/// Where a chunk stands in its file.
+struct ChunkPlace {
+  std::uint32_t filter_mask = 0;
+  std::uint64_t begin = 0, bytes = 0;
 };
 
 class Dataset : public Object {
@@ -42,7 +49,10 @@ class Dataset : public Object {
 
   /// `start` is the chunk's first element. False where the file holds no such chunk.
   bool ReadChunk(const Shape& start, RawChunk& chunk) const;
-  void WriteChunk(const Shape& start, const RawChunk& chunk);
+  void WriteChunk(const Shape& start, std::uint32_t filter_mask, std::span<const std::byte> bytes);
+  /// Nullopt where the file holds no such chunk. The file must have been flushed. HDF5 looks
+  /// through all chunks of the dataset: for datasets of few.
+  std::optional<ChunkPlace> FindChunk(const Shape& start) const;
 
   /// Makes it a dimension scale of that name.
   void MakeScale(const std::string& name);

@@ -32,6 +32,10 @@ Id FileCreation() {
   return creation;
 }
 
+/// Chunks in a node of the index of a dataset, halved. HDF5's 32 make a node of 4 kB, and a shard
+/// has few chunks in each of many datasets.
+constexpr unsigned kSmallChunkIndex = 2;
+
 /// HDF5 takes files in memory for the same where their names are.
 std::string UniqueName() {
   static std::atomic<std::uint64_t> next = 0;
@@ -134,7 +138,9 @@ File File::CreateInMemory() {
   const Id access = NewProperties(H5P_FILE_ACCESS);
   SetBounds(access);
   Check(H5Pset_fapl_core(access.get(), 1 << 18, false), "set up HDF5");
-  return File(Id(H5Fcreate(UniqueName().c_str(), H5F_ACC_TRUNC, FileCreation().get(), access.get()),
+  const Id creation = FileCreation();
+  Check(H5Pset_istore_k(creation.get(), kSmallChunkIndex), "set up HDF5");
+  return File(Id(H5Fcreate(UniqueName().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()),
                  H5Fclose, "make a file in memory"));
 }
 
@@ -155,18 +161,25 @@ File File::Open(const std::filesystem::path& path) {
   return File(Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open it"));
 }
 
-File File::OpenImage(std::span<const std::byte> image) {
+File File::OpenImage(std::span<const std::byte> image) { return OpenCopy(image, H5F_ACC_RDONLY); }
+
+File File::CopyImage(std::span<const std::byte> image) { return OpenCopy(image, H5F_ACC_RDWR); }
+
+File File::OpenCopy(std::span<const std::byte> image, unsigned mode) {
   BeQuiet();
   const Id access = NewProperties(H5P_FILE_ACCESS);
+  SetBounds(access);
   Check(H5Pset_fapl_core(access.get(), 1 << 16, false), "set up HDF5");
   // HDF5 copies the image and does not change this one.
   Check(H5Pset_file_image(access.get(), const_cast<std::byte*>(image.data()), image.size()),
         "set up HDF5");
-  return File(Id(H5Fopen(UniqueName().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, "open it"));
+  return File(Id(H5Fopen(UniqueName().c_str(), mode, access.get()), H5Fclose, "open it"));
 }
 
+void File::Flush() { Check(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), "write the file"); }
+
 std::vector<std::byte> File::Image() {
-  Check(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), "write the file");
+  Flush();
   const ssize_t bytes = Checked(H5Fget_file_image(file_.get(), nullptr, 0), "write the file");
   std::vector<std::byte> image(static_cast<std::size_t>(bytes));
   Checked(H5Fget_file_image(file_.get(), image.data(), image.size()), "write the file");
@@ -178,7 +191,7 @@ void File::CheckWritten() const {
 }
 
 void File::Close() {
-  Check(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), "write the file");
+  Flush();
   id_.Reset();
   if (!file_.Reset()) Fail("write the file");
   if (sink_ != nullptr) sink_->Close();

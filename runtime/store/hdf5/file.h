@@ -49,10 +49,14 @@ class File : public Group {
   static File Open(const std::filesystem::path& path);
   /// Reads from a copy of `image`.
   static File OpenImage(std::span<const std::byte> image);
+  /// In memory only, as CreateInMemory; begins as a copy of `image`.
+  static File CopyImage(std::span<const std::byte> image);
 
   File(File&&) noexcept = default;
   ~File();
 
+  /// Everything written so far, where Dataset::FindChunk and Image find it.
+  void Flush();
   /// The bytes of a file in memory.
   std::vector<std::byte> Image();
   /// Throws Error where something could not be written so far.
@@ -62,6 +66,7 @@ class File : public Group {
 
  private:
   explicit File(Id file, std::shared_ptr<Sink> sink = nullptr);
+  static File OpenCopy(std::span<const std::byte> image, unsigned mode);
   std::shared_ptr<Sink> sink_;
   Id file_;
 };

@@ -13,14 +13,6 @@ namespace {
 
 constexpr std::size_t kLongestText = 32 << 10;
 
-/// Cut at the beginning of a UTF-8 character.
-std::string_view Shortened(std::string_view text) {
-  if (text.size() <= kLongestText) return text;
-  std::size_t end = kLongestText;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
-  return text.substr(0, end);
-}
-
 /// Nothing where it is not text of fixed length.
 std::string ReadTextAttribute(const Id& attribute) {
   const Id type(H5Aget_type(attribute.get()), H5Tclose, "read an attribute");
@@ -34,6 +26,13 @@ std::string ReadTextAttribute(const Id& attribute) {
 }
 
 }  // namespace
+
+std::string_view AttributeText(std::string_view text) {
+  if (text.size() <= kLongestText) return text;
+  std::size_t end = kLongestText;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return text.substr(0, end);
+}
 
 std::size_t ItemBytes(Type type) {
   switch (type) {
@@ -74,10 +73,23 @@ Id& Id::operator=(Id&& other) noexcept {
 bool Id::Reset() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
 
 void Object::SetText(const char* name, std::string_view text) {
-  text = Shortened(text);
+  text = AttributeText(text);
   if (text.empty()) return;
   const Id type = NewText(text.size());
   WriteAttribute(id_, name, type, type.get(), NewSpace({}), text.data());
+}
+
+void Object::ReplaceText(const char* name, std::string_view text) {
+  text = AttributeText(text);
+  const std::string doing = fmt::format("write the attribute {}", name);
+  {
+    const Id attribute(H5Aopen(id_.get(), name, H5P_DEFAULT), H5Aclose, doing);
+    const Id type(H5Aget_type(attribute.get()), H5Tclose, doing);
+    if (!text.empty() && H5Tget_size(type.get()) == text.size())
+      return Check(H5Awrite(attribute.get(), type.get(), text.data()), doing);
+  }
+  Check(H5Adelete(id_.get(), name), doing);
+  SetText(name, text);
 }
 
 void Object::SetNumber(const char* name, Type type, double value) {

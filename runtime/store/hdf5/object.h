@@ -45,12 +45,16 @@ class Id {
   Close close_ = nullptr;
 };
 
+/// What an attribute holds of `text`: 32 kB, cut at a character (HDF5 has room for 64 kB in all).
+std::string_view AttributeText(std::string_view text);
+
 /// Whatever can have attributes.
 class Object {
  public:
-  /// Scalar, fixed length, null-padded, UTF-8. Empty text makes no attribute; text past 32 kB is
-  /// cut at a character (HDF5 has room for 64 kB in all).
+  /// Scalar, fixed length, null-padded, UTF-8. Empty text makes no attribute; see AttributeText.
   void SetText(const char* name, std::string_view text);
+  /// Of an attribute that is there.
+  void ReplaceText(const char* name, std::string_view text);
   void SetNumber(const char* name, Type type, double value);
   void SetNumbers(const char* name, Type type, std::span<const double> values);
   /// Empty where there is none of that name, or none that is text.

@@ -10,6 +10,7 @@
 
 #include "runtime/store/hdf5/file.h"
 #include "runtime/store/safe_file.h"
+#include "runtime/store/shard_index.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -138,6 +139,20 @@ TEST(Shard, OfARunThatCrashedKeepsItsCyclesAndNoMore) {
     for (std::size_t i = 0; i < boxes.size(); ++i)
       EXPECT_EQ(std::isnan(boxes[i]), i >= n_cycles * 8 * measure::kBoxSize) << i;
   }
+}
+
+TEST(Shard, IsNotMuchLargerThanItsValues) {
+  const Plan plan = TwoAxes({.cycles = 1000, .record = {"timing", "counts", "stability"}});
+  const TemporaryFolder folder;
+  const plan::Run& run = plan.runs[0];
+  store::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+  const std::vector<std::byte> shard = store::ReadSealed(folder / (run.id + ".h5"));
+  const auto index = store::FindIndex(shard);
+  ASSERT_TRUE(index);
+  std::size_t values = 0;
+  for (const store::IndexedChunk& chunk : index->chunks) values += chunk.bytes;
+  // What a run has besides: 60 arrays with their attributes, its settings, and the index.
+  EXPECT_LT(shard.size(), values + 100'000);
 }
 
 TEST(Shard, OfARunWithoutObjectsOrAxes) {

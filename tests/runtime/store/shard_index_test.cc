@@ -1,0 +1,145 @@
+// The index of a shard says what its HDF5 file does.
+#include "runtime/store/shard_index.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "runtime/store/hdf5/file.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
+
+namespace cdb::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+plan::Plan IndexedGrid() {
+  return MakePlan({NumberAxis("quantity", {10, 20, 30}), TextAxis("detector", {"simple", "dbvt"})},
+                  2, {.cycles = 6, .metrics = {"position"}}, {{1, 1}});
+}
+
+/// Runs that ended in every way, one of them missing.
+void WriteShards(const plan::Plan& plan, const fs::path& folder) {
+  for (std::size_t i = 0; i + 1 < plan.runs.size(); ++i) {
+    FakeResult fake(plan.runs[i], i % 3 == 1 ? store::Status::kCrashed : store::Status::kDone,
+                    i % 3 == 1 ? i % 6 : 6);
+    fake.result.models = i == 2 ? "hull 12\n" : "";
+    store::WriteShard(plan, plan.runs[i], fake.result, TestProvenance(), folder);
+  }
+}
+
+/// As a version without indexes would have written it.
+void RemoveIndex(const fs::path& shard) {
+  std::vector<std::byte> bytes = store::ReadSealed(shard);
+  const auto index = store::FindIndex(bytes);
+  ASSERT_TRUE(index) << shard;
+  bytes.resize(bytes.size() - store::IndexBytes(*index).size());
+  EXPECT_FALSE(store::FindIndex(bytes));
+  store::WriteSealed(bytes, shard);
+}
+
+void ExpectSameInfo(const store::ShardInfo& a, const store::ShardInfo& b) {
+  EXPECT_EQ(a.run_id, b.run_id);
+  EXPECT_EQ(a.plan_sha256, b.plan_sha256);
+  EXPECT_EQ(a.outcome.status, b.outcome.status);
+  EXPECT_EQ(a.outcome.verdict, b.outcome.verdict);
+  EXPECT_EQ(a.omitted, b.omitted);
+  EXPECT_EQ(a.decisions, b.decisions);
+}
+
+TEST(ShardIndex, SaysTheSameAsTheHdf5File) {
+  const plan::Plan plan = IndexedGrid();
+  const TemporaryFolder folder;
+  WriteShards(plan, folder.path());
+  for (const std::string& name : FilesIn(folder.path())) {
+    const store::ShardInfo by_index = store::ReadShardInfo(folder / name);
+    RemoveIndex(folder / name);
+    ExpectSameInfo(by_index, store::ReadShardInfo(folder / name));
+  }
+}
+
+TEST(ShardIndex, AMergeByIndexesIsAMergeOfHdf5Files) {
+  const plan::Plan plan = IndexedGrid();
+  const TemporaryFolder with, without;
+  WriteShards(plan, with.path());
+  for (const std::string& name : FilesIn(with.path())) {
+    fs::copy_file(with / name, without / name);
+    RemoveIndex(without / name);
+  }
+  store::Merge(plan, {}, with.path(), with / "out.h5");
+  store::Merge(plan, {}, without.path(), without / "out.h5");
+  const hdf5::File a = hdf5::File::Open(with / "out.h5"), b = hdf5::File::Open(without / "out.h5");
+  EXPECT_EQ(a.OpenGroup("provenance").Texts(), b.OpenGroup("provenance").Texts());
+  EXPECT_TRUE(a.Has("provenance/models")) << "differs between runs";
+  const store::PlanFacts facts(plan);
+  const store::Layout layout = store::MakeLayout(plan, facts, nullptr, 0);
+  std::size_t series = 0;
+  for (const store::Array& array : layout.arrays) {
+    SCOPED_TRACE(array.name);
+    const hdf5::Dataset x = a.OpenDataset(array.name), y = b.OpenDataset(array.name);
+    series += array.series != nullptr;
+    if (x.type() == hdf5::Type::kText) {
+      EXPECT_EQ(x.ReadText(), y.ReadText());
+      continue;
+    }
+    const std::vector<double> values = x.Read(), others = y.Read();
+    ASSERT_EQ(values.size(), others.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      EXPECT_TRUE(values[i] == others[i] || (values[i] != values[i] && others[i] != others[i]));
+  }
+  EXPECT_GT(series, 5u);
+}
+
+TEST(ShardIndex, OfAnotherLayoutIsPassedOver) {
+  const plan::Plan plan = IndexedGrid();
+  const TemporaryFolder folder;
+  const plan::Run& run = plan.runs[0];
+  store::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+  const fs::path shard = folder / (run.id + ".h5");
+  std::vector<std::byte> bytes = store::ReadSealed(shard);
+  store::ShardIndex index = *store::FindIndex(bytes);
+  bytes.resize(bytes.size() - store::IndexBytes(index).size());
+  // A version with other arrays would have other numbers there.
+  ++index.layout;
+  for (double& number : index.numbers) number = 77;
+  const std::vector<std::byte> other = store::IndexBytes(index);
+  bytes.insert(bytes.end(), other.begin(), other.end());
+  store::WriteSealed(bytes, shard);
+  store::Merge(plan, {}, folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
+  EXPECT_EQ(file.ReadCycleCount({run.at, 0}), 6u);
+  EXPECT_EQ(file.ReadReal("started", {run.at, 0}), FakeResult(run).result.started_s);
+}
+
+TEST(ShardIndex, WhatIsNoIndexIsNone) {
+  const plan::Plan plan = IndexedGrid();
+  const TemporaryFolder folder;
+  store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, TestProvenance(),
+                    folder.path());
+  const std::vector<std::byte> bytes = store::ReadSealed(folder / (plan.runs[0].id + ".h5"));
+  const auto index = store::FindIndex(bytes);
+  ASSERT_TRUE(index);
+  const std::size_t size = store::IndexBytes(*index).size();
+  EXPECT_FALSE(store::FindIndex({}));
+  // Every length that the index could claim, with what then stands at its beginning.
+  for (std::uint64_t claimed = 0; claimed < size + 100; ++claimed) {
+    if (claimed == size - 16) continue;
+    std::vector<std::byte> wrong = bytes;
+    std::memcpy(&wrong[wrong.size() - 16], &claimed, sizeof(claimed));
+    EXPECT_FALSE(store::FindIndex(wrong)) << claimed;
+  }
+  // Any byte of it changed: what comes back lies in the shard, or nothing does.
+  for (std::size_t i = bytes.size() - size; i < bytes.size(); ++i) {
+    std::vector<std::byte> wrong = bytes;
+    wrong[i] ^= std::byte{0x81};
+    if (const auto read = store::FindIndex(wrong))
+      for (const store::IndexedChunk& chunk : read->chunks)
+        EXPECT_LE(chunk.begin + chunk.bytes, bytes.size());
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests
