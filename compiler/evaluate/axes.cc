@@ -234,7 +234,9 @@ class AxisFinder {
       evaluator_.Choose(call, i);
       const bool is_quantity = part.quantity != nullptr && part.quantity->items[0].get() == &call;
       const Expr& with_unit = is_quantity ? *part.quantity : call;
-      const auto value = evaluator_.Evaluate(alone ? *part.slot : with_unit, scope);
+      auto value = evaluator_.Evaluate(alone ? *part.slot : with_unit, scope);
+      // Of `sweep(1, 2) * size` the axis has the numbers.
+      if (alone && value && AsFormula(*value)) value = evaluator_.Evaluate(with_unit, scope);
       if (!value) return std::nullopt;
       values.push_back(*value);
     }
