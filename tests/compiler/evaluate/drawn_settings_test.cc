@@ -64,6 +64,7 @@ TEST(DrawnSettings, OfASweepTheAxisHasTheNumbers) {
   const plan::Plan& plan = result.plans[0];
   ASSERT_EQ(plan.runs.size(), 4u);
   EXPECT_EQ(plan.axes[0].values, (std::vector<plan::Coordinate>{2.0, 4.0}));
+  EXPECT_EQ(plan.axes[0].unit, "") << "factors, and no masses";
   EXPECT_EQ(plan.axes[1].values, (std::vector<plan::Coordinate>{"0.1 * size", "0.2"}));
   EXPECT_EQ(schema::ToText(plan.runs[2].scene.groups[0].settings.Get("mass")), "4 * size");
   EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan"), plan);
