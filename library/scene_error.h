@@ -12,19 +12,22 @@ class SceneError : public std::runtime_error {
  public:
   explicit SceneError(const std::string& cause) : std::runtime_error(cause), cause_(cause) {}
   /// `what()` is the cause and the remedy, with "; " between. `group`: the name of the group of
-  /// objects to blame; empty where it is none alone.
-  SceneError(const std::string& cause, const std::string& remedy, std::string group = {})
+  /// objects to blame, `parameter`: of its setting; empty where it is none alone.
+  SceneError(const std::string& cause, const std::string& remedy, std::string group = {},
+             std::string parameter = {})
       : std::runtime_error(cause + "; " + remedy),
         cause_(cause),
         remedy_(remedy),
-        group_(std::move(group)) {}
+        group_(std::move(group)),
+        parameter_(std::move(parameter)) {}
 
   const std::string& cause() const { return cause_; }
   const std::string& remedy() const { return remedy_; }  ///< empty where the cause says it
   const std::string& group() const { return group_; }
+  const std::string& parameter() const { return parameter_; }
 
  private:
-  std::string cause_, remedy_, group_;
+  std::string cause_, remedy_, group_, parameter_;
 };
 
 }  // namespace cdb::library

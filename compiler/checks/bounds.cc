@@ -1,10 +1,14 @@
 #include "compiler/checks/bounds.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "compiler/schema/cumulative.h"
+#include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
 
 namespace cdb::checks {
@@ -13,6 +17,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLeastPart = 1e-3;
+/// Settings that a formula is searched by.
+constexpr std::size_t kMostNamed = 6;
 
 /// The ends of what a distribution of numbers or vectors usually draws.
 std::pair<Vector3d, Vector3d> EndsOf(const schema::Distribution& distribution) {
@@ -74,6 +80,30 @@ Vector3d LargestComponents(const schema::Value& value) {
   }
   const auto [low, high] = EndsOf(*distribution);
   return low.cwiseAbs().cwiseMax(high.cwiseAbs());
+}
+
+Bounds PositiveBounds(const schema::Value& value,
+                      const std::function<Bounds(std::string_view)>& bounds_of) {
+  if (const schema::Call* call = schema::AsCall(value); call != nullptr)
+    return PositiveBounds(schema::ArgumentOf(*call, "value"), bounds_of);
+  const schema::Formula* formula = schema::AsFormula(value);
+  if (formula == nullptr) return PositiveBounds(value);
+  std::map<std::string_view, Bounds> named;
+  for (const schema::Formula* name : schema::SettingsIn(value))
+    if (!named.contains(name->setting)) named[name->setting] = bounds_of(name->setting);
+  if (named.size() > kMostNamed) return {};
+  Bounds all{std::numeric_limits<double>::infinity(), 0};
+  for (unsigned corner = 0; corner < 1u << named.size(); ++corner) {
+    const double number = schema::Evaluate(*formula, [&](std::string_view name) {
+      const auto at = named.find(name);
+      const bool is_most = (corner >> std::distance(named.begin(), at) & 1) != 0;
+      return is_most ? at->second.most : at->second.least;
+    });
+    if (!std::isfinite(number)) return {};
+    all.least = std::min(all.least, number);
+    all.most = std::max(all.most, number);
+  }
+  return all.most > 0 ? Bounds{std::max(all.least, kLeastPart * all.most), all.most} : Bounds{};
 }
 
 bool IsDrawnOrScheduled(const schema::Value& value) {

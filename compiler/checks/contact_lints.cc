@@ -130,11 +130,11 @@ std::optional<Estimate> FastHit(const SceneFacts& scene, const GroupFacts& objec
 
 std::optional<Estimate> SoftContact(const SceneFacts& scene, const GroupFacts& objects) {
   if (!scene.HasWeight()) return std::nullopt;
-  const double softest = PositiveBounds(objects.settings->Get("contact_stiffness")).least;
+  const double softest = BoundsOf(*objects.settings, "contact_stiffness").least;
   if (!(softest > 0)) return std::nullopt;
   const double sinks = objects.stacked * objects.mass.most * scene.g / softest;
   // Half of the scenes come to rest in which the damper is stronger than the spring.
-  const double damper = PositiveBounds(objects.settings->Get("contact_damping")).least;
+  const double damper = BoundsOf(*objects.settings, "contact_damping").least;
   const bool open = damper * damper > 4 * softest * objects.mass.most;
   return Estimate{sinks, kSoftContact, softest * Excess(sinks, kSoftContact), open};
 }

@@ -6,6 +6,7 @@
 
 #include "compiler/plan/expectation.h"
 #include "compiler/schema/parametrised_words.h"
+#include "dsl/check.h"
 
 namespace cdb::checks {
 namespace {
@@ -85,32 +86,23 @@ Bounds FillBounds(const schema::Value& types) {
   return fills;
 }
 
-/// Of the masses, where they come from a density: that of the least and of the largest object.
-Bounds MassBounds(const plan::GroupSettings& settings, const GroupFacts& objects) {
-  Bounds mass = PositiveBounds(settings.Get("mass"));
-  if (schema::AsCall(settings.Get("mass")) == nullptr) return mass;
-  const Bounds fill = FillBounds(settings.Get("type"));
-  mass.least *= fill.least * objects.least_sides.prod();
-  mass.most *= fill.most * objects.most_sides.prod();
-  return mass;
-}
-
 GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, double side) {
   GroupFacts objects;
   objects.settings = &settings;
   objects.index = index;
   objects.quantity = static_cast<double>(settings.Count("quantity"));
-  const Bounds size = PositiveBounds(settings.Get("size"));
+  const Bounds size = BoundsOf(settings, "size");
   const Vector3d& aspect = std::get<schema::Ratio>(settings.Get("aspect")).parts;
   objects.least_sides = size.least * aspect;
   objects.most_sides = size.most * aspect;
   objects.least_side = objects.least_sides.minCoeff();
   objects.longest_side = objects.most_sides.maxCoeff();
   // One draw for all sides leaves the aspect as it is.
-  objects.elongation = schema::AsCall(settings.Get("size")) != nullptr
+  const schema::Value& sizes = settings.Get("size");
+  objects.elongation = schema::AsCall(sizes) != nullptr || schema::AsFormula(sizes) != nullptr
                            ? aspect.maxCoeff() / aspect.minCoeff()
                            : objects.longest_side / objects.least_side;
-  objects.mass = MassBounds(settings, objects);
+  objects.mass = BoundsOf(settings, "mass");
   objects.moves = objects.mass.most > 0;
   objects.velocity = LargestComponents(settings.Get("linear_velocity"));
   objects.speed = objects.velocity.norm();
@@ -121,6 +113,21 @@ GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, 
 }
 
 }  // namespace
+
+Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name) {
+  const schema::Parameter* parameter = schema::FindParameter(name, true);
+  CDB_CHECK(parameter != nullptr);
+  const schema::Value& value = settings.ValueOf(*parameter);
+  Bounds bounds =
+      PositiveBounds(value, [&](std::string_view named) { return BoundsOf(settings, named); });
+  if (name != "mass" || schema::AsCall(value) == nullptr) return bounds;
+  // Of the density: the masses of the least and of the largest object.
+  const Bounds fill = FillBounds(settings.Get("type")), size = BoundsOf(settings, "size");
+  const Vector3d& aspect = std::get<schema::Ratio>(settings.Get("aspect")).parts;
+  bounds.least *= fill.least * Vector3d(size.least * aspect).prod();
+  bounds.most *= fill.most * Vector3d(size.most * aspect).prod();
+  return bounds;
+}
 
 SceneFacts FactsOf(const plan::Scene& scene) {
   SceneFacts facts;

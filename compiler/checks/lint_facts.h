@@ -33,6 +33,9 @@ struct GroupFacts {
   double gap = 0;      ///< m, that the objects of a stack fall at first
 };
 
+/// Of a drawn number of a group, also where a formula or a density gives it (PositiveBounds).
+Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name);
+
 /// Settings of the world, and the groups that have objects. SI units.
 struct SceneFacts {
   const plan::WorldSettings* world = nullptr;

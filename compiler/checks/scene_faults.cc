@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "compiler/checks/bounds.h"
 #include "compiler/checks/count_text.h"
+#include "compiler/checks/lint_facts.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::checks {
@@ -83,6 +83,8 @@ void SceneFaults::Add(evaluate::Configuration& configuration, const plan::Scene&
 dsl::Span SceneFaults::SpanOf(evaluate::Configuration& configuration,
                               const plan::SceneFault& fault) const {
   std::vector<scenario::ParameterKey> keys;
+  if (!fault.parameter.empty())
+    keys.push_back({fault.group, schema::FindParameter(fault.parameter, true)});
   if (fault.kind == Kind::kClosedForm) {
     keys.push_back({"", WorldParameter("accuracy.closed_form").get()});
   } else {
@@ -102,15 +104,14 @@ void SceneFaults::WarnOfDefaultSizes(evaluate::Configuration& configuration,
   double largest = 0;  // of the groups that set their size
   for (const plan::Group& group : scene.groups)
     if (group.settings.Count("quantity") > 0 && configuration.IsSet({group.name, size.get()}))
-      largest = std::max(largest, PositiveBounds(group.settings.Get(size)).most);
+      largest = std::max(largest, BoundsOf(group.settings, "size").most);
   for (const plan::Group& group : scene.groups) {
     if (group.settings.Count("quantity") == 0 || configuration.IsSet({group.name, size.get()}))
       continue;
-    if (!(largest > 0) || largest > kSmall * PositiveBounds(group.settings.Get(size)).least)
-      continue;
+    if (!(largest > 0) || largest > kSmall * BoundsOf(group.settings, "size").least) continue;
     if (!default_sizes_.insert(group.name).second) continue;
     diagnostics_.Report(scenario::kDefaultSize,
-                        SpanOf(configuration, {Kind::kPlacement, group.name, {}, {}}),
+                        SpanOf(configuration, {Kind::kPlacement, group.name, {}, {}, {}}),
                         fmt::format("the size of `{}` is not set: its objects have the default of "
                                     "{}, and all others have {:.3g} m or less",
                                     group.name, DefaultSizeText(), largest),
@@ -148,7 +149,9 @@ void SceneFaults::Report(std::size_t runs) const {
     if (is_form) {
       diagnostics_.Report(scenario::kWrongForm, finding.span, message, help);
     } else if (fails_everywhere) {
-      diagnostics_.Report(scenario::kCannotPlace, finding.span, message, help);
+      const bool is_value = !finding.fault.parameter.empty();
+      diagnostics_.Report(is_value ? scenario::kOutOfDomain : scenario::kCannotPlace, finding.span,
+                          message, help);
     } else {
       diagnostics_.Report(scenario::kRunsWillFail, finding.span, "runs will fail: " + message,
                           help);

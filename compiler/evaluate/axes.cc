@@ -145,8 +145,10 @@ class AxisFinder {
     SweepAxis axis = Describe(call, statement, part);
     const Sweep* sweep = evaluator_.sweeps().Find(call, scope);
     if (sweep == nullptr) return;
-    const auto values = Evaluate(call, *sweep, scope, part);
+    bool is_factor = false;
+    const auto values = Evaluate(call, *sweep, scope, part, is_factor);
     if (!values) return;
+    if (is_factor) axis.unit.clear();
     axis.values = Coordinates(*values);
     CheckDistinct(axis, *sweep, *values);
     axes_.push_back(std::move(axis));
@@ -175,8 +177,9 @@ class AxisFinder {
       return;
     }
     for (const Expr* sweep : zip.sweeps) {
+      bool is_factor = false;
       const auto values =
-          Evaluate(*sweep, *evaluator_.sweeps().Find(*sweep, scope), scope, {sweep});
+          Evaluate(*sweep, *evaluator_.sweeps().Find(*sweep, scope), scope, {sweep}, is_factor);
       if (!values) return;
       columns.push_back(*values);
     }
@@ -225,16 +228,20 @@ class AxisFinder {
   }
 
   /// The values on the axis of `call`; nullopt after a diagnostic. In `20 * sweep(1, 2)` they are
-  /// 20 and 40, unless another axis takes part in them.
+  /// 20 and 40, unless another axis takes part in them. In `sweep(1, 2) * size`, of which each
+  /// object has another value, they are 1 and 2, and `is_factor`.
   std::optional<std::vector<Value>> Evaluate(const Expr& call, const Sweep& sweep,
-                                             const scenario::Scope& scope, const Part& part) {
+                                             const scenario::Scope& scope, const Part& part,
+                                             bool& is_factor) {
     const bool alone = SweepsIn(*part.slot, scope, layers_, evaluator_).size() == 1 && !call.axis;
     std::vector<Value> values;
     for (std::size_t i = 0; i < sweep.items.size(); ++i) {
       evaluator_.Choose(call, i);
       const bool is_quantity = part.quantity != nullptr && part.quantity->items[0].get() == &call;
       const Expr& with_unit = is_quantity ? *part.quantity : call;
-      const auto value = evaluator_.Evaluate(alone ? *part.slot : with_unit, scope);
+      auto value = evaluator_.Evaluate(alone ? *part.slot : with_unit, scope);
+      is_factor = alone && value && AsFormula(*value) && part.slot != &with_unit;
+      if (is_factor) value = evaluator_.Evaluate(with_unit, scope);
       if (!value) return std::nullopt;
       values.push_back(*value);
     }

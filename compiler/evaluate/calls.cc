@@ -105,7 +105,8 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
                            fmt::format("write {} alone", expr.text));
   std::vector<std::string_view> names = schema::DistributionNames();
   names.insert(names.begin(), "sweep");
-  names.insert(names.end(), FunctionNames().begin(), FunctionNames().end());
+  const std::vector<std::string_view> functions = FunctionNames();
+  names.insert(names.end(), functions.begin(), functions.end());
   for (const schema::ParametrisedWord& info : schema::ParametrisedWords())
     if (scope.parameter == nullptr || scope.parameter->TakesCall(info.name))
       names.push_back(info.name);

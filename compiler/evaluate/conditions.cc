@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/functions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
@@ -114,7 +115,10 @@ std::optional<Value> Conditions::Comparand(const Expr& expr, const Expr& other,
     const auto axis = axis_values_.find(expr.text);
     if (axis != axis_values_.end()) return axis->second;
   }
-  return evaluator_.Evaluate(expr, scope);
+  auto value = evaluator_.Evaluate(expr, scope);
+  if (!value || !AsFormula(*value)) return value;
+  RefuseFormula(*AsFormula(*value), evaluator_.diagnostics());
+  return std::nullopt;
 }
 
 std::string Conditions::Nearest(std::string_view word, std::vector<std::string_view> words,

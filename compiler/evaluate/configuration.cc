@@ -10,6 +10,7 @@
 #include "compiler/evaluate/defaults.h"
 #include "compiler/evaluate/dependencies.h"
 #include "compiler/evaluate/dimensions.h"
+#include "compiler/evaluate/drawn_settings.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/check.h"
 
@@ -177,7 +178,8 @@ std::optional<Value> Configuration::ValueOf(const scenario::ParameterKey& key) {
         "sweep(…) makes a run for each, any(…) draws one for each object");
     return std::nullopt;
   }
-  const auto value = evaluator_.EvaluateParameter(key);
+  auto value = evaluator_.EvaluateParameter(key);
+  if (value) value = OfOwnGroup(std::move(*value), key, evaluator_);
   if (!value) return std::nullopt;
   return evaluator_.ConvertFor(parameter, *value, *setting.values[0], scope);
 }

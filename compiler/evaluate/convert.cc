@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/catalogue.h"
@@ -33,6 +34,7 @@ class Converter {
     if (const schema::Word* word = AsWord(value)) return FromWord(*word);
     if (const schema::Call* call = AsCall(value))
       return parameter_.TakesCall(call->name) ? std::optional(Value(*call)) : WrongKind(value);
+    if (AsFormula(value)) return FromFormula(value);
     using enum schema::ParameterType;
     switch (parameter_.type) {
       case kCount:
@@ -161,6 +163,12 @@ class Converter {
                               : fmt::format("'{}' must be {}, not {}", parameter_.name,
                                             parameter_.domain.Text(), AsNumber(value)->Text()));
     return Value(static_cast<std::uint64_t>(*whole));
+  }
+
+  std::optional<Value> FromFormula(const Value& value) const {
+    if (parameter_.type == schema::ParameterType::kReal && parameter_.distribution) return value;
+    RefuseFormula(*AsFormula(value), diagnostics_);
+    return std::nullopt;
   }
 
   std::optional<Value> FromVector(const Value& value) const {

@@ -158,9 +158,52 @@ Dimensions::Dimension Dimensions::Find(const Expr& expr, const scenario::Scope& 
 
 Dimensions::Dimension Dimensions::FindPath(const Expr& expr, const scenario::Scope& scope) {
   const Referent referent = evaluator_.names().Resolve(expr.text, scope);
+  if (referent.parameter && IsDrawn(*referent.parameter))
+    return {Kind::kDrawn, SchemaUnit(referent.parameter->second->unit)};
   if (!referent.let) return {};
   CheckLet(*referent.let->node, referent.let->scope);
   return lets_[referent.let->node];
+}
+
+bool Dimensions::IsDrawn(const scenario::ParameterKey& key) {
+  const auto set = layers_.settings.find(key);
+  if (set == layers_.settings.end() || key.second->type != schema::ParameterType::kReal)
+    return false;
+  const auto [known, is_new] = drawn_.emplace(set->second.node, false);
+  if (!is_new) return known->second;
+  for (const auto& value : set->second.node->values)
+    if (IsDrawn(*value, set->second.scope)) return drawn_[set->second.node] = true;
+  return false;
+}
+
+bool Dimensions::NamesDrawn(const Expr& path, const scenario::Scope& scope) {
+  constexpr int kMostDepth = 500;  // the evaluator refuses longer chains
+  const Referent referent = evaluator_.names().Resolve(path.text, scope);
+  if (depth_ >= kMostDepth || referent.IsWord() || referent.is_object_count) return false;
+  ++depth_;
+  bool is_drawn = false;
+  if (referent.parameter) {
+    is_drawn = IsDrawn(*referent.parameter);
+  } else if (const auto [known, is_new] = drawn_.emplace(referent.let->node, false); is_new) {
+    is_drawn = drawn_[referent.let->node] =
+        IsDrawn(*referent.let->node->value, referent.let->scope);
+  } else {
+    is_drawn = known->second;
+  }
+  --depth_;
+  return is_drawn;
+}
+
+bool Dimensions::IsDrawn(const Expr& expr, const scenario::Scope& scope) {
+  if (expr.kind == ExprKind::kPath) return NamesDrawn(expr, scope);
+  const bool is_call = expr.kind == ExprKind::kCall;
+  if (is_call &&
+      (schema::FindDistribution(expr.text) || expr.text == "same" || expr.text == "density"))
+    return true;
+  return std::ranges::any_of(expr.items, [&](const auto& item) { return IsDrawn(*item, scope); }) ||
+         std::ranges::any_of(expr.arguments, [&](const dsl::Argument& argument) {
+           return IsDrawn(*argument.value, scope);
+         });
 }
 
 Dimensions::Dimension Dimensions::FindBinary(const Expr& expr, const scenario::Scope& scope) {
@@ -169,15 +212,21 @@ Dimensions::Dimension Dimensions::FindBinary(const Expr& expr, const scenario::S
   const Dimension &left = parts[0].dimension, &right = parts[1].dimension;
   if (expr.op == '^') return FindPower(expr, left, right);
   if (left.kind == Kind::kUnknown || right.kind == Kind::kUnknown) return {};
-  if (left.kind == Kind::kZero && right.kind != Kind::kUnit) return left;
-  return Of(dsl::Multiplied(left.unit, right.unit, expr.op == '*' ? 1 : -1));
+  const Unit unit = dsl::Multiplied(left.unit, right.unit, expr.op == '*' ? 1 : -1);
+  const auto either = [&](Kind kind) { return left.kind == kind || right.kind == kind; };
+  if (either(Kind::kUnit)) return Of(unit);
+  if (either(Kind::kDrawn)) return {Kind::kDrawn, unit};
+  return left.kind == Kind::kZero ? left : Of(unit);
 }
 
 Dimensions::Dimension Dimensions::FindPower(const Expr& expr, const Dimension& base,
                                             const Dimension& exponent) {
   RequirePure({exponent, expr.items[1]->span}, "an exponent");
-  if (base.kind != Kind::kUnit) return base;
   const auto power = WrittenPower(*expr.items[1]);
+  if (base.kind == Kind::kDrawn && power)
+    return {Kind::kDrawn, dsl::Multiplied({}, base.unit, *power)};
+  if (base.kind == Kind::kDrawn) return {};
+  if (base.kind != Kind::kUnit) return base;
   if (power) return Of(dsl::Multiplied({}, base.unit, *power));
   return Report(expr.items[1]->span,
                 "a value with a unit is raised to a whole number, from -9 to 9");
@@ -185,7 +234,7 @@ Dimensions::Dimension Dimensions::FindPower(const Expr& expr, const Dimension& b
 
 Dimensions::Dimension Dimensions::FindQuantity(const Expr& expr, const scenario::Scope& scope) {
   const Dimension value = Find(*expr.items[0], scope);
-  if (value.kind == Kind::kUnit)
+  if (value.kind == Kind::kUnit || value.kind == Kind::kDrawn)
     return Report(expr.text_span,
                   fmt::format("this has a unit already: it is {}", DimensionName(value.unit)));
   return Of(*dsl::ParseUnit(expr.text));
@@ -264,6 +313,7 @@ Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario:
   if (expr.text == "abs" || expr.text == "min" || expr.text == "max") return Join(parts);
   if (parts.size() != 1) return {};  // as the evaluator says
   const Dimension& of = parts[0].dimension;
+  if (of.kind == Kind::kDrawn) return {};
   if (of.kind != Kind::kUnit) return of;
   const Unit& unit = of.unit;
   if (expr.text == "sqrt") {
@@ -313,24 +363,35 @@ Dimensions::Dimension Dimensions::Join(const Parts& parts) {
     return [kind](const Part& part) { return part.dimension.kind == kind; };
   };
   const auto first = std::ranges::find_if(parts, is(Kind::kUnit));
-  if (first == parts.end()) {
-    for (const Kind kind : {Kind::kUnknown, Kind::kPure})
-      if (std::ranges::any_of(parts, is(kind))) return {kind, {}};
-    return {parts.empty() ? Kind::kUnknown : Kind::kZero, {}};
-  }
+  if (first == parts.end()) return JoinWithoutUnit(parts);
   for (const Part& part : parts) {
     if (part.dimension.kind == Kind::kPure)
       return Report(part.span,
                     fmt::format("this has no unit; the value beside it is {}",
                                 DimensionName(first->dimension.unit)),
                     "write the unit behind each of them, or once behind the brackets");
-    if (part.dimension.kind == Kind::kUnit &&
+    if ((part.dimension.kind == Kind::kUnit || part.dimension.kind == Kind::kDrawn) &&
         !part.dimension.unit.HasDimensionOf(first->dimension.unit))
       return Report(part.span, fmt::format("this is {}; the value beside it is {}",
                                            DimensionName(part.dimension.unit),
                                            DimensionName(first->dimension.unit)));
   }
   return first->dimension;
+}
+
+Dimensions::Dimension Dimensions::JoinWithoutUnit(const Parts& parts) {
+  const Dimension* drawn = nullptr;
+  Kind kind = parts.empty() ? Kind::kUnknown : Kind::kZero;
+  for (const Part& part : parts) {
+    const Dimension& dimension = part.dimension;
+    if (dimension.kind == Kind::kUnknown) return {};
+    if (dimension.kind == Kind::kPure) kind = Kind::kPure;
+    if (dimension.kind != Kind::kDrawn) continue;
+    if (drawn != nullptr && !drawn->unit.HasDimensionOf(dimension.unit)) return {};
+    drawn = &dimension;
+  }
+  // Numbers beside it are in its unit, as everywhere.
+  return drawn != nullptr ? *drawn : Dimension{kind, {}};
 }
 
 void Dimensions::RequirePure(const Part& part, const char* what) {

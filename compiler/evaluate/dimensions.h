@@ -18,7 +18,8 @@ std::string DimensionName(const dsl::Unit& unit);
 
 /// Derives the dimension of expressions from the units written in them, without their values. A
 /// number without a unit is in the SI unit of its parameter; beside a number with a unit, in a sum,
-/// a vector, a range or a distribution, it is refused. Names of parameters are plain numbers.
+/// a vector, a range or a distribution, it is refused. Names of parameters are plain numbers, but
+/// for those that are drawn for each object.
 class Dimensions {
  public:
   Dimensions(const scenario::Layers& layers, Evaluator& evaluator)
@@ -36,6 +37,7 @@ class Dimensions {
     kZero,     ///< goes with every unit
     kPure,     ///< numbers without a unit
     kUnit,     ///< a unit is written
+    kDrawn,    ///< a setting that is drawn for each object: its unit counts beside a written one
     kUnknown,  ///< a parameter, a word, or faulty
   };
   struct Dimension {
@@ -55,6 +57,10 @@ class Dimensions {
 
   Dimension Find(const dsl::Expr& expr, const scenario::Scope& scope);
   Dimension FindPath(const dsl::Expr& expr, const scenario::Scope& scope);
+  /// The expression is, or names, what is drawn for each object.
+  bool IsDrawn(const dsl::Expr& expr, const scenario::Scope& scope);
+  bool IsDrawn(const scenario::ParameterKey& key);
+  bool NamesDrawn(const dsl::Expr& path, const scenario::Scope& scope);
   Dimension FindBinary(const dsl::Expr& expr, const scenario::Scope& scope);
   Dimension FindPower(const dsl::Expr& expr, const Dimension& base, const Dimension& exponent);
   Dimension FindQuantity(const dsl::Expr& expr, const scenario::Scope& scope);
@@ -70,6 +76,7 @@ class Dimensions {
   Parts ItemsOf(const dsl::Expr& expr, const scenario::Scope& scope, std::size_t count);
   /// What the parts have in common.
   Dimension Join(const Parts& parts);
+  static Dimension JoinWithoutUnit(const Parts& parts);
   void RequirePure(const Part& part, const char* what);
   void CheckFor(const schema::Parameter& parameter, std::string_view unit, const dsl::Expr& expr,
                 const scenario::Scope& scope);
@@ -81,6 +88,8 @@ class Dimensions {
   const scenario::Layers& layers_;
   Evaluator& evaluator_;
   std::map<const dsl::Let*, Dimension> lets_;
+  std::map<const void*, bool> drawn_;  ///< lets and settings
+  int depth_ = 0;                      ///< of names that lead to one another
   bool is_faulty_ = false;
 };
 

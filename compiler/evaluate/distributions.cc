@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/empirical.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/evaluate/kind_name.h"
@@ -47,6 +48,10 @@ bool AddChoice(const dsl::Argument& argument, const scenario::Scope& scope, Eval
   if (choice && AsDistribution(*choice)) {
     evaluator.Error(scenario::kBadArguments, argument.value->span,
                     "a distribution cannot be a choice of any( )");
+    return false;
+  }
+  if (choice && AsFormula(*choice)) {
+    RefuseFormula(*AsFormula(*choice), evaluator.diagnostics());
     return false;
   }
   if (!choice || !weight) return false;
@@ -100,6 +105,10 @@ class PairDistribution {
   bool Add(const dsl::Argument& argument) {
     const auto value = evaluator_.Evaluate(*argument.value, scope_);
     if (!value) return false;
+    if (AsFormula(*value)) {
+      RefuseFormula(*AsFormula(*value), evaluator_.diagnostics());
+      return false;
+    }
     if (!AsNumber(*value) && !AsVector(*value))
       return Fail(
           scenario::kWrongKind, argument.value->span,

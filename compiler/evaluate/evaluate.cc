@@ -9,6 +9,7 @@
 #include "compiler/evaluate/calls.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/defaults.h"
+#include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/functions.h"
 #include "compiler/evaluate/kind_name.h"
 #include "compiler/evaluate/named_files.h"
@@ -148,6 +149,10 @@ std::optional<Number> Evaluator::EvaluateNumber(const Expr& expr, const scenario
                                                 const char* what) {
   const auto value = Evaluate(expr, scope);
   if (!value) return std::nullopt;
+  if (AsFormula(*value)) {
+    RefuseFormula(*AsFormula(*value), diagnostics_);
+    return std::nullopt;
+  }
   if (!AsNumber(*value))
     return Error(scenario::kWrongKind, expr.span,
                  fmt::format("{} are numbers, this is {}", what, KindName(*value)),
@@ -222,11 +227,24 @@ std::optional<Value> Evaluator::EvaluateNamedParameter(const Expr& expr,
   const dsl::Name written{expr.text, expr.span};
   active_.push_back({key.second, set != layers_.settings.end() ? set->second.node->path : written});
   auto value = EvaluateParameter(key);
+  // A mass from a density depends on the size too.
+  if (value && AsCall(*value) && AsCall(*value)->name == "density")
+    if (!EvaluateSizeOf(key.first)) value = std::nullopt;
   active_.pop_back();
-  if (value && AsDistribution(*value))
-    return Error(scenario::kWrongKind, expr.span,
-                 fmt::format("'{}' is drawn anew for each object and has no one value", expr.text));
-  return value;
+  if (!value || !IsDrawnForEachObject(*value)) return value;
+  return NamedSetting(expr, key, *value, *this);
+}
+
+bool Evaluator::EvaluateSizeOf(const std::string& group) {
+  const schema::Parameter* size = schema::GroupParameter("size").get();
+  const auto set = layers_.settings.find({group, size});
+  if (set == layers_.settings.end()) return true;
+  // A circle that leads past here is found inside.
+  if (std::ranges::find(active_, size, &Active::node) != active_.end()) return true;
+  active_.push_back({size, set->second.node->path});
+  const bool good = EvaluateParameter({group, size}).has_value();
+  active_.pop_back();
+  return good;
 }
 
 std::optional<Value> Evaluator::EvaluateParameter(const scenario::ParameterKey& key) {

@@ -58,6 +58,8 @@ class Evaluator {
   std::optional<schema::Value> EvaluateLet(const scenario::Placed<dsl::Let>& let);
   std::optional<schema::Value> EvaluateNamedParameter(const dsl::Expr& expr,
                                                       const scenario::ParameterKey& key);
+  /// For its circles: false after a diagnostic.
+  bool EvaluateSizeOf(const std::string& group);
   /// In all groups, at least 1.
   std::optional<schema::Value> CountObjects();
   /// Evaluated as written, it is a layout that lists its objects: `at`, `poses`.

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string_view>
+#include <vector>
 
 #include "compiler/scenario/layers.h"
 #include "compiler/schema/value.h"
@@ -14,7 +14,7 @@ class Evaluator;
 
 /// `round floor ceil abs min max sqrt sin cos exp log`. They are no reserved words: a let may have
 /// such a name.
-std::span<const std::string_view> FunctionNames();
+std::vector<std::string_view> FunctionNames();
 bool IsFunction(std::string_view name);
 
 /// The constant that `pi` is where no let has the name.
@@ -22,8 +22,8 @@ inline constexpr std::string_view kPiName = "pi";
 inline constexpr double kPi = 3.141592653589793;
 
 /// `round floor ceil` give whole numbers, halves away from zero; `abs min max` keep whole numbers
-/// whole; the others give reals as the C library rounds them, which the plan then holds. Nullopt
-/// after a diagnostic.
+/// whole; the others give reals as the C library rounds them, which the plan then holds. Of values
+/// that are drawn for each object, a formula. Nullopt after a diagnostic.
 std::optional<schema::Value> EvaluateFunction(const dsl::Expr& call, const scenario::Scope& scope,
                                               Evaluator& evaluator);
 

@@ -16,6 +16,7 @@ struct NameOf {
   std::string operator()(const schema::Ratio&) const { return "a ratio"; }
   std::string operator()(const schema::WordList&) const { return "a list"; }
   std::string operator()(const schema::Call& call) const { return fmt::format("{}( )", call.name); }
+  std::string operator()(const schema::Formula&) const { return "a value of each object"; }
   std::string operator()(const schema::Distribution& drawn) const {
     return fmt::format("the distribution {}( )", schema::DistributionName(drawn.kind));
   }

@@ -2,36 +2,25 @@
 
 #include <fmt/format.h>
 
+#include <string>
+
+#include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/evaluate/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/functions.h"
 
 namespace cdb::evaluate {
 namespace {
 
 using dsl::Expr;
 using Eigen::Vector3d;
-using schema::Number;
 using schema::Value;
-
-Number Calculate(char op, const Number& a, const Number& b) {
-  switch (op) {
-    case '+':
-      return a + b;
-    case '-':
-      return a - b;
-    case '*':
-      return a * b;
-    case '/':
-      return a / b;
-    default:
-      return Power(a, b);
-  }
-}
 
 /// nullopt where the operator does not go between the two kinds.
 std::optional<Value> Apply(char op, const Value& left, const Value& right) {
-  if (AsNumber(left) && AsNumber(right)) return Calculate(op, *AsNumber(left), *AsNumber(right));
+  if (AsNumber(left) && AsNumber(right))
+    return schema::Calculate(op, *AsNumber(left), *AsNumber(right));
   if (AsVector(left) && AsVector(right) && (op == '+' || op == '-')) {
     const double sign = op == '+' ? 1 : -1;
     return Value(Vector3d(*AsVector(left) + sign * *AsVector(right)));
@@ -45,8 +34,10 @@ std::optional<Value> Apply(char op, const Value& left, const Value& right) {
   return std::nullopt;
 }
 
+bool IsNumeric(const Value& value) { return AsNumber(value) || AsFormula(value); }
+
 bool DividesByZero(char op, const Value& left, const Value& right) {
-  return op == '/' && (AsNumber(left) || AsVector(left)) && AsNumber(right) &&
+  return op == '/' && (IsNumeric(left) || AsVector(left)) && AsNumber(right) &&
          AsNumber(right)->AsReal() == 0;
 }
 
@@ -61,7 +52,7 @@ std::nullopt_t ReportOperands(const Expr& expr, const Value& left, const Value& 
                              fmt::format("no let is called '{}'", word->text),
                              near.empty() ? "" : fmt::format("did you mean '{}'?", near));
     }
-    if (!AsNumber(value) && !AsVector(value))
+    if (!IsNumeric(value) && !AsVector(value))
       return evaluator.Error(scenario::kWrongKind, span,
                              fmt::format("cannot calculate with {}", KindName(value)));
   }
@@ -78,6 +69,7 @@ std::optional<Value> EvaluateNegation(const Expr& expr, const scenario::Scope& s
   if (!operand) return std::nullopt;
   if (AsNumber(*operand)) return -*AsNumber(*operand);
   if (AsVector(*operand)) return Value(Vector3d(-*AsVector(*operand)));
+  if (AsFormula(*operand)) return MakeFormula("-", {*operand}, expr.span, evaluator);
   return evaluator.Error(scenario::kWrongKind, expr.span,
                          fmt::format("{} cannot be negated", KindName(*operand)));
 }
@@ -90,6 +82,8 @@ std::optional<Value> EvaluateBinary(const Expr& expr, const scenario::Scope& sco
   if (DividesByZero(expr.op, *left, *right))
     return evaluator.Error(scenario::kNotFinite, expr.items[1]->span, "division by zero");
   if (auto result = Apply(expr.op, *left, *right)) return result;
+  if (IsNumeric(*left) && IsNumeric(*right))
+    return MakeFormula(std::string(1, expr.op), {*left, *right}, expr.span, evaluator);
   return ReportOperands(expr, *left, *right, scope, evaluator);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/evaluate/functions.h"
 #include "compiler/evaluate/kind_name.h"
@@ -84,6 +85,8 @@ std::optional<Value> Scaled(const dsl::Expr& expr, const dsl::Unit& unit, const 
   }
   if (AsDistribution(value))
     return ScaledDistribution(expr, unit, *AsDistribution(value), evaluator);
+  if (AsFormula(value))
+    return MakeFormula("*", {value, InSi(Number::Whole(1), unit)}, expr.span, evaluator);
   return evaluator.Error(scenario::kWrongUnit, expr.text_span,
                          fmt::format("{} has no unit", KindName(value)));
 }

@@ -12,6 +12,7 @@
 #include "compiler/plan/collisions.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/reference.h"
+#include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
 #include "dsl/utf8.h"
@@ -91,6 +92,7 @@ class ValueReader : public Nodes {
       if (info != nullptr && node.size() > 1)
         Fail(node.Mark(), "one distribution or word should be here");
       if (info != nullptr) return ReadCall(node, *info, parameter);
+      if (Text(node.begin()->first) == "formula") return ReadFormula(node, parameter);
       return ReadDistribution(node, parameter);
     }
     if (node.IsScalar() && parameter.type != schema::ParameterType::kWords &&
@@ -166,6 +168,37 @@ class ValueReader : public Nodes {
       call.arguments.push_back(
           ReadValue(Member(arguments, std::string(argument.name).c_str()), argument));
     return call;
+  }
+
+  schema::Value ReadFormula(const YAML::Node& node, const schema::Parameter& parameter) const {
+    if (node.size() > 1) Fail(node.Mark(), "one distribution or word should be here");
+    if (parameter.type != schema::ParameterType::kReal || !parameter.distribution)
+      Fail(node.Mark(), fmt::format("`{}` takes {}", parameter.name, parameter.Takes()));
+    std::size_t parts = 0;
+    schema::Value value = ReadPart(node.begin()->second, parts);
+    if (schema::SettingsIn(value).empty())
+      Fail(node.Mark(), "a formula names a setting that is drawn");
+    return value;
+  }
+
+  schema::Value ReadPart(const YAML::Node& node, std::size_t& parts) const {
+    if (++parts > schema::kMostFormulaParts)
+      Fail(node.Mark(), fmt::format("a formula has at most {} parts", schema::kMostFormulaParts));
+    schema::Formula formula;
+    if (!node.IsSequence()) {
+      const schema::Parameter* named = schema::FindParameter(Text(node), true);
+      if (named == nullptr) return Real(node);
+      if (named->type != schema::ParameterType::kReal || !named->distribution)
+        Fail(node.Mark(), fmt::format("`{}` is no number that is drawn", named->name));
+      formula.setting = named->name;
+      return formula;
+    }
+    if (node.size() == 0 || !schema::IsFormulaOp(Text(node[0]), node.size() - 1))
+      Fail(node.Mark(), "an operator or a function and its arguments should be here");
+    formula.op = Text(node[0]);
+    for (std::size_t i = 1; i < node.size(); ++i)
+      formula.arguments.push_back(ReadPart(node[i], parts));
+    return formula;
   }
 
   schema::Value ReadDistribution(const YAML::Node& node, const schema::Parameter& parameter) const {

@@ -68,6 +68,25 @@ struct WriteValue {
     out << YAML::EndMap;
   }
 
+  void operator()(const schema::Formula& formula) const {
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << "formula" << YAML::Value;
+    WriteFormula(formula);
+    out << YAML::EndMap;
+  }
+
+  /// `["*", 2, ["^", size, 3]]`: an operator before its arguments; a name, or a number.
+  void WriteFormula(const schema::Value& part) const {
+    const schema::Formula* formula = schema::AsFormula(part);
+    if (formula == nullptr) return Write(part);
+    if (formula->op.empty()) {
+      out << formula->setting;
+      return;
+    }
+    out << YAML::Flow << YAML::BeginSeq << YAML::DoubleQuoted << formula->op;
+    for (const schema::Value& argument : formula->arguments) WriteFormula(argument);
+    out << YAML::EndSeq;
+  }
+
   void Write(const schema::Value& value) const {
     std::visit(*this, static_cast<const schema::Value::variant&>(value));
   }

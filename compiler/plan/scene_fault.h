@@ -15,8 +15,9 @@ struct SceneFault {
     kClosedForm,  ///< `accuracy.closed_form` is not the solution of this scene
   };
   Kind kind = Kind::kPlacement;
-  std::string group;          ///< of the objects to blame; empty where it is none alone
-  std::string cause, remedy;  ///< `remedy` is empty where the cause says it
+  std::string group;           ///< of the objects to blame; empty where it is none alone
+  std::string cause, remedy;   ///< `remedy` is empty where the cause says it
+  std::string parameter = {};  ///< whose value is to blame; empty where it is none alone
 };
 
 /// Looks at a scene; nullopt where nothing is wrong. A function, as only the library knows layouts

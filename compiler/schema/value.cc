@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 
@@ -107,6 +108,8 @@ struct TextOf {
     return text;
   }
 
+  std::string operator()(const Formula& formula) const { return FormulaText(formula); }
+
   std::string Of(const Value& value) const {
     return std::visit(*this, static_cast<const Value::variant&>(value));
   }
@@ -140,6 +143,10 @@ bool Distribution::operator==(const Distribution& other) const {
 
 bool Call::operator==(const Call& other) const {
   return name == other.name && arguments == other.arguments;
+}
+
+bool Formula::operator==(const Formula& other) const {
+  return op == other.op && setting == other.setting && arguments == other.arguments;
 }
 
 std::string ToText(const Value& value) { return TextOf{.is_label = false}.Of(value); }

@@ -77,13 +77,25 @@ struct Distribution {
   bool operator==(const Distribution&) const;
 };
 
+/// An expression of values that are drawn for an object, evaluated for each object: `2 * size ^ 3`
+/// (schema/formula.h). Numbers in it are reals.
+struct Formula {
+  std::string op;       ///< + - * / ^ or a function; - of one argument negates; empty: a setting
+  std::string setting;  ///< the name of one of the same group, where `op` is empty
+  std::vector<Value> arguments;  ///< numbers and formulae
+  /// In a scenario, where the setting is named, and the group that it is of; empty in a plan.
+  dsl::Span written = {};
+  std::string group = {};
+  bool operator==(const Formula&) const;
+};
+
 /// A list of words (`record timing, counts`).
 using WordList = std::vector<std::string>;
 
 /// The value of an expression; converted for a parameter (compiler/evaluate/convert.h), the setting
 /// of a run. Only expressions hold negative whole numbers; only settings hold booleans and lists.
 class Value : public std::variant<bool, Number, Word, Eigen::Vector3d, Ratio, WordList,
-                                  Distribution, Text, Call> {
+                                  Distribution, Text, Call, Formula> {
  public:
   using variant::variant;
   bool operator==(const Value&) const = default;
@@ -101,6 +113,7 @@ inline const Distribution* AsDistribution(const Value& value) {
 }
 inline const Text* AsText(const Value& value) { return std::get_if<Text>(&value); }
 inline const Call* AsCall(const Value& value) { return std::get_if<Call>(&value); }
+inline const Formula* AsFormula(const Value& value) { return std::get_if<Formula>(&value); }
 
 /// A row of the table of distributions.
 struct DistributionInfo {

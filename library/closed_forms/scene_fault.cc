@@ -26,7 +26,7 @@ bool HasMeshes(const plan::Scene& scene) {
 }
 
 plan::SceneFault FaultOf(const library::SceneError& error, plan::SceneFault::Kind kind) {
-  return {kind, error.group(), error.cause(), error.remedy()};
+  return {kind, error.group(), error.cause(), error.remedy(), error.parameter()};
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "library/distributions/draw.h"
+#include "library/distributions/object_numbers.h"
 #include "library/layouts/placement.h"
 #include "library/layouts/pose_table.h"
 #include "library/objects/solid_factory.h"
@@ -16,20 +17,6 @@ namespace cdb::layouts {
 namespace {
 
 using Eigen::Vector3d;
-
-/// The parameter is set by this word: `size same(…)`, `mass density(…)`.
-bool IsBy(std::string_view word, const schema::Value& value) {
-  const schema::Call* call = schema::AsCall(value);
-  return call != nullptr && call->name == word;
-}
-
-Vector3d DrawSize(distributions::Draw& size, bool is_same) {
-  // A constant size is the same for each side; a distribution draws each side by itself.
-  const double x = size.Real();
-  if (is_same) return Vector3d::Constant(x);
-  const double y = size.Real();
-  return {x, y, size.Real()};
-}
 
 Eigen::Quaterniond DrawOrientation(distributions::Draw& orientation) {
   std::string_view word;
@@ -72,42 +59,33 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     return distributions::Draw(scene, group, parameter);
   };
   const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
-  distributions::Draw type = draw("type"), size = draw("size"), mass = draw("mass");
-  distributions::Draw orientation = draw("orientation");
+  distributions::Draw type = draw("type"), orientation = draw("orientation"), ccd = draw("ccd");
   distributions::Draw linear_velocity = draw("linear_velocity"),
                       angular_velocity = draw("angular_velocity");
-  distributions::Draw friction = draw("friction"), rolling_friction = draw("rolling_friction");
-  distributions::Draw restitution = draw("restitution");
-  distributions::Draw linear_damping = draw("linear_damping"),
-                      angular_damping = draw("angular_damping");
-  distributions::Draw margin = draw("margin"), ccd = draw("ccd");
-  distributions::Draw contact_stiffness = draw("contact_stiffness"),
-                      contact_damping = draw("contact_damping");
-  const bool is_same = IsBy("same", group.settings.Get("size"));
-  const bool by_density = IsBy("density", group.settings.Get("mass"));
+  distributions::ObjectNumbers numbers(scene, group);
   const std::uint64_t quantity = group.settings.Count("quantity");
   for (std::uint64_t i = 0; i < quantity; ++i) {
     ObjectState& object = objects.emplace_back();
-    std::string_view word;
+    numbers.Next();
     object.group = index;
     const schema::Value& chosen = type.Choice();
-    object.solid = solids.Make(chosen, DrawSize(size, is_same), aspect);
-    object.mass = mass.RealOrWord(&word).value_or(0);  // the word is `fixed`
-    if (by_density) object.mass *= object.solid.Volume();
+    object.solid = solids.Make(chosen, numbers.Sides(), aspect);
+    numbers.SetVolume(object.solid.Volume());
+    object.mass = numbers.Find("mass").value_or(0);  // the word is `fixed`
     object.pose.orientation = BodyTurn(object.solid, DrawOrientation(orientation));
     object.linear_velocity = linear_velocity.Vector();
     object.angular_velocity = angular_velocity.Vector();
-    object.friction = friction.Real();
-    object.rolling_friction = rolling_friction.Real();
-    object.restitution = restitution.Real();
-    object.linear_damping = linear_damping.Real();
-    object.angular_damping = angular_damping.Real();
-    object.margin = margin.Real();
+    object.friction = numbers.Real("friction");
+    object.rolling_friction = numbers.Real("rolling_friction");
+    object.restitution = numbers.Real("restitution");
+    object.linear_damping = numbers.Real("linear_damping");
+    object.angular_damping = numbers.Real("angular_damping");
+    object.margin = numbers.Real("margin");
     object.ccd = ccd.On();
     // The word is `rigid`.
     object.contact_stiffness =
-        contact_stiffness.RealOrWord(&word).value_or(std::numeric_limits<double>::infinity());
-    object.contact_damping = contact_damping.Real();
+        numbers.Find("contact_stiffness").value_or(std::numeric_limits<double>::infinity());
+    object.contact_damping = numbers.Real("contact_damping");
   }
   TakeTable(group, std::span(objects).last(quantity));
   if (!group.HasLinks()) return;

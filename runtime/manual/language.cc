@@ -66,7 +66,8 @@ VALUES
                               a count, halves away from zero: quantity round(10 ^ sweep(1 .. 3)).
                               Angles are in rad. A let may have such a name.
   names                       a let, or another parameter of the same run:
-                              world.side 20 * objects.quantity
+                              world.side 20 * objects.quantity. Of a parameter that is drawn for each
+                              object, see below: mass 2 * size ^ 3
   (x, y, z)                   a vector; 0 is short for (0, 0, 0)
   1 : y : z                   a ratio
   on off true false           a switch
@@ -129,6 +130,18 @@ WORDS WITH ARGUMENTS
   mass density(2.7 g/cm^3)    the mass of each object from its volume; density( ) takes distributions.
                               It stands in place of a mass, where MJCF has two attributes of which
                               one wins.
+  mass 2.7 g/cm^3 * size ^ 3  a number that is drawn for each object, by name: where size is
+                              same(uniform(1, 5)), each object gets the mass of its own size. Any
+                              number of an object may be written so, with the operators and functions
+                              above; other draws stay what they are. It names settings of its own
+                              group that have one number for an object: of `size uniform(1, 5)`, which
+                              draws each side, it takes none. A result outside the domain of the
+                              setting is an error, as it cannot be drawn again: max( ) and min( ) set
+                              limits. Beside a unit, the name has the unit of its setting; without
+                              one, all numbers are SI. (MJCF draws nothing, so that a script has to
+                              write each object; JUBE's python mode computes a parameter for a run and
+                              not for an object; Scenic has self.width in expressions of Python, and
+                              sorts the specifiers by what they need. Here a name is enough.)
   trace "run.trace.h5"        runs the detectors on recorded boxes instead of a scene: see `cdb doc
                               traces`
   Arguments may contain sweeps, lets and arithmetic: ring(radius: sweep(1, 2)) makes the axis

@@ -20,9 +20,6 @@ using schema::Component;
 
 /// Half of the diagonal, m, at which Bullet switches off a body, to be safe.
 constexpr double kSafeBox = plan::kLargestBox / 2;
-/// Where more objects than these may meet one another, contacts that share an object are likely,
-/// and the run would soon have to start again with all walls.
-constexpr std::size_t kLargestCluster = 64;
 /// Entries of Bullet's pools, and enough for boxes that overlap where nothing touches.
 constexpr int kBulletsPool = 4096, kFewPairs = 64;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -33,6 +34,34 @@ enum Kind : std::uint8_t { kStill, kFree, kSlow };
 constexpr SweepPartners kFalling = {0, 1 << kFree, 0, 0};
 constexpr SweepPartners kWorld = {1 << kFree | 1 << kSlow, 1 << kStill | 1 << kSlow,
                                   1 << kStill | 1 << kFree | 1 << kSlow, 0};
+
+/// Moving objects that may meet, by the first contacts alone: a lower bound of the clusters, as
+/// contacts only add to where an object may be.
+class FirstClusters {
+ public:
+  explicit FirstClusters(std::size_t objects) : parent_(objects), size_(objects, 1) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  void Join(std::size_t a, std::size_t b) {
+    a = Root(a);
+    b = Root(b);
+    if (a == b) return;
+    if (size_[a] < size_[b]) std::swap(a, b);
+    parent_[b] = a;
+    size_[a] += size_[b];
+    largest_ = std::max(largest_, size_[a]);
+  }
+  std::size_t largest() const { return largest_; }
+
+ private:
+  std::size_t Root(std::size_t object) {
+    while (parent_[object] != object) object = parent_[object] = parent_[parent_[object]];
+    return object;
+  }
+
+  std::vector<std::size_t> parent_, size_;
+  std::size_t largest_ = 1;
+};
 
 /// An object with a wall or another object, named when the text is made.
 struct Encounter {
@@ -92,6 +121,7 @@ class Forecaster {
         state_(state),
         horizon_(HorizonOf(scene)),
         room_(scene, horizon_),
+        first_clusters_(state.objects.size()),
         tests_left_(kTestsOfOne * state.objects.size() + kMinTests) {
     trajectories_.reserve(state.objects.size());
     for (const ObjectState& object : state.objects)
@@ -129,10 +159,16 @@ class Forecaster {
       if (!IsFinite(i))
         return fmt::format("object {} gets too far for the forecast's numbers", i + 1);
     }
+    // Before the walls, as it is here that a crowd is found.
+    const bool are_few = MeetObjects(kFalling) && MeetObjects(kWorld);
+    if (first_clusters_.largest() > kLargestCluster)
+      return "too many objects may meet one another to follow them all";
+    if (!are_few) return "too many objects come near one another to follow them all";
+    const Encounter meeting = std::exchange(meeting_, {}), escape = std::exchange(escape_, {});
     for (std::size_t i = 0; i < trajectories_.size(); ++i)
       if (trajectories_[i].motion != Motion::kFixed) MeetWalls(i);
-    if (!MeetObjects(kFalling) || !MeetObjects(kWorld))
-      return "too many objects come near one another to follow them all";
+    meeting_.TakeIfLess(meeting);
+    escape_.TakeIfLess(escape);
     forecast_.nothing_touches = !meeting_.HasHappened();
     if (forecast_.nothing_touches) {
       forecast_.closest = EscapeText(escape_);
@@ -209,8 +245,10 @@ class Forecaster {
       boxes.push_back(
           {{path.min() - grown, path.max() + grown}, static_cast<std::uint32_t>(i), kind});
     }
-    return Sweep(std::move(boxes), partners, tests_left_,
-                 [&](std::uint32_t a, std::uint32_t b) { MeetPair(a, b); });
+    return Sweep(std::move(boxes), partners, tests_left_, [&](std::uint32_t a, std::uint32_t b) {
+      MeetPair(a, b);
+      if (first_clusters_.largest() > kLargestCluster) tests_left_ = 0;
+    });
   }
 
   void MeetPair(std::size_t a, std::size_t b) {
@@ -226,6 +264,7 @@ class Forecaster {
       return;
     }
     meeting_.TakeIfLess({approach.time, a, b});
+    if (trajectories_[b].motion != Motion::kFixed) first_clusters_.Join(a, b);
     clusters_->MeetObject(a, b, approach.time);
   }
 
@@ -238,6 +277,7 @@ class Forecaster {
   const Room room_;
   std::vector<Trajectory> trajectories_;
   std::optional<ContactClusters> clusters_;
+  FirstClusters first_clusters_;
   std::uint64_t tests_left_;
   Encounter meeting_, escape_;
   Reachability forecast_;

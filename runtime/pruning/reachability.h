@@ -22,13 +22,19 @@
 
 namespace cdb::pruning {
 
+/// Where more objects than these may meet one another, the analysis gives up: contacts that share
+/// an object are likely, and a run without its walls would soon have to start again with all of
+/// them.
+inline constexpr std::size_t kLargestCluster = 64;
+
 struct Reachability {
   /// By object: the bits of the walls (omissions.h) that it may touch. 0 for fixed objects.
   std::vector<std::uint8_t> walls;
   /// No two objects, and no object and wall, come within touching distance during the run.
   bool nothing_touches = false;
   /// If nothing touches: the smallest clearance from walls and between objects that were tested as
-  /// a pair. Otherwise: the first possible contact, and, if the analysis gave up, the reason:
+  /// a pair. Otherwise: the first possible contact; if the analysis gave up, one that it found
+  /// before, and the reason:
   /// `object 17 stays 42.1 m from the wall -y`, `objects 3 and 9 may touch at 1.25 s`. Objects
   /// count from 1, as in every message.
   std::string closest;
@@ -47,7 +53,7 @@ struct Reachability {
 
 /// The run is `warmup` plus `cycles`. Accounts for rounding in the scene's `precision`. Does not
 /// throw: objects that it cannot analyse may touch everything. Deterministic. Any thread. About 5
-/// ms for 1000 objects, 0.2 s for 100000; gives up on a dense scene after about as long.
+/// ms for 1000 objects, 0.2 s for 100000; gives up on a dense scene much sooner.
 Reachability AnalyseReachability(const plan::Scene& scene, const layouts::InitialState& state);
 
 }  // namespace cdb::pruning

@@ -1,0 +1,109 @@
+#include "compiler/schema/formula.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/schema/functions.h"
+#include "dsl/check.h"
+
+namespace cdb::schema {
+namespace {
+
+constexpr std::string_view kOperators = "+-*/^";
+
+bool IsOperator(std::string_view op) {
+  return op.size() == 1 && kOperators.find(op[0]) != std::string_view::npos;
+}
+
+/// How closely it binds; sums are loosest.
+int BindingOf(const Value& value) {
+  constexpr int kSum = 1, kProduct = 2, kPower = 3, kPrimary = 4;
+  const Formula* formula = AsFormula(value);
+  if (formula == nullptr || !IsOperator(formula->op) || formula->arguments.size() == 1)
+    return kPrimary;
+  switch (formula->op[0]) {
+    case '+':
+    case '-':
+      return kSum;
+    case '^':
+      return kPower;
+    default:
+      return kProduct;
+  }
+}
+
+std::string Bracketed(const Value& value, bool needs_brackets) {
+  const std::string text = ToText(value);
+  return needs_brackets ? "(" + text + ")" : text;
+}
+
+/// a - (b - c) and (a ^ b) ^ c need their brackets.
+std::string OperatorText(const Formula& formula) {
+  const Value &left = formula.arguments[0], &right = formula.arguments[1];
+  const int binding = BindingOf(formula);
+  const bool is_power = formula.op == "^";
+  return fmt::format("{} {} {}", Bracketed(left, BindingOf(left) < binding + (is_power ? 1 : 0)),
+                     formula.op, Bracketed(right, BindingOf(right) < binding + (is_power ? 0 : 1)));
+}
+
+Number EvaluateValue(const Value& value, const std::function<double(std::string_view)>& value_of) {
+  if (const Number* number = AsNumber(value)) return number->AsReal();
+  const Formula* formula = AsFormula(value);
+  CDB_CHECK(formula != nullptr);
+  if (formula->op.empty()) return value_of(formula->setting);
+  std::vector<Number> numbers;
+  for (const Value& argument : formula->arguments)
+    numbers.push_back(EvaluateValue(argument, value_of));
+  if (const Function* function = FindFunction(formula->op)) return function->apply(numbers);
+  if (numbers.size() == 1) return -numbers[0];
+  return Calculate(formula->op[0], numbers[0], numbers[1]);
+}
+
+void AddSettings(const Value& value, std::vector<const Formula*>& settings) {
+  const Formula* formula = AsFormula(value);
+  if (formula == nullptr) return;
+  if (formula->op.empty()) settings.push_back(formula);
+  for (const Value& argument : formula->arguments) AddSettings(argument, settings);
+}
+
+}  // namespace
+
+std::size_t FormulaParts(const Value& value) {
+  std::size_t parts = 1;
+  if (const Formula* formula = AsFormula(value))
+    for (const Value& argument : formula->arguments) parts += FormulaParts(argument);
+  return parts;
+}
+
+bool IsFormulaOp(std::string_view op, std::size_t arguments) {
+  if (const Function* function = FindFunction(op))
+    return arguments >= 1 && arguments <= function->most_arguments;
+  return IsOperator(op) && (arguments == 2 || (op == "-" && arguments == 1));
+}
+
+std::vector<const Formula*> SettingsIn(const Value& value) {
+  std::vector<const Formula*> settings;
+  AddSettings(value, settings);
+  return settings;
+}
+
+std::string FormulaText(const Formula& formula) {
+  if (formula.op.empty()) return formula.setting;
+  if (FindFunction(formula.op) != nullptr) {
+    std::string text;
+    for (const Value& argument : formula.arguments)
+      text += (text.empty() ? "" : ", ") + ToText(argument);
+    return fmt::format("{}({})", formula.op, text);
+  }
+  if (formula.arguments.size() == 2) return OperatorText(formula);
+  constexpr int kPrimary = 4;
+  const Value& negated = formula.arguments[0];
+  return "-" + Bracketed(negated, BindingOf(negated) < kPrimary);
+}
+
+double Evaluate(const Formula& formula, const std::function<double(std::string_view)>& value_of) {
+  return EvaluateValue(formula, value_of).AsReal();
+}
+
+}  // namespace cdb::schema

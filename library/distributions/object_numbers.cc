@@ -1,0 +1,131 @@
+#include "library/distributions/object_numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "compiler/schema/parametrised_words.h"
+#include "dsl/check.h"
+
+namespace cdb::distributions {
+namespace {
+
+bool IsBy(std::string_view word, const schema::Value& value) {
+  const schema::Call* call = schema::AsCall(value);
+  return call != nullptr && call->name == word;
+}
+
+/// The formula that sets a value, also as the argument of same( ) and density( ).
+const schema::Formula* FormulaIn(const schema::Value& value) {
+  const bool has_word = IsBy("same", value) || IsBy("density", value);
+  return schema::AsFormula(has_word ? schema::ArgumentOf(*schema::AsCall(value), "value") : value);
+}
+
+}  // namespace
+
+ObjectNumbers::ObjectNumbers(const plan::Scene& scene, const plan::Group& group) : group_(group) {
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    if (!parameter.grouped || !parameter.distribution ||
+        parameter.type != schema::ParameterType::kReal)
+      continue;
+    const schema::Value& value = group.settings.ValueOf(parameter);
+    settings_.push_back({&parameter, Draw(scene, &group, parameter), FormulaIn(value),
+                         IsBy("same", value), IsBy("density", value)});
+  }
+}
+
+void ObjectNumbers::Next() {
+  ++count_;
+  sides_.reset();
+  volume_.reset();
+  for (Setting& setting : settings_) setting.state = State::kUnknown;
+}
+
+ObjectNumbers::Setting& ObjectNumbers::SettingOf(std::string_view name) {
+  const auto found = std::ranges::find(
+      settings_, name, [](const Setting& setting) { return setting.parameter->name; });
+  CDB_CHECK(found != settings_.end());
+  return *found;
+}
+
+Eigen::Vector3d ObjectNumbers::Sides() {
+  if (sides_) return *sides_;
+  Setting& size = SettingOf("size");
+  if (size.formula != nullptr || size.is_same) {
+    sides_ = Eigen::Vector3d::Constant(Find(size).value());
+  } else {
+    // A constant size is the same for each side; a distribution draws each side by itself.
+    const double x = size.draw.Real();
+    const double y = size.draw.Real();
+    sides_ = Eigen::Vector3d(x, y, size.draw.Real());
+  }
+  return *sides_;
+}
+
+double ObjectNumbers::Real(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
+  const auto number = Find(parameter);
+  CDB_CHECK(number.has_value());
+  return *number;
+}
+
+std::optional<double> ObjectNumbers::Find(Setting& setting) {
+  if (setting.state == State::kKnown) return setting.number;
+  if (setting.state == State::kActive)
+    throw library::SceneError(
+        fmt::format("`{}.{}` depends on itself; plan again", group_.name, setting.parameter->name));
+  setting.state = State::kActive;
+  setting.number = Make(setting);
+  setting.state = State::kKnown;
+  return setting.number;
+}
+
+std::optional<double> ObjectNumbers::Make(Setting& setting) {
+  std::string_view word;
+  std::optional<double> number;
+  if (setting.formula != nullptr) {
+    number = Evaluated(setting);
+  } else if (setting.parameter->words.empty()) {
+    number = setting.draw.Real();
+  } else {
+    number = setting.draw.RealOrWord(&word);
+  }
+  if (!setting.is_density) return number;
+  if (!volume_)
+    throw library::SceneError(fmt::format(
+        "`{0}.size` depends on `{0}.mass`, which a density gives; plan again", group_.name));
+  return *number * *volume_;
+}
+
+double ObjectNumbers::Evaluated(const Setting& setting) {
+  const double number =
+      schema::Evaluate(*setting.formula, [this](std::string_view name) { return Named(name); });
+  if (std::isfinite(number) && setting.parameter->domain.Contains(number)) return number;
+  throw library::SceneError(
+      fmt::format("the {} of object {} of `{}` must be {}; {} is {}", setting.parameter->name,
+                  count_, group_.name, setting.parameter->domain.Text(),
+                  schema::FormulaText(*setting.formula),
+                  std::isfinite(number) ? fmt::format("{:.6g}", number) : "no finite number"),
+      "max( ) and min( ) keep a value within limits", group_.name,
+      std::string(setting.parameter->name));
+}
+
+double ObjectNumbers::Named(std::string_view name) {
+  Setting& setting = SettingOf(name);
+  if (name == "size" && setting.formula == nullptr) {
+    const Eigen::Vector3d sides = Sides();
+    if (sides.x() == sides.y() && sides.y() == sides.z()) return sides.x();
+    throw library::SceneError(
+        fmt::format("`{}.size` draws each side by itself, so that an object has no one size",
+                    group_.name),
+        "write it in same( )", group_.name, "size");
+  }
+  const auto number = Find(setting);
+  if (number) return *number;
+  throw library::SceneError(
+      fmt::format("`{}.{}` is no number for object {}", group_.name, name, count_),
+      "leave it out of the expressions of other settings", group_.name, std::string(name));
+}
+
+}  // namespace cdb::distributions

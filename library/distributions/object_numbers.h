@@ -1,0 +1,60 @@
+// The settings of an object that are numbers: drawn, or evaluated from others of the same object.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "compiler/schema/formula.h"
+#include "library/distributions/draw.h"
+
+namespace cdb::distributions {
+
+/// Of the objects of one group, one after the other. Each setting has a stream of its own, so that
+/// the order in which they are asked for does not matter. Not for several threads; the scene must
+/// outlive it. Every call throws SceneError as Draw does, and where a formula gives no number in
+/// the domain of its setting.
+class ObjectNumbers {
+ public:
+  ObjectNumbers(const plan::Scene& scene, const plan::Group& group);
+
+  /// Goes on to the next object.
+  void Next();
+  /// m: size, for each side; without the aspect.
+  Eigen::Vector3d Sides();
+  /// m^3: a mass from a density needs it first.
+  void SetVolume(double volume) { volume_ = volume; }
+  /// Empty where a word was drawn (`mass fixed`, `contact_stiffness rigid`). Not of the size.
+  std::optional<double> Find(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
+    return Find(SettingOf(parameter.name()));
+  }
+  double Real(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter);
+
+ private:
+  enum class State { kUnknown, kActive, kKnown };
+  struct Setting {
+    const schema::Parameter* parameter;
+    Draw draw;
+    const schema::Formula* formula;  ///< null where it is drawn
+    bool is_same, is_density;
+    State state = State::kUnknown;
+    std::optional<double> number = {};
+  };
+
+  Setting& SettingOf(std::string_view name);
+  std::optional<double> Find(Setting& setting);
+  std::optional<double> Make(Setting& setting);
+  double Evaluated(const Setting& setting);
+  double Named(std::string_view name);
+
+  const plan::Group& group_;
+  std::vector<Setting> settings_;
+  std::optional<Eigen::Vector3d> sides_;
+  std::optional<double> volume_;
+  std::uint64_t count_ = 0;  ///< of objects so far, this one included
+};
+
+}  // namespace cdb::distributions
