@@ -115,12 +115,12 @@ void ExpectBulletThroughTheAdapter(const plan::Scene& scene, int steps) {
 }
 
 TEST(Adapter, GasOf216BallsMovesAsInBulletAlone) { ExpectBulletThroughTheAdapter(Gas(216), 1000); }
-TEST(Adapter, GasOf1000BallsMovesAsInBulletAlone) { ExpectBulletThroughTheAdapter(Gas(1000), 400); }
+TEST(Adapter, GasOf1000BallsMovesAsInBulletAlone) { ExpectBulletThroughTheAdapter(Gas(1000), 150); }
 TEST(Adapter, PileOf216BallsMovesAsInBulletAlone) {
   ExpectBulletThroughTheAdapter(Pile(216), 1000);
 }
 TEST(Adapter, PileOf1000BallsMovesAsInBulletAlone) {
-  ExpectBulletThroughTheAdapter(Pile(1000), 400);
+  ExpectBulletThroughTheAdapter(Pile(1000), 150);
 }
 TEST(Adapter, MixedShapesMoveAsInBulletAlone) { ExpectBulletThroughTheAdapter(Mixed(216), 400); }
 TEST(Adapter, CuboidsMoveAsInBulletAlone) { ExpectBulletThroughTheAdapter(Boxes(216), 400); }
@@ -136,15 +136,15 @@ TEST(Adapter, BoxWallsAndFaithfulContactsMakeNoDifference) {
 TEST(Adapter, EveryExactDetectorOfOursMovesTheBodiesAlike) {
   for (const plan::Scene& scene : {Gas(216), Mixed(216)}) {
     const layouts::InitialState state = layouts::MakeInitialState(scene);
-    const std::string alone = BulletAlone(scene, state, 300);
+    const std::string alone = BulletAlone(scene, state, 200);
     Detectors exact{.broad = Named(std::make_shared<Exact>()), .narrow = {}};
-    EXPECT_EQ(HashAfter(scene, state, 300, &exact), alone);
+    EXPECT_EQ(HashAfter(scene, state, 200, &exact), alone);
     for (const DetectorEntry& entry : builtin::BuiltinDetectors()) {
       if (!HasAny(entry.phases, kBroad) || std::string_view(entry.name) == "null") continue;
       plan::Scene named = scene;
       SetWorld(named, "detector", Word(entry.name));
       SetWorld(named, "narrow_phase", Word("bullet"));
-      EXPECT_EQ(HashAfter(named, state, 300), alone) << entry.name;
+      EXPECT_EQ(HashAfter(named, state, 200), alone) << entry.name;
     }
   }
 }
