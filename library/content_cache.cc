@@ -1,9 +1,13 @@
 #include "library/content_cache.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -84,6 +88,42 @@ bool StoreCached(const fs::path& folder, std::string_view kind, std::string_view
   std::error_code ignored;  // it may not be there
   fs::remove(temporary, ignored);
   return false;
+}
+
+CacheLock::CacheLock(const fs::path& folder, std::string_view kind, std::string_view key,
+                     const std::function<void()>& on_wait) {
+  if (folder.empty()) return;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  file_ = FileOf(folder, kind, key).concat(".lock");
+  while (!error) {
+    fd_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (fd_ < 0 || TakeOrForget(on_wait)) return;
+  }
+}
+
+/// False where the file is no longer the one that others lock: whoever held it has removed it.
+bool CacheLock::TakeOrForget(const std::function<void()>& on_wait) {
+  bool is_locked = flock(fd_, LOCK_EX | LOCK_NB) == 0;
+  if (!is_locked && errno == EWOULDBLOCK) {
+    on_wait();
+    while (!(is_locked = flock(fd_, LOCK_EX) == 0) && errno == EINTR) {
+    }
+  }
+  struct stat ours = {}, there = {};
+  const bool is_there = is_locked && fstat(fd_, &ours) == 0 && stat(file_.c_str(), &there) == 0 &&
+                        ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
+  if (is_there) return true;
+  close(fd_);
+  fd_ = -1;
+  return !is_locked;  // no locks here
+}
+
+CacheLock::~CacheLock() {
+  if (fd_ < 0) return;
+  // While it is locked, so that nobody who waits for this file goes on with it.
+  unlink(file_.c_str());
+  close(fd_);
 }
 
 }  // namespace cdb::library

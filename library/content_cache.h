@@ -6,6 +6,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,5 +26,27 @@ std::optional<std::string> FindCached(const std::filesystem::path& folder, std::
 /// done or the folder is empty.
 bool StoreCached(const std::filesystem::path& folder, std::string_view kind, std::string_view key,
                  std::string_view contents);
+
+/// Held by the one process that makes an entry, so that others which need it wait and then find it.
+/// Let go of when the process ends, however it ends. Nothing is locked where the folder is empty,
+/// cannot be written or its file system has no locks: then each makes its own. Not for several
+/// threads.
+class CacheLock {
+ public:
+  /// Returns when no other process holds it; calls `on_wait` once, if it has to wait.
+  CacheLock(const std::filesystem::path& folder, std::string_view kind, std::string_view key,
+            const std::function<void()>& on_wait);
+  ~CacheLock();
+  CacheLock(const CacheLock&) = delete;
+  CacheLock& operator=(const CacheLock&) = delete;
+
+  bool IsHeld() const { return fd_ >= 0; }
+
+ private:
+  bool TakeOrForget(const std::function<void()>& on_wait);
+
+  std::filesystem::path file_;  ///< there while somebody holds it
+  int fd_ = -1;
+};
 
 }  // namespace cdb::library

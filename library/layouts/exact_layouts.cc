@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "compiler/plan/pile.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 #include "library/distributions/draw.h"
@@ -298,10 +299,7 @@ bool HasExactLayout(const plan::Group& group) {
   return schema::AsCall(group.settings.Get("location")) != nullptr;
 }
 
-bool IsPile(const plan::Group& group) {
-  return HasExactLayout(group) && LayoutOf(group).name == "pile" &&
-         group.settings.Count("quantity") > 0;
-}
+bool IsPile(const plan::Group& group) { return plan::HasPile(group); }
 
 void PlaceExactly(const plan::Scene& scene, const GroupRange& range, Bodies& bodies) {
   if (range.size() == 0) return;

@@ -98,7 +98,8 @@ std::string ProgramPage(std::span<const CommandInfo> commands) {
   text += Item("3", "complete, but a run failed or its timings do not count");
   text += Item("4", "cdb compare found something worse");
   text += ".SH ENVIRONMENT\n";
-  text += Item(Bold("CDB_CACHE"), "the folder of decomposed meshes, in place of ~/.cache/cdb");
+  text += Item(Bold("CDB_CACHE"),
+               "the folder of decomposed meshes and settled piles, in place of ~/.cache/cdb");
   text += Item(Bold("NO_COLOR"), "if set, errors have no colours");
   return text +
          ".SH SEE ALSO\n.BR cdb\\-language (5);\n\\fBcdb doc\\fR lists the topics of the "

@@ -6,9 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string>
 
+#include "compiler/plan/pile.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"
+#include "library/content_cache.h"
 #include "runtime/measure/recording.h"
 #include "runtime/measure/series.h"
 #include "runtime/process/worker.h"
@@ -36,6 +40,31 @@ std::vector<plan::Run> SpreadRuns(const grid::Grid& grid) {
     runs.push_back({{}, place, 0, cursor.MakeScene(), {}, {}});
   }
   return runs;
+}
+
+/// Of all runs: the product of the different piles along each axis. Exact where the axes do not
+/// depend on one another.
+std::uint64_t CountPiles(const grid::Grid& grid, const std::vector<plan::Run>& samples) {
+  constexpr std::size_t kMostValues = 1000;  // of an axis; beyond, all are taken to differ
+  if (samples.empty() ||
+      std::ranges::none_of(samples, [](const plan::Run& run) { return plan::HasPile(run.scene); }))
+    return 0;
+  if (library::CacheFolder().empty()) return grid.run_count();
+  grid::Cursor cursor(grid);
+  double piles = 1;
+  const std::vector<std::size_t> extents = grid.extents();
+  for (std::size_t axis = 0; axis < extents.size(); ++axis) {
+    std::set<std::string> texts;
+    grid::Point place = samples[0].at;
+    for (std::size_t i = 0; i < std::min(extents[axis], kMostValues); ++i) {
+      place[axis] = i;
+      if (cursor.MoveTo(place)) texts.insert(plan::PileText(cursor.MakeScene()));
+    }
+    const bool all_differ = texts.size() == kMostValues;
+    piles *=
+        static_cast<double>(all_differ ? extents[axis] : std::max<std::size_t>(texts.size(), 1));
+  }
+  return static_cast<std::uint64_t>(std::min(piles, static_cast<double>(grid.point_count)));
 }
 
 double SeriesBytes(const plan::Scene& scene) {
@@ -110,6 +139,8 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
   plan::Plan plan = grid.head;
   std::vector<plan::Run> whole = SpreadRuns(grid);
   for (const plan::Run& run : whole) plan.runs.push_back(Shortened(run));
+  estimate.piles = CountPiles(grid, whole);
+  std::set<std::string> settled;  // piles
   process::ProcessLauncher launcher(process::FindWorkers(plan), 1, &stop);
   for (std::size_t i = 0; i < whole.size() && !stop.requested(); ++i) {
     const plan::Scene& scene = whole[i].scene;
@@ -125,14 +156,46 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
     }
     const std::uint64_t sampled = plan.runs[i].scene.world.Count("cycles");
     const double step = StepSeconds(*ending, plan.runs[i].scene);
-    const double rest = std::max(0.0, ending->wall_s - step * static_cast<double>(sampled));
+    const double settling = ending->recording->header().settling.seconds.load();
+    const double rest =
+        std::max(0.0, ending->wall_s - settling - step * static_cast<double>(sampled));
+    if (plan::HasPile(scene)) settled.insert(plan::PileText(scene));
     const auto cycles =
         static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
     estimate.cycles = std::max(estimate.cycles, sampled);
-    estimate.samples.push_back({rest + step * cycles, SeriesBytes(scene)});
+    estimate.samples.push_back({rest + step * cycles, settling, SeriesBytes(scene)});
   }
+  estimate.settled_piles = settled.size();
   return estimate;
 }
+
+std::optional<double> SettlingTime(const SweepEstimate& estimate) {
+  double sum = 0, count = 0;
+  for (const SampledRun& sample : estimate.samples) {
+    sum += sample.settling;
+    count += sample.settling > 0 ? 1 : 0;
+  }
+  return count > 0 ? std::optional(sum / count) : std::nullopt;
+}
+
+namespace {
+
+/// Of the piles that are yet to settle; empty where there are no piles.
+std::string PilesText(const SweepEstimate& estimate) {
+  if (estimate.piles == 0) return {};
+  const std::uint64_t settled = std::min(estimate.piles, estimate.settled_piles);
+  std::string text = fmt::format("  piles   {}, each settled once: {} {} settled by now",
+                                 estimate.piles, settled, settled == 1 ? "is" : "are");
+  if (settled == estimate.piles) return text + "\n";
+  const std::uint64_t left = estimate.piles - settled;
+  if (const auto time = SettlingTime(estimate))
+    return text + fmt::format(", the other{} take{} {}, within the time above\n",
+                              left == 1 ? "" : "s", left == 1 ? "s" : "",
+                              Duration(*time * static_cast<double>(left)));
+  return text + ", and how long the others take is not known\n";
+}
+
+}  // namespace
 
 std::string EstimateText(const SweepEstimate& estimate, const std::string& benchmark,
                          std::uint64_t jobs) {
@@ -149,9 +212,15 @@ std::string EstimateText(const SweepEstimate& estimate, const std::string& bench
   const auto runs = static_cast<double>(estimate.runs);
   const MeanOfSample time = MeanOf(seconds, estimate.points), size = MeanOf(bytes, estimate.points);
   const double share = runs / static_cast<double>(jobs);
-  text += fmt::format("  time    {} ({} .. {}), with {} at a time\n", Duration(time.mean * share),
-                      Duration(time.low * share), Duration(time.high * share),
+  const double settling =
+      SettlingTime(estimate).value_or(0) *
+      static_cast<double>(estimate.piles - std::min(estimate.piles, estimate.settled_piles)) /
+      static_cast<double>(jobs);
+  text += fmt::format("  time    {} ({} .. {}), with {} at a time\n",
+                      Duration(time.mean * share + settling), Duration(time.low * share + settling),
+                      Duration(time.high * share + settling),
                       jobs == 1 ? "one run" : fmt::format("{} runs", jobs));
+  text += PilesText(estimate);
   text += fmt::format("  result  {} ({} .. {}) before compression\n", Bytes(size.mean * runs),
                       Bytes(size.low * runs),
                       std::isinf(size.high) ? "unknown" : Bytes(size.high * runs));

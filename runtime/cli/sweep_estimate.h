@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,9 @@ namespace cdb::cli {
 
 /// A run that was executed for a few cycles.
 struct SampledRun {
-  double seconds = 0;  ///< predicted for all of its cycles
-  double bytes = 0;    ///< of its series, before compression
+  double seconds = 0;   ///< predicted for all of its cycles, without settling
+  double settling = 0;  ///< s, of its piles; 0 where it has none, or found them settled
+  double bytes = 0;     ///< of its series, before compression
 };
 
 /// A mean over sampled runs, and the interval of twice its standard error.
@@ -30,12 +32,17 @@ struct SweepEstimate {
   std::vector<std::string> failures;  ///< why sampled runs did not end well
   std::uint64_t cycles = 0;           ///< that each was run for, at most
   bool has_references = false;        ///< runs are compared with reference runs, which come on top
+  /// Different piles of all runs, about, and of the sampled runs, which are settled by now.
+  std::uint64_t piles = 0, settled_piles = 0;
 };
 
 /// Runs about kSampledRuns points, spread over the grid, one after the other. Throws ScheduleError.
 SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& stop);
 inline constexpr std::size_t kSampledRuns = 9;
 inline constexpr std::uint64_t kSampledCycles = 30;
+
+/// s, of a pile: the mean of those that sampled runs settled; nullopt where none did.
+std::optional<double> SettlingTime(const SweepEstimate& estimate);
 
 /// Runs, bytes and hours; what was measured, and what is not known.
 std::string EstimateText(const SweepEstimate& estimate, const std::string& benchmark,

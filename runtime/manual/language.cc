@@ -113,6 +113,11 @@ WORDS WITH ARGUMENTS
                               run with `record poses` had after a cycle, by default the last.
                               Velocities are not recorded. `overlap on` permits what Bullet's
                               contacts give way: overlaps, and objects that reach into a wall.
+  location pile               dropped from above, and at rest before the first cycle. All runs whose
+                              pile is the same settle it once, also side by side: it is kept in
+                              ~/.cache/cdb, and depends on neither detector, precision, solver nor
+                              initial velocities. A timeout counts the time of settling;
+                              `cdb plan --estimate` tells it.
   location pair distance: 0.5   two objects, with this distance between their surfaces; needs
                               quantity 2
   type mesh("rock.obj")       your own model, decomposed into convex hulls; hull("rock.obj") is its

@@ -16,6 +16,7 @@
 #include "runtime/measure/run_scalars.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
+#include "runtime/measure/settling.h"
 
 namespace cdb::measure {
 
@@ -35,14 +36,15 @@ struct VerdictScales {
 
 /// The header of the memory. Written by the worker, read by the runner after the worker has exited.
 struct RecordingHeader {
-  static constexpr std::uint64_t kMagic = 0x36'47'4e'49'44'52'43'00;  // "\0CRDING6"
+  static constexpr std::uint64_t kMagic = 0x37'47'4e'49'44'52'43'00;  // "\0CRDING7"
   std::uint64_t magic;
   std::uint64_t bytes;  ///< of the whole memory
   std::atomic<std::uint64_t> cycles_done;
   std::atomic<WorkerOutcome> outcome;
   std::atomic<std::uint32_t> plugin_call;  ///< where the worker is (measure/plugin_call.h)
-  FixedText<20> state_hash;                ///< 16 hex digits after the last cycle; empty before
-  FixedText<2048> message;                 ///< why it failed, in the user's words
+  Settling settling;
+  FixedText<20> state_hash;   ///< 16 hex digits after the last cycle; empty before
+  FixedText<2048> message;    ///< why it failed, in the user's words
   FixedText<256> omitted;     ///< names of the omitted components (compiler/plan/pruning.h)
   FixedText<4096> decisions;  ///< the decision about each component, and its reason
   FixedText<4096> models;     ///< the hulls of the compounds in the scene (ModelsText)

@@ -117,9 +117,15 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
     if (result.message.empty()) result.message = "the worker failed without a reason";
   } else if (end.is_timed_out && !has_exited) {
     result.status = store::Status::kTimedOut;
+    const std::string settling = measure::SettlingText(header.settling);
     result.message = fmt::format("ended at its timeout of {} s after {} of {} cycles{}{}",
                                  schema::FormatReal(run.scene.world.Real("timeout")),
                                  result.n_cycles, cycles, where.empty() ? "" : ", in ", where);
+    if (!settling.empty())
+      result.message += fmt::format(
+          ", while its pile settled ({}); a longer timeout leaves time for that, once for all runs "
+          "with this pile",
+          settling);
   } else {
     result.status = store::Status::kCrashed;
     std::string trouble = "the worker ended without a report";

@@ -32,8 +32,9 @@ struct Ending {
 
 /// How far a running worker has got.
 struct Pulse {
-  std::uint64_t cycles = 0;  ///< recorded
-  std::string plugin_call;   ///< in which it is (measure/plugin_call.h); empty for none
+  std::uint64_t cycles = 0;   ///< recorded
+  std::string plugin_call;    ///< in which it is (measure/plugin_call.h); empty for none
+  std::string settling = {};  ///< how its piles settle (measure/settling.h); empty if they do not
 };
 
 /// Carries out runs, one a slot. Not for several threads.

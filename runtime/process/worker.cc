@@ -223,7 +223,8 @@ Pulse ProcessLauncher::PulseOf(std::size_t slot) const {
   const measure::RecordingHeader& header = workers_[slot]->recording->header();
   return {header.cycles_done.load(std::memory_order_relaxed),
           measure::PluginCallText(header.plugin_call.load(std::memory_order_relaxed),
-                                  workers_[slot]->run->scene)};
+                                  workers_[slot]->run->scene),
+          measure::SettlingText(header.settling)};
 }
 
 void ProcessLauncher::StopAll() {

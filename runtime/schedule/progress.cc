@@ -128,6 +128,7 @@ void Progress::Begin(const plan::Plan& plan, const std::vector<const plan::Run*>
   line_ended_ = ended_;
   line_s_ = output_.now_s();
   drawn_s_ = line_s_ - kDrawInterval;
+  settling_s_ = line_s_ - kLongSilence;
   if (output_.is_terminal) return Draw(true);
   std::string text = fmt::format("{}: {} run{}", plan.benchmark, total_, total_ == 1 ? "" : "s");
   if (ended_ > 0) text += fmt::format(", {} of them there already", ended_);
@@ -138,6 +139,23 @@ void Progress::Begin(const plan::Plan& plan, const std::vector<const plan::Run*>
 void Progress::RunStarted(const plan::Run& run) {
   running_.push_back({&run, output_.now_s()});
   if (output_.is_terminal) Draw(false);
+}
+
+void Progress::RunSettles(const plan::Run& run, const std::string& how_far) {
+  for (Running& one : running_)
+    if (one.run == &run) one.settling = how_far;
+  if (output_.is_terminal) Draw(false);
+}
+
+/// In a log, where nothing else is said until the run ends.
+void Progress::TellOfSettling() {
+  const double now_s = output_.now_s();
+  for (const Running& one : running_) {
+    const double since_s = std::max(settling_s_ + kLongSilence, one.since_s + kLineInterval);
+    if (one.settling.empty() || now_s < since_s) continue;
+    Line(fmt::format("{}  {}: its pile settles, {}", Share(), Name(*one.run), one.settling));
+    settling_s_ = now_s;
+  }
 }
 
 void Progress::RunEnded(const plan::Run& run, const store::RunResult& result, double wall_s) {
@@ -190,7 +208,8 @@ void Progress::Warn(const std::string& text) {
 }
 
 void Progress::Tick() {
-  if (output_.is_terminal) Draw(false);
+  if (output_.is_terminal) return Draw(false);
+  TellOfSettling();
 }
 
 void Progress::End() { Clear(); }
@@ -229,7 +248,11 @@ std::string Progress::BarLine(std::size_t columns) const {
   text += Share();
   if (const std::string left = TimeLeft(); !left.empty()) text += "  " + left;
   if (bad_ > 0) text += fmt::format("  {} bad", bad_);
-  if (!running_.empty()) text += "  " + Name(*running_.back().run);
+  if (!running_.empty()) {
+    const Running& last = running_.back();
+    if (!last.settling.empty()) text += "  settling, " + last.settling + ":";
+    text += "  " + Name(*last.run);
+  }
   // The last column stays free: a full line makes some terminals wrap.
   return Cut(std::move(text), columns > 0 ? columns - 1 : 0, output_.is_utf8);
 }

@@ -27,10 +27,11 @@ struct ProgressOutput {
 ProgressOutput StandardError();
 
 /// The bar: runs done of all, percentage, time left, failures, the run at hand; drawn at most ten
-/// times a second in one line as wide as the terminal is then, cleared at the end. Failures and
+/// times a second in one line as wide as the terminal is then, cleared at the end; of a run whose
+/// pile settles also how far. Failures and
 /// warnings are lines above it. In a log: one line at the start, then one for each run, or, for
-/// plans of more than 40 runs, one for each 5 % or minute but not within 5 s of the last; and one
-/// for each failure and warning.
+/// plans of more than 40 runs, one for each 5 % or minute but not within 5 s of the last; one for
+/// each failure and warning; and one for a pile that settles for 5 s, then each minute.
 class Progress : public ProgressListener {
  public:
   explicit Progress(ProgressOutput output);
@@ -38,6 +39,7 @@ class Progress : public ProgressListener {
   void Begin(const plan::Plan& plan, const std::vector<const plan::Run*>& to_do,
              const Summary& resumed, std::size_t jobs) override;
   void RunStarted(const plan::Run& run) override;
+  void RunSettles(const plan::Run& run, const std::string& how_far) override;
   void RunEnded(const plan::Run& run, const store::RunResult& result, double wall_s) override;
   void Repeat(const plan::Plan& plan, const std::vector<const plan::Run*>& runs,
               const std::string& components) override;
@@ -50,10 +52,12 @@ class Progress : public ProgressListener {
   struct Running {
     const plan::Run* run;
     double since_s;
+    std::string settling = {};  ///< how far its piles have settled; empty if they do not
   };
 
   void Advance(const store::Outcome& outcome);
   std::string Name(const plan::Run& run) const;
+  void TellOfSettling();
   std::string Share() const;
   std::string TimeLeft() const;
   std::string BarLine(std::size_t columns) const;
@@ -70,6 +74,7 @@ class Progress : public ProgressListener {
   double drawn_s_ = 0;
   double line_s_ = 0;  // when, and how far, the last line of a log was
   std::size_t line_ended_ = 0;
+  double settling_s_ = 0;  // when a line of a log last told of a pile
 };
 
 /// `45 s`, `12 min`, `3 h 5 min`, `2 d 4 h`.

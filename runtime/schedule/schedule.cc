@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "compiler/plan/capacity.h"
+#include "compiler/plan/pile.h"
 #include "compiler/plan/reference.h"
 #include "compiler/schema/components.h"
 #include "compiler/schema/schema.h"
@@ -79,6 +80,7 @@ class Execution {
         break;
       } else {
         WatchPlugins();
+        WatchPiles();
         listener_.Tick();
       }
     }
@@ -108,6 +110,17 @@ class Execution {
     }
   }
 
+  void WatchPiles() {
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
+      const plan::Run* run = slots_[slot];
+      if (run == nullptr || !plan::HasPile(run->scene)) continue;
+      std::string settling = launcher_.PulseOf(slot).settling;
+      if (settling == settling_[slot]) continue;
+      settling_[slot] = std::move(settling);
+      listener_.RunSettles(*run, settling_[slot]);
+    }
+  }
+
   bool IsStopped() const { return options_.stop != nullptr && options_.stop->requested(); }
 
   /// False where nothing runs and nothing is left to start.
@@ -119,6 +132,7 @@ class Execution {
           launcher_.Start(slot, *run, omissions_.KeptFor(*run));
           slots_[slot] = run;
           stalls_[slot] = {};
+          settling_[slot].clear();
           listener_.RunStarted(*run);
         }
       }
@@ -252,6 +266,7 @@ class Execution {
     bool is_reported = false;
   };
   std::vector<Stall> stalls_ = std::vector<Stall>(slots_.size());  // of each slot
+  std::vector<std::string> settling_ = std::vector<std::string>(slots_.size());
   Summary summary_;
 };
 

@@ -49,6 +49,9 @@ class ProgressListener {
   virtual void Begin(const plan::Plan&, const std::vector<const plan::Run*>& /*to_do*/,
                      const Summary& /*resumed*/, std::size_t /*jobs*/) {}
   virtual void RunStarted(const plan::Run&) {}
+  /// How far the piles of a running run have settled (measure::SettlingText), when that changes;
+  /// empty when they are at rest.
+  virtual void RunSettles(const plan::Run&, const std::string& /*how_far*/) {}
   /// Its shard is written.
   virtual void RunEnded(const plan::Run&, const store::RunResult&, double /*wall_s*/) {}
   /// All ended, and `runs` are measured once more with components (`walls, solver`) that runs which

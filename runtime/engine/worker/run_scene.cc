@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "compiler/plan/pile.h"
 #include "compiler/plan/reference.h"
 #include "library/layouts/initial_state.h"
 #include "library/layouts/perturbation.h"
@@ -109,6 +110,20 @@ void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Rec
                     hash, timed));
 }
 
+/// Keeps the runner informed, and the time that is spent on it.
+void SettleAndTell(const plan::Scene& scene, layouts::InitialState& state,
+                   measure::Settling& told) {
+  std::int64_t begin = -1;
+  SettlePiles(scene, state, [&](const SettlingProgress& progress) {
+    if (progress.phase == measure::SettlingPhase::kSettling && begin < 0) begin = world::Now();
+    told.at_rest.store(progress.at_rest, std::memory_order_relaxed);
+    told.objects.store(progress.objects, std::memory_order_relaxed);
+    told.phase.store(progress.phase, std::memory_order_relaxed);
+  });
+  if (begin >= 0) told.seconds.store(static_cast<double>(world::Now() - begin) * 1e-9);
+  told.phase.store(measure::SettlingPhase::kNone);
+}
+
 }  // namespace
 
 void ReportFailure(measure::Recording& recording, const std::string& message) {
@@ -126,7 +141,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     header.scalars.fill_fraction = state.fill_fraction;  // known also where placing fails
     header.models = objects::ModelsText(state.forms);
     layouts::Place(run.scene, state);
-    if (HasPile(run.scene)) SettlePiles(run.scene, state);
+    if (plan::HasPile(run.scene)) SettleAndTell(run.scene, state, header.settling);
     if (run.scene.role == plan::Role::kTwin) layouts::Perturb(run.scene, state);
     const std::int64_t build_begin = world::Now();
     header.scalars.place_ns = static_cast<double>(build_begin - place_begin);

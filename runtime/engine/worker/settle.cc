@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -17,6 +18,7 @@
 #include <string>
 #include <system_error>
 
+#include "compiler/plan/pile.h"
 #include "compiler/plan/plan_yaml.h"
 #include "library/content_cache.h"
 #include "library/distributions/draw.h"
@@ -47,6 +49,13 @@ struct Settling {
   const InitialState& dropped;
   std::vector<std::uint32_t> piled;  ///< objects
   double diameter = 0, gravity = 0;  ///< mean, m; m/s^2
+  SettlingListener listener = {};    ///< may be empty
+
+  void Tell(measure::SettlingPhase phase, std::size_t at_rest) const {
+    if (listener)
+      listener(
+          {phase, static_cast<std::uint32_t>(at_rest), static_cast<std::uint32_t>(piled.size())});
+  }
   double UnitOfTime() const { return std::sqrt(diameter / gravity); }
 };
 
@@ -75,27 +84,9 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
   return settling;
 }
 
-/// The scene as it settles: with all that Bullet has, and nothing recorded.
 plan::Scene QuietScene(const Settling& settling) {
-  plan::Scene scene = settling.scene;
-  const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
-    scene.world.Set(parameter, std::move(value));
-  };
-  set("precision", schema::Word{"double"});
-  set("detector", schema::Word{"dbvt"});
-  set("narrow_phase", schema::Word{"own"});
-  set("pair_order", schema::Word{"listed"});
-  set("threads", std::uint64_t{1});
-  set("contact", schema::Word{"bullet"});
-  set("omit", schema::WordList{"none"});
-  set("record", schema::WordList{});
-  set("sleeping", false);
-  // Bullet's own: a sweep of the solver, and a reference run, begin with the same heap too.
-  set("solver.iterations", std::uint64_t{10});
-  set("solver.erp", 0.2);
-  set("solver.warm_start", 0.85);
-  set("timestep", std::min(1.0 / 60, settling.UnitOfTime() / 30));
-  scene.KeepUsedPlugins();
+  plan::Scene scene = plan::SettlingScene(settling.scene);
+  scene.world.Set("timestep", std::min(1.0 / 60, settling.UnitOfTime() / 30));
   return scene;
 }
 
@@ -169,6 +160,7 @@ void ComeToRest(const Settling& settling, world::Engine& engine) {
     Damp(settling, engine, time / unit);
     for (int i = 0; i < steps_of_unit; ++i) engine.Step();
     restless = Restless(settling, engine, slow);
+    settling.Tell(measure::SettlingPhase::kSettling, settling.piled.size() - restless);
     checks = restless <= few ? checks + 1 : 0;
     if (checks == kRestChecks) return;
   }
@@ -226,11 +218,42 @@ bool TakePoses(std::string_view bytes, InitialState& state) {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// Before the poses; anything else is why there are none.
+/// Before the poses; anything else is why there are none. Lines of progress come before it.
 constexpr std::string_view kSettled = "settled\n";
+constexpr std::string_view kProgress = "progress ";
+
+std::string ProgressLine(const SettlingProgress& progress) {
+  return fmt::format("{}{} {} {}\n", kProgress, static_cast<std::uint32_t>(progress.phase),
+                     progress.at_rest, progress.objects);
+}
+
+/// Takes whole lines of progress from the front of `answer`.
+void TakeProgress(std::string& answer, const SettlingListener& listener) {
+  for (std::size_t end;
+       answer.starts_with(kProgress) && (end = answer.find('\n')) != std::string::npos;
+       answer.erase(0, end + 1)) {
+    std::uint32_t phase = 0, at_rest = 0, objects = 0;
+    if (std::sscanf(answer.c_str() + kProgress.size(), "%u %u %u", &phase, &at_rest, &objects) != 3)
+      return;
+    if (listener) listener({static_cast<measure::SettlingPhase>(phase), at_rest, objects});
+  }
+}
+
+/// All that comes until the other end is closed, without the lines of progress.
+std::string ReadAnswer(int fd, const SettlingListener& listener) {
+  std::string answer;
+  char buffer[4096];
+  for (;;) {
+    const ssize_t count = read(fd, buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return answer;
+    answer.append(buffer, static_cast<std::size_t>(count));
+    TakeProgress(answer, listener);
+  }
+}
 
 /// What the other worker writes about the scene.
-std::string AskDoubleWorker(const plan::Scene& scene) {
+std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& listener) {
   const std::string program =
       (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "cdb-worker-f64").string();
   plan::Run run;
@@ -256,7 +279,7 @@ std::string AskDoubleWorker(const plan::Scene& scene) {
   }
   close(text);
   close(ends[1]);
-  std::string answer = measure::ReadAll(ends[0]);
+  std::string answer = ReadAnswer(ends[0], listener);
   close(ends[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
@@ -287,47 +310,67 @@ constexpr std::string_view kKind = "pile";
 /// To be raised with everything here that changes where objects come to rest.
 constexpr std::string_view kVersion = "1";
 
-/// Of all that decides the poses.
+/// The numbers of the objects that decide the poses: settings of the group may be drawn, or follow
+/// from others.
+std::string NumbersOf(const InitialState& state) {
+  std::string bytes;
+  for (const ObjectState& object : state.objects) {
+    const std::array<double, 5> numbers = {object.mass, object.friction, object.rolling_friction,
+                                           object.contact_stiffness, object.contact_damping};
+    bytes.append(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
+  }
+  return bytes + PosesOf(state);
+}
+
+/// Of all that decides the poses: the scene, the objects as they are dropped, and the programs.
 std::string KeyOf(const Settling& settling) {
-  plan::Run run;
-  run.scene = QuietScene(settling);
-  // These decide how long a run is and what it shows.
-  for (const schema::WorldParameter parameter :
-       std::initializer_list<schema::WorldParameter>{"cycles", "warmup", "timeout", "repeats"})
-    run.scene.world.Erase(parameter);
   return library::CacheKeyOf(
-      fmt::format("{}\nBullet {}\n{}\n{}{}", kVersion, btGetVersion(), meshes::DecomposerVersion(),
-                  objects::ModelsText(settling.dropped.forms), plan::RunToYaml(run)));
+      fmt::format("{}\nBullet {}\n{}\n{}\n{}{}\n{}", kVersion, btGetVersion(), __VERSION__,
+                  meshes::DecomposerVersion(), objects::ModelsText(settling.dropped.forms),
+                  plan::PileText(settling.scene), NumbersOf(settling.dropped)));
+}
+
+/// From the cache, or made and kept there: by one process, while others that need it wait.
+InitialState FoundOrSettled(const Settling& settling, const std::filesystem::path& folder,
+                            const std::string& key) {
+  const library::CacheLock lock(folder, kKind, key,
+                                [&] { settling.Tell(measure::SettlingPhase::kWaiting, 0); });
+  InitialState state = settling.dropped;
+  if (const auto kept = library::FindCached(folder, kKind, key))
+    if (TakePoses(*kept, state)) return state;
+  settling.Tell(measure::SettlingPhase::kSettling, 0);
+  state = Settled(settling);
+  library::StoreCached(folder, kKind, key, PosesOf(state));
+  return state;
 }
 
 }  // namespace
 
-bool HasPile(const plan::Scene& scene) {
-  return std::ranges::any_of(scene.groups, layouts::IsPile);
-}
-
-void SettlePiles(const plan::Scene& scene, InitialState& state) {
-  const Settling settling = PrepareToSettle(scene, state);
+void SettlePiles(const plan::Scene& scene, InitialState& state, const SettlingListener& listener) {
+  const InitialState dropped = state;
+  Settling settling = PrepareToSettle(scene, dropped);
+  settling.listener = listener;
   const std::filesystem::path folder = library::CacheFolder();
   const std::string key = KeyOf(settling);
   if (const auto kept = library::FindCached(folder, kKind, key))
     if (TakePoses(*kept, state)) return;
   if (std::string_view(world::EnginePrecision()) != "double") {
-    const std::string answer = AskDoubleWorker(scene);
+    const std::string answer = AskDoubleWorker(scene, listener);
     if (!answer.starts_with(kSettled)) throw SceneError(answer);
     if (!TakePoses(std::string_view(answer).substr(kSettled.size()), state))
       throw std::runtime_error("the settled pile is not whole");
     return;
   }
-  state = Settled(settling);
-  library::StoreCached(folder, kKind, key, PosesOf(state));
+  state = FoundOrSettled(settling, folder, key);
 }
 
 void SettleForAnother(const plan::Run& run, int fd) {
   std::string answer(kSettled);
   try {
     InitialState state = layouts::MakeInitialState(run.scene);
-    SettlePiles(run.scene, state);
+    SettlePiles(run.scene, state, [fd](const SettlingProgress& progress) {
+      measure::WriteAll(fd, ProgressLine(progress));
+    });
     answer += PosesOf(state);
   } catch (const std::exception& error) {
     answer = error.what();

@@ -320,6 +320,18 @@ TEST(Plan, EstimatesWhatASweepWillCost) {
   EXPECT_EQ(program.Run({"plan", "--estimate", "p.yaml"}).status, 2);
 }
 
+TEST(Plan, EstimatesWhatPilesTakeToSettle) {
+  const Program program;
+  program.Write("pile.cdb",
+                "benchmark pile { cycles 5; world.side 20; detector sweep(dbvt, sap)\n"
+                "objects { quantity 4; size 1; friction sweep(0.5, 0.9); location pile } }");
+  const Finished some = program.Run({"plan", "--estimate", "pile.cdb"});
+  EXPECT_EQ(some.status, 0) << some.err;
+  EXPECT_NE(some.out.find("piles   2, each settled once: 2 are settled by now\n"),
+            std::string::npos)
+      << some.out;
+}
+
 TEST(Run, FindsOneRunOfAMillion) {
   const Program program;
   program.Write("many.cdb",

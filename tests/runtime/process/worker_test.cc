@@ -1,5 +1,6 @@
 #include "runtime/process/worker.h"
 #include "runtime/measure/host.h"
+#include "runtime/process/collect.h"
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -146,6 +147,28 @@ TEST(WorkerTest, ATimeoutEndsIt) {
     EXPECT_TRUE(Has(ending.result.message, "timeout of 0.25 s")) << ending.result.message;
     EXPECT_TRUE(Has(ending.result.message, "of 10")) << ending.result.message;
   }
+}
+
+TEST(WorkerTest, ATimeoutWhileAPileSettlesSaysSo) {
+  PlanShape shape;
+  shape.timeout_s = 2;
+  const plan::Plan plan = MakeBehaviourPlan({kFinishes}, shape);
+  measure::Recording recording = measure::Recording::Create(plan.runs[0].scene);
+  measure::Settling& settling = recording.header().settling;
+  settling.phase = measure::SettlingPhase::kSettling;
+  settling.at_rest = 340;
+  settling.objects = 1000;
+  const auto message = [&] {
+    return process::Collect(plan.runs[0], {SIGKILL, true, ""}, recording, -1).message;
+  };
+  EXPECT_EQ(message(),
+            "ended at its timeout of 2 s after 0 of 10 cycles, while its pile settled (340 of 1000 "
+            "objects at rest); a longer timeout leaves time for that, once for all runs with "
+            "this pile");
+  settling.phase = measure::SettlingPhase::kWaiting;
+  EXPECT_TRUE(Has(message(), "(another run settles the same pile)")) << message();
+  settling.phase = measure::SettlingPhase::kNone;
+  EXPECT_EQ(message(), "ended at its timeout of 2 s after 0 of 10 cycles");
 }
 
 TEST(WorkerTest, WaitingForATimeoutCostsNoProcessorTime) {

@@ -227,6 +227,44 @@ TEST(ProgressLogTest, HasALineForEachRunOfASmallPlan) {
             "cdb: 4/4 100 %  quantity 200, detector sap: failed: the cube is full\n");
 }
 
+TEST(ProgressBarTest, TellsHowFarAPileHasSettled) {
+  const auto plan = MakePlan({.quantities = {100}, .detectors = {"dbvt"}});
+  Screen screen;
+  screen.columns = 120;
+  schedule::Progress progress(screen.Output(true));
+  progress.Begin(plan, Pointers(plan), {}, 1);
+  progress.RunStarted(plan.runs[0]);
+  screen.Take();
+  screen.now_s += 1;
+  progress.RunSettles(plan.runs[0], "34 of 100 objects at rest");
+  EXPECT_EQ(screen.Take(),
+            "<cr>▕                    ▏ 0/1   0 %  settling, 34 of 100 objects at rest:  quantity "
+            "100, detector dbvt<K>");
+  screen.now_s += 1;
+  progress.RunSettles(plan.runs[0], "");
+  EXPECT_EQ(screen.Take(), "<cr>▕                    ▏ 0/1   0 %  quantity 100, detector dbvt<K>");
+}
+
+TEST(ProgressLogTest, TellsOfAPileAfterFiveSecondsAndThenEachMinute) {
+  const auto plan = MakePlan({.quantities = {100}, .detectors = {"dbvt"}});
+  Screen screen;
+  schedule::Progress progress(screen.Output(false));
+  progress.Begin(plan, Pointers(plan), {}, 1);
+  progress.RunStarted(plan.runs[0]);
+  screen.Take();
+  std::string all;
+  for (int second = 1; second <= 70; ++second) {
+    screen.now_s += 1;
+    progress.RunSettles(plan.runs[0], std::to_string(second) + " of 100 objects at rest");
+    progress.Tick();
+    all += screen.Take();
+  }
+  EXPECT_EQ(
+      all,
+      "cdb: 0/1   0 %  quantity 100, detector dbvt: its pile settles, 5 of 100 objects at rest\n"
+      "cdb: 0/1   0 %  quantity 100, detector dbvt: its pile settles, 65 of 100 objects at rest\n");
+}
+
 TEST(ProgressLogTest, SparesALargePlan) {
   std::vector<std::uint64_t> quantities(1000, 7);
   const auto plan = MakePlan({.quantities = quantities, .detectors = {"dbvt"}});

@@ -67,7 +67,7 @@ class FakeLauncher : public process::Launcher {
 
 struct Ears : schedule::ProgressListener {
   std::vector<std::string> repeated;  // run ids
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings, settling;
   std::size_t to_do = 0, began = 0, ended = 0, found = 0, ticks = 0, ends = 0;
   void Begin(const plan::Plan&, const std::vector<const plan::Run*>& runs, const schedule::Summary&,
              std::size_t) override {
@@ -79,6 +79,9 @@ struct Ears : schedule::ProgressListener {
     for (const plan::Run* run : runs) repeated.push_back(run->id);
   }
   void RunStarted(const plan::Run&) override { ++began; }
+  void RunSettles(const plan::Run&, const std::string& how_far) override {
+    settling.push_back(how_far);
+  }
   void RunEnded(const plan::Run&, const store::RunResult&, double) override { ++ended; }
   void RunFound(const plan::Run&, const store::Outcome&) override { ++found; }
   void Warn(const std::string& text) override { warnings.push_back(text); }
@@ -217,6 +220,22 @@ TEST_F(ScheduleTest, WarnsOnceOfAPluginThatHangs) {
   ASSERT_EQ(ears.warnings.size(), 1u);
   EXPECT_NE(ears.warnings[0].find("the run is in FindPairs of `mine`"), std::string::npos)
       << ears.warnings[0];
+}
+
+TEST_F(ScheduleTest, TellsHowFarPilesHaveSettledWhenThatChanges) {
+  for (plan::Run& run : plan.runs) {
+    run.scene.groups[0].settings.Set("location", schema::Call{"pile", {schema::Word{"fit"}}});
+    run.id = plan::RunId(run.scene, run.rep);
+  }
+  int waits = 0;
+  launcher.pulse = [&](std::size_t) {
+    return process::Pulse{0, "", waits < 4 ? "1 of 3" : waits < 8 ? "2 of 3" : ""};
+  };
+  launcher.behave = [&](const auto&) {
+    return ++waits < 12 ? store::Status::kMissing : store::Status::kDone;
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
+  EXPECT_EQ(ears.settling, (std::vector<std::string>{"1 of 3", "2 of 3", ""}));
 }
 
 TEST_F(ScheduleTest, DescribesASummary) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <vector>
 
 #include "library/objects/overlap.h"
 #include "library/scene_error.h"
@@ -111,6 +113,45 @@ TEST_F(Pile, IsSettledOnceAndThenFound) {
   SetGroup(scene, "friction", 0.9);
   Settled(scene);
   EXPECT_EQ(files(), 2) << "another pile";
+}
+
+TEST_F(Pile, IsSharedByScenesThatDifferInWhatDoesNotDecideIt) {
+  plan::Scene scene = PileScene(5);
+  Settled(scene);
+  SetGroup(scene, "restitution", 0.5);
+  SetGroup(scene, "linear_velocity", Normal(Vector3d(0, 0, 0), Vector3d(1, 1, 1)));
+  SetWorld(scene, "solver.iterations", std::uint64_t{50});
+  SetWorld(scene, "timestep", 1e-3);
+  scene.role = plan::Role::kReference;
+  SeedStreams(scene);
+  Settled(scene);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(cache_.folder()), {}), 1);
+}
+
+TEST_F(Pile, ADamagedEntryOfTheCacheIsSettledAgain) {
+  const plan::Scene scene = PileScene(5);
+  const layouts::InitialState first = Settled(scene);
+  const std::filesystem::path file = std::filesystem::directory_iterator(cache_.folder())->path();
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(200).put('\x5a');
+  const layouts::InitialState second = Settled(scene);
+  EXPECT_EQ(first.objects[4].pose.position, second.objects[4].pose.position);
+}
+
+TEST_F(Pile, TellsHowFarItIs) {
+  const plan::Scene scene = PileScene(5);
+  std::vector<worker::SettlingProgress> told;
+  const auto listen = [&](const worker::SettlingProgress& progress) { told.push_back(progress); };
+  layouts::InitialState state = layouts::MakeInitialState(scene);
+  worker::SettlePiles(scene, state, listen);
+  ASSERT_GE(told.size(), 2u);
+  EXPECT_EQ(told.front().phase, measure::SettlingPhase::kSettling);
+  EXPECT_EQ(told.front().at_rest, 0u);
+  EXPECT_EQ(told.back().at_rest, 5u);
+  EXPECT_EQ(told.back().objects, 5u);
+  told.clear();
+  state = layouts::MakeInitialState(scene);
+  worker::SettlePiles(scene, state, listen);
+  EXPECT_TRUE(told.empty()) << "it was found";
 }
 
 TEST_F(Pile, RunsFromTheStart) {
