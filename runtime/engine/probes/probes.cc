@@ -322,6 +322,11 @@ void Probes::RecordBoxes(std::uint64_t cycle) {
     btVector3 lower, upper;
     engine_.world().getBroadphase()->getAabb(
         const_cast<btBroadphaseProxy*>(body.getBroadphaseHandle()), lower, upper);
+    // A detector may have the half-space instead; a trace is the same whoever finds the pairs.
+    if (body.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) {
+      upper = btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+      lower = -upper;
+    }
     double* box = &boxes_[(cycle * bodies + place) * measure::kBoxSize];
     for (const btVector3* corner : {&lower, &upper})
       for (int axis = 0; axis < 3; ++axis) *box++ = WithInfinity((*corner)[axis]);
