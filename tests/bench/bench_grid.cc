@@ -152,10 +152,12 @@ int main(int argc, char** argv) {
     }
     fmt::print(
         "  10^{}  {:7.3f}  {:3.0f}   {:14.3f}  {:3.0f}   {:10.3f}  {:3.0f}   {:6.2f}  {:6.0f}  "
-        "{:3.0f}   {:14.3f}  {:3.0f}   {:8.3f}  {:3.0f}\n",
+        "{:3.0f}   {:14.3f}  {:3.0f}   {}\n",
         digits, check.seconds, check.mebibytes, half.seconds, half.mebibytes, all.seconds,
         all.mebibytes, plan.seconds, std::pow(10, digits) / plan.seconds, plan.mebibytes,
-        shard.seconds, shard.mebibytes, resume.seconds, resume.mebibytes);
+        shard.seconds, shard.mebibytes,
+        digits <= 6 ? fmt::format("{:8.3f}  {:3.0f}", resume.seconds, resume.mebibytes)
+                    : "       -    -");
     std::fflush(stdout);
   }
   return 0;
