@@ -12,6 +12,7 @@
 #include "compiler/plan/collisions.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/reference.h"
+#include "compiler/plan/short_plan.h"
 #include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
@@ -360,6 +361,11 @@ class PlanReader : public ValueReader {
   }
 
   Plan ReadPlan(const YAML::Node& root) const {
+    if (root.IsMap() && root[std::string(kShortPlanFormat)])
+      throw PlanError(
+          fmt::format("{}: this plan is in its short form, as it has {} runs; `cdb run` and `cdb "
+                      "merge` take it, and other commands the .cdb file",
+                      name_, Text(Member(root, "runs"))));
     if (!root.IsMap() || !root[std::string(kPlanFormat)])
       throw PlanError(
           fmt::format("{}: this is no cdb plan; `cdb plan FILE.cdb -o` writes one", name_));

@@ -106,27 +106,34 @@ dsl::RenderOptions RenderOptionsForTerminal() {
   return {isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr, kMostShown};
 }
 
-compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
-                                  const std::optional<std::string>& benchmark,
-                                  const std::vector<std::string>& plugins, bool lists_runs) {
+compiler::CompileOptions OptionsOf(const std::string& library,
+                                   const std::optional<std::string>& benchmark,
+                                   const std::vector<std::string>& plugins, bool lists_runs) {
   const auto describe = [](const std::string& path, std::string& why) {
     return process::ProbePlugin(process::FindAnyWorker(), path, why);
   };
+  return {library,
+          benchmark,
+          {plugins, describe},
+          ReadTraceAt,
+          closed_forms::FindSceneFault,
+          layouts::ReadPoseFacts,
+          lists_runs};
+}
+
+compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
+                                  const std::optional<std::string>& benchmark,
+                                  const std::vector<std::string>& plugins, bool lists_runs) {
   return compiler::Compile(file, read,
-                           {ScenarioLibrary(),
-                            benchmark,
-                            {plugins, describe},
-                            ReadTraceAt,
-                            closed_forms::FindSceneFault,
-                            layouts::ReadPoseFacts,
-                            lists_runs});
+                           OptionsOf(ScenarioLibrary(), benchmark, plugins, lists_runs));
 }
 
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
-                                       const std::vector<std::string>& plugins, bool lists_runs) {
+                                       const std::vector<std::string>& plugins, bool lists_runs,
+                                       const scenario::ReadFile& read) {
   compiler::Compilation result =
-      CompileWith(FindScenario(file), ReadInput, benchmark, plugins, lists_runs);
+      CompileWith(FindScenario(file), read, benchmark, plugins, lists_runs);
   dsl::Diagnostics shown;
   for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
     if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))
@@ -137,17 +144,22 @@ compiler::Compilation CompileAndReport(const std::string& file,
   return result;
 }
 
+void CheckPlanFile(const std::string& file, const std::optional<std::string>& benchmark,
+                   const std::vector<std::string>& plugins, const std::string& planned) {
+  if (!plugins.empty())
+    throw CommandError(
+        fmt::format("--plugin {} goes with a scenario file; {} is a plan, which names its own",
+                    plugins[0], file));
+  if (benchmark) CheckBenchmarkName(*benchmark, {planned}, file);
+}
+
 std::vector<plan::Plan> LoadPlans(const std::string& file,
                                   const std::optional<std::string>& benchmark, LintText lints,
                                   const std::vector<std::string>& plugins,
                                   std::vector<schema::PluginDetector>* named) {
   if (IsPlanFile(file)) {
-    if (!plugins.empty())
-      throw CommandError(
-          fmt::format("--plugin {} goes with a scenario file; {} is a plan, which names its own",
-                      plugins[0], file));
     plan::Plan plan = plan::FromYaml(ReadText(file), file);
-    if (benchmark) CheckBenchmarkName(*benchmark, {plan.benchmark}, file);
+    CheckPlanFile(file, benchmark, plugins, plan.benchmark);
     if (named != nullptr)
       for (const plan::Run& run : plan.runs)
         for (const schema::PluginDetector& plugin : run.scene.plugins)
@@ -166,9 +178,10 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
 
 std::vector<grid::Grid> LoadGrids(const std::string& file,
                                   const std::optional<std::string>& benchmark, LintText lints,
-                                  const std::vector<std::string>& plugins) {
+                                  const std::vector<std::string>& plugins,
+                                  const scenario::ReadFile& read) {
   compiler::Compilation result =
-      CompileAndReport(file, benchmark, lints, plugins, /*lists_runs=*/false);
+      CompileAndReport(file, benchmark, lints, plugins, /*lists_runs=*/false, read);
   for (grid::Grid& grid : result.grids) grid.head.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);

@@ -35,6 +35,12 @@ enum class LintText { kNone, kOneLine, kWhole };
 /// In colour on a terminal, and at most 20 errors.
 dsl::RenderOptions RenderOptionsForTerminal();
 
+/// The library of scenarios in the folder `library`, plug-ins and traces. `lists_runs`: as in
+/// compiler::CompileOptions.
+compiler::CompileOptions OptionsOf(const std::string& library,
+                                   const std::optional<std::string>& benchmark,
+                                   const std::vector<std::string>& plugins, bool lists_runs);
+
 /// Compiles `file` as `read` gives it, with the library of scenarios, plug-ins and traces.
 /// `lists_runs`: as in compiler::CompileOptions. Throws ScheduleError.
 compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
@@ -48,7 +54,8 @@ compiler::Compilation CompileWith(const std::string& file, const scenario::ReadF
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
                                        const std::vector<std::string>& plugins = {},
-                                       bool lists_runs = true);
+                                       bool lists_runs = true,
+                                       const scenario::ReadFile& read = ReadInput);
 
 /// The plans of a `.cdb` file, here or in the library, or of a plan as YAML. Empty after
 /// diagnostics were printed (exit status 1). A plan names its own plug-ins. `named`: gets the
@@ -60,13 +67,18 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
                                   const std::vector<std::string>& plugins = {},
                                   std::vector<schema::PluginDetector>* named = nullptr);
 
-/// The grids of a `.cdb` file, as LoadPlans; their runs are not listed.
+/// The grids of a `.cdb` file, as LoadPlans; their runs are not listed. `read`: in place of the
+/// disk.
 std::vector<grid::Grid> LoadGrids(const std::string& file,
                                   const std::optional<std::string>& benchmark, LintText lints,
-                                  const std::vector<std::string>& plugins);
+                                  const std::vector<std::string>& plugins,
+                                  const scenario::ReadFile& read = ReadInput);
 
 /// A plan as YAML, by its name.
 bool IsPlanFile(const std::string& file);
+/// Throws CommandError for options that do not go with a plan of the benchmark `planned`.
+void CheckPlanFile(const std::string& file, const std::optional<std::string>& benchmark,
+                   const std::vector<std::string>& plugins, const std::string& planned);
 
 /// Throws CommandError for a word that neither the parameter nor, where it takes detectors,
 /// `plugins` has, or that is there twice.

@@ -8,10 +8,10 @@
 #include <system_error>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/provenance.h"
+#include "runtime/cli/sized_plan.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
 #include "runtime/store/store.h"
@@ -51,20 +51,22 @@ void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {
 
 std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) {
   std::size_t missing = 0;
-  for (const plan::Run& run : plan.runs)
-    if (file.ReadStatus({run.at, run.rep}) == store::Status::kMissing) ++missing;
+  plan.ForEachRun([&](const std::string&, const auto& at, std::uint64_t rep) {
+    missing += file.ReadStatus({at, rep}) == store::Status::kMissing;
+  });
   return missing;
 }
 
 ExitStatus Merge(const MergeArguments& arguments) {
   const std::string plan_file = FindPlan(arguments.shards);
-  const plan::Plan plan = plan::FromYaml(ReadText(plan_file), plan_file);
+  const SizedPlan sized = ReadSizedPlan(ReadText(plan_file), plan_file);
+  const plan::Plan& plan = sized.plan;
   CheckIsOfPlan(arguments.out, plan);
   const std::vector<fs::path> places(arguments.shards.begin(), arguments.shards.end());
   store::Merge(plan, CollectProvenance(), places, arguments.out);
   const std::size_t missing = CountMissing(store::ResultFile(arguments.out), plan);
   report::Say(fmt::format("{} of {} runs in '{}'; the shards are left where they are\n",
-                          plan.runs.size() - missing, plan.runs.size(), arguments.out));
+                          plan.RunCount() - missing, plan.RunCount(), arguments.out));
   return ExitStatus::kGood;
 }
 

@@ -18,6 +18,8 @@
 #include "runtime/cli/provenance.h"
 #include "runtime/measure/host.h"
 #include "runtime/report/console.h"
+#include "runtime/schedule/folder.h"
+#include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress.h"
 
 namespace cdb::cli {
@@ -29,9 +31,11 @@ namespace fs = std::filesystem;
 fs::path ShardFolder(fs::path out) { return out.replace_extension(".runs"); }
 
 bool IsComplete(const store::ResultFile& file, const plan::Plan& plan) {
-  return std::ranges::all_of(plan.runs, [&](const plan::Run& run) {
-    return file.ReadStatus({run.at, run.rep}) != store::Status::kMissing;
+  bool is_complete = true;
+  plan.ForEachRun([&](const std::string&, const auto& at, std::uint64_t rep) {
+    is_complete = is_complete && file.ReadStatus({at, rep}) != store::Status::kMissing;
   });
+  return is_complete;
 }
 
 /// The result that stands there already. Empty where there is none or it has to be made anew.
@@ -89,6 +93,7 @@ class FolderLock {
 
 /// Removes the shards that `Merge` has verified, and nothing else.
 void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
+  if (plan.whole) return schedule::RemoveWholePlan(folder);
   std::error_code ignored;
   for (const auto* runs : {&plan.runs, &plan.references})
     for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
@@ -129,7 +134,27 @@ PlanRunner::PlanRunner(PlanRunnerOptions options)
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-ExecutedPlan PlanRunner::Execute(const plan::Plan& plan, const fs::path& out) const {
+schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan, const fs::path& folder) const {
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  execute.jobs = options_.jobs;
+  execute.shard = options_.shard;
+  execute.fresh = options_.fresh;
+  execute.provenance = provenance_;
+  execute.stop = &stop_;
+  schedule::ProgressListener silent;
+  schedule::Progress progress(schedule::StandardError());
+  schedule::ProgressListener& listener =
+      options_.is_quiet ? silent : static_cast<schedule::ProgressListener&>(progress);
+  if (plan.grid == nullptr) return schedule::Execute(plan.plan, execute, listener);
+  const auto list = [&plan](std::uint64_t index, std::uint64_t count) {
+    return plan.ListPart(index, count);
+  };
+  return schedule::ExecuteParts(plan.plan, list, execute, listener);
+}
+
+ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) const {
+  const plan::Plan& plan = sized.plan;
   const fs::path folder = ShardFolder(out);
   std::error_code error;
   if (!options_.fresh && IsThereAlready(out, plan)) {
@@ -140,22 +165,13 @@ ExecutedPlan PlanRunner::Execute(const plan::Plan& plan, const fs::path& out) co
     return {{}, folder, true};
   }
   FolderLock lock(folder);
-  schedule::ExecuteOptions execute;
-  execute.folder = folder;
-  execute.jobs = options_.jobs;
-  execute.shard = options_.shard;
-  execute.fresh = options_.fresh;
-  execute.provenance = provenance_;
-  execute.stop = &stop_;
   WarnOfLoad(plan);
-  schedule::ProgressListener silent;
-  schedule::Progress progress(schedule::StandardError());
-  schedule::ProgressListener& listener =
-      options_.is_quiet ? silent : static_cast<schedule::ProgressListener&>(progress);
-  ExecutedPlan end = {schedule::Execute(plan, execute, listener), folder, false};
+  ExecutedPlan end = {ExecuteRuns(sized, folder), folder, false};
   if (end.summary.signal != 0) {
     report::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
-                            end.summary.ended(), end.summary.ended() + end.summary.left,
+                            end.summary.ended(),
+                            sized.grid != nullptr ? plan.RunCount() / options_.shard.count
+                                                  : end.summary.ended() + end.summary.left,
                             folder.string()));
     return end;
   }

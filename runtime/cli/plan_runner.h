@@ -8,6 +8,7 @@
 
 #include "compiler/plan/plan.h"
 #include "runtime/cli/exit_status.h"
+#include "runtime/cli/sized_plan.h"
 #include "runtime/process/stop.h"
 #include "runtime/schedule/schedule.h"
 #include "runtime/store/store.h"
@@ -41,12 +42,16 @@ class PlanRunner {
   /// `out`: the results file; its shards lie beside it. Goes on where an earlier call stopped.
   /// Stopped by a signal, says so and keeps what ended. Throws CommandError, StoreError; then
   /// everything finished is kept.
-  ExecutedPlan Execute(const plan::Plan& plan, const std::filesystem::path& out) const;
+  ExecutedPlan Execute(const SizedPlan& plan, const std::filesystem::path& out) const;
+  ExecutedPlan Execute(const plan::Plan& plan, const std::filesystem::path& out) const {
+    return Execute(SizedPlan{plan, nullptr}, out);
+  }
 
   bool is_stopped() const { return stop_.requested(); }
   ExitStatus StoppedStatus() const { return StoppedBy(stop_.signal()); }
 
  private:
+  schedule::Summary ExecuteRuns(const SizedPlan& plan, const std::filesystem::path& folder) const;
   void WarnOfLoad(const plan::Plan& plan) const;
 
   PlanRunnerOptions options_;

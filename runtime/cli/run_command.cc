@@ -17,6 +17,7 @@
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/plan_runner.h"
 #include "runtime/cli/provenance.h"
+#include "runtime/cli/sized_plan.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
 #include "runtime/report/show.h"
@@ -99,19 +100,23 @@ std::optional<plan::Plan> FindRun(const grid::Grid& grid, const std::string& id)
 }
 
 /// The run `id` by itself. Other runs are not listed.
-std::vector<plan::Plan> OnlyRun(const RunArguments& arguments) {
+std::vector<SizedPlan> OnlyRun(const RunArguments& arguments) {
   const LintText lints = arguments.quiet ? LintText::kNone : LintText::kOneLine;
   if (IsPlanFile(arguments.file)) {
-    const auto plans = LoadPlans(arguments.file, arguments.benchmark, lints, arguments.plugins);
-    for (const plan::Plan& plan : plans) {
-      const auto run = std::ranges::find(plan.runs, arguments.only, &plan::Run::id);
-      if (run != plan.runs.end()) return {PlanOfOne(plan, *run)};
+    for (const SizedPlan& sized :
+         LoadSizedPlans(arguments.file, arguments.benchmark, lints, arguments.plugins)) {
+      if (sized.grid != nullptr) {
+        if (auto one = FindRun(*sized.grid, arguments.only)) return {{*std::move(one), nullptr}};
+        continue;
+      }
+      const auto run = std::ranges::find(sized.plan.runs, arguments.only, &plan::Run::id);
+      if (run != sized.plan.runs.end()) return {{PlanOfOne(sized.plan, *run), nullptr}};
     }
   } else {
     const auto grids = LoadGrids(arguments.file, arguments.benchmark, lints, arguments.plugins);
     if (grids.empty()) return {};
     for (const grid::Grid& grid : grids)
-      if (auto one = FindRun(grid, arguments.only)) return {std::move(*one)};
+      if (auto one = FindRun(grid, arguments.only)) return {{*std::move(one), nullptr}};
   }
   throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", arguments.only));
 }
@@ -127,7 +132,7 @@ ExitStatus ShowResult(const fs::path& out, bool quiet) {
   return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
 }
 
-ExitStatus RunPlan(const plan::Plan& plan, const fs::path& out, const PlanRunner& runner,
+ExitStatus RunPlan(const SizedPlan& plan, const fs::path& out, const PlanRunner& runner,
                    bool is_quiet) {
   const ExecutedPlan end = runner.Execute(plan, out);
   if (end.summary.signal != 0) return runner.StoppedStatus();
@@ -140,14 +145,15 @@ ExitStatus RunPlan(const plan::Plan& plan, const fs::path& out, const PlanRunner
 
 ExitStatus Run(const RunArguments& arguments) {
   const schedule::ShardChoice shard = ParseShard(arguments.shard);
-  const auto plans =
-      !arguments.only.empty()
-          ? OnlyRun(arguments)
-          : LoadPlans(arguments.file, arguments.benchmark,
-                      arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
+  const auto plans = !arguments.only.empty()
+                         ? OnlyRun(arguments)
+                         : LoadSizedPlans(arguments.file, arguments.benchmark,
+                                          arguments.quiet ? LintText::kNone : LintText::kOneLine,
+                                          arguments.plugins);
   if (plans.empty()) return ExitStatus::kScenario;
   std::vector<fs::path> outs;
-  for (const plan::Plan& plan : plans) outs.push_back(ResultPath(arguments, plan, plans.size()));
+  for (const SizedPlan& plan : plans)
+    outs.push_back(ResultPath(arguments, plan.plan, plans.size()));
   if (BuildType() != "Release" && !arguments.quiet)
     report::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
                             BuildType()));

@@ -218,7 +218,8 @@ run is restarted with all walls under `auto`, and fails under a list; /run/needs
 says so.
   Runs that differ only in detector, narrow phase, pair order, threads, seed or repeat are compared,
 so they have the same parts wherever that affects a measurement: if one of them needs a part, those
-that were measured without it are measured once more. (With `--shard`, only runs of the same shard.)
+that were measured without it are measured once more. (With `--shard`, only runs of the same shard;
+of more than 100,000 runs, only those of the same part, about 10,000 runs.)
   `cdb show` names every omission that affects a measurement. The results state for each run what
 became of each part, and why (/run/omitted, /run/needs). `cdb plan FILE` shows what follows from the
 settings, before any run; `cdb plan --why FILE` places the objects and explains every decision.

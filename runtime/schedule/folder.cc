@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/short_plan.h"
 #include "runtime/process/launcher.h"
 #include "runtime/store/safe_file.h"
 
@@ -39,6 +40,12 @@ std::string ShardRunId(const std::string& name, std::string_view ending) {
                                       std::generic_category().message(error)));
 }
 
+constexpr std::string_view kMarkBegin = "part-", kMarkEnding = ".done";
+
+bool IsPartMark(std::string_view name) {
+  return name.starts_with(kMarkBegin) && name.ends_with(kMarkEnding);
+}
+
 template <typename Visit>
 void ForEachName(const fs::path& folder, Visit visit) {
   std::error_code error;
@@ -48,14 +55,45 @@ void ForEachName(const fs::path& folder, Visit visit) {
   if (error) FailStore("read the folder", folder, error.value());
 }
 
-[[noreturn]] void RefuseMixture(const fs::path& shard) {
+[[noreturn]] void RefuseMixture(const fs::path& file) {
   throw process::ScheduleError(fmt::format(
-      "{} is a shard of another plan; two plans are never mixed in one folder. Name another result "
+      "{} is {} another plan; two plans are never mixed in one folder. Name another result "
       "with -o, or forget what {} holds with --fresh",
-      shard.string(), shard.parent_path().string()));
+      file.string(), file.filename() == kPlanName ? "of" : "a shard of",
+      file.parent_path().string()));
+}
+
+/// Removes shards, broken ones too, plans and marks.
+void RemoveFilesOfPlans(const fs::path& folder) {
+  ForEachName(folder, [&](const std::string& name) {
+    if (ShardRunId(name, kShardEnding).empty() && ShardRunId(name, kBrokenEnding).empty() &&
+        name != kPlanName && !IsPartMark(name))
+      return;
+    const fs::path file = folder / name;
+    if (unlink(file.c_str()) != 0 && errno != ENOENT) FailStore("remove", file, errno);
+  });
 }
 
 }  // namespace
+
+std::string PartMarkName(std::uint64_t part, std::uint64_t count) {
+  return fmt::format("{}{}-of-{}{}", kMarkBegin, part + 1, count, kMarkEnding);
+}
+
+std::uint64_t CountShards(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return 0;
+  std::uint64_t count = 0;
+  ForEachName(folder,
+              [&](const std::string& name) { count += !ShardRunId(name, kShardEnding).empty(); });
+  return count;
+}
+
+void RemoveWholePlan(const fs::path& folder) {
+  RemoveFilesOfPlans(folder);
+  std::error_code ignored;
+  fs::remove(folder, ignored);
+}
 
 ShardFolder::ShardFolder(const plan::Plan& plan, fs::path folder, bool fresh)
     : folder_(std::move(folder)), plan_sha256_(plan.Sha256()) {
@@ -64,10 +102,27 @@ ShardFolder::ShardFolder(const plan::Plan& plan, fs::path folder, bool fresh)
   if (error) FailStore("make the folder", folder_, error.value());
   if (!fresh) RefuseOthers(plan);
   store::RemoveStaleTemporaries(folder_);
-  if (fresh) Clear();
+  if (fresh) RemoveFilesOfPlans(folder_);
+}
+
+/// By the plan in the folder: the ids of all runs would take their time.
+void ShardFolder::RefuseOtherWhole() const {
+  const fs::path file = folder_ / kPlanName;
+  bool has_plan = false;
+  if (std::ifstream in(file, std::ios::binary); in) {
+    const auto there =
+        plan::FindShortPlan(std::string(std::istreambuf_iterator<char>(in), {}), file.string());
+    if (!there || there->sha256 != plan_sha256_) RefuseMixture(file);
+    has_plan = true;
+  }
+  if (has_plan) return;
+  ForEachName(folder_, [&](const std::string& name) {
+    if (!ShardRunId(name, kShardEnding).empty()) RefuseMixture(folder_ / name);
+  });
 }
 
 void ShardFolder::RefuseOthers(const plan::Plan& plan) const {
+  if (plan.whole) return RefuseOtherWhole();
   std::unordered_set<std::string_view> ids;
   for (const plan::Run& run : plan.runs) ids.insert(run.id);
   for (const plan::Run& run : plan.references) ids.insert(run.id);
@@ -77,18 +132,8 @@ void ShardFolder::RefuseOthers(const plan::Plan& plan) const {
   });
 }
 
-void ShardFolder::Clear() const {
-  ForEachName(folder_, [&](const std::string& name) {
-    if (ShardRunId(name, kShardEnding).empty() && ShardRunId(name, kBrokenEnding).empty() &&
-        name != kPlanName)
-      return;
-    const fs::path file = folder_ / name;
-    if (unlink(file.c_str()) != 0 && errno != ENOENT) FailStore("remove", file, errno);
-  });
-}
-
 void ShardFolder::WritePlan(const plan::Plan& plan) const {
-  const std::string text = plan::ToYaml(plan);
+  const std::string text = plan.whole ? plan.whole->short_text : plan::ToYaml(plan);
   const fs::path file = folder_ / kPlanName;
   {
     std::ifstream in(file, std::ios::binary);

@@ -1,6 +1,7 @@
 // The folder of shards: which runs of a plan it contains, and what must not be in it.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,6 +12,14 @@
 #include "runtime/store/store.h"
 
 namespace cdb::schedule {
+
+/// The mark of a part that has ended (runtime/schedule/parts.h), in the folder.
+std::string PartMarkName(std::uint64_t part, std::uint64_t count);
+/// Files in the folder that are called like shards; 0 where there is no folder. Throws StoreError.
+std::uint64_t CountShards(const std::filesystem::path& folder);
+/// Removes the shards of one plan, its plan and marks of parts, and then the folder if it is empty.
+/// To be called where all shards in it are of that plan. Throws StoreError.
+void RemoveWholePlan(const std::filesystem::path& folder);
 
 /// One folder of shards of one plan. Nothing is held open. Not for several threads.
 class ShardFolder {
@@ -34,7 +43,7 @@ class ShardFolder {
 
  private:
   void RefuseOthers(const plan::Plan& plan) const;
-  void Clear() const;
+  void RefuseOtherWhole() const;
 
   std::filesystem::path folder_;
   std::string plan_sha256_;

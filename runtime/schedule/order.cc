@@ -101,11 +101,15 @@ double EstimatedWork(const plan::Run& run) {
   return 10'000 + cycles * (10 + objects);
 }
 
-std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shard) {
+void CheckShard(ShardChoice shard) {
   if (shard.index < 1 || shard.index > shard.count)
     throw process::ScheduleError(
         fmt::format("there is no shard {} of {}: shards count from 1 to {}", shard.index,
                     shard.count, std::max<std::uint64_t>(shard.count, 1)));
+}
+
+std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shard) {
+  CheckShard(shard);
   const std::string hash = plan.Sha256();
   std::vector<DetectorGroup> groups = GroupByDetector(plan);
   if (shard.count > 1) groups = Pick(std::move(groups), shard);

@@ -14,6 +14,9 @@ struct ShardChoice {
   std::uint64_t count = 1;
 };
 
+/// Throws ScheduleError for a shard that does not exist.
+void CheckShard(ShardChoice shard);
+
 /// Each run that `shard` picks, once (a run at two points of the grid has one id): repeats
 /// outermost, then the points of the grid, then the detectors of a point, shuffled. Runs that
 /// differ only in the detector are therefore neighbours, no detector always goes first, and a drift

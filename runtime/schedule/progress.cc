@@ -117,6 +117,10 @@ std::string DurationText(double seconds) {
 
 Progress::Progress(ProgressOutput output) : output_(std::move(output)) {}
 
+void Progress::BeginPart(std::uint64_t part, std::uint64_t parts) {
+  part_ = parts > 1 ? fmt::format(", part {} of {}", part + 1, parts) : std::string();
+}
+
 void Progress::Begin(const plan::Plan& plan, const std::vector<const plan::Run*>& to_do,
                      const Summary& resumed, std::size_t jobs) {
   plan_ = &plan;
@@ -129,8 +133,9 @@ void Progress::Begin(const plan::Plan& plan, const std::vector<const plan::Run*>
   line_s_ = output_.now_s();
   drawn_s_ = line_s_ - kDrawInterval;
   settling_s_ = line_s_ - kLongSilence;
-  if (output_.is_terminal) return Draw(true);
-  std::string text = fmt::format("{}: {} run{}", plan.benchmark, total_, total_ == 1 ? "" : "s");
+  if (output_.is_terminal && part_.empty()) return Draw(true);
+  std::string text =
+      fmt::format("{}{}: {} run{}", plan.benchmark, part_, total_, total_ == 1 ? "" : "s");
   if (ended_ > 0) text += fmt::format(", {} of them there already", ended_);
   if (jobs > 1) text += fmt::format(", {} at a time", jobs);
   Line(text);

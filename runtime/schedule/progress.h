@@ -36,6 +36,7 @@ class Progress : public ProgressListener {
  public:
   explicit Progress(ProgressOutput output);
 
+  void BeginPart(std::uint64_t part, std::uint64_t parts) override;
   void Begin(const plan::Plan& plan, const std::vector<const plan::Run*>& to_do,
              const Summary& resumed, std::size_t jobs) override;
   void RunStarted(const plan::Run& run) override;
@@ -67,6 +68,7 @@ class Progress : public ProgressListener {
 
   ProgressOutput output_;
   const plan::Plan* plan_ = nullptr;
+  std::string part_;  // `, part 3 of 100`, or empty
   std::optional<TimeEstimate> estimate_;
   std::vector<Running> running_;
   std::size_t total_ = 0, ended_ = 0, bad_ = 0, jobs_ = 1;

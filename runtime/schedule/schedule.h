@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -45,6 +46,8 @@ std::string Describe(const Summary& summary);
 class ProgressListener {
  public:
   virtual ~ProgressListener() = default;
+  /// Of a plan that is executed in parts, before Begin; from 0.
+  virtual void BeginPart(std::uint64_t /*part*/, std::uint64_t /*parts*/) {}
   /// `to_do` in the order they will start; `resumed` runs are there already.
   virtual void Begin(const plan::Plan&, const std::vector<const plan::Run*>& /*to_do*/,
                      const Summary& /*resumed*/, std::size_t /*jobs*/) {}

@@ -1,19 +1,32 @@
 // How the compiler grows with the runs of a benchmark: a check, a check of which `skip` leaves
-// half, a check whose lints read every axis, and the plan as YAML, which goes nowhere.
+// half, a check whose lints read every axis, the plan as YAML, which goes nowhere, and what `cdb
+// run` does until its first run starts: for the first of a thousand shards, and for all runs where
+// half are done (up to 10^6, as each has a file).
 //   bench_grid [MOST]      up to 10^MOST runs; default 7
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "compiler/compile.h"
+#include "compiler/grid/part.h"
+#include "compiler/plan/short_plan.h"
 #include "library/closed_forms/scene_fault.h"
+#include "runtime/schedule/folder.h"
+#include "runtime/schedule/parts.h"
+#include "tests/support/files.h"
 
 namespace {
 
@@ -33,6 +46,64 @@ cdb::compiler::Compilation Check(const std::string& text) {
   options.lists_runs = false;
   options.find_fault = cdb::closed_forms::FindSceneFault;
   return cdb::compiler::Compile("grid.cdb", read, options);
+}
+
+/// What `cdb run` has of a long plan.
+struct LongPlan {
+  std::shared_ptr<const cdb::grid::Grid> grid;
+  cdb::plan::Plan plan;
+
+  explicit LongPlan(const std::string& text)
+      : grid(std::make_shared<const cdb::grid::Grid>(Check(text).grids.at(0))), plan(grid->head) {
+    auto whole = std::make_shared<cdb::plan::WholePlan>(cdb::grid::MakeWhole(grid));
+    cdb::plan::ShortPlan form;
+    form.sha256 = whole->sha256;
+    whole->short_text = cdb::plan::ToYaml(form);
+    plan.whole = std::move(whole);
+  }
+  cdb::plan::Plan ListPart(std::uint64_t index, std::uint64_t count) const {
+    return cdb::grid::ListPart(*grid, plan.whole, {index, count});
+  }
+};
+
+/// Asks for a stop when the first run should start.
+class StoppingLauncher : public cdb::process::Launcher {
+ public:
+  explicit StoppingLauncher(cdb::process::StopFlag& stop) : stop_(stop) {}
+  void Start(std::size_t, const cdb::plan::Run&, const std::string&) override { stop_.Request(15); }
+  std::optional<cdb::process::Ending> Wait(double) override { return std::nullopt; }
+  void StopAll() override {}
+
+ private:
+  cdb::process::StopFlag& stop_;
+};
+
+void StartShard(const std::string& text, const std::filesystem::path& folder,
+                cdb::schedule::ShardChoice shard) {
+  const LongPlan made(text);
+  cdb::process::StopFlag stop;
+  StoppingLauncher launcher(stop);
+  cdb::schedule::ProgressListener silent;
+  cdb::schedule::ExecuteOptions options;
+  options.folder = folder;
+  options.shard = shard;
+  options.stop = &stop;
+  cdb::schedule::ExecuteParts(
+      made.plan,
+      [&](std::uint64_t index, std::uint64_t count) { return made.ListPart(index, count); },
+      options, launcher, silent);
+}
+
+/// A folder in which the first half of the parts have ended, with empty files for shards.
+void MakeHalfDone(const cdb::plan::Plan& plan, const std::filesystem::path& folder) {
+  const std::uint64_t runs = plan.RunCount();
+  const std::uint64_t parts =
+      std::max<std::uint64_t>(1, (runs + cdb::schedule::kPartRuns - 1) / cdb::schedule::kPartRuns);
+  for (std::uint64_t part = 0; part < parts / 2; ++part)
+    std::ofstream(folder / cdb::schedule::PartMarkName(part, parts))
+        << plan.Sha256() << " " << runs / parts << " 0 0 0 0\n";
+  for (std::uint64_t i = 0; i < parts / 2 * (runs / parts); ++i)
+    std::ofstream(folder / fmt::format("{:016x}.h5", i));
 }
 
 /// Processor time and peak memory of a process of its own.
@@ -60,7 +131,8 @@ Cost CostOf(const std::function<void()>& work) {
 int main(int argc, char** argv) {
   const int most = argc > 1 ? std::atoi(argv[1]) : 7;
   fmt::print(
-      "  runs  check s  MiB   half by skip s  MiB   all axes s  MiB   plan s  runs/s  MiB\n");
+      "  runs  check s  MiB   half by skip s  MiB   all axes s  MiB   plan s  runs/s  MiB   "
+      "shard 1/1000 s  MiB   resume s  MiB\n");
   for (int digits = 3; digits <= most; ++digits) {
     const std::string plain = Scenario(digits, "seed", "");
     const Cost check = CostOf([&] { Check(plain); });
@@ -69,11 +141,23 @@ int main(int argc, char** argv) {
     const Cost all = CostOf([&] { Check(Scenario(digits, "objects.mass", "")); });
     const Cost plan =
         CostOf([&] { cdb::grid::WriteYaml(Check(plain).grids.at(0), [](std::string_view) {}); });
+    const cdb::tests::TemporaryFolder fresh, half_done;
+    const Cost shard = CostOf([&] { StartShard(plain, fresh.path(), {1, 1000}); });
+    Cost resume;
+    if (digits <= 6) {
+      const LongPlan made(plain);
+      std::ofstream(half_done / "plan.yaml") << made.plan.whole->short_text;
+      MakeHalfDone(made.plan, half_done.path());
+      resume = CostOf([&] { StartShard(plain, half_done.path(), {}); });
+    }
     fmt::print(
         "  10^{}  {:7.3f}  {:3.0f}   {:14.3f}  {:3.0f}   {:10.3f}  {:3.0f}   {:6.2f}  {:6.0f}  "
-        "{:3.0f}\n",
+        "{:3.0f}   {:14.3f}  {:3.0f}   {}\n",
         digits, check.seconds, check.mebibytes, half.seconds, half.mebibytes, all.seconds,
-        all.mebibytes, plan.seconds, std::pow(10, digits) / plan.seconds, plan.mebibytes);
+        all.mebibytes, plan.seconds, std::pow(10, digits) / plan.seconds, plan.mebibytes,
+        shard.seconds, shard.mebibytes,
+        digits <= 6 ? fmt::format("{:8.3f}  {:3.0f}", resume.seconds, resume.mebibytes)
+                    : "       -    -");
     std::fflush(stdout);
   }
   return 0;

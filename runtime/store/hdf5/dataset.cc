@@ -148,7 +148,11 @@ void Dataset::Write(const Shape& start, const Shape& count, const std::byte* dat
 bool Dataset::ReadChunk(const Shape& start, RawChunk& chunk) const {
   hsize_t bytes = 0;
   // Looks the chunk up; H5Dget_chunk_info_by_coord would look through all.
-  Check(H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes), "find a chunk");
+  if (H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes) < 0) {
+    // As it does where there is no such chunk.
+    if (FindChunk(start)) Fail("find a chunk");
+    return false;
+  }
   if (bytes == 0) return false;
   chunk.bytes.resize(bytes);
   Check(H5Dread_chunk(id_.get(), H5P_DEFAULT, Dims(start), &chunk.filter_mask, chunk.bytes.data()),

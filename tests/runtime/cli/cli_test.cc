@@ -345,8 +345,59 @@ TEST(Run, FindsOneRunOfAMillion) {
   const std::string id = table.out.substr(row, 16);
   EXPECT_EQ(program.Run({"run", "many.cdb", "--only", id}).status, 0) << id;
   EXPECT_TRUE(program.Exists(id + ".h5"));
-  // All of them are too many for a list.
-  EXPECT_EQ(program.Run({"run", "many.cdb"}).status, 1);
+  const Finished shard = program.Run({"run", "many.cdb", "--shard", "7/100000"});
+  EXPECT_EQ(shard.status, 0) << shard.err;
+  EXPECT_NE(shard.out.find("10 runs: 10 done"), std::string::npos) << shard.out;
+}
+
+TEST(Run, ALongSweepRunsInShardsAndIsMerged) {
+  const Program program;
+  const std::string text =
+      "benchmark many { seed sweep(1 .. 47); cycles sweep(1 .. 50); world.side 100\n"
+      "objects { size 1; quantity 1; mass sweep(1 .. 47) } }";
+  program.Write("many.cdb", text);
+  const Finished one = program.Run({"run", "many.cdb", "--shard", "1/11045"});
+  ASSERT_EQ(one.status, 0) << one.err;
+  EXPECT_NE(one.out.find("10 runs: 10 done"), std::string::npos) << one.out;
+  const Finished again = program.Run({"run", "many.cdb", "--shard", "1/11045"});
+  EXPECT_NE(again.out.find("10 runs: 10 done (10 of them before)"), std::string::npos) << again.out;
+  const std::string plan = program.Read("many.runs/plan.yaml");
+  EXPECT_LT(plan.size(), 1000u) << "the texts that it comes from, and no list";
+  // As another machine of a cluster has it.
+  program.Write("short.yaml", plan);
+  std::filesystem::remove(program.folder() / "many.cdb");
+  const Finished two = program.Run({"run", "short.yaml", "--shard", "2/11045", "-o", "many.h5"});
+  ASSERT_EQ(two.status, 0) << two.err;
+  const Finished merged = program.Run({"merge", "-o", "out.h5", "many.runs"});
+  EXPECT_EQ(merged.status, 0) << merged.err;
+  EXPECT_NE(merged.err.find("20 of 110450 runs in 'out.h5'"), std::string::npos) << merged.err;
+  // Comments decide nothing; another value makes another plan.
+  program.Write("many.cdb", "# again\n" + text);
+  EXPECT_EQ(program.Run({"run", "many.cdb", "-q", "--shard", "3/11045"}).status, 0);
+  program.Write("many.cdb", text + "# \nbenchmark other { }");
+  EXPECT_EQ(program.Run({"run", "many.cdb", "-q", "-b", "many", "--shard", "3/11045"}).status, 0);
+  std::string other = text;
+  other.replace(other.find("1 .. 50"), 7, "2 .. 51");
+  program.Write("many.cdb", other);
+  const Finished mixed = program.Run({"run", "many.cdb", "--shard", "4/11045"});
+  EXPECT_EQ(mixed.status, 2);
+  EXPECT_NE(mixed.err.find("plan.yaml is of another plan"), std::string::npos) << mixed.err;
+  const Finished listed = program.Run({"plan", "short.yaml"});
+  EXPECT_EQ(listed.status, 2);
+  EXPECT_NE(listed.err.find("short form, as it has 110450 runs"), std::string::npos) << listed.err;
+}
+
+TEST(Run, ALongSweepHasNoReferenceRuns) {
+  const Program program;
+  program.Write("many.cdb",
+                "benchmark many { seed sweep(1 .. 400); cycles sweep(1 .. 400); world.side 100\n"
+                "accuracy { metrics position; interval 1/60 }\n"
+                "objects { size 1; quantity 1 } }");
+  const Finished run = program.Run({"run", "many.cdb", "--shard", "1/1000"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.err.find("160000 runs are too many to be compared with reference runs"),
+            std::string::npos)
+      << run.err;
 }
 
 TEST(Plan, SaysWhatEachRunLeavesOut) {

@@ -24,8 +24,9 @@ plan::Plan IndexedGrid() {
 /// Runs that ended in every way, one of them missing.
 void WriteShards(const plan::Plan& plan, const fs::path& folder) {
   for (std::size_t i = 0; i + 1 < plan.runs.size(); ++i) {
+    // The first of those that crash has no cycles, and no chunks.
     FakeResult fake(plan.runs[i], i % 3 == 1 ? store::Status::kCrashed : store::Status::kDone,
-                    i % 3 == 1 ? i % 6 : 6);
+                    i % 3 == 1 ? (i - 1) % 6 : 6);
     fake.result.models = i == 2 ? "hull 12\n" : "";
     store::WriteShard(plan, plan.runs[i], fake.result, TestProvenance(), folder);
   }
@@ -91,6 +92,23 @@ TEST(ShardIndex, AMergeByIndexesIsAMergeOfHdf5Files) {
       EXPECT_TRUE(values[i] == others[i] || (values[i] != values[i] && others[i] != others[i]));
   }
   EXPECT_GT(series, 5u);
+}
+
+TEST(ShardIndex, AMergeOfHdf5FilesPassesOverChunksThatAreNotThere) {
+  const plan::Plan plan =
+      MakePlan({}, 1, {.cycles = 300'000, .objects = 0, .record = {"timing", "counts"}});
+  const plan::Run& run = plan.runs[0];
+  for (const std::uint64_t n_cycles : {0, 7, 200'000}) {
+    const TemporaryFolder folder;
+    store::WriteShard(plan, run, FakeResult(run, store::Status::kTimedOut, n_cycles).result, {},
+                      folder.path());
+    RemoveIndex(folder / (run.id + ".h5"));
+    store::Merge(plan, {}, folder.path(), folder / "out.h5");
+    const store::ResultFile file(folder / "out.h5");
+    const std::vector<double> steps = file.ReadDuration(measure::Phase::kStep, {{}, 0});
+    ASSERT_EQ(steps.size(), n_cycles);
+    EXPECT_EQ(file.ReadSeries("pairs", {{}, 0}).size(), n_cycles);
+  }
 }
 
 TEST(ShardIndex, OfAnotherLayoutIsPassedOver) {

@@ -1,0 +1,115 @@
+#include "runtime/cli/sized_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "compiler/compile.h"
+#include "compiler/grid/part.h"
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/reference.h"
+#include "compiler/plan/short_plan.h"
+#include "runtime/cli/exit_status.h"
+
+namespace cdb::cli {
+namespace {
+
+using Files = std::map<std::string, std::string>;
+
+/// Notes the scenario files that are read.
+scenario::ReadFile NoteFiles(Files& files) {
+  return [&files](const std::string& path, std::string& why) {
+    auto text = ReadInput(path, why);
+    // Plug-ins are read for their hash.
+    if (text && (path.ends_with(".cdb") || path == kStandardInput)) files[path] = *text;
+    return text;
+  };
+}
+
+/// `form`: what is known of it; its hash and number of runs are filled in.
+SizedPlan MakeLong(grid::Grid made, plan::ShortPlan form) {
+  SizedPlan sized;
+  sized.grid = std::make_shared<const grid::Grid>(std::move(made));
+  auto whole = std::make_shared<plan::WholePlan>(grid::MakeWhole(sized.grid));
+  if (std::ranges::any_of(whole->bounds,
+                          [](const plan::Run& run) { return plan::NeedsReference(run.scene); }))
+    throw CommandError(
+        fmt::format("{}: {} runs are too many to be compared with reference runs, which takes a "
+                    "list of at most {}; split the benchmark, or leave `accuracy` out",
+                    sized.grid->head.benchmark, whole->run_count, compiler::kMostListed));
+  form.benchmark = sized.grid->head.benchmark;
+  form.source = sized.grid->head.source;
+  form.sha256 = whole->sha256;
+  form.runs = whole->run_count;
+  whole->short_text = plan::ToYaml(form);
+  sized.plan = sized.grid->head;
+  sized.plan.whole = std::move(whole);
+  return sized;
+}
+
+SizedPlan Expand(const plan::ShortPlan& form, const std::string& name) {
+  const auto read = [&form](const std::string& path,
+                            std::string& why) -> std::optional<std::string> {
+    const auto found = form.files.find(path);
+    if (found != form.files.end()) return found->second;
+    return path.ends_with(".cdb") ? std::nullopt : compiler::ReadFromDisk(path, why);
+  };
+  compiler::Compilation made = compiler::Compile(
+      form.file, read, OptionsOf(form.library, form.benchmark, form.plugins, false));
+  if (!made.diagnostics.has_errors() && made.grids.size() == 1) {
+    made.grids[0].head.source = form.source;
+    SizedPlan sized = MakeLong(std::move(made.grids[0]), form);
+    if (sized.plan.Sha256() == form.sha256) return sized;
+  }
+  throw CommandError(
+      fmt::format("{}: this cdb, or the plug-ins that are here, make another plan of it; use the "
+                  "cdb that wrote it, or plan again from '{}'",
+                  name, form.source));
+}
+
+}  // namespace
+
+plan::Plan SizedPlan::ListPart(std::uint64_t index, std::uint64_t count) const {
+  return grid::ListPart(*grid, plan.whole, {index, count});
+}
+
+SizedPlan ReadSizedPlan(const std::string& text, const std::string& name) {
+  if (const auto form = plan::FindShortPlan(text, name)) return Expand(*form, name);
+  return {plan::FromYaml(text, name), nullptr};
+}
+
+std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
+                                      const std::optional<std::string>& benchmark, LintText lints,
+                                      const std::vector<std::string>& plugins) {
+  std::vector<SizedPlan> all;
+  if (IsPlanFile(file)) {
+    const auto form = plan::FindShortPlan(ReadText(file), file);
+    if (!form) {
+      for (plan::Plan& plan : LoadPlans(file, benchmark, lints, plugins))
+        all.push_back({std::move(plan), nullptr});
+      return all;
+    }
+    CheckPlanFile(file, benchmark, plugins, form->benchmark);
+    all.push_back(Expand(*form, file));
+    return all;
+  }
+  Files files;
+  auto grids = LoadGrids(file, benchmark, lints, plugins, NoteFiles(files));
+  for (grid::Grid& grid : grids) {
+    if (grid.run_count() <= compiler::kMostListed) {
+      all.push_back({grid::ListRuns(grid), nullptr});
+      continue;
+    }
+    plan::ShortPlan form;
+    form.file = FindScenario(file);
+    form.library = ScenarioLibrary();
+    form.plugins = plugins;
+    form.files = files;
+    all.push_back(MakeLong(std::move(grid), std::move(form)));
+  }
+  return all;
+}
+
+}  // namespace cdb::cli

@@ -1,0 +1,32 @@
+// Executes a plan that is too long to be listed: part after part.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "compiler/plan/plan.h"
+#include "runtime/process/launcher.h"
+#include "runtime/schedule/schedule.h"
+
+namespace cdb::schedule {
+
+/// The plan with the runs of part `index`, from 0, of `count` (compiler/grid/part.h).
+using ListPart = std::function<plan::Plan(std::uint64_t index, std::uint64_t count)>;
+
+/// Runs that a part has on average, at most.
+inline constexpr std::uint64_t kPartRuns = 10'000;
+
+/// Executes `options.shard` of `plan`, which has a `whole` and lists nothing, as Execute does. One
+/// part at a time is listed. A part that has ended is marked in the folder, and a later call does
+/// not list it again; if the folder has fewer shards than the marks say, the marks are forgotten
+/// and every shard is looked for. Components that runs of one part had to keep are not known to
+/// runs of others (shared_omissions.h).
+Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const ExecuteOptions& options,
+                     process::Launcher& launcher, ProgressListener& listener,
+                     std::uint64_t part_runs = kPartRuns);
+
+/// With worker processes.
+Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const ExecuteOptions& options,
+                     ProgressListener& listener);
+
+}  // namespace cdb::schedule
