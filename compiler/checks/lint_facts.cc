@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "compiler/plan/expectation.h"
+#include "compiler/plan/kinematic.h"
 #include "compiler/schema/parametrised_words.h"
 
 namespace cdb::checks {
@@ -112,6 +113,7 @@ GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, 
                            : objects.longest_side / objects.least_side;
   objects.mass = MassBounds(settings, objects);
   objects.moves = objects.mass.most > 0;
+  objects.is_kinematic = MayBe(settings.Get("mass"), plan::kKinematicWord);
   objects.velocity = LargestComponents(settings.Get("linear_velocity"));
   objects.speed = objects.velocity.norm();
   objects.spin = LargestComponents(settings.Get("angular_velocity")).norm();

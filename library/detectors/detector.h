@@ -70,7 +70,8 @@ struct Shape {
 };
 
 /// Collision filter: two bodies may collide if the group of each is in the mask of the other, and
-/// not both are fixed.
+/// not both are fixed. Nothing pushes a fixed body; a kinematic one is fixed too, and yet moves as
+/// its scenario says.
 struct Filter {
   std::uint32_t group = 1, mask = ~0u;
   bool is_fixed = false;

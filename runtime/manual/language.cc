@@ -112,6 +112,12 @@ WORDS WITH ARGUMENTS
                               run with `record poses` had after a cycle, by default the last.
                               Velocities are not recorded. `overlap on` permits what Bullet's
                               contacts give way: overlaps, and objects that reach into a wall.
+  location path("lift.csv")   one kinematic object, moved along a path: a CSV file with the columns
+                              t,x,y,z (s, m) and, where they are given, qw,qx,qy,qz. Between the
+                              lines, positions are interpolated linearly and orientations spherically.
+                              Before the first line and after the last, the object stays;
+                              path("lift.csv", then: repeat) begins again, and needs equal first and
+                              last poses. The plan stores a SHA-256.
   location pair distance: 0.5   two objects, with this distance between their surfaces; needs
                               quantity 2
   type mesh("rock.obj")       your own model, decomposed into convex hulls; hull("rock.obj") is its
@@ -174,6 +180,14 @@ OBJECTS
   an error if no run can be placed, else a warning. If there is no free position, the run fails and
   states the packing fraction. `overlap on` permits initial overlaps, if a layout with arguments
   yields them: line(gap: -0.5).
+  `mass fixed` objects never move. `mass kinematic` objects move whatever they meet: with the constant
+  linear_velocity and angular_velocity of their group, as a conveyor or a stirrer does, or along a
+  path. Nothing pushes them, they push all others, and what touches them does not sleep. At the start
+  of each cycle they are where their motion has them at that time, and contacts get the velocity that
+  takes them to the next cycle: the motion is the same in every time step. They may leave the cube and
+  pass through walls and fixed objects. As they do work, energy is not checked (`cdb doc verdicts`),
+  and omit keeps whatever they could reach. (MJCF needs a program that sets the poses of mocap bodies,
+  SDF a plug-in or an actor beside its models; here it is a word of `mass`.)
   `collides_with` names the groups, and `walls`, that the objects of a group may touch: `collides_with
   walls, pebbles`, `all` (the default) or `none`. Two groups touch where each one allows the other.
   What may not touch makes no pairs and no contacts, by any detector, and may begin in one another.
@@ -242,7 +256,7 @@ Fewer than 1 % of the objects leave the work of collision detection as it is: th
   `expect` states what a scene ought to do. By default (auto), a scene of stacks, pyramids or piles
 must rest if nothing moves initially and gravity points down; a scene of elastic, rigid objects
 without friction and damping must conserve its energy; and so must any other scene until the first
-contact. If a schedule drives the scene, energy is not checked.
+contact. If a schedule or a kinematic object drives the scene, energy is not checked.
   Energy has vanished (series lost_energy) if neither the work of friction nor that of inelastic
 bounces nor the sleep of a sliding object accounts for it, relative to the largest kinetic energy so
 far; of a free spin, 0.03 is enough. This is not checked if anything else can take energy: damping,

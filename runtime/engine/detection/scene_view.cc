@@ -46,7 +46,7 @@ SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
   }
   boxes_.assign(size(), {{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
   filters_.resize(size());
-  for (Id id = 0; id < size(); ++id) filters_[id].is_fixed = body(id).isStaticObject();
+  for (Id id = 0; id < size(); ++id) filters_[id].is_fixed = body(id).isStaticOrKinematicObject();
 }
 
 void SceneView::SetFilter(Id id, int group, int mask) {

@@ -127,6 +127,7 @@ std::int32_t PassWatch::ComparePaths(const BodyStates& before) {
 bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint32_t other) {
   if (!(sizes_[object].inner > 0) || !engine_.MayTouch(object, other)) return false;
   const btRigidBody &body = *engine_.objects()[object], &through = *engine_.objects()[other];
+  if (body.isStaticOrKinematicObject() && through.isStaticOrKinematicObject()) return false;
   const auto origin = [](const btTransform& pose) { return world::ToEigen(pose.getOrigin()); };
   if (LeastDistance(origin(before[object].pose) - origin(before[other].pose),
                     origin(body.getWorldTransform()) - origin(through.getWorldTransform())) >

@@ -227,7 +227,7 @@ void Engine::SetAcceleration(const Eigen::Vector3d& acceleration) {
   acceleration_ = acceleration;
   // Bullet gives gravity to those that are awake.
   for (const auto& body : objects_)
-    if (!body->isStaticObject()) body->activate(true);
+    if (!body->isStaticOrKinematicObject()) body->activate(true);
   world_->setGravity(ToBullet(acceleration));
 }
 
@@ -246,6 +246,11 @@ void Engine::MakeObject(const ObjectState& object) {
     body->setLinearVelocity(ToBullet(object.linear_velocity));
     body->setAngularVelocity(ToBullet(object.angular_velocity));
     if (!sleeping_) body->setActivationState(DISABLE_DEACTIVATION);
+  }
+  if (object.is_kinematic) {
+    body->setCollisionFlags((body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
+                            btCollisionObject::CF_KINEMATIC_OBJECT);
+    body->setActivationState(DISABLE_DEACTIVATION);
   }
   if (std::isfinite(object.contact_stiffness))
     body->setContactStiffnessAndDamping(static_cast<btScalar>(object.contact_stiffness),
@@ -291,7 +296,7 @@ void Engine::MakeWall(int wall) {
 void Engine::SettleRotation() {
   if (!omissions_.Omits(Component::kRotation)) return;
   const auto turning = std::ranges::find_if(objects_, [&](const auto& body) {
-    return !body->isStaticObject() && !MayOmitRotation(*body, timestep_);
+    return !body->isStaticOrKinematicObject() && !MayOmitRotation(*body, timestep_);
   });
   if (turning == objects_.end()) return;
   const std::string why =
@@ -362,7 +367,7 @@ void Engine::AddFilteredBodies() {
   };
   int movers = 0;  // that may touch walls
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const bool is_fixed = objects_[i]->isStaticObject();
+    const bool is_fixed = objects_[i]->isStaticOrKinematicObject();
     const std::size_t group = state_.objects[i].group;
     const int own = ClassGroup(collisions_.ClassOf(group), is_fixed);
     int mask = mask_of(group, is_fixed);
