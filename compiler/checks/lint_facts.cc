@@ -6,6 +6,7 @@
 
 #include "compiler/plan/expectation.h"
 #include "compiler/plan/kinematic.h"
+#include "compiler/plan/surface.h"
 #include "compiler/schema/parametrised_words.h"
 
 namespace cdb::checks {
@@ -117,6 +118,7 @@ GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, 
   objects.velocity = LargestComponents(settings.Get("linear_velocity"));
   objects.speed = objects.velocity.norm();
   objects.spin = LargestComponents(settings.Get("angular_velocity")).norm();
+  objects.is_surface = plan::HasSurface(settings);
   AddLinks(objects);
   AddLayout(side, objects);
   return objects;

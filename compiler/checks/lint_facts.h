@@ -22,6 +22,7 @@ struct GroupFacts {
   double elongation = 1;                    ///< of one object: its longest side over its shortest
   bool moves = false;                       ///< when it is pushed: not fixed, nor kinematic
   bool is_kinematic = false;                ///< or some of them may be
+  bool is_surface = false;                  ///< or some of them may be
   Bounds mass;
   Eigen::Vector3d velocity;  ///< largest components
   double speed = 0, spin = 0;

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kModelFormats[] = {".obj", ".ply", ".stl", ".off"};
 constexpr std::string_view kTableFormats[] = {".csv", ".h5", ".hdf5", ".nc"};
-constexpr std::string_view kPathFormats[] = {".csv"};
+constexpr std::string_view kCsvFormats[] = {".csv"};
 
 std::string LowerCase(std::string text) {
   for (char& c : text)
@@ -27,7 +27,7 @@ std::string LowerCase(std::string text) {
 std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   if (call.name == schema::kTraceCall) return {};  // as the user named it
   if (call.name == schema::kPosesCall) return kTableFormats;
-  if (call.name == schema::kPathCall) return kPathFormats;
+  if (call.name == schema::kPathCall || call.name == schema::kHeightsCall) return kCsvFormats;
   return kModelFormats;
 }
 

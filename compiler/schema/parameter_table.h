@@ -35,7 +35,7 @@ struct ParameterTable {
      "count number n amount objects"},
     {"type", kGroup, kWord, kAny, kDrawn, "", "sphere", "", kObjectTypes,
      "what the objects are",
-     "kind shape shapes object types", "mesh hull"},
+     "kind shape shapes object types", "mesh hull surface heights"},
     {"aspect", kGroup, kRatio, kPositive, kConstant, "", "1 : 1 : 1", "", kOwn,
      "1 : y : z; a side is size times its part, the full extent along x, y and z; at 1 : 1 : 1 a mesh keeps its own proportions, the longest side is the size"},
     {"location", kGroup, kWord, kAny, kConstant, "", "uniform", "", kLayouts,

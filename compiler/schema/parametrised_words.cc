@@ -75,6 +75,10 @@ constexpr Parameter kPath[] = {
 constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"})};
+constexpr Parameter kHeights[] = {
+    Argument("file", kText, kAny, "", "CSV, relative to the .cdb file: a line for each row along z, its heights along x"),
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"}),
+    Argument("cell", kReal, kPositive, "", "from one height to the next, in the unit of the heights; unit is 1", {.default_text = "unit", .words = "unit"})};
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of its boxes; a different trace is refused", {.default_text = "any", .words = "any"})};
@@ -104,6 +108,8 @@ constexpr ParametrisedWord kCalls[] = {
     {"path", "one kinematic object, moved as a file says: its position, and orientation where it has it, at times", kPath},
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
+    {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kModel},
+    {"heights", "a height field, as ground for fixed objects", kHeights},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},
     {"density", "the mass from the volume of the object", kDensity},

@@ -47,6 +47,7 @@ enum class ShapeKind : std::uint32_t {
   kHull,      ///< one convex piece
   kCompound,  ///< the union of convex pieces
   kPlane,     ///< the half space behind a plane through the body's position
+  kSurface,   ///< triangles without an inside; their body is fixed
 };
 
 /// A face of a hull: three of its vertices, counter-clockwise from outside.
@@ -63,10 +64,12 @@ struct Hull {
 /// A body's geometry, in its own frame, with the centre of mass as origin.
 struct Shape {
   ShapeKind kind;
-  Vec3 half;                    ///< half extents along the body's axes; of a plane, infinite
-  Vec3 centre;                  ///< the middle of those extents; not the origin for cones and hulls
-  Vec3 normal;                  ///< of a plane: out of the half space, unit
-  std::span<const Hull> hulls;  ///< one for kHull, several for kCompound, none otherwise
+  Vec3 half;    ///< half extents along the body's axes; of a plane, infinite
+  Vec3 centre;  ///< the middle of those extents; not the origin for cones and hulls
+  Vec3 normal;  ///< of a plane: out of the half space, unit
+  /// One for kHull, several for kCompound; of kSurface its triangles, each with one face; none
+  /// otherwise.
+  std::span<const Hull> hulls;
 };
 
 /// Collision filter: two bodies may collide if the group of each is in the mask of the other, and
@@ -135,7 +138,7 @@ class Detector {
   virtual void FindPairs(const Scene&, std::vector<Pair>& /*pairs*/) {}
 
   /// Whether this narrow phase handles the pair. Called once for each new pair; Bullet's narrow
-  /// phase handles the others.
+  /// phase handles the others; leave a kSurface to it.
   virtual bool Handles(const Scene&, Id /*a*/, Id /*b*/) const { return true; }
 
   /// Every cycle: appends the contacts of `pairs`, which are all pairs that it handles. A pair may
@@ -149,7 +152,7 @@ class Detector {
 // A shared library of detectors.
 
 /// Incremented with every change of the declarations in this file.
-inline constexpr std::uint32_t kDetectorAbi = 1;
+inline constexpr std::uint32_t kDetectorAbi = 2;
 
 enum class Phases : std::uint32_t {
   kBroad = 1,       ///< FindPairs

@@ -125,6 +125,19 @@ WORDS WITH ARGUMENTS
                               the .cdb file. The plan stores the SHA-256 of the file, and
                               mesh("rock.obj", sha256: "...") requires a given one.
                               any(sphere 3, mesh("rock.obj") 1) gives weights to models too.
+  type surface("hill.obj")    the triangles of your own mesh as they are, open or closed, for ground and
+                              other fixed objects: a btBvhTriangleMeshShape. It has no inside, so it
+                              needs `mass fixed`, and objects may begin on either side of it; who
+                              crosses it has tunnelled. Its place is the middle of its box; at aspect
+                              1 : 1 : 1 its longest side is the size. Bullet finds its contacts
+                              whatever the narrow phase. (Where MJCF and URDF take the convex hull of
+                              a mesh, and SDF a mesh as it is for moving bodies too, the three words
+                              mesh, hull and surface say which is meant.)
+  type heights("hill.csv")    a height field: a btHeightfieldTerrainShape, fixed and placed as a surface.
+                              Each line of the file is a row of heights along x, separated by commas,
+                              and the lines follow each other along z. heights("hill.csv", cell: 0.5)
+                              has two heights to a unit of height; by default it is one. (MJCF's hfield
+                              and SDF's heightmap take pictures, and four sizes.)
   acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))    drawn again every 60 cycles
   acceleration rotating((0, -9.8, 0), about: (0, 0, 1), period: 4)    one turn in 4 s
                               These are schedules. linear_velocity and angular_velocity take them
@@ -263,7 +276,7 @@ far; of a free spin, 0.03 is enough. This is not checked if anything else can ta
 rolling friction, soft contacts, or `expect anything`. Default contacts lose energy in elastic
 bounces; `contact faithful` does not.
   An object has passed through another (passed) if its centre of mass ran through it, or a ball about
-the centre with half the inner radius did within one cycle. A contact is pressed in (pressed) if it
+the centre with half the inner radius did within one cycle; through a surface, if its centre crossed it. A contact is pressed in (pressed) if it
 was shallow for three cycles and is then deep for six, or if an impact leaves it deep for half a
 second. An object sleeps unheld (unheld) in the air, or if it moved before and no forces of its
 contacts, within friction, balance its weight and its turning.

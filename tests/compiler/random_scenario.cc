@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compiler/plan/kinematic.h"
+#include "compiler/plan/surface.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/parameter_ref.h"
 #include "compiler/schema/parametrised_words.h"
@@ -112,7 +113,8 @@ class Maker {
     if (is_in_any_ && !parameter.ChoosesCalls()) calls.clear();
     std::erase_if(calls, [&](std::string_view call) {
       return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2")) ||
-             call == schema::kPosesCall || call == schema::kPathCall;  // there is no file for it
+             call == schema::kPosesCall || call == schema::kPathCall ||   // there is no file for it
+             call == schema::kHeightsCall || call == plan::kSurfaceWord;  // of what is fixed alone
     });
     return calls;
   }

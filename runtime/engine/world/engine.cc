@@ -259,9 +259,9 @@ void Engine::MakeObject(const ObjectState& object) {
     // Bullet sweeps convex shapes alone, and says nothing.
     if (!shape->isConvex())
       throw SceneError(
-          fmt::format("object {}: ccd is for convex types, and it is a compound; set "
+          fmt::format("object {}: ccd is for convex types, and it is a {}; set "
                       "ccd off for its group",
-                      objects_.size() + 1));
+                      objects_.size() + 1, object.solid.IsSurface() ? "surface" : "compound"));
     const auto radius = static_cast<btScalar>(object.solid.InnerRadius());
     body->setCcdMotionThreshold(radius);
     body->setCcdSweptSphereRadius(radius);
