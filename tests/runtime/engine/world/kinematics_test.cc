@@ -79,9 +79,13 @@ TEST(Kinematics, DragAsAConveyorDoes) {
   SetGroup(scene, "aspect", schema::Ratio{Vector3d(30, 1, 4)}, 1);
   SetGroup(scene, "linear_velocity", Vector3d(1.5, 0, 0), 1);
   RunMoved(scene, 120, [&](std::uint64_t step, const world::Engine& engine) {
-    if (step == 119) EXPECT_NEAR(Velocity(engine, 0).x(), 1.5, 1e-2);
+    if (step == 119) {
+      EXPECT_NEAR(Velocity(engine, 0).x(), 1.5, 1e-2);
+    }
     // Friction is half of the weight and half again: 0.25 g.
-    if (step == 9) EXPECT_NEAR(Velocity(engine, 0).x(), 0.25 * 9.8 * 10 / 60, 0.1);
+    if (step == 9) {
+      EXPECT_NEAR(Velocity(engine, 0).x(), 0.25 * 9.8 * 10 / 60, 0.1);
+    }
   });
 }
 
