@@ -69,7 +69,7 @@ std::optional<Impact> FlightTo(const SceneFacts& scene, const GroupFacts& object
   return Impact{speed, fixed.least_sides[axis], true};
 }
 
-/// The number of the lint for the fixed objects of a scene.
+/// The number of the lint for the fixed and the kinematic objects of a scene.
 Estimate ThinObject(const SceneFacts& scene, const GroupFacts& objects) {
   Estimate worst{0, kThinWall};
   // Falls begin in the cube.
@@ -80,10 +80,15 @@ Estimate ThinObject(const SceneFacts& scene, const GroupFacts& objects) {
     if (fixed.moves) continue;
     const auto turn = ConstantOf(fixed.settings->Get("orientation"));
     const bool is_turned = !turn || !turn->isZero(0);
+    // A surface is thin everywhere.
+    const double least = fixed.is_surface ? 0 : fixed.least_side;
     for (int axis = 0; axis < 3; ++axis) {
-      const Impact unknown{std::hypot(objects.velocity[axis], gained[axis]),
-                           is_turned ? fixed.least_side : fixed.least_sides[axis], false};
-      const Impact impact = FlightTo(scene, objects, fixed, axis).value_or(unknown);
+      const double approach = fixed.is_kinematic ? fixed.velocity[axis] : 0;
+      const Impact unknown{std::hypot(objects.velocity[axis], gained[axis]) + approach,
+                           is_turned || fixed.is_surface ? least : fixed.least_sides[axis], false};
+      const Impact impact = fixed.is_kinematic || fixed.is_surface
+                                ? unknown
+                                : FlightTo(scene, objects, fixed, axis).value_or(unknown);
       const double value = impact.speed * scene.timestep / (objects.least_side + impact.thickness);
       if (value <= worst.value) continue;
       worst = {value, kThinWall, ShorterStep(scene, value, kThinWall), !impact.is_certain};

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "compiler/plan/expectation.h"
+#include "compiler/plan/kinematic.h"
+#include "compiler/plan/surface.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 
@@ -104,9 +106,11 @@ GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, 
                            : objects.longest_side / objects.least_side;
   objects.mass = BoundsOf(settings, "mass");
   objects.moves = objects.mass.most > 0;
+  objects.is_kinematic = MayBe(settings.Get("mass"), plan::kKinematicWord);
   objects.velocity = LargestComponents(settings.Get("linear_velocity"));
   objects.speed = objects.velocity.norm();
   objects.spin = LargestComponents(settings.Get("angular_velocity")).norm();
+  objects.is_surface = plan::HasSurface(settings);
   AddLinks(objects);
   AddLayout(side, objects);
   return objects;

@@ -20,7 +20,9 @@ struct GroupFacts {
   Eigen::Vector3d least_sides, most_sides;
   double least_side = 0, longest_side = 0;  ///< of any object
   double elongation = 1;                    ///< of one object: its longest side over its shortest
-  bool moves = false;
+  bool moves = false;                       ///< when it is pushed: not fixed, nor kinematic
+  bool is_kinematic = false;                ///< or some of them may be
+  bool is_surface = false;                  ///< or some of them may be
   Bounds mass;
   Eigen::Vector3d velocity;  ///< largest components
   double speed = 0, spin = 0;
@@ -47,11 +49,11 @@ struct SceneFacts {
   /// Its one value, signed; nullopt where it is drawn or on a schedule.
   std::optional<Eigen::Vector3d> pull;
   bool has_walls = false, has_box_walls = false;
-  bool has_ground = false;  ///< walls or fixed objects
+  bool has_ground = false;  ///< walls, fixed or kinematic objects
   bool is_single = false;
   double epsilon = 0;  ///< of the precision
   double count = 0;    ///< objects in all groups
-  double moving = 0;   ///< those that are not fixed
+  double moving = 0;   ///< those that move when they are pushed
   std::vector<GroupFacts> groups;
 
   double Time() const { return timestep * cycles; }

@@ -9,6 +9,7 @@
 #include "compiler/checks/traced_scene.h"
 #include "compiler/plan/capacity.h"
 #include "compiler/plan/collisions.h"
+#include "compiler/plan/kinematic.h"
 #include "compiler/plan/poses.h"
 #include "compiler/plan/reference.h"
 #include "compiler/plan/trace.h"
@@ -57,7 +58,8 @@ bool SceneChecks::CheckCounts(evaluate::Configuration& configuration, const plan
     return false;
   }
   const bool places_good = CheckPlaces(configuration, scene);
-  if (!CheckLinks(configuration, scene) || !places_good) return false;
+  const bool moves_good = CheckMotion(configuration, scene);
+  if (!CheckLinks(configuration, scene) || !places_good || !moves_good) return false;
   if (!CheckCollisions(configuration, scene)) return false;
   bool holds = true;
   using DetectorParameter = schema::ParameterRef<false, schema::ValueKind::kWord>;
@@ -86,7 +88,8 @@ bool SceneChecks::CheckPlaces(evaluate::Configuration& configuration, const plan
     const std::uint64_t quantity = group.settings.Count("quantity");
     const bool is_at = location != nullptr && location->name == "at";
     const bool is_pair = location != nullptr && location->name == "pair";
-    if (plan::PosesOf(group) != nullptr) good = CheckTable(configuration, group) && good;
+    if (plan::PosesOf(group) != nullptr || plan::PathOf(group) != nullptr)
+      good = CheckTable(configuration, group) && good;
     if (!is_at && !is_pair) continue;
     const std::uint64_t places = is_pair                          ? 2
                                  : schema::ListsPoints(*location) ? location->arguments.size()
@@ -114,7 +117,8 @@ bool SceneChecks::CheckPlaces(evaluate::Configuration& configuration, const plan
 // A table has a line for each object, and alone says what it says.
 bool SceneChecks::CheckTable(evaluate::Configuration& configuration, const plan::Group& group) {
   plan::PoseFault why;
-  const schema::Call& poses = *plan::PosesOf(group);
+  const bool is_path = plan::PathOf(group) != nullptr;
+  const schema::Call& poses = is_path ? *plan::PathOf(group) : *plan::PosesOf(group);
   const auto facts = configuration.scenario().PosesAt(poses, why);
   CDB_CHECK(facts);
   const std::string& file = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
@@ -127,11 +131,13 @@ bool SceneChecks::CheckTable(evaluate::Configuration& configuration, const plan:
   };
   const std::uint64_t quantity = group.settings.Count("quantity");
   if (quantity != facts->count && quantity != 0)
-    return report(
-        "location", scenario::kCapacity,
-        fmt::format("'{}' has the poses of {} object{}, and the quantity of {} is {}", file,
-                    facts->count, facts->count == 1 ? "" : "s", group.name, quantity),
-        "leave the quantity out, or name another file");
+    return report("location", scenario::kCapacity,
+                  fmt::format("'{}' {} {} object{}, and the quantity of {} is {}", file,
+                              is_path ? "is the path of" : "has the poses of", facts->count,
+                              facts->count == 1 ? "" : "s", group.name, quantity),
+                  is_path
+                      ? "leave the quantity out; another object needs a group and a path of its own"
+                      : "leave the quantity out, or name another file");
   struct Given {
     schema::GroupParameter parameter;
     bool is_given;
@@ -144,7 +150,9 @@ bool SceneChecks::CheckTable(evaluate::Configuration& configuration, const plan:
       return report(
           parameter, scenario::kContradiction,
           fmt::format("'{}' gives the {} of each object of {}", file, parameter.name(), group.name),
-          "take it out here, or its columns out of the file");
+          is_path && parameter.name() == "linear_velocity"
+              ? "take it out here"
+              : "take it out here, or its columns out of the file");
   return true;
 }
 
@@ -196,6 +204,9 @@ bool SceneChecks::CheckLinks(evaluate::Configuration& configuration, const plan:
     std::string why, hint;
     if (group.settings.WordOr("mass") == "fixed") {
       why = "never move, and links would hold nothing";
+      hint = "give them a mass";
+    } else if (plan::HasKinematic(group)) {
+      why = "are kinematic, and links would hold nothing";
       hint = "give them a mass";
     } else if (group.settings.Count("quantity") == 1 && !group.settings.On("links.anchor")) {
       why = "are one object, and without links.anchor there is nothing to link it to";

@@ -34,6 +34,7 @@ class SceneChecks {
   bool CheckCounts(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckPlaces(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckTable(evaluate::Configuration& configuration, const plan::Group& group);
+  bool CheckMotion(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckCollisions(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckLinks(evaluate::Configuration& configuration, const plan::Scene& scene);
   bool CheckOmit(evaluate::Configuration& configuration, const plan::Scene& scene);

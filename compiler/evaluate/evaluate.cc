@@ -266,7 +266,8 @@ bool Evaluator::ListsPlaces(const Expr& expr, const scenario::Scope& scope) {
   for (std::size_t i = 0; i < kMaxChain; ++i) {
     const Expr& chosen = sweeps_.Origin(*at, inner);
     if (chosen.kind == ExprKind::kCall)
-      return chosen.text == "at" || chosen.text == schema::kPosesCall;
+      return chosen.text == "at" || chosen.text == schema::kPosesCall ||
+             chosen.text == schema::kPathCall;
     if (chosen.kind != ExprKind::kPath) return false;
     const Referent referent = names_.Resolve(chosen.text, inner);
     if (!referent.let) return false;
@@ -288,7 +289,7 @@ std::optional<Value> Evaluator::CountPlaces(const std::string& group) {
   active_.pop_back();
   const schema::Call* call = layout ? AsCall(*layout) : nullptr;
   plan::PoseFault why;
-  if (call != nullptr && call->name == schema::kPosesCall)
+  if (call != nullptr && (call->name == schema::kPosesCall || call->name == schema::kPathCall))
     if (const auto facts = scenario_.PosesAt(*call, why)) return Number(facts->count);
   if (call == nullptr || call->name != "at") return std::nullopt;
   return Number::Whole(ListsPoints(*call) ? static_cast<schema::Integer>(call->arguments.size())

@@ -62,7 +62,7 @@ class Evaluator {
   bool EvaluateSizeOf(const std::string& group);
   /// In all groups, at least 1.
   std::optional<schema::Value> CountObjects();
-  /// Evaluated as written, it is a layout that lists its objects: `at`, `poses`.
+  /// Evaluated as written, it is a layout that lists its objects: `at`, `poses`, `path`.
   bool ListsPlaces(const dsl::Expr& expr, const scenario::Scope& scope);
   /// How many objects the group's layout lists; nullopt where it lists none, or after a diagnostic.
   std::optional<schema::Value> CountPlaces(const std::string& group);

@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kModelFormats[] = {".obj", ".ply", ".stl", ".off"};
 constexpr std::string_view kTableFormats[] = {".csv", ".h5", ".hdf5", ".nc"};
+constexpr std::string_view kCsvFormats[] = {".csv"};
 
 std::string LowerCase(std::string text) {
   for (char& c : text)
@@ -26,6 +27,7 @@ std::string LowerCase(std::string text) {
 std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   if (call.name == schema::kTraceCall) return {};  // as the user named it
   if (call.name == schema::kPosesCall) return kTableFormats;
+  if (call.name == schema::kPathCall || call.name == schema::kHeightsCall) return kCsvFormats;
   return kModelFormats;
 }
 
@@ -33,7 +35,8 @@ std::span<const std::string_view> FormatsOf(const schema::Call& call) {
 std::optional<std::string> HashOfTable(const scenario::Scenario& scenario, const schema::Call& call,
                                        const dsl::Span& written, dsl::Diagnostics& diagnostics) {
   for (const char* name : {"cycle", "run", "group"}) {
-    if (!plan::IsCsv(call) || AsWord(ArgumentOf(call, name))) continue;
+    if (call.name == schema::kPathCall || !plan::IsCsv(call) || AsWord(ArgumentOf(call, name)))
+      continue;
     diagnostics.Report(scenario::kBadArguments, written, fmt::format("a CSV file has no {}s", name),
                        fmt::format("leave {} out, or name a results file (.h5)", name));
     return std::nullopt;
@@ -73,7 +76,7 @@ std::optional<std::string> HashOf(const scenario::Scenario& scenario, bool is_tr
 bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
                    dsl::Diagnostics& diagnostics) {
   const auto [name, written] = std::get<schema::Text>(call.arguments[0]);
-  const bool is_table = call.name == schema::kPosesCall;
+  const bool is_table = call.name == schema::kPosesCall || call.name == schema::kPathCall;
   const std::string extension = LowerCase(fs::path(name).extension().string());
   const auto formats = FormatsOf(call);
   if (!formats.empty() && std::ranges::find(formats, extension) == formats.end()) {

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "compiler/plan/collisions.h"
+#include "compiler/plan/kinematic.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
 
@@ -16,8 +17,10 @@ bool IsZero(const schema::Value& value) {
   return number != nullptr && number->AsReal() == 0;
 }
 
+/// Kinematic objects do work on what they push.
 bool IsDriven(const Scene& scene) {
   return schema::AsCall(scene.world.Get("acceleration")) != nullptr ||
+         std::ranges::any_of(scene.groups, HasKinematic) ||
          std::ranges::any_of(scene.groups, [](const Group& group) {
            return schema::AsCall(group.settings.Get("linear_velocity")) != nullptr ||
                   schema::AsCall(group.settings.Get("angular_velocity")) != nullptr;

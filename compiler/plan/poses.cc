@@ -6,10 +6,18 @@
 
 namespace cdb::plan {
 
-const schema::Call* PosesOf(const Group& group) {
+namespace {
+
+const schema::Call* LayoutCalled(std::string_view name, const Group& group) {
   const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
-  return layout != nullptr && layout->name == schema::kPosesCall ? layout : nullptr;
+  return layout != nullptr && layout->name == name ? layout : nullptr;
 }
+
+}  // namespace
+
+const schema::Call* PosesOf(const Group& group) { return LayoutCalled(schema::kPosesCall, group); }
+
+const schema::Call* PathOf(const Group& group) { return LayoutCalled(schema::kPathCall, group); }
 
 bool IsCsv(const schema::Call& poses) {
   std::string end = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;

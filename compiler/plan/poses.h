@@ -1,5 +1,6 @@
-// What is known of the table that `location poses("start.csv")` names. Compiler and library share
-// it; reading one is the library's (library/layouts/pose_table.h), HDF5 the command line's.
+// What is known of the table that `location poses("start.csv")` or `location path("lift.csv")`
+// names. Compiler and library share it; reading one is the library's (library/layouts/pose_table.h,
+// path.h), HDF5 the command line's.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +29,10 @@ struct PoseFault {
 /// and its hash is not compared.
 using ReadPoses = std::function<std::optional<PoseFacts>(const schema::Call& call, PoseFault& why)>;
 
-/// The group's layout, where it is a table; null otherwise.
+/// The group's layout, where it is a table of poses; null otherwise.
 const schema::Call* PosesOf(const Group& group);
+/// The group's layout, where it is the path of a kinematic object; null otherwise.
+const schema::Call* PathOf(const Group& group);
 /// The table is a CSV file, which a worker reads by itself.
 bool IsCsv(const schema::Call& poses);
 

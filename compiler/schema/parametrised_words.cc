@@ -68,9 +68,17 @@ constexpr Parameter kPoses[] = {
     Argument("cycle", kCount, kCountFromZero, "", "of a results file: after which cycle", {.default_text = "last", .words = "last"}),
     Argument("run", kText, kAny, "", "of a results file: \"detector=dbvt, quantity=100\"; only is the one run that it has", {.default_text = "only", .words = "only"}),
     Argument("group", kText, kAny, "", "of a results file: whose objects", {.default_text = "all", .words = "all"})};
+constexpr Parameter kPath[] = {
+    Argument("file", kText, kAny, "", "CSV, relative to the .cdb file"),
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"}),
+    Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.default_text = "stay", .words = "stay repeat"})};
 constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"})};
+constexpr Parameter kHeights[] = {
+    Argument("file", kText, kAny, "", "CSV, relative to the .cdb file: a line for each row along z, its heights along x"),
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"}),
+    Argument("cell", kReal, kPositive, "", "from one height to the next, in the unit of the heights; unit is 1", {.default_text = "unit", .words = "unit"})};
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of its boxes; a different trace is refused", {.default_text = "any", .words = "any"})};
@@ -97,8 +105,11 @@ constexpr ParametrisedWord kCalls[] = {
     {"at", "one object at this point, or at((0, 0, 0), (1, 2, 3)): one at each of several", kAt, true},
     {"pair", "two objects about the centre with this distance between their surfaces, in a random direction", kPair},
     {"poses", "as a file says: positions, and orientations and velocities where it has them", kPoses},
+    {"path", "one kinematic object, moved as a file says: its position, and orientation where it has it, at times", kPath},
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
+    {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kModel},
+    {"heights", "a height field, as ground for fixed objects", kHeights},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},
     {"density", "the mass from the volume of the object", kDensity},

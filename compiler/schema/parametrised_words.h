@@ -44,6 +44,10 @@ inline bool NamesFile(const ParametrisedWord& info) {
 inline constexpr std::string_view kTraceCall = "file";
 /// The layout that reads a file.
 inline constexpr std::string_view kPosesCall = "poses";
+/// The type that is a grid of heights.
+inline constexpr std::string_view kHeightsCall = "heights";
+/// The layout that reads the path of a kinematic object.
+inline constexpr std::string_view kPathCall = "path";
 /// The call's arguments are a list of points, each a vector, instead of those of its row.
 bool ListsPoints(const Call& call);
 /// The argument of a call of the plan that lists no points; a name that its row does not have is

@@ -44,7 +44,8 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
     if (group.HasLinks() && !IsOfLinks(form))
       Refuse(fmt::format("the {} are linked", group.name), "make links.type none");
   for (std::size_t i = 0; i < size(); ++i) {
-    if (object(i).IsFixed()) Refuse(Name(i) + " is fixed", "give it a mass");
+    if (object(i).IsFixed())
+      Refuse(Name(i) + (object(i).is_kinematic ? " is kinematic" : " is fixed"), "give it a mass");
     if (object(i).linear_damping != 0 || object(i).angular_damping != 0)
       Refuse(Name(i) + " is damped", "make linear_damping and angular_damping 0");
     if (std::isfinite(object(i).contact_stiffness))

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "compiler/plan/requested_errors.h"
+#include "compiler/plan/surface.h"
 #include "library/closed_forms/closed_form.h"
 #include "library/layouts/placement.h"
 #include "library/meshes/models.h"
@@ -12,7 +13,9 @@
 namespace cdb::closed_forms {
 namespace {
 
+/// Decomposing one takes seconds; a surface is only read.
 bool MayBeMesh(const schema::Value& type) {
+  if (const schema::Call* call = schema::AsCall(type)) return !plan::IsSurface(*call);
   if (const auto* word = std::get_if<schema::Word>(&type))
     return meshes::FindModel(word->text) != nullptr;
   const auto* drawn = std::get_if<schema::Distribution>(&type);

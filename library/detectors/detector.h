@@ -47,6 +47,7 @@ enum class ShapeKind : std::uint32_t {
   kHull,      ///< one convex piece
   kCompound,  ///< the union of convex pieces
   kPlane,     ///< the half space behind a plane through the body's position
+  kSurface,   ///< triangles without an inside; their body is fixed
 };
 
 /// A face of a hull: three of its vertices, counter-clockwise from outside.
@@ -63,17 +64,20 @@ struct Hull {
 /// A body's geometry, in its own frame, with the centre of mass as origin.
 struct Shape {
   ShapeKind kind;
-  Vec3 half;                    ///< half extents along the body's axes; of a plane, infinite
-  Vec3 centre;                  ///< the middle of those extents; not the origin for cones and hulls
-  Vec3 normal;                  ///< of a plane: out of the half space, unit
-  std::span<const Hull> hulls;  ///< one for kHull, several for kCompound, none otherwise
+  Vec3 half;    ///< half extents along the body's axes; of a plane, infinite
+  Vec3 centre;  ///< the middle of those extents; not the origin for cones and hulls
+  Vec3 normal;  ///< of a plane: out of the half space, unit
+  /// One for kHull, several for kCompound; of kSurface its triangles, each with one face; none
+  /// otherwise.
+  std::span<const Hull> hulls;
 };
 
 /// Collision filter: two bodies may collide if the group of each is in the mask of the other, and
-/// not both are fixed.
+/// not both are fixed. Nothing pushes a fixed body; a kinematic one is fixed too, and yet moves as
+/// its scenario says.
 struct Filter {
   std::uint32_t group = 1, mask = ~0u;
-  bool is_fixed = false;
+  bool is_fixed = false, is_kinematic = false;
 };
 
 /// The bodies in the current cycle; each span has `size` values. Valid during the call. Between two
@@ -86,8 +90,8 @@ struct Scene {
   std::span<const Pose> poses;
   /// Empty if only boxes are known, as in a trace.
   std::span<const Shape> shapes;
-  /// A body that is asleep and was so in the last call has not moved, and has the same box. Empty
-  /// if this is not known, as in a trace.
+  /// A body that is asleep and was so in the last call has not moved, and has the same box. Fixed
+  /// bodies are asleep, kinematic ones never. Empty if this is not known, as in a trace.
   std::span<const std::uint8_t> is_asleep;
 
   bool MayCollide(Id a, Id b) const {
@@ -136,7 +140,7 @@ class Detector {
   virtual void FindPairs(const Scene&, std::vector<Pair>& /*pairs*/) {}
 
   /// Whether this narrow phase handles the pair. Called once for each new pair; Bullet's narrow
-  /// phase handles the others.
+  /// phase handles the others; leave a kSurface to it.
   virtual bool Handles(const Scene&, Id /*a*/, Id /*b*/) const { return true; }
 
   /// Every cycle: appends the contacts of `pairs`, which are all pairs that it handles. A pair may
@@ -150,7 +154,7 @@ class Detector {
 // A shared library of detectors.
 
 /// Incremented with every change of the declarations in this file.
-inline constexpr std::uint32_t kDetectorAbi = 1;
+inline constexpr std::uint32_t kDetectorAbi = 2;
 
 enum class Phases : std::uint32_t {
   kBroad = 1,       ///< FindPairs

@@ -70,6 +70,13 @@ double ObjectNumbers::Real(schema::ParameterRef<true, schema::ValueKind::kDrawn>
   return *number;
 }
 
+std::string_view ObjectNumbers::Word(
+    schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
+  Setting& setting = SettingOf(parameter.name());
+  Find(setting);
+  return setting.word;
+}
+
 std::optional<double> ObjectNumbers::Find(Setting& setting) {
   if (setting.state == State::kKnown) return setting.number;
   if (setting.state == State::kActive)
@@ -82,14 +89,14 @@ std::optional<double> ObjectNumbers::Find(Setting& setting) {
 }
 
 std::optional<double> ObjectNumbers::Make(Setting& setting) {
-  std::string_view word;
   std::optional<double> number;
+  setting.word = {};
   if (setting.formula != nullptr) {
     number = Evaluated(setting);
   } else if (setting.parameter->words.empty()) {
     number = setting.draw.Real();
   } else {
-    number = setting.draw.RealOrWord(&word);
+    number = setting.draw.RealOrWord(&setting.word);
   }
   if (!setting.is_density) return number;
   if (!volume_)

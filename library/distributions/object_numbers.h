@@ -32,6 +32,8 @@ class ObjectNumbers {
     return Find(SettingOf(parameter.name()));
   }
   double Real(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter);
+  /// Empty where a number was drawn. Valid as long as the scene.
+  std::string_view Word(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter);
 
  private:
   enum class State { kUnknown, kActive, kKnown };
@@ -42,6 +44,7 @@ class ObjectNumbers {
     bool is_same, is_density;
     State state = State::kUnknown;
     std::optional<double> number = {};
+    std::string_view word = {};
   };
 
   Setting& SettingOf(std::string_view name);

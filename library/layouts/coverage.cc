@@ -26,6 +26,8 @@ Probe::Probe(objects::Solid its_solid, const Eigen::Quaterniond& its_orientation
       outer(solid.OuterRadius()) {}
 
 bool Coverage::Covers(std::uint32_t other, const Probe& probe, const objects::Box& voxel) const {
+  // Thin as it is, it covers no place by itself.
+  if (bodies_.object(other).solid.IsSurface()) return false;
   const Core& theirs = bodies_.core(other);
   const Vector3d to_lower = (theirs.position - voxel.lower).cwiseAbs();
   const Vector3d to_upper = (theirs.position - voxel.upper).cwiseAbs();

@@ -282,6 +282,9 @@ constexpr LayoutRow kLayouts[] = {
       "change the file, or make world.side larger; overlap on allows it while the centre of mass "
       "is "
       "inside"}},
+    {"path",
+     &ExactPlacer::Poses,
+     {"change the file, or say overlap on", "change the file, or make world.side larger"}},
     {"pile",
      &ExactPlacer::Pile,
      {"make the size smaller", "make width or the size smaller or world.side larger"}},

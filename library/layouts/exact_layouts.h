@@ -1,4 +1,4 @@
-// Layouts that define each position: grid, stack, pyramid, pile, ring, line, at, pair.
+// Layouts that define each position: grid, stack, pyramid, pile, ring, line, at, pair, poses, path.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,6 +41,7 @@ bool IsPile(const plan::Group& group);
 ///            middle of the centres of mass at the origin. A direction in which it passes by is
 ///            drawn again
 ///   poses    as the file says, DrawObjects having read it
+///   path     where the path begins, DrawObjects having read it
 ///   pile     as PlacesAbovePile
 /// O(n). Does not look at other groups, nor at the cube's walls. Throws SceneError where the layout
 /// does not take so many objects.

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "compiler/plan/kinematic.h"
 #include "library/distributions/draw.h"
 #include "library/distributions/object_numbers.h"
 #include "library/layouts/placement.h"
@@ -52,6 +53,21 @@ void TakeTable(const plan::Group& group, std::span<ObjectState> objects) {
   }
 }
 
+/// The pose too: the one at the start.
+void TakePath(const plan::Group& group, std::span<ObjectState> objects) {
+  const schema::Call* call = plan::PathOf(group);
+  if (call == nullptr || objects.empty()) return;
+  const auto path = std::make_shared<const Path>(ReadPath(*call));
+  for (ObjectState& object : objects) {
+    if (!object.is_kinematic)
+      throw library::SceneError(
+          fmt::format("the objects of group `{}` have a path and are not kinematic", group.name),
+          "write mass kinematic", group.name);
+    object.path = path;
+    object.pose = PoseAt(object, 0);
+  }
+}
+
 void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactory& solids,
                std::vector<ObjectState>& objects) {
   const plan::Group& group = scene.groups[index];
@@ -71,7 +87,8 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     const schema::Value& chosen = type.Choice();
     object.solid = solids.Make(chosen, numbers.Sides(), aspect);
     numbers.SetVolume(object.solid.Volume());
-    object.mass = numbers.Find("mass").value_or(0);  // the word is `fixed`
+    object.mass = numbers.Find("mass").value_or(0);  // the word is `fixed` or `kinematic`
+    object.is_kinematic = numbers.Word("mass") == plan::kKinematicWord;
     object.pose.orientation = BodyTurn(object.solid, DrawOrientation(orientation));
     object.linear_velocity = linear_velocity.Vector();
     object.angular_velocity = angular_velocity.Vector();
@@ -88,6 +105,7 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     object.contact_damping = numbers.Real("contact_damping");
   }
   TakeTable(group, std::span(objects).last(quantity));
+  TakePath(group, std::span(objects).last(quantity));
   if (!group.HasLinks()) return;
   // The other value is the word `same`.
   const schema::Number* end_mass = schema::AsNumber(group.settings.Get("links.end_mass"));
@@ -102,6 +120,21 @@ Eigen::Quaterniond TurnAbout(const Vector3d& rotation_vector) {
   const Vector3d axis = rotation_vector / angle;
   const double sine = std::sin(angle / 2);
   return {std::cos(angle / 2), axis.x() * sine, axis.y() * sine, axis.z() * sine};
+}
+
+objects::Pose PoseAt(const ObjectState& object, double time) {
+  objects::Pose pose = object.pose;
+  if (object.path != nullptr) {
+    pose.position = object.path->PositionAt(time);
+  } else {
+    pose.position += time * object.linear_velocity;
+  }
+  if (object.path != nullptr && object.path->has_orientation()) {
+    pose.orientation = BodyTurn(object.solid, object.path->OrientationAt(time));
+  } else if (!object.angular_velocity.isZero(0)) {
+    pose.orientation = (TurnAbout(time * object.angular_velocity) * pose.orientation).normalized();
+  }
+  return pose;
 }
 
 InitialState DrawObjects(const plan::Scene& scene) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "library/layouts/path.h"
 #include "library/objects/solid.h"
 
 namespace cdb::layouts {
@@ -19,7 +20,7 @@ struct ObjectState {
   objects::Pose pose;  ///< of the body's own axes, which for a compound are not its mesh's
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
-  double mass = 1;  ///< 0 where the object is fixed
+  double mass = 1;  ///< 0 where the object is fixed or kinematic
   double friction = 0;
   double rolling_friction = 0;
   double restitution = 0;
@@ -29,7 +30,11 @@ struct ObjectState {
   double contact_stiffness = std::numeric_limits<double>::infinity();  ///< infinite: rigid
   double contact_damping = 0;
   bool ccd = false;
+  /// It moves by its velocities, or its path, whatever it meets.
+  bool is_kinematic = false;
+  std::shared_ptr<const Path> path = nullptr;  ///< of a kinematic object; null: none
 
+  /// Nothing that it meets moves it; a kinematic object moves all the same.
   bool IsFixed() const { return mass == 0; }
 };
 
@@ -47,6 +52,11 @@ InitialState MakeInitialState(const plan::Scene& scene);
 
 /// The objects without a place, and the acceleration: the first half of MakeInitialState.
 InitialState DrawObjects(const plan::Scene& scene);
+
+/// Where a kinematic object is `time` s after the start: on its path, or as far as its velocities,
+/// which are constant, have taken it. Without columns of orientation, the object of a path turns by
+/// its angular velocity.
+objects::Pose PoseAt(const ObjectState& object, double time);
 
 /// `objects.orientation`, which turns the sides' axes: a turn about the vector's direction by its
 /// length, rad. std::sin and std::cos decide the last bit.

@@ -18,6 +18,7 @@ PackingFraction::PackingFraction(const Bodies& bodies) : bodies_(bodies) {
     const bool stands = HasExactLayout(*range.group);
     for (std::size_t i = range.first; i < range.end; ++i) {
       const objects::Solid& solid = bodies.object(i).solid;
+      if (solid.IsSurface()) continue;  // it takes no room
       const double part = stands ? PartInside(i) : 1;
       const double volume = part * solid.Volume(), box = part * bodies.Extents(i).prod();
       volume_ += volume;

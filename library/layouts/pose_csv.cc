@@ -1,4 +1,4 @@
-// The CSV files of pose_table.h.
+// The CSV files of pose_table.h and path.h.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "compiler/schema/number.h"
 #include "dsl/utf8.h"
@@ -15,33 +16,62 @@
 namespace cdb::layouts {
 namespace {
 
-constexpr std::size_t kColumns = 13;
+constexpr std::size_t kColumns = 14;
 constexpr std::array<std::string_view, kColumns> kNames = {"x",  "y",  "z",  "qw", "qx", "qy", "qz",
-                                                           "vx", "vy", "vz", "wx", "wy", "wz"};
+                                                           "vx", "vy", "vz", "wx", "wy", "wz", "t"};
 /// The columns of a quantity, which are there together.
 struct Quantity {
   std::size_t first, count;
   std::string_view names;
 };
 constexpr Quantity kPosition = {0, 3, "x, y, z"}, kOrientation = {3, 4, "qw, qx, qy, qz"},
-                   kVelocity = {7, 3, "vx, vy, vz"}, kSpin = {10, 3, "wx, wy, wz"};
+                   kVelocity = {7, 3, "vx, vy, vz"}, kSpin = {10, 3, "wx, wy, wz"},
+                   kTime = {13, 1, "t"};
+constexpr Quantity kOfPoses[] = {kPosition, kOrientation, kVelocity, kSpin};
+constexpr Quantity kOfPath[] = {kTime, kPosition, kOrientation};
+
+/// A kind of table.
+struct Layout {
+  std::span<const Quantity> quantities;
+  std::string_view header;      ///< the shortest
+  std::string_view columns;     ///< all, in words
+  std::string_view rows, none;  ///< what its lines are, and that there are none
+};
+constexpr Layout kPoses = {kOfPoses, "x,y,z",
+                           "the columns are x, y, z, and qw, qx, qy, qz, vx, vy, vz, wx, "
+                           "wy, wz where they are given, separated by commas",
+                           "object", "it has no objects"};
+constexpr Layout kPath = {kOfPath, "t,x,y,z",
+                          "the columns of a path are t, x, y, z, and qw, qx, qy, qz where they are "
+                          "given, separated by commas",
+                          "time", "it has no poses"};
 constexpr double kLargest = 1e15;  ///< farther numbers are no place and no speed
 
 class CsvReader {
  public:
-  CsvReader(std::string_view csv, std::string_view name) : rest_(csv), name_(name) {
+  CsvReader(std::string_view csv, std::string_view name, const Layout& layout)
+      : rest_(csv), name_(name), layout_(layout) {
     if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
   }
 
   PoseTable Read() {
-    if (!NextLine()) Refuse("it is empty", "write a line of column names first: x,y,z");
+    if (!NextLine())
+      Refuse("it is empty", fmt::format("write a line of column names first: {}", layout_.header));
     ReadHeader();
     PoseTable table;
     table.has_orientation = Has(kOrientation);
     table.has_linear_velocity = Has(kVelocity);
     table.has_angular_velocity = Has(kSpin);
-    while (NextLine()) table.rows.push_back(ReadRow());
-    if (table.rows.empty()) Refuse("it has no objects", "write a line for each object");
+    while (NextLine()) {
+      const PoseRow row = ReadRow();
+      if (Has(kTime) && !table.rows.empty() && !(row.time > table.rows.back().time))
+        Refuse(fmt::format("t is {}, and {} in the line before", schema::FormatReal(row.time),
+                           schema::FormatReal(table.rows.back().time)),
+               "write the lines in the order of their times");
+      table.rows.push_back(row);
+    }
+    if (table.rows.empty())
+      Refuse(std::string(layout_.none), fmt::format("write a line for each {}", layout_.rows));
     return table;
   }
 
@@ -84,24 +114,29 @@ class CsvReader {
   }
 
   bool Has(const Quantity& quantity) const { return places_[quantity.first].has_value(); }
+  bool Takes(std::size_t column) const {
+    return std::ranges::any_of(layout_.quantities, [column](const Quantity& quantity) {
+      return column >= quantity.first && column < quantity.first + quantity.count;
+    });
+  }
 
   void ReadHeader() {
-    constexpr std::string_view kAll =
-        "the columns are x, y, z, and qw, qx, qy, qz, vx, vy, vz, wx, "
-        "wy, wz where they are given, separated by commas";
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const auto column = std::ranges::find(kNames, cells_[i]);
-      if (column == kNames.end())
+      const auto index = static_cast<std::size_t>(column - kNames.begin());
+      if (!Takes(index))
         Refuse(fmt::format("there is no column `{}`", dsl::Printable(cells_[i])),
-               std::string(kAll));
-      auto& place = places_[static_cast<std::size_t>(column - kNames.begin())];
+               std::string(layout_.columns));
+      auto& place = places_[index];
       if (place) Refuse(fmt::format("the column `{}` is there twice", *column), "keep one of them");
       place = i;
     }
-    for (const Quantity& quantity : {kPosition, kOrientation, kVelocity, kSpin}) {
+    for (const Quantity& quantity : layout_.quantities) {
       std::size_t there = 0;
       for (std::size_t i = 0; i < quantity.count; ++i)
         there += places_[quantity.first + i].has_value();
+      if (quantity.first == kTime.first && there == 0)
+        Refuse("the column t is missing", "a path says when the object is where: t,x,y,z");
       if (there != quantity.count && (there > 0 || quantity.first == 0))
         Refuse(
             fmt::format("{} of the columns {} are missing", quantity.count - there, quantity.names),
@@ -122,6 +157,7 @@ class CsvReader {
       return v;
     };
     PoseRow row;
+    if (Has(kTime)) row.time = Number(kTime.first);
     row.position = vector(kPosition);
     row.linear_velocity = vector(kVelocity);
     row.angular_velocity = vector(kSpin);
@@ -146,12 +182,13 @@ class CsvReader {
              "write a number with a decimal point, as -1.5 or 2e-3");
     if (std::abs(value) > kLargest)
       Refuse(fmt::format("{} is {}, beyond {:g}", kNames[column], written, kLargest),
-             "positions and velocities are in m, m/s and rad/s");
+             "positions, velocities and times are in m, m/s, rad/s and s");
     return value;
   }
 
   std::string_view rest_;
   const std::string_view name_;
+  const Layout& layout_;
   std::size_t number_ = 0;  ///< of the line, from 1
   std::vector<std::string_view> cells_;
   std::array<std::optional<std::size_t>, kColumns> places_;
@@ -168,7 +205,11 @@ void AddNumbers(std::string& text, std::initializer_list<double> values) {
 }  // namespace
 
 PoseTable ParsePoseCsv(std::string_view csv, std::string_view name) {
-  return CsvReader(csv, name).Read();
+  return CsvReader(csv, name, kPoses).Read();
+}
+
+PoseTable ParsePathCsv(std::string_view csv, std::string_view name) {
+  return CsvReader(csv, name, kPath).Read();
 }
 
 std::optional<Eigen::Quaterniond> UnitQuaternion(double w, double x, double y, double z) {

@@ -13,6 +13,7 @@
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
+#include "library/layouts/path.h"
 #include "library/scene_error.h"
 
 namespace cdb::layouts {
@@ -51,7 +52,8 @@ std::pair<PoseTable, std::string> ReadWithHash(const schema::Call& poses) {
   if (plan::IsCsv(poses)) {
     std::ifstream file = Open(FileOf(poses));
     const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    return {ParsePoseCsv(bytes, FileOf(poses)), plan::Sha256Hex(bytes)};
+    const auto parse = poses.name == schema::kPathCall ? ParsePathCsv : ParsePoseCsv;
+    return {parse(bytes, FileOf(poses)), plan::Sha256Hex(bytes)};
   }
   if (!Hdf5Reader())
     throw SceneError(fmt::format("{}: nothing here reads HDF5", FileOf(poses)),
@@ -83,6 +85,7 @@ std::optional<plan::PoseFacts> ReadPoseFacts(const schema::Call& poses, plan::Po
   try {
     Open(FileOf(poses));
     const auto [table, sha256] = ReadWithHash(poses);
+    if (poses.name == schema::kPathCall) return FactsOfPath(Path(poses, table), sha256);
     return plan::PoseFacts{sha256, table.rows.size(), table.has_orientation,
                            table.has_linear_velocity, table.has_angular_velocity};
   } catch (const SceneError& error) {

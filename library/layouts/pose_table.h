@@ -20,6 +20,7 @@
 namespace cdb::layouts {
 
 struct PoseRow {
+  double time = 0;  ///< s; of a path
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
@@ -36,6 +37,8 @@ struct PoseTable {
 
 /// `name` stands for the file.
 PoseTable ParsePoseCsv(std::string_view csv, std::string_view name);
+/// A path: the columns t (s, ascending), x, y, z, and qw, qx, qy, qz where they are given.
+PoseTable ParsePathCsv(std::string_view csv, std::string_view name);
 /// Reads back to the same table, but for `of_body`.
 std::string ToCsv(const PoseTable& table);
 /// The unit quaternion of four numbers that are one but for rounding; nullopt where they are none.
@@ -43,7 +46,8 @@ std::optional<Eigen::Quaterniond> UnitQuaternion(double w, double x, double y, d
 
 /// The table of a call of the plan. Refuses another file than the one that was planned with.
 PoseTable ReadPoseTable(const schema::Call& poses);
-/// The same in the compiler's terms; the hash is not compared.
+/// The same in the compiler's terms, of a path too, which is one object's; the hash is not
+/// compared.
 std::optional<plan::PoseFacts> ReadPoseFacts(const schema::Call& poses, plan::PoseFault& why);
 
 /// How HDF5 files are read in this process; without one they are refused. Set it before anything is

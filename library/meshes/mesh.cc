@@ -114,8 +114,7 @@ Mesh ParseMesh(std::string_view bytes, std::string_view name) {
     throw library::SceneError(fmt::format(
         "{}: cannot tell the format; a model's name ends in .obj, .ply, .stl or .off", name));
   if (mesh.triangles.empty())
-    throw library::SceneError(
-        fmt::format("{}: has no faces; a model needs a closed surface", name));
+    throw library::SceneError(fmt::format("{}: has no faces; a model needs some", name));
   return mesh;
 }
 

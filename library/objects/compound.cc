@@ -57,6 +57,10 @@ ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh
 
 Compound::Compound(std::shared_ptr<const ConvexDecomposition> form, const Vector3d& sides)
     : form_(std::move(form)), sides_(sides) {
+  if (form_->IsSurface()) {
+    MeasureSurface();
+    return;
+  }
   volume_ = form_->volume * sides.prod();
   const Matrix3d moments = form_->second_moments.cwiseProduct(sides * sides.transpose());
   const meshes::PrincipalAxes axes =
@@ -70,6 +74,15 @@ Compound::Compound(std::shared_ptr<const ConvexDecomposition> form, const Vector
     for (const Vector3d& vertex : piece.vertices)
       outer_radius_ = std::max(outer_radius_, ToBody(piece.centre + vertex).norm());
   }
+}
+
+void Compound::MeasureSurface() {
+  inertia_.setZero();
+  from_mesh_.setIdentity();
+  least_half_extent_ = sides_.maxCoeff() / 2;
+  for (std::size_t piece = 0; piece < form_->pieces.size(); ++piece)
+    for (std::size_t vertex = 0; vertex < form_->pieces[piece].vertices.size(); ++vertex)
+      outer_radius_ = std::max(outer_radius_, Corner(piece, vertex).norm());
 }
 
 double Compound::InnerRadiusOf(const ConvexPiece& piece) const {

@@ -1,4 +1,4 @@
-// Compounds: solids made of convex pieces of a mesh.
+// Compounds: solids made of convex pieces of a mesh, and surfaces, whose pieces are its triangles.
 //
 // A form is what all solids of one mesh share, whatever their size; a compound is a form with its
 // three sides. Lengths in m. Threads: any, once made.
@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "library/meshes/decompose.h"
+#include "library/meshes/heights.h"
 #include "library/meshes/mass_properties.h"
+#include "library/objects/box_tree.h"
 
 namespace cdb::objects {
 
@@ -33,6 +35,11 @@ struct ConvexDecomposition {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();          ///< of mass, of the mesh
   Eigen::Matrix3d second_moments = Eigen::Matrix3d::Zero();  ///< mean of x x^T about the centre
   double volume_error = 0, iou = 0;  ///< of the pieces: library/meshes/decompose.h
+  /// Of a surface (library/objects/surface.h): its triangles' boxes. Null for solids.
+  std::shared_ptr<const BoxTree> tree = nullptr;
+  bool IsSurface() const { return tree != nullptr; }
+  /// Of a surface that is a height field: its grid. Null for others.
+  std::shared_ptr<const meshes::HeightGrid> heights = nullptr;
   bool operator==(const ConvexDecomposition&) const = default;
 };
 
@@ -55,6 +62,17 @@ class Compound {
   const Eigen::Matrix3d& from_mesh() const { return from_mesh_; }
   /// The middle of a piece's box.
   Eigen::Vector3d PieceCentre(std::size_t piece) const;
+  /// One of its vertices.
+  Eigen::Vector3d Corner(std::size_t piece, std::size_t vertex) const {
+    return ToBody(form_->pieces[piece].centre + form_->pieces[piece].vertices[vertex]);
+  }
+  /// Of a surface: calls `visit(piece)` for triangles whose boxes meet `box`, until it returns
+  /// true; returns whether it did.
+  template <typename Visit>
+  bool AnyPieceIn(const Eigen::AlignedBox3d& box, Visit visit) const {
+    return form_->tree->AnyOf({box.min().cwiseQuotient(sides_), box.max().cwiseQuotient(sides_)},
+                              visit);
+  }
   /// The farthest point of the piece along `direction`.
   Eigen::Vector3d Support(std::size_t piece, const Eigen::Vector3d& direction) const;
   /// The farthest of all pieces.
@@ -63,7 +81,8 @@ class Compound {
   double inner_radius() const { return inner_radius_; }
   /// Of the smallest ball about the origin that holds all.
   double outer_radius() const { return outer_radius_; }
-  /// Of all pieces, along the mesh's axes.
+  /// Of all pieces, along the mesh's axes; of a surface, which is thin everywhere, of its longest
+  /// side, so that what touches it is the smaller one.
   double least_half_extent() const { return least_half_extent_; }
 
  private:
@@ -71,6 +90,7 @@ class Compound {
     return from_mesh_ * (in_form - form_->centre).cwiseProduct(sides_);
   }
   double InnerRadiusOf(const ConvexPiece& piece) const;
+  void MeasureSurface();
 
   std::shared_ptr<const ConvexDecomposition> form_;
   Eigen::Vector3d sides_, inertia_;

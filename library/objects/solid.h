@@ -70,6 +70,8 @@ struct Solid {
   double LeastHalfExtent() const {
     return compound ? compound->least_half_extent() : HalfExtents().minCoeff();
   }
+  /// The triangles of a mesh, without an inside.
+  bool IsSurface() const { return compound != nullptr && compound->form().IsSurface(); }
   bool IsBall() const {
     return shape == Shape::kEllipsoid && sides.x() == sides.y() && sides.y() == sides.z();
   }

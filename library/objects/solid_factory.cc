@@ -11,6 +11,7 @@
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
 #include "library/objects/decomposition_cache.h"
+#include "library/objects/surface.h"
 #include "library/scene_error.h"
 
 namespace cdb::objects {
@@ -61,6 +62,18 @@ ConvexDecomposition FormOfModel(const meshes::Model& model) {
   });
 }
 
+ConvexDecomposition FormOfHeights(const std::string& name, const schema::Call& call,
+                                  const std::string& bytes) {
+  const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
+  // The other value is the word `unit`.
+  const schema::Number* cell = schema::AsNumber(ArgumentOf(call, "cell"));
+  const auto grid = std::make_shared<const meshes::HeightGrid>(
+      meshes::ParseHeights(bytes, file, cell != nullptr ? cell->AsReal() : 1));
+  ConvexDecomposition form = MakeSurface(name, meshes::MeshOf(*grid));
+  form.heights = grid;
+  return form;
+}
+
 ConvexDecomposition FormOfFile(const schema::Call& call) {
   const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
   const std::string name = fmt::format("{}(\"{}\")", call.name, file);
@@ -70,6 +83,8 @@ ConvexDecomposition FormOfFile(const schema::Call& call) {
   if (planned != nullptr && sha256 != planned->text)
     throw library::SceneError(
         fmt::format("{}: it is not the file that was planned with; plan again", file));
+  if (call.name == schema::kHeightsCall) return FormOfHeights(name, call, bytes);
+  if (call.name == "surface") return MakeSurface(name, meshes::ParseMesh(bytes, file));
   return DecomposeOnce(name, SourceOf(file, sha256, call.name), [&] {
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
     if (call.name == "mesh") return FormOfMesh(name, meshes::Watertight(mesh, file));
@@ -121,10 +136,16 @@ std::vector<std::shared_ptr<const ConvexDecomposition>> SolidFactory::Forms() co
 
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms) {
   std::string text;
-  for (const auto& form : forms)
+  for (const auto& form : forms) {
+    if (form->IsSurface()) {
+      text += fmt::format("{}: {} triangle{}\n", form->name, form->pieces.size(),
+                          form->pieces.size() == 1 ? "" : "s");
+      continue;
+    }
     text += fmt::format("{}: {} hull{}, volume error {:.3g} %, IoU {:.3f}\n", form->name,
                         form->pieces.size(), form->pieces.size() == 1 ? "" : "s",
                         100 * form->volume_error, form->iou);
+  }
   return text;
 }
 

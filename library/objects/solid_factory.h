@@ -34,7 +34,8 @@ class SolidFactory {
   std::map<CompoundKey, std::shared_ptr<const Compound>> compounds_;
 };
 
-/// `bunny: 9 hulls, volume error 1.9 %, IoU 0.930`, a line for each form.
+/// `bunny: 9 hulls, volume error 1.9 %, IoU 0.930`, or `surface("hill.obj"): 800 triangles`, a line
+/// for each form.
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms);
 
 }  // namespace cdb::objects

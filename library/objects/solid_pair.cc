@@ -75,7 +75,28 @@ Gap SolidPair::GapOf(const PartOfA& part_a, const PartOfB& part_b, const Vector3
   return ConvexGap(support, offset, size_, goal);
 }
 
+bool SolidPair::SurfaceOverlaps(const Vector3d& offset) const {
+  const bool is_a = a_.IsSurface();
+  const Solid &surface = is_a ? a_ : b_, &other = is_a ? b_ : a_;
+  const Eigen::Matrix3d &turn = is_a ? turn_a_ : turn_b_, &other_turn = is_a ? turn_b_ : turn_a_;
+  const Vector3d place = turn.transpose() * (is_a ? offset : Vector3d(-offset));
+  const Box box = Bounds(other, Eigen::Quaterniond(Eigen::Matrix3d(turn.transpose() * other_turn)));
+  // Room for the rounding of the turn.
+  const Vector3d room = Vector3d::Constant(1e-12 * size_);
+  return surface.compound->AnyPieceIn(
+      {place + box.lower - room, place + box.upper + room}, [&](std::size_t triangle) {
+        for (std::size_t piece = 0; piece < other.PieceCount(); ++piece)
+          if (is_a ? PiecesOverlap(triangle, piece, offset)
+                   : PiecesOverlap(piece, triangle, offset))
+            return true;
+        return false;
+      });
+}
+
 bool SolidPair::Overlap(const Vector3d& offset) const {
+  // Two surfaces have nothing that could be inside the other.
+  if (a_.IsSurface() && b_.IsSurface()) return false;
+  if (a_.IsSurface() || b_.IsSurface()) return SurfaceOverlaps(offset);
   if (a_.PieceCount() == 1 && b_.PieceCount() == 1) return PiecesOverlap(0, 0, offset);
   const Gap hulls = GapOf(HullOf(a_), HullOf(b_), offset, Goal::kWhetherApart);
   if (hulls.distance > 0) return false;

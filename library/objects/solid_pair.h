@@ -36,6 +36,8 @@ class SolidPair {
   Gap PieceGap(std::size_t piece_a, std::size_t piece_b, const Eigen::Vector3d& offset) const;
 
  private:
+  /// One of the two is a surface.
+  bool SurfaceOverlaps(const Eigen::Vector3d& offset) const;
   enum class Goal { kWhetherApart, kDistance };
   bool AreBalls() const { return a_.IsBall() && b_.IsBall(); }
   /// Of convex parts, each told by its support.

@@ -118,6 +118,12 @@ WORDS WITH ARGUMENTS
                               ~/.cache/cdb, and depends on neither detector, precision, solver nor
                               initial velocities. A timeout counts the time of settling;
                               `cdb plan --estimate` tells it.
+  location path("lift.csv")   one kinematic object, moved along a path: a CSV file with the columns
+                              t,x,y,z (s, m) and, where they are given, qw,qx,qy,qz. Between the
+                              lines, positions are interpolated linearly and orientations spherically.
+                              Before the first line and after the last, the object stays;
+                              path("lift.csv", then: repeat) begins again, and needs equal first and
+                              last poses. The plan stores a SHA-256.
   location pair distance: 0.5   two objects, with this distance between their surfaces; needs
                               quantity 2
   type mesh("rock.obj")       your own model, decomposed into convex hulls; hull("rock.obj") is its
@@ -125,6 +131,19 @@ WORDS WITH ARGUMENTS
                               the .cdb file. The plan stores the SHA-256 of the file, and
                               mesh("rock.obj", sha256: "...") requires a given one.
                               any(sphere 3, mesh("rock.obj") 1) gives weights to models too.
+  type surface("hill.obj")    the triangles of your own mesh as they are, open or closed, for ground and
+                              other fixed objects: a btBvhTriangleMeshShape. It has no inside, so it
+                              needs `mass fixed`, and objects may begin on either side of it; who
+                              crosses it has tunnelled. Its place is the middle of its box; at aspect
+                              1 : 1 : 1 its longest side is the size. Bullet finds its contacts
+                              whatever the narrow phase. (Where MJCF and URDF take the convex hull of
+                              a mesh, and SDF a mesh as it is for moving bodies too, the three words
+                              mesh, hull and surface say which is meant.)
+  type heights("hill.csv")    a height field: a btHeightfieldTerrainShape, fixed and placed as a surface.
+                              Each line of the file is a row of heights along x, separated by commas,
+                              and the lines follow each other along z. heights("hill.csv", cell: 0.5)
+                              has two heights to a unit of height; by default it is one. (MJCF's hfield
+                              and SDF's heightmap take pictures, and four sizes.)
   acceleration every(60, uniform((-1, -1, -1), (1, 1, 1)))    drawn again every 60 cycles
   acceleration rotating((0, -9.8, 0), about: (0, 0, 1), period: 4)    one turn in 4 s
                               These are schedules. linear_velocity and angular_velocity take them
@@ -192,6 +211,14 @@ OBJECTS
   an error if no run can be placed, else a warning. If there is no free position, the run fails and
   states the packing fraction. `overlap on` permits initial overlaps, if a layout with arguments
   yields them: line(gap: -0.5).
+  `mass fixed` objects never move. `mass kinematic` objects move whatever they meet: with the constant
+  linear_velocity and angular_velocity of their group, as a conveyor or a stirrer does, or along a
+  path. Nothing pushes them, they push all others, and what touches them does not sleep. At the start
+  of each cycle they are where their motion has them at that time, and contacts get the velocity that
+  takes them to the next cycle: the motion is the same in every time step. They may leave the cube and
+  pass through walls and fixed objects. As they do work, energy is not checked (`cdb doc verdicts`),
+  and omit keeps whatever they could reach. (MJCF needs a program that sets the poses of mocap bodies,
+  SDF a plug-in or an actor beside its models; here it is a word of `mass`.)
   `collides_with` names the groups, and `walls`, that the objects of a group may touch: `collides_with
   walls, pebbles`, `all` (the default) or `none`. Two groups touch where each one allows the other.
   What may not touch makes no pairs and no contacts, by any detector, and may begin in one another.
@@ -261,14 +288,14 @@ Fewer than 1 % of the objects leave the work of collision detection as it is: th
   `expect` states what a scene ought to do. By default (auto), a scene of stacks, pyramids or piles
 must rest if nothing moves initially and gravity points down; a scene of elastic, rigid objects
 without friction and damping must conserve its energy; and so must any other scene until the first
-contact. If a schedule drives the scene, energy is not checked.
+contact. If a schedule or a kinematic object drives the scene, energy is not checked.
   Energy has vanished (series lost_energy) if neither the work of friction nor that of inelastic
 bounces nor the sleep of a sliding object accounts for it, relative to the largest kinetic energy so
 far; of a free spin, 0.03 is enough. This is not checked if anything else can take energy: damping,
 rolling friction, soft contacts, or `expect anything`. Default contacts lose energy in elastic
 bounces; `contact faithful` does not.
   An object has passed through another (passed) if its centre of mass ran through it, or a ball about
-the centre with half the inner radius did within one cycle. A contact is pressed in (pressed) if it
+the centre with half the inner radius did within one cycle; through a surface, if its centre crossed it. A contact is pressed in (pressed) if it
 was shallow for three cycles and is then deep for six, or if an impact leaves it deep for half a
 second. An object sleeps unheld (unheld) in the air, or if it moved before and no forces of its
 contacts, within friction, balance its weight and its turning.

@@ -1,5 +1,6 @@
 #include "runtime/view/tessellation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -108,7 +109,8 @@ TriangleMesh TetrahedronMesh() {
   return mesh;
 }
 
-/// All convex pieces, about the centre of mass, in the axes of the model.
+/// All convex pieces, or the triangles of a surface from both sides, about the centre of mass, in
+/// the axes of the model.
 TriangleMesh CompoundMesh(const objects::ConvexDecomposition& form) {
   TriangleMesh mesh{form.name, {}, {}, {}};
   for (const objects::ConvexPiece& piece : form.pieces)
@@ -117,6 +119,9 @@ TriangleMesh CompoundMesh(const objects::ConvexDecomposition& form) {
       for (const auto corner : face)
         corners.push_back(piece.vertices[static_cast<std::size_t>(corner)] + piece.centre -
                           form.centre);
+      AddFace(mesh, corners);
+      if (!form.IsSurface()) continue;
+      std::ranges::reverse(corners);
       AddFace(mesh, corners);
     }
   return mesh;

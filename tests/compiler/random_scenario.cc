@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/plan/kinematic.h"
+#include "compiler/plan/surface.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/parameter_ref.h"
 #include "compiler/schema/parametrised_words.h"
@@ -62,6 +64,8 @@ class Maker {
     for (const std::string_view word : parameter.AllWords()) {
       if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
       if (parameter.TakesDetectors() && !IsBuilt(word)) continue;
+      // Neither schedules nor piles move what is kinematic.
+      if (word == plan::kKinematicWord) continue;
       words.emplace_back(word);
     }
     if (const auto calls = CallsOf(parameter); !calls.empty() && Below(2) == 0)
@@ -109,7 +113,8 @@ class Maker {
     if (is_in_any_ && !parameter.ChoosesCalls()) calls.clear();
     std::erase_if(calls, [&](std::string_view call) {
       return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2")) ||
-             call == schema::kPosesCall;  // there is no file for it
+             call == schema::kPosesCall || call == schema::kPathCall ||   // there is no file for it
+             call == schema::kHeightsCall || call == plan::kSurfaceWord;  // of what is fixed alone
     });
     return calls;
   }

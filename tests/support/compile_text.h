@@ -10,6 +10,7 @@
 #include "compiler/compile.h"
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/parametrised_words.h"
+#include "library/layouts/path.h"
 #include "library/layouts/pose_table.h"
 #include "library/scene_error.h"
 
@@ -55,6 +56,9 @@ inline plan::ReadPoses ReadTables(const scenario::ReadFile& read) {
         why = {true, path + ": " + missing, "write it"};
         return std::nullopt;
       }
+      if (poses.name == schema::kPathCall)
+        return layouts::FactsOfPath(layouts::Path(poses, layouts::ParsePathCsv(*text, path)),
+                                    plan::Sha256Hex(*text));
       const layouts::PoseTable table = layouts::ParsePoseCsv(*text, path);
       return plan::PoseFacts{plan::Sha256Hex(*text), table.rows.size(), table.has_orientation,
                              table.has_linear_velocity, table.has_angular_velocity};

@@ -57,20 +57,18 @@ Vec3 MiddleOf(std::span<const Box> boxes) {
 
 void Bodies::Learn(const Scene& scene) {
   size_ = movers_ = scene.size;
-  while (movers_ > 0 && scene.filters[movers_ - 1].is_fixed) --movers_;
+  const auto stays = [](const Filter& filter) { return filter.is_fixed && !filter.is_kinematic; };
+  while (movers_ > 0 && stays(scene.filters[movers_ - 1])) --movers_;
   if (size_ - movers_ > kMaxWalls) movers_ = size_;
   const auto movers = scene.filters.first(movers_);
   movers_collide_ =
       std::ranges::all_of(movers, [&](const Filter& f) { return AreSame(f, movers[0]); }) &&
       (movers_ == 0 || scene.MayCollide(0, 0));
-  fixed_ = static_cast<std::size_t>(std::ranges::count(movers, true, &Filter::is_fixed));
   middle_ = MiddleOf(scene.boxes.first(movers_));
 }
 
 bool Bodies::AllSleep(const Scene& scene) const {
-  if (scene.is_asleep.size() < movers_) return false;
-  const auto awake = std::ranges::count(scene.is_asleep.first(movers_), 0);
-  return static_cast<std::size_t>(awake) == fixed_;
+  return !scene.is_asleep.empty() && std::ranges::find(scene.is_asleep, 0) == scene.is_asleep.end();
 }
 
 void Bodies::MeasureRoom(const Scene& scene) {

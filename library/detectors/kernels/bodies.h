@@ -41,7 +41,7 @@ class Bodies {
   void MeasureRoom(const Scene& scene);
   const Box& room() const { return room_; }
   const std::vector<Id>& others() const { return others_; }  ///< walls that do not bound the room
-  /// All movers are asleep or fixed. False if this is not known.
+  /// No body has moved if this holds twice running. False if this is not known.
   bool AllSleep(const Scene& scene) const;
   /// Appends the pairs of these movers and the walls that bound the room.
   void MeetBounds(const Scene& scene, std::span<const Id> movers, PairBuffer& pairs) const;
@@ -54,7 +54,6 @@ class Bodies {
  private:
   std::size_t size_ = static_cast<std::size_t>(-1), movers_ = 0;
   bool movers_collide_ = true;  ///< any two movers may collide
-  std::size_t fixed_ = 0;       ///< among the movers
   Vec3 middle_ = {};            ///< of the finite boxes of movers, when they were learnt
   Box room_ = {};
   std::vector<Id> bounds_, others_;  ///< walls

@@ -125,6 +125,7 @@ Vector3d PieceSupport(const Shape& shape, std::size_t piece, const Vector3d& dir
       return best;
     }
     case ShapeKind::kPlane:
+    case ShapeKind::kSurface:
       break;
   }
   return Vector3d::Zero();

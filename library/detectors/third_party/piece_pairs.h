@@ -18,7 +18,7 @@ inline constexpr double kNear = 0.02;
 class PiecePairs : public Detector {
  public:
   void Prepare(const Scene& scene) final;
-  /// Refuses planes, and every pair of a scene without shapes, which Bullet then handles.
+  /// Refuses planes, surfaces, and every pair of a scene without shapes, which Bullet then handles.
   bool Handles(const Scene& scene, Id a, Id b) const final;
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
                     std::vector<Contact>& contacts) final;
@@ -32,7 +32,9 @@ class PiecePairs : public Detector {
     std::size_t piece;
   };
 
-  virtual bool Takes(const Shape& shape) const { return shape.kind != ShapeKind::kPlane; }
+  virtual bool Takes(const Shape& shape) const {
+    return shape.kind != ShapeKind::kPlane && shape.kind != ShapeKind::kSurface;
+  }
   /// Called once for each form, in order from 0.
   virtual void AddForm(const Shape& /*shape*/) {}
   /// Appends the contacts of two pieces.

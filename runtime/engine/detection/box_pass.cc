@@ -266,7 +266,7 @@ void BoxPass::Update(bool updates_all, std::span<Box> boxes, std::span<std::uint
     const bool sleeps =
         body.getActivationState() == ISLAND_SLEEPING && !body.isStaticOrKinematicObject();
     const bool still_sleeps = sleeps && is_asleep[i] != 0;
-    is_asleep[i] = sleeps;
+    is_asleep[i] = sleeps || body.isStaticObject();
     if (still_sleeps || !(updates_all || body.isActive())) continue;
     if (!Write(shapes_[at.shape], body, boxes[i])) body.setActivationState(DISABLE_SIMULATION);
   }

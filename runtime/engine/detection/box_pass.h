@@ -23,9 +23,9 @@ class BoxPass {
 
   /// Writes the boxes of active bodies, and, if `updates_all`, of the others. Skips those that were
   /// asleep in the last call too: they have not moved. `is_asleep` has the last call's values and
-  /// gets this one's; fixed and kinematic bodies are never asleep. A body whose box exceeds
-  /// Bullet's limit of 10^6 m keeps its box and is switched off, as by Bullet. Both spans have a
-  /// value for each body.
+  /// gets this one's; fixed bodies are always asleep, kinematic ones never. A body whose box
+  /// exceeds Bullet's limit of 10^6 m keeps its box and is switched off, as by Bullet. Both spans
+  /// have a value for each body.
   void Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep);
 
   /// Whether the boxes of this body are computed here.

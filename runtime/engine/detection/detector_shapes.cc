@@ -29,6 +29,7 @@ ShapeKind KindOf(const Solid& solid) {
     case objects::Shape::kCompound:
       break;
   }
+  if (solid.IsSurface()) return ShapeKind::kSurface;
   return solid.PieceCount() == 1 ? ShapeKind::kHull : ShapeKind::kCompound;
 }
 
@@ -85,7 +86,8 @@ Shape DetectorShapes::Of(const Solid& solid) {
                  .centre = {0, solid.BoxCentre(), 0},
                  .normal = {0, 0, 0},
                  .hulls = {}};
-  if (kind != ShapeKind::kHull && kind != ShapeKind::kCompound) return shape;
+  if (kind != ShapeKind::kHull && kind != ShapeKind::kCompound && kind != ShapeKind::kSurface)
+    return shape;
   shape.hulls = PiecesOf(solid).hulls;
   Vector3d lower, upper;
   for (int axis = 0; axis < 3; ++axis) {

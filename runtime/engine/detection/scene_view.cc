@@ -1,5 +1,6 @@
 #include "runtime/engine/detection/scene_view.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "runtime/engine/detection/wall_pairs.h"
@@ -51,7 +52,11 @@ SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
   filters_.resize(size());
   is_asleep_.assign(size(), 0);
   box_pass_.emplace(std::span(bodies_).first(first_plane_));
-  for (Id id = 0; id < size(); ++id) filters_[id].is_fixed = body(id).isStaticObject();
+  std::fill(is_asleep_.begin() + first_plane_, is_asleep_.end(), 1);
+  for (Id id = 0; id < size(); ++id) {
+    filters_[id].is_fixed = body(id).isStaticOrKinematicObject();
+    filters_[id].is_kinematic = body(id).isKinematicObject();
+  }
 }
 
 void SceneView::SetFilter(Id id, int group, int mask) {

@@ -25,7 +25,7 @@ inline void ReadStates(const world::Engine& engine, BodyStates& states) {
   for (std::size_t i = 0; i < states.size(); ++i) {
     const btRigidBody& body = *engine.objects()[i];
     states[i] = {body.getWorldTransform(), body.getLinearVelocity(), body.getAngularVelocity(),
-                 body.getActivationState() == ISLAND_SLEEPING && !body.isStaticObject()};
+                 body.getActivationState() == ISLAND_SLEEPING && !body.isStaticOrKinematicObject()};
   }
 }
 

@@ -135,7 +135,7 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
   Seen seen;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const btRigidBody& body = *engine_.objects()[i];
-    if (body.isStaticObject()) continue;
+    if (body.isStaticOrKinematicObject()) continue;
     Track& track = tracks_[i];
     const btTransform& pose = body.getWorldTransform();
     const Step step = StepOf(body, track);

@@ -65,7 +65,7 @@ void PairReferee::ReadBoxes() {
     boxes_[id] = {Corner(lower), Corner(upper)};
     filters_[id] = {static_cast<std::uint32_t>(proxy->m_collisionFilterGroup),
                     static_cast<std::uint32_t>(proxy->m_collisionFilterMask),
-                    body.isStaticObject()};
+                    body.isStaticOrKinematicObject()};
   };
   for (const auto& body : engine_.objects()) read(*body);
   for (const auto& wall : engine_.walls()) read(*wall);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "library/objects/surface.h"
 #include "runtime/engine/probes/solid_core.h"
 #include "runtime/engine/world/conversions.h"
 
@@ -63,6 +64,7 @@ bool PathMeets(const objects::Solid& solid, const Motion& centre, const Motion& 
 
 PassWatch::PassWatch(const world::Engine& engine) : engine_(engine) {
   for (const layouts::ObjectState& object : engine.initial_state().objects) {
+    if (object.solid.IsSurface()) surfaces_.push_back(static_cast<std::uint32_t>(sizes_.size()));
     const double inner = object.solid.InnerRadius(), outer = object.solid.OuterRadius();
     const double least = inner > 0 ? inner : object.solid.LeastHalfExtent();
     sizes_.push_back({inner, outer, kFastWay * least, object.solid.IsBall() ? 0 : outer});
@@ -70,10 +72,31 @@ PassWatch::PassWatch(const world::Engine& engine) : engine_(engine) {
 }
 
 std::int32_t PassWatch::After(const BodyStates& before, const BodyStates& now) {
-  const std::int32_t left = entries_.empty() ? 0 : FollowEntries();
+  const std::int32_t left = (entries_.empty() ? 0 : FollowEntries()) + CrossSurfaces(before, now);
   if (!AnyIsFast(before, now)) return left;
   SweepAll(before, now);
   return left + ComparePaths(before);
+}
+
+/// Objects whose centre of mass is in their solid; a ring may lie about a spike.
+std::int32_t PassWatch::CrossSurfaces(const BodyStates& before, const BodyStates& now) const {
+  std::int32_t crossed = 0;
+  for (const std::uint32_t surface : surfaces_) {
+    const btRigidBody& ground = *engine_.objects()[surface];
+    const objects::Pose pose = world::ToPose(ground.getWorldTransform());
+    const objects::Compound& compound = *engine_.initial_state().objects[surface].solid.compound;
+    for (std::uint32_t i = 0; i < sizes_.size(); ++i) {
+      const btRigidBody& body = *engine_.objects()[i];
+      if (body.isStaticOrKinematicObject() || !(sizes_[i].inner > 0) ||
+          !engine_.MayTouch(i, surface))
+        continue;
+      const Vector3d from = world::ToEigen(before[i].pose.getOrigin());
+      const Vector3d to = world::ToEigen(now[i].pose.getOrigin());
+      if (!from.allFinite() || !to.allFinite()) continue;
+      crossed += Crosses(compound, InAxesOf(pose, from), InAxesOf(pose, to));
+    }
+  }
+  return crossed;
 }
 
 bool PassWatch::IsFast(std::size_t object, const BodyState& before, const BodyState& now) const {
@@ -126,7 +149,10 @@ std::int32_t PassWatch::ComparePaths(const BodyStates& before) {
 /// Remembers a centre that ends inside.
 bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint32_t other) {
   if (!(sizes_[object].inner > 0) || !engine_.MayTouch(object, other)) return false;
+  const auto& solids = engine_.initial_state().objects;
   const btRigidBody &body = *engine_.objects()[object], &through = *engine_.objects()[other];
+  if (solids[object].solid.IsSurface() || solids[other].solid.IsSurface()) return false;
+  if (body.isStaticOrKinematicObject() && through.isStaticOrKinematicObject()) return false;
   const auto origin = [](const btTransform& pose) { return world::ToEigen(pose.getOrigin()); };
   if (LeastDistance(origin(before[object].pose) - origin(before[other].pose),
                     origin(body.getWorldTransform()) - origin(through.getWorldTransform())) >

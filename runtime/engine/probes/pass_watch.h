@@ -11,7 +11,8 @@
 namespace cdb::probes {
 
 /// Paths are straight, as Bullet moves bodies; a turn of the other solid is followed in steps of a
-/// tenth of a radian. Only objects that moved by half their inner radius in the cycle are compared
+/// tenth of a radian. A surface is passed where the path of a centre of mass crosses it, however
+/// slow. Of solids, only objects that moved by half their inner radius in the cycle are compared
 /// with others, along the axis on which the objects are spread most: near linear in their number.
 /// Not looked at: linked objects, which do not collide; objects whose centre of mass lies outside
 /// their solid, such as a torus; walls. The engine must outlive it. Not for several threads.
@@ -43,12 +44,14 @@ class PassWatch {
   bool IsFast(std::size_t object, const BodyState& before, const BodyState& now) const;
   bool AnyIsFast(const BodyStates& before, const BodyStates& now) const;
   void SweepAll(const BodyStates& before, const BodyStates& now);
+  std::int32_t CrossSurfaces(const BodyStates& before, const BodyStates& now) const;
   bool Passed(const BodyStates& before, std::uint32_t object, std::uint32_t other);
   std::int32_t FollowEntries();
   std::int32_t ComparePaths(const BodyStates& before);
 
   const world::Engine& engine_;
-  std::vector<Size> sizes_;     ///< by object
+  std::vector<Size> sizes_;  ///< by object
+  std::vector<std::uint32_t> surfaces_;
   std::vector<Swept> swept_;    ///< of this cycle
   std::vector<Entry> entries_;  ///< centres that are inside another object
 };

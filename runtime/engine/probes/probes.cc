@@ -135,7 +135,7 @@ void Probes::SetScales() {
   }
   header_.scales.least_side = smallest;
   header_.scales.moving_objects = static_cast<double>(std::ranges::count_if(
-      engine_.objects(), [](const auto& body) { return !body->isStaticObject(); }));
+      engine_.objects(), [](const auto& body) { return !body->isStaticOrKinematicObject(); }));
   header_.scales.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
 }
 
@@ -254,6 +254,7 @@ void Probes::RecordStability(std::uint64_t cycle) {
       ++non_finite;
       continue;
     }
+    if (body->isKinematicObject()) continue;  // where it was told to be
     escaped += engine_.MayTouchWalls(i) && IsBeyondWall(body->getWorldTransform().getOrigin());
     if (body->isStaticObject()) continue;  // Bullet marks fixed bodies as asleep
     fastest = std::max(fastest, world::ToEigen(body->getLinearVelocity()).norm());
@@ -309,7 +310,7 @@ void Probes::RecordFilters() {
     double* filter = &box_filters_[place * measure::kFilterSize];
     filter[0] = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
     filter[1] = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
-    filter[2] = body.isStaticObject() ? 1 : 0;
+    filter[2] = body.isStaticOrKinematicObject() ? 1 : 0;
   };
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) record(i, *engine_.objects()[i]);
   for (const auto& wall : engine_.walls()) record(PlaceOfWall(*wall), *wall);

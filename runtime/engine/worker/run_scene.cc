@@ -20,6 +20,7 @@
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/worker/harness.h"
 #include "runtime/engine/worker/settle.h"
+#include "runtime/engine/world/kinematics.h"
 #include "runtime/engine/world/schedules.h"
 
 namespace cdb::worker {
@@ -29,18 +30,21 @@ namespace {
 class Stepper {
  public:
   Stepper(const plan::Scene& scene, world::Engine& engine)
-      : engine_(engine), schedules_(scene, engine), guard_(engine) {}
+      : engine_(engine), schedules_(scene, engine), kinematics_(scene, engine), guard_(engine) {}
 
   void Step() {
-    schedules_.BeforeStep(steps_++);
+    schedules_.BeforeStep(steps_);
+    kinematics_.BeforeStep(steps_);
     guard_.BeforeStep();
     engine_.Step();
+    kinematics_.AfterStep(steps_++);
     guard_.AfterStep();
   }
 
  private:
   world::Engine& engine_;
   world::Schedules schedules_;
+  world::Kinematics kinematics_;
   world::OmissionGuard guard_;
   std::uint64_t steps_ = 0;
 };

@@ -233,7 +233,7 @@ void Engine::SetAcceleration(const Eigen::Vector3d& acceleration) {
   acceleration_ = acceleration;
   // Bullet gives gravity to those that are awake.
   for (const auto& body : objects_)
-    if (!body->isStaticObject()) body->activate(true);
+    if (!body->isStaticOrKinematicObject()) body->activate(true);
   world_->setGravity(ToBullet(acceleration));
 }
 
@@ -253,6 +253,11 @@ void Engine::MakeObject(const ObjectState& object) {
     body->setAngularVelocity(ToBullet(object.angular_velocity));
     if (!sleeping_) body->setActivationState(DISABLE_DEACTIVATION);
   }
+  if (object.is_kinematic) {
+    body->setCollisionFlags((body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
+                            btCollisionObject::CF_KINEMATIC_OBJECT);
+    body->setActivationState(DISABLE_DEACTIVATION);
+  }
   if (std::isfinite(object.contact_stiffness))
     body->setContactStiffnessAndDamping(static_cast<btScalar>(object.contact_stiffness),
                                         static_cast<btScalar>(object.contact_damping));
@@ -260,9 +265,9 @@ void Engine::MakeObject(const ObjectState& object) {
     // Bullet sweeps convex shapes alone, and says nothing.
     if (!shape->isConvex())
       throw SceneError(
-          fmt::format("object {}: ccd is for convex types, and it is a compound; set "
+          fmt::format("object {}: ccd is for convex types, and it is a {}; set "
                       "ccd off for its group",
-                      objects_.size() + 1));
+                      objects_.size() + 1, object.solid.IsSurface() ? "surface" : "compound"));
     const auto radius = static_cast<btScalar>(object.solid.InnerRadius());
     body->setCcdMotionThreshold(radius);
     body->setCcdSweptSphereRadius(radius);
@@ -297,7 +302,7 @@ void Engine::MakeWall(int wall) {
 void Engine::SettleRotation() {
   if (!omissions_.Omits(Component::kRotation)) return;
   const auto turning = std::ranges::find_if(objects_, [&](const auto& body) {
-    return !body->isStaticObject() && !MayOmitRotation(*body, timestep_);
+    return !body->isStaticOrKinematicObject() && !MayOmitRotation(*body, timestep_);
   });
   if (turning == objects_.end()) return;
   const std::string why =
@@ -368,7 +373,7 @@ void Engine::AddFilteredBodies() {
   };
   int movers = 0;  // that may touch walls
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const bool is_fixed = objects_[i]->isStaticObject();
+    const bool is_fixed = objects_[i]->isStaticOrKinematicObject();
     const std::size_t group = state_.objects[i].group;
     const int own = ClassGroup(collisions_.ClassOf(group), is_fixed);
     int mask = mask_of(group, is_fixed);

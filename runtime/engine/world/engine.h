@@ -23,7 +23,8 @@ namespace cdb::world {
 ///
 /// Walls are fixed bodies with the friction and restitution of library/walls.h. `plane` walls are
 /// infinite half spaces; `box` walls are a tenth of the cube's side thick and reach over its edges.
-/// A fixed object does not move: its velocities are drawn but not used. Not thread-safe.
+/// A fixed object does not move: its velocities are drawn but not used. A kinematic one is moved by
+/// Kinematics alone, and is where it begins until then. Not thread-safe.
 class Engine {
  public:
   /// Builds the world of `state`, which MakeInitialState drew from `scene`, without what

@@ -45,6 +45,11 @@ class LeanWorld : public btDiscreteDynamicsWorld {
     return (omitted_ >> static_cast<int>(component) & 1) != 0;
   }
 
+  /// Kinematic objects keep the velocities that Kinematics gave them; Bullet would work others out
+  /// of the last two poses, in its own precision.
+  void saveKinematicState(btScalar) override {
+    btDiscreteDynamicsWorld::saveKinematicState(btScalar(0));
+  }
   void predictUnconstraintMotion(btScalar timestep) override;
   void createPredictiveContacts(btScalar timestep) override;
   void calculateSimulationIslands() override;

@@ -86,7 +86,7 @@ Links::~Links() {
 
 void Links::Add(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
                 const btVector3& from) {
-  if (first.isStaticObject() && second.isStaticObject()) return;
+  if (first.isStaticOrKinematicObject() && second.isStaticOrKinematicObject()) return;
   const std::string_view type = settings.WordOr("links.type");
   const btVector3 to = second.getWorldTransform().getOrigin();
   Link link;

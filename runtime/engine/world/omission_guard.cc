@@ -51,7 +51,7 @@ OmissionGuard::OmissionGuard(Engine& engine)
       const auto at = static_cast<std::size_t>(axis);
       // Bullet makes no contact of two that are fixed.
       const auto is_free = [&](int wall) {
-        return body.isStaticObject() || !engine.IsWithoutWall(i, wall);
+        return body.isStaticOrKinematicObject() || !engine.IsWithoutWall(i, wall);
       };
       room.lower[at] = is_free(2 * axis) ? -kAnywhere : reach - half;
       room.upper[at] = is_free(2 * axis + 1) ? kAnywhere : half - reach;
@@ -93,7 +93,7 @@ void OmissionGuard::CheckOrder() {
   std::ranges::fill(touches_, 0);
   for (const btPersistentManifold& manifold : TouchingManifolds(engine_.world())) {
     for (const btCollisionObject* body : {manifold.getBody0(), manifold.getBody1()}) {
-      if (body->isStaticObject()) continue;
+      if (body->isStaticOrKinematicObject()) continue;
       char& touches = touches_[static_cast<std::size_t>(body->getUserIndex())];
       if (touches != 0)
         throw OmissionGuardTripped(
@@ -111,7 +111,7 @@ void OmissionGuard::CheckSleepers() {
   for (int i = 0; i < pairs.getNumOverlappingPairs(); ++i, ++pair) {
     const auto* a = static_cast<const btCollisionObject*>(pair->m_pProxy0->m_clientObject);
     const auto* b = static_cast<const btCollisionObject*>(pair->m_pProxy1->m_clientObject);
-    if (a->isStaticObject() || b->isStaticObject()) continue;
+    if (a->isStaticOrKinematicObject() || b->isStaticOrKinematicObject()) continue;
     has_met_[static_cast<std::size_t>(a->getUserIndex())] = 1;
     has_met_[static_cast<std::size_t>(b->getUserIndex())] = 1;
   }

@@ -66,7 +66,7 @@ void Schedules::Apply(Row& row, std::uint64_t step) {
   for (std::size_t i = row.first; i < row.end; ++i) {
     const Vector3d value = ValueAt(row, step);
     btRigidBody& body = *engine_.objects()[i];
-    if (body.isStaticObject()) continue;
+    if (body.isStaticOrKinematicObject()) continue;
     body.activate(true);
     if (row.target == Target::kLinearVelocity) {
       body.setLinearVelocity(ToBullet(value));

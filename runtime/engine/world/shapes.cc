@@ -68,6 +68,7 @@ bool IsRoundCapsule(const Solid& solid) {
 double EffectiveMargin(const Solid& solid, double margin) {
   // Bullet's sphere and capsule are all margin.
   if (solid.IsBall() || IsRoundCapsule(solid)) return 0;
+  if (solid.IsSurface()) return 0;
   const double least = solid.LeastHalfExtent();
   if (margin == kBulletMargin) return std::min(margin, least / 10);
   if (margin >= least)
@@ -243,6 +244,48 @@ std::unique_ptr<btCollisionShape> ShapePool::MakeCompound(const objects::Compoun
   return shape;
 }
 
+std::unique_ptr<btCollisionShape> ShapePool::MakeSurface(const objects::Compound& surface,
+                                                         btScalar margin) {
+  Triangles& triangles = *triangles_.emplace_back(std::make_unique<Triangles>());
+  const std::size_t count = surface.form().pieces.size();
+  for (std::size_t triangle = 0; triangle < count; ++triangle)
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      triangles.indices.push_back(static_cast<int>(triangles.corners.size()));
+      triangles.corners.push_back(ToBullet(surface.Corner(triangle, corner)));
+    }
+  btIndexedMesh mesh;
+  mesh.m_numTriangles = static_cast<int>(count);
+  mesh.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(triangles.indices.data());
+  mesh.m_triangleIndexStride = 3 * sizeof(int);
+  mesh.m_numVertices = static_cast<int>(triangles.corners.size());
+  mesh.m_vertexBase = reinterpret_cast<const unsigned char*>(triangles.corners.data());
+  mesh.m_vertexStride = sizeof(btVector3);
+  triangles.array.addIndexedMesh(mesh);
+  auto shape = std::make_unique<btBvhTriangleMeshShape>(&triangles.array, true);
+  shape->setMargin(margin);
+  return shape;
+}
+
+std::unique_ptr<btCollisionShape> ShapePool::MakeHeights(const objects::Compound& surface,
+                                                         btScalar margin) {
+  const meshes::HeightGrid& grid = *surface.form().heights;
+  const auto [low, high] = std::ranges::minmax(grid.heights);
+  const double middle = low + (high - low) / 2,
+               scale = high > low ? surface.sides().y() / (high - low) : 0;
+  std::vector<btScalar>& heights = triangles_.emplace_back(std::make_unique<Triangles>())->heights;
+  for (const double height : grid.heights)
+    heights.push_back(static_cast<btScalar>((height - middle) * scale));
+  const auto [least, most] = std::ranges::minmax(heights);
+  auto shape = std::make_unique<btHeightfieldTerrainShape>(static_cast<int>(grid.columns),
+                                                           static_cast<int>(grid.rows),
+                                                           heights.data(), least, most, 1, false);
+  const auto cells = [](std::size_t lines) { return static_cast<double>(lines - 1); };
+  shape->setLocalScaling(ToBullet(Eigen::Vector3d(surface.sides().x() / cells(grid.columns), 1,
+                                                  surface.sides().z() / cells(grid.rows))));
+  shape->setMargin(margin);
+  return shape;
+}
+
 btCollisionShape* ShapePool::Get(const Solid& solid, double margin) {
   const double effective = EffectiveMargin(solid, margin);
   auto& shape = shapes_[{solid.shape, solid.compound.get(), solid.sides.x(), solid.sides.y(),
@@ -250,7 +293,10 @@ btCollisionShape* ShapePool::Get(const Solid& solid, double margin) {
   if (shape != nullptr) return shape.get();
   const btVector3 half = ToBullet(solid.HalfExtents());
   const auto bullet_margin = static_cast<btScalar>(effective);
-  if (solid.compound != nullptr) {
+  if (solid.IsSurface()) {
+    shape = solid.compound->form().heights != nullptr ? MakeHeights(*solid.compound, bullet_margin)
+                                                      : MakeSurface(*solid.compound, bullet_margin);
+  } else if (solid.compound != nullptr) {
     shape = MakeCompound(*solid.compound, bullet_margin);
   } else if (solid.IsBall()) {
     shape = std::make_unique<btSphereShape>(half.x());

@@ -1,7 +1,10 @@
 // Converts the library's solids to Bullet shapes.
 #pragma once
 
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <btBulletCollisionCommon.h>
 
 #include <map>
@@ -54,25 +57,36 @@ btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& directio
 /// share its vertices whatever their size. Not for several threads.
 class ShapePool {
  public:
-  /// Valid while the pool lives: convex, or a btCompoundShape of convex ones. A ball's margin is
-  /// its radius and a plane has none: `margin` is then without effect. 0.04, the default, stands
-  /// for Bullet's own rule: 0.04 m, or a tenth of the least half extent (of any piece) where that
-  /// is less. Any other margin is taken as it is. Throws library::SceneError where it is not less
-  /// than the least half extent.
+  /// Valid while the pool lives: convex, a btCompoundShape of convex ones, or of a surface a
+  /// btBvhTriangleMeshShape or a btHeightfieldTerrainShape, which has no margin.
+  /// A ball's margin is its radius and a plane has none: `margin` is then without effect.
+  /// 0.04, the default, stands for Bullet's own rule: 0.04 m, or a tenth of the least half extent
+  /// (of any piece) where that is less. Any other margin is taken as it is. Throws
+  /// library::SceneError where it is not less than the least half extent.
   btCollisionShape* Get(const objects::Solid& solid, double margin);
   std::size_t size() const { return shapes_.size(); }
 
  private:
   using Key = std::tuple<objects::Shape, const objects::Compound*, double, double, double, double>;
   using Points = std::vector<btVector3>;  ///< of one piece
+  /// What the shape of a surface refers to.
+  struct Triangles {
+    std::vector<btVector3> corners;
+    std::vector<int> indices;
+    btTriangleIndexVertexArray array;
+    std::vector<btScalar> heights;  ///< m, of a height field alone
+  };
 
   std::unique_ptr<btCollisionShape> MakeCompound(const objects::Compound& compound,
                                                  btScalar margin);
+  std::unique_ptr<btCollisionShape> MakeSurface(const objects::Compound& surface, btScalar margin);
+  std::unique_ptr<btCollisionShape> MakeHeights(const objects::Compound& surface, btScalar margin);
   std::vector<Points>& PointsOf(const objects::ConvexDecomposition& form);
 
   std::map<const objects::ConvexDecomposition*, std::vector<Points>> points_;
   std::vector<std::unique_ptr<Points>> own_points_;        ///< of what is one piece
   std::vector<std::unique_ptr<btCollisionShape>> pieces_;  ///< of compounds
+  std::vector<std::unique_ptr<Triangles>> triangles_;      ///< of surfaces
   std::map<Key, std::unique_ptr<btCollisionShape>> shapes_;
 };
 

@@ -74,7 +74,7 @@ BoxScene::BoxScene(std::string_view name, std::size_t objects, bool walls, std::
     for (int wall = 0; wall < 6; ++wall) {
       boxes_.push_back({{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
       filters_.push_back({.group = 2, .mask = 1, .is_fixed = true});
-      is_asleep_.push_back(0);
+      is_asleep_.push_back(1);
     }
   }
   Move();

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/world/kinematics.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {
@@ -47,13 +48,18 @@ inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState
     world::Engine whole(scene, state, pruning::KeepEverything(scene));
     world::Engine pruned(scene, state, omissions);
     world::OmissionGuard guard(pruned);
+    const world::Kinematics of_whole(scene, whole), of_pruned(scene, pruned);
     const std::uint64_t steps = scene.world.Count("warmup") + scene.world.Count("cycles");
     std::uint64_t step = 0;
     try {
       for (; step < steps; ++step) {
+        of_whole.BeforeStep(step);
+        of_pruned.BeforeStep(step);
         guard.BeforeStep();
         whole.Step();
         pruned.Step();
+        of_whole.AfterStep(step);
+        of_pruned.AfterStep(step);
         guard.AfterStep();
         if (HaveSameState(whole, pruned)) continue;
         ADD_FAILURE() << "another state after step " << step + 1 << " of " << steps << " without\n"

@@ -79,6 +79,7 @@ class Gjk final : public PiecePairs {
   bool Takes(const Shape& shape) const override {
     switch (shape.kind) {
       case ShapeKind::kPlane:
+      case ShapeKind::kSurface:
         return false;
       case ShapeKind::kCylinder:
       case ShapeKind::kCone:

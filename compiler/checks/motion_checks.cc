@@ -1,0 +1,79 @@
+// What kinematic objects cannot do, and what only they can; surfaces, which do not move.
+#include <fmt/format.h>
+
+#include "compiler/checks/scene_checks.h"
+#include "compiler/plan/kinematic.h"
+#include "compiler/plan/poses.h"
+#include "compiler/plan/surface.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+
+namespace cdb::checks {
+namespace {
+
+struct MotionFault {
+  schema::GroupParameter parameter;
+  std::string message, help;
+};
+
+/// What Bullet would do with one differs from shape to shape.
+std::optional<MotionFault> FindMarginFault(const plan::Group& group) {
+  const schema::Value& given = group.settings.Get("margin");
+  // The default is no margin here.
+  if (schema::ToText(given) == (*schema::GroupParameter("margin")).default_text)
+    return std::nullopt;
+  return MotionFault{"margin",
+                     fmt::format("a surface has no margin, and that of {} is {}", group.name,
+                                 schema::ToText(given)),
+                     "leave the margin out"};
+}
+
+std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
+  const plan::GroupSettings& settings = group.settings;
+  if (settings.Count("quantity") == 0) return std::nullopt;
+  if (plan::HasSurface(settings) && settings.WordOr("mass") != "fixed")
+    return MotionFault{
+        settings.WordOr("mass") == plan::kKinematicWord ? schema::GroupParameter("mass")
+                                                        : schema::GroupParameter("type"),
+        fmt::format("a surface has no inside and does not move, and the mass of {} is {}",
+                    group.name, schema::ToText(settings.Get("mass"))),
+        "write mass fixed, or type mesh(…) for a solid that moves"};
+  if (plan::HasSurface(settings))
+    if (auto fault = FindMarginFault(group)) return fault;
+  if (plan::PathOf(group) != nullptr && settings.WordOr("mass") != plan::kKinematicWord)
+    return MotionFault{"location",
+                       fmt::format("a path moves a kinematic object, and the mass of {} is {}",
+                                   group.name, schema::ToText(settings.Get("mass"))),
+                       "write mass kinematic"};
+  if (!plan::HasKinematic(group)) return std::nullopt;
+  for (const auto parameter :
+       {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
+    if (const schema::Call* schedule = schema::AsCall(settings.Get(parameter)))
+      return MotionFault{
+          parameter,
+          fmt::format("'{}' changes a velocity, and kinematic objects keep theirs", schedule->name),
+          "write one velocity, or how they move in a file: location path(\"motion.csv\")"};
+  const schema::Call* layout = schema::AsCall(settings.Get("location"));
+  if (layout != nullptr && layout->name == "pile")
+    return MotionFault{
+        "location", fmt::format("the {} are kinematic and do not settle into a pile", group.name),
+        "give them a mass, or another location"};
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool SceneChecks::CheckMotion(evaluate::Configuration& configuration, const plan::Scene& scene) {
+  bool good = true;
+  for (const plan::Group& group : scene.groups) {
+    const auto fault = FindMotionFault(group);
+    if (!fault) continue;
+    good = false;
+    if (misplaced_.emplace(group.name, fault->message).second)
+      diagnostics_.Report(scenario::kContradiction,
+                          configuration.SpanOf({group.name, fault->parameter.get()}, benchmark_),
+                          fault->message, fault->help);
+  }
+  return good;
+}
+
+}  // namespace cdb::checks

@@ -1,0 +1,90 @@
+#include "library/objects/surface.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <utility>
+
+#include "library/scene_error.h"
+
+namespace cdb::objects {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+using Corners = std::array<Vector3d, 3>;
+
+Vector3d AreaOf(const Corners& corners) {
+  return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+}
+
+/// On which side of the triangle's plane; the plane itself is above.
+bool IsAbove(const Corners& corners, const Vector3d& normal, const Vector3d& point) {
+  return normal.dot(point - corners[0]) >= 0;
+}
+
+/// The line goes through the triangle, its edges included.
+bool GoesThrough(const Corners& corners, const Vector3d& from, const Vector3d& way) {
+  int positive = 0, negative = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double side = way.dot((corners[i] - from).cross(corners[(i + 1) % 3] - from));
+    positive += side > 0;
+    negative += side < 0;
+  }
+  return positive == 0 || negative == 0;
+}
+
+}  // namespace
+
+ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
+  constexpr double kNoArea = 1e-12;  // of the square of the longest side
+  AlignedBox3d box;
+  for (const meshes::Triangle& triangle : mesh.triangles)
+    for (const Vector3d& corner : meshes::CornersOf(mesh, triangle)) box.extend(corner);
+  const double longest = box.isEmpty() ? 0 : box.sizes().maxCoeff();
+  ConvexDecomposition form;
+  form.name = std::move(name);
+  // A flat mesh has no extent along an axis, and is the same at any.
+  const Vector3d sides = (box.sizes().array() > 0).select(box.sizes(), longest);
+  form.proportions = sides / longest;
+  std::vector<AlignedBox3d> boxes;
+  for (const meshes::Triangle& triangle : mesh.triangles) {
+    const Corners corners = meshes::CornersOf(mesh, triangle);
+    if (!(AreaOf(corners).norm() > kNoArea * longest * longest)) continue;
+    AlignedBox3d around;
+    ConvexPiece piece;
+    for (const Vector3d& corner : corners) {
+      piece.vertices.push_back((corner - box.center()).cwiseQuotient(sides));
+      around.extend(piece.vertices.back());
+    }
+    piece.centre = around.center();
+    piece.half = around.sizes() / 2;
+    for (Vector3d& vertex : piece.vertices) vertex -= piece.centre;
+    piece.faces.push_back({0, 1, 2});
+    form.pieces.push_back(std::move(piece));
+    boxes.push_back(around);
+  }
+  if (form.pieces.empty())
+    throw library::SceneError(fmt::format("{}: its triangles have no area", form.name),
+                              "name another model");
+  if (form.pieces.size() > kMaxSurfaceTriangles)
+    throw library::SceneError(fmt::format("{}: it has {} triangles, more than {}", form.name,
+                                          form.pieces.size(), kMaxSurfaceTriangles),
+                              "simplify the model first");
+  form.tree = std::make_shared<const BoxTree>(std::move(boxes));
+  return form;
+}
+
+bool Crosses(const Compound& surface, const Vector3d& from, const Vector3d& to) {
+  AlignedBox3d path(from.cwiseMin(to), from.cwiseMax(to));
+  return surface.AnyPieceIn(path, [&](std::size_t piece) {
+    const Corners corners = {surface.Corner(piece, 0), surface.Corner(piece, 1),
+                             surface.Corner(piece, 2)};
+    const Vector3d normal = AreaOf(corners);
+    return IsAbove(corners, normal, from) != IsAbove(corners, normal, to) &&
+           GoesThrough(corners, from, to - from);
+  });
+}
+
+}  // namespace cdb::objects

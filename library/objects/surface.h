@@ -1,0 +1,26 @@
+// Surfaces: the triangles of a mesh as they are, open or closed, without an inside.
+//
+// A surface is a form whose pieces are the triangles, flat, with a tree to find those near a box.
+// It has no volume and no mass; its origin is the middle of its box, its axes those of the mesh.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "library/meshes/mesh.h"
+#include "library/objects/compound.h"
+
+namespace cdb::objects {
+
+/// More are refused: Bullet numbers no more.
+inline constexpr std::size_t kMaxSurfaceTriangles = 2'000'000;
+
+/// Triangles without area are dropped. Throws SceneError, that begins with `name`, where none is
+/// left or there are too many.
+ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh);
+
+/// Whether the straight path between two points, in the surface's axes, crosses it. Of two paths
+/// that meet on it, one does.
+bool Crosses(const Compound& surface, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
+}  // namespace cdb::objects
