@@ -92,7 +92,10 @@ plan::Scene QuietScene(const Settling& settling) {
 
 InitialState QuietState(const Settling& settling, double growth) {
   InitialState state = settling.dropped;
-  for (ObjectState& object : state.objects) object.mass = 0;
+  for (ObjectState& object : state.objects) {
+    object.mass = 0;
+    object.is_kinematic = false;  // all others stay where they begin
+  }
   std::map<const objects::Compound*, std::shared_ptr<const objects::Compound>> grown;
   const double push = 0.5 * std::sqrt(settling.gravity * settling.diameter);
   for (const std::uint32_t i : settling.piled) {

@@ -9,6 +9,7 @@
 
 #include "library/objects/overlap.h"
 #include "library/scene_error.h"
+#include "tests/library/layouts/layout_scene.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/support/cache.h"
 
@@ -66,6 +67,19 @@ TEST_F(Pile, LiesOnTheFloorAndOverlapsNowhere) {
   // A heap, and not the lattice of about 7 m that they were dropped from.
   EXPECT_GT(highest, -19);
   EXPECT_LT(highest, -15);
+}
+
+TEST_F(Pile, SettlesBesideWhatMovesLater) {
+  plan::Scene scene = PileScene(20);
+  const std::size_t group = AddGroup(scene, "stirrer", 1, Points({{0, -10, 0}}));
+  SetGroup(scene, "mass", Word("fixed"), group);
+  SeedStreams(scene);
+  const layouts::InitialState still = Settled(scene);
+  SetGroup(scene, "mass", Word("kinematic"), group);
+  SetGroup(scene, "linear_velocity", Vector3d(0, -1, 0), group);
+  const layouts::InitialState moving = Settled(scene);
+  for (std::size_t i = 0; i < still.objects.size(); ++i)
+    EXPECT_EQ(moving.objects[i].pose.position, still.objects[i].pose.position) << i;
 }
 
 TEST_F(Pile, StaysWhereItIs) {

@@ -190,5 +190,37 @@ TEST(Kinematics, EveryDetectorMovesAlike) {
   }
 }
 
+/// Pairs with what sleeps are found, though only the mover moves, the first or last of the bodies.
+TEST(Kinematics, MeetWhatSleeps) {
+  for (const bool is_last : {false, true}) {
+    SCOPED_TRACE(is_last);
+    plan::Scene scene = LayoutScene(1, 40, Points({{0, -19.4, 0}}));
+    SetWorld(scene, "precision", Word(world::EnginePrecision()));
+    SetWorld(scene, "pair_order", Word("sorted"));
+    SetWorld(scene, "cycles", std::uint64_t{360});
+    SetGroup(scene, "type", Word("cuboid"));
+    const std::size_t group = AddGroup(scene, "mover", 1, Points({{-16, -19.4, 0}}));
+    const std::size_t mover = is_last ? group : 0;
+    if (!is_last) std::swap(scene.groups[0].settings, scene.groups[group].settings);
+    SetGroup(scene, "type", Word("cuboid"), mover);
+    SetGroup(scene, "mass", Word("kinematic"), mover);
+    SetGroup(scene, "linear_velocity", Vector3d(4, 0, 0), mover);
+    std::string hash;
+    for (const char* detector : {"dbvt", "skin", "grid", "auto"}) {
+      SetWorld(scene, "detector", Word(detector));
+      bool has_slept = false;
+      RunMoved(scene, 180, [&](std::uint64_t, const world::Engine& engine) {
+        has_slept |= engine.objects()[1 - mover]->getActivationState() == ISLAND_SLEEPING;
+      });
+      EXPECT_TRUE(has_slept) << detector;
+      const Recorded run = RunHere(scene);
+      ASSERT_TRUE(run.done()) << run.message();
+      if (hash.empty()) hash = run.hash();
+      EXPECT_EQ(run.hash(), hash) << detector;
+      EXPECT_GT(Position(*run.engine, 1 - mover).x(), 6) << detector << ": pushed along";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cdb::tests
