@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "library/detectors/detector.h"
 #include "runtime/process/probe_plugin.h"
 #include "runtime/store/store.h"
 #include "tests/support/folders.h"
@@ -175,7 +176,8 @@ TEST(Plugins, AreRefusedWhereTheyAreNamed) {
   const Case cases[] = {
       {"nowhere.so", "cannot read 'nowhere.so'"},
       {"text.so", "cannot load 'text.so'"},
-      {PluginFile("other_abi"), "was built for detector interface 2, this cdb has 1"},
+      {PluginFile("other_abi"), fmt::format("was built for detector interface {}, this cdb has {}",
+                                            kDetectorAbi + 1, kDetectorAbi)},
       {PluginFile("other_build"), "was built with another library"},
       {PluginFile("no_symbol"), "it has no function cdb_plugin"},
       {PluginFile("crashes"), "cannot be loaded: the process that tried"},
