@@ -1,6 +1,7 @@
 // `cdb merge`: a results file from the shards of a run.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -26,19 +27,37 @@ struct MergeArguments {
   std::vector<std::string> shards;  ///< shards, or folders of them
 };
 
-/// The plan lies beside the shards of a run.
-std::string FindPlan(const std::vector<std::string>& shards) {
+/// The plans that lie beside the shards of runs, the same file once.
+std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
   std::error_code error;
+  std::vector<std::string> plans;
   for (const std::string& place : shards) {
     const fs::path folder =
         fs::is_directory(place, error) ? fs::path(place) : fs::path(place).parent_path();
-    const fs::path beside = folder / "plan.yaml";
-    if (fs::exists(beside, error)) return beside.string();
+    const std::string beside = (folder / "plan.yaml").string();
+    if (fs::exists(beside, error) && std::ranges::find(plans, beside) == plans.end())
+      plans.push_back(beside);
   }
+  if (!plans.empty()) return plans;
   throw CommandError(fmt::format(
       "there is no plan.yaml in or beside '{}'; merge takes the folders that shards are in, as "
       "`cdb run` makes them",
       fmt::join(shards, "', '")));
+}
+
+/// The one plan of all files. Throws CommandError where they are of several.
+SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
+  const std::string text = ReadText(files[0]);
+  SizedPlan sized = ReadSizedPlan(text, files[0]);
+  for (const std::string& file : files) {
+    const std::string other = ReadText(file);
+    if (other != text && ReadSizedPlan(other, file).plan.Sha256() != sized.plan.Sha256())
+      throw CommandError(
+          fmt::format("'{}' and '{}' are two plans, and nothing was merged; a results file is of "
+                      "one plan: merge the shards of each by themselves",
+                      files[0], file));
+  }
+  return sized;
 }
 
 /// Throws CommandError where `out` holds the results of another plan.
@@ -58,8 +77,7 @@ std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) 
 }
 
 ExitStatus Merge(const MergeArguments& arguments) {
-  const std::string plan_file = FindPlan(arguments.shards);
-  const SizedPlan sized = ReadSizedPlan(ReadText(plan_file), plan_file);
+  const SizedPlan sized = ReadOnePlan(FindPlans(arguments.shards));
   const plan::Plan& plan = sized.plan;
   CheckIsOfPlan(arguments.out, plan);
   const std::vector<fs::path> places(arguments.shards.begin(), arguments.shards.end());
