@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <set>
@@ -16,6 +20,7 @@
 #include "runtime/measure/recording.h"
 #include "runtime/measure/series.h"
 #include "runtime/process/worker.h"
+#include "runtime/store/store.h"
 
 namespace cdb::cli {
 namespace {
@@ -102,6 +107,37 @@ double StepSeconds(const process::Ending& ending, const plan::Scene& scene) {
   return nanoseconds * 1e-9 / static_cast<double>(cycles);
 }
 
+/// Shards where `cdb run` would write them by default; gone with this.
+class TrialShards {
+ public:
+  explicit TrialShards(const plan::Plan& plan) : writer_(plan, provenance_) {
+    std::error_code error;
+    std::filesystem::create_directory(folder_, error);
+  }
+  ~TrialShards() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  TrialShards(const TrialShards&) = delete;
+  TrialShards& operator=(const TrialShards&) = delete;
+
+  /// s; nullopt where the folder cannot be written to.
+  std::optional<double> TimeOf(const plan::Run& run, const store::RunResult& result) const {
+    const auto begin = std::chrono::steady_clock::now();
+    try {
+      writer_.Write(run, result, folder_);
+    } catch (const store::StoreError&) {
+      return std::nullopt;
+    }
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+
+ private:
+  const store::Provenance provenance_;
+  const store::ShardWriter writer_;
+  const std::filesystem::path folder_ = fmt::format(".cdb-estimate-{}", getpid());
+};
+
 std::string Bytes(double bytes) {
   constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB", "PB"};
   std::size_t unit = 0;
@@ -141,6 +177,7 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
   for (const plan::Run& run : whole) plan.runs.push_back(Shortened(run));
   estimate.piles = CountPiles(grid, whole);
   std::set<std::string> settled;  // piles
+  const TrialShards shards(plan);
   process::ProcessLauncher launcher(process::FindWorkers(plan), 1, &stop);
   for (std::size_t i = 0; i < whole.size() && !stop.requested(); ++i) {
     const plan::Scene& scene = whole[i].scene;
@@ -163,7 +200,10 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
     const auto cycles =
         static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
     estimate.cycles = std::max(estimate.cycles, sampled);
-    estimate.samples.push_back({rest + step * cycles, settling, SeriesBytes(scene)});
+    const auto writing = shards.TimeOf(plan.runs[i], ending->result);
+    estimate.has_shards = estimate.has_shards && writing;
+    estimate.samples.push_back(
+        {rest + step * cycles + writing.value_or(0), settling, SeriesBytes(scene)});
   }
   estimate.settled_piles = settled.size();
   return estimate;
@@ -231,6 +271,8 @@ std::string EstimateText(const SweepEstimate& estimate, const std::string& bench
       estimate.samples.size(), estimate.points, estimate.cycles,
       Duration(*std::ranges::min_element(seconds)), Duration(*std::ranges::max_element(seconds)));
   text += "  Not known: how the time of a cycle changes after these; what other programs disturb";
+  if (!estimate.has_shards)
+    text += ";\n  how long writing the results takes, as nothing can be written to this folder";
   text += estimate.has_references ? "; the reference runs, which\n  come on top.\n" : ".\n";
   return text;
 }

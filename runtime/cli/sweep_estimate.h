@@ -13,7 +13,7 @@ namespace cdb::cli {
 
 /// A run that was executed for a few cycles.
 struct SampledRun {
-  double seconds = 0;   ///< predicted for all of its cycles, without settling
+  double seconds = 0;   ///< predicted for all of its cycles and for its shard, without settling
   double settling = 0;  ///< s, of its piles; 0 where it has none, or found them settled
   double bytes = 0;     ///< of its series, before compression
 };
@@ -32,11 +32,13 @@ struct SweepEstimate {
   std::vector<std::string> failures;  ///< why sampled runs did not end well
   std::uint64_t cycles = 0;           ///< that each was run for, at most
   bool has_references = false;        ///< runs are compared with reference runs, which come on top
+  bool has_shards = true;             ///< shards could be written here, and their time is included
   /// Different piles of all runs, about, and of the sampled runs, which are settled by now.
   std::uint64_t piles = 0, settled_piles = 0;
 };
 
-/// Runs about kSampledRuns points, spread over the grid, one after the other. Throws ScheduleError.
+/// Runs about kSampledRuns points, spread over the grid, one after the other. Writes their shards
+/// to a folder in the current one, which it removes. Throws ScheduleError.
 SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& stop);
 inline constexpr std::size_t kSampledRuns = 9;
 inline constexpr std::uint64_t kSampledCycles = 30;

@@ -315,9 +315,30 @@ TEST(Plan, EstimatesWhatASweepWillCost) {
   EXPECT_EQ(some.status, 0) << some.err;
   EXPECT_NE(some.out.find("small: 4 runs\n"), std::string::npos) << some.out;
   EXPECT_NE(some.out.find("Sampled: 4 of 4 points"), std::string::npos) << some.out;
+  EXPECT_EQ(program.Shell("ls -A | grep -c estimate").out, "0\n") << "sampled shards are gone";
   EXPECT_EQ(program.Run({"plan", "--estimate", "small.cdb", "-o", "p.yaml"}).status, 2);
   EXPECT_EQ(program.Run({"plan", "small.cdb", "-o", "p.yaml"}).status, 0);
   EXPECT_EQ(program.Run({"plan", "--estimate", "p.yaml"}).status, 2);
+}
+
+TEST(Merge, RefusesShardsOfTwoPlans) {
+  const Program program;
+  for (const char* name : {"a", "b"}) {
+    program.Write(fmt::format("{}.cdb", name),
+                  fmt::format("benchmark s {{ seed sweep(1, 2); cycles {}; world.side 20\n"
+                              "objects {{ size 1; quantity 2 }} }}",
+                              name[0] == 'a' ? 3 : 4));
+    const Finished run = program.Run({"run", fmt::format("{}.cdb", name), "-q", "--shard", "1/2",
+                                      "-o", fmt::format("{}.h5", name)});
+    EXPECT_EQ(run.status, 0) << run.err;
+  }
+  const Finished merged = program.Run({"merge", "-o", "x.h5", "a.runs", "b.runs"});
+  EXPECT_EQ(merged.status, 2);
+  EXPECT_NE(merged.err.find("'a.runs/plan.yaml' and 'b.runs/plan.yaml' are two plans"),
+            std::string::npos)
+      << merged.err;
+  EXPECT_FALSE(program.Exists("x.h5"));
+  EXPECT_EQ(program.Run({"merge", "-o", "x.h5", "a.runs", "a.runs"}).status, 0);
 }
 
 TEST(Plan, EstimatesWhatPilesTakeToSettle) {
