@@ -124,9 +124,14 @@ bool IsLint(const dsl::DiagnosticKind& kind) {
 
 std::string LintMessage(const LintNumber& number) {
   const LintInfo& info = InfoOf(number.lint);
-  return fmt::format("{}: {} is {:.3g}, and the limit is {:.3g}",
+  const std::string limit =
+      number.Severity() < 1
+          ? fmt::format("near the limit of {:.3g}: it happens at times from {:.2g} on",
+                        number.threshold, number.threshold * LintNumber::kDoubtful)
+          : fmt::format("and the limit is {:.3g}", number.threshold);
+  return fmt::format("{}: {} is {:.3g}, {}",
                      fmt::format(fmt::runtime(info.predicts), number.IsBad() ? "will" : "may"),
-                     info.number, number.value, number.threshold);
+                     info.number, number.value, limit);
 }
 
 std::string LintRemedy(const LintNumber& number) {
