@@ -15,7 +15,7 @@ class SceneError : public std::runtime_error {
   /// objects to blame, `parameter`: of its setting; empty where it is none alone.
   SceneError(const std::string& cause, const std::string& remedy, std::string group = {},
              std::string parameter = {})
-      : std::runtime_error(cause + "; " + remedy),
+      : std::runtime_error(remedy.empty() ? cause : cause + "; " + remedy),
         cause_(cause),
         remedy_(remedy),
         group_(std::move(group)),

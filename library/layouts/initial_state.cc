@@ -68,6 +68,17 @@ void TakePath(const plan::Group& group, std::span<ObjectState> objects) {
   }
 }
 
+/// What cannot be made is blamed on the type of the group.
+objects::Solid MakeSolid(objects::SolidFactory& solids, const schema::Value& type,
+                         const Vector3d& sides, const Vector3d& aspect, const std::string& group) {
+  try {
+    return solids.Make(type, sides, aspect);
+  } catch (const library::SceneError& error) {
+    if (!error.group().empty()) throw;
+    throw library::SceneError(error.cause(), error.remedy(), group, "type");
+  }
+}
+
 void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactory& solids,
                std::vector<ObjectState>& objects) {
   const plan::Group& group = scene.groups[index];
@@ -85,7 +96,7 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     numbers.Next();
     object.group = index;
     const schema::Value& chosen = type.Choice();
-    object.solid = solids.Make(chosen, numbers.Sides(), aspect);
+    object.solid = MakeSolid(solids, chosen, numbers.Sides(), aspect, group.name);
     numbers.SetVolume(object.solid.Volume());
     object.mass = numbers.Find("mass").value_or(0);  // the word is `fixed` or `kinematic`
     object.is_kinematic = numbers.Word("mass") == plan::kKinematicWord;

@@ -125,7 +125,7 @@ class CsvReader {
       const auto column = std::ranges::find(kNames, cells_[i]);
       const auto index = static_cast<std::size_t>(column - kNames.begin());
       if (!Takes(index))
-        Refuse(fmt::format("there is no column `{}`", dsl::Printable(cells_[i])),
+        Refuse(fmt::format("`{}` is no column that is known here", dsl::Printable(cells_[i])),
                std::string(layout_.columns));
       auto& place = places_[index];
       if (place) Refuse(fmt::format("the column `{}` is there twice", *column), "keep one of them");
