@@ -105,7 +105,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"at", "one object at this point, or at((0, 0, 0), (1, 2, 3)): one at each of several", kAt, true},
     {"pair", "two objects about the centre with this distance between their surfaces, in a random direction", kPair},
     {"poses", "as a file says: positions, and orientations and velocities where it has them", kPoses},
-    {"path", "one kinematic object, moved as a file says: its position, and orientation where it has it, at times", kPath},
+    {"path", "one kinematic object, moved along the poses of a file: columns t, x, y, z, and qw, qx, qy, qz where it turns", kPath},
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
     {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kModel},

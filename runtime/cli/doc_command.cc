@@ -57,8 +57,8 @@ std::string ScenarioText(const std::string& name) {
   return {};
 }
 
-/// `name`: a topic, a parameter, a word or a scenario; empty for the list of topics.
-ExitStatus Doc(const std::string& name) {
+/// `name`: a topic, a parameter, a word, a scenario or a command; empty for the list of topics.
+ExitStatus Doc(const std::string& name, const CLI::App& app) {
   if (name.empty()) {
     PrintTopics();
     return ExitStatus::kGood;
@@ -69,6 +69,11 @@ ExitStatus Doc(const std::string& name) {
   }
   if (const std::string text = ScenarioText(name); !text.empty()) {
     report::Print(text);
+    return ExitStatus::kGood;
+  }
+  for (const CLI::App* command :
+       app.get_subcommands([&](const CLI::App* one) { return one->get_name() == name; })) {
+    report::Print(command->help());
     return ExitStatus::kGood;
   }
   const std::vector<std::string> names = WordsFor("doc");
@@ -84,8 +89,8 @@ void AddDocCommand(CLI::App& app, ExitStatus& status) {
   const auto name = std::make_shared<std::string>();
   Subcommand command(app, "doc", "the reference: language, parameters, results");
   command.Optional("NAME", *name,
-                   "a topic, a parameter, a word, or a scenario that comes with cdb");
-  command.Action(status, [name] { return Doc(*name); });
+                   "a topic, a parameter, a word, a command, or a scenario that comes with cdb");
+  command.Action(status, [name, &app] { return Doc(*name, app); });
 }
 
 }  // namespace cdb::cli

@@ -73,13 +73,17 @@ std::string LanguageWordText(const schema::LanguageWord& word) {
                      report::Wrapped(word.doc, 2), word.syntax, word.example);
 }
 
-/// `walls: a word of omit, world.walls`; empty if no parameter takes it.
+/// `walls: a word of omit, world.walls`, and what these are; empty if no parameter takes it.
 std::string TakersText(std::string_view name) {
   std::vector<std::string> takers;
-  for (const Parameter& parameter : schema::Schema())
-    if (parameter.HasWord(name)) takers.push_back(parameter.FullName());
+  std::string about;
+  for (const Parameter& parameter : schema::Schema()) {
+    if (!parameter.HasWord(name)) continue;
+    takers.push_back(parameter.FullName());
+    about += "\n" + ParameterReference(parameter);
+  }
   if (takers.empty()) return {};
-  return report::Wrapped(fmt::format("{}: a word of {}", name, fmt::join(takers, ", ")), 0);
+  return report::Wrapped(fmt::format("{}: a word of {}", name, fmt::join(takers, ", ")), 0) + about;
 }
 
 std::string DiagnosticText(const Explanation& row) {
