@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <system_error>
 #include <vector>
 
@@ -193,6 +194,9 @@ measure::TraceMemory ReadMemory(const hdf5::File& file, const plan::TraceFacts& 
   const std::vector<double> filters = kept_filters.Read();
   measure::TraceMemory trace =
       measure::TraceMemory::Create({facts.bodies, facts.cycles, facts.is_double});
+  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+  if (!std::ranges::all_of(filters, [](double bits) { return bits >= 0 && bits <= kMost; }))
+    throw Useless(path, "its filters are not what a trace has");
   for (std::size_t i = 0; i < facts.bodies; ++i)
     trace.filters()[i] = {static_cast<std::uint32_t>(filters[i * measure::kFilterSize]),
                           static_cast<std::uint32_t>(filters[i * measure::kFilterSize + 1]),
