@@ -80,7 +80,8 @@ std::optional<Value> MakeFormula(std::string op, std::vector<Value> arguments,
 }
 
 void RefuseFormula(const Formula& formula, dsl::Diagnostics& diagnostics) {
-  const Formula& name = *schema::SettingsIn(formula).front();
+  const Value value = formula;
+  const Formula& name = *schema::SettingsIn(value).front();
   diagnostics.Report(
       scenario::kWrongKind, name.written,
       fmt::format("'{}' is drawn anew for each object and has no one value", TextOf(name.written)));
