@@ -369,12 +369,7 @@ class PlanReader : public ValueReader {
     if (!root.IsMap() || !root[std::string(kPlanFormat)])
       throw PlanError(
           fmt::format("{}: this is no cdb plan; `cdb plan FILE.cdb -o` writes one", name_));
-    const std::uint64_t version = Count(root[std::string(kPlanFormat)]);
-    if (version != kPlanVersion)
-      throw PlanError(
-          fmt::format("{}: a plan of format {}, this cdb reads format {}; plan again "
-                      "from the .cdb file",
-                      name_, version, kPlanVersion));
+    CheckPlanVersion(Count(root[std::string(kPlanFormat)]), name_);
     Plan plan;
     plan.benchmark = Text(Member(root, "benchmark"));
     plan.title = Text(Member(root, "title"));

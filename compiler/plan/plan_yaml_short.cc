@@ -30,18 +30,21 @@ std::string ToYaml(const ShortPlan& plan) {
   return std::string(out.c_str()) + "\n";
 }
 
+void CheckPlanVersion(std::uint64_t version, const std::string& name) {
+  if (version != kPlanVersion)
+    throw PlanError(
+        fmt::format("{}: a plan of format {}, this cdb reads format {}; plan again from the .cdb "
+                    "file",
+                    name, version, kPlanVersion));
+}
+
 std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::string& name) {
   // A plan that lists its runs may be large: it is not parsed for this.
   const std::string key = fmt::format("\n{}:", kShortPlanFormat);
   if (text.substr(0, 400).find(key) == std::string::npos) return std::nullopt;
   try {
     const YAML::Node root = YAML::Load(text);
-    const int version = root[std::string(kShortPlanFormat)].as<int>();
-    if (version != kPlanVersion)
-      throw PlanError(
-          fmt::format("{}: a plan of format {}, this cdb reads format {}; plan again from the .cdb "
-                      "file",
-                      name, version, kPlanVersion));
+    CheckPlanVersion(root[std::string(kShortPlanFormat)].as<std::uint64_t>(), name);
     ShortPlan plan;
     plan.benchmark = root["benchmark"].as<std::string>();
     plan.sha256 = root["sha256"].as<std::string>();

@@ -32,4 +32,7 @@ std::string ToYaml(const ShortPlan& plan);
 /// for a short plan of another version or a damaged one; `name` is for messages.
 std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::string& name);
 
+/// Throws PlanError where the plan `name`, in either form, is of another format than kPlanVersion.
+void CheckPlanVersion(std::uint64_t version, const std::string& name);
+
 }  // namespace cdb::plan
