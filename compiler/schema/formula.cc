@@ -17,8 +17,8 @@ bool IsOperator(std::string_view op) {
 }
 
 /// How closely it binds; sums are loosest.
+constexpr int kSum = 1, kProduct = 2, kPower = 3, kPrimary = 4;
 int BindingOf(const Value& value) {
-  constexpr int kSum = 1, kProduct = 2, kPower = 3, kPrimary = 4;
   const Formula* formula = AsFormula(value);
   if (formula == nullptr || !IsOperator(formula->op) || formula->arguments.size() == 1)
     return kPrimary;
@@ -97,7 +97,6 @@ std::string FormulaText(const Formula& formula) {
     return fmt::format("{}({})", formula.op, text);
   }
   if (formula.arguments.size() == 2) return OperatorText(formula);
-  constexpr int kPrimary = 4;
   const Value& negated = formula.arguments[0];
   return "-" + Bracketed(negated, BindingOf(negated) < kPrimary);
 }

@@ -21,7 +21,9 @@ std::size_t FormulaParts(const Value& value);
 bool IsFormulaOp(std::string_view op, std::size_t arguments);
 
 /// The names of settings in it, in order; a setting that is named twice is there twice.
+/// They are parts of `value`.
 std::vector<const Formula*> SettingsIn(const Value& value);
+std::vector<const Formula*> SettingsIn(Value&& value) = delete;
 
 /// As `.cdb` writes it, with no more brackets than it needs: `2 * size ^ 3`.
 std::string FormulaText(const Formula& formula);
