@@ -1,10 +1,14 @@
 // Scenes with objects at chosen positions, and the engine in this process.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <string>
 
+#include "compiler/schema/catalogue.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/conversions.h"
@@ -78,6 +82,19 @@ inline Recorded RunHere(const plan::Scene& scene, int contacts_fd = -1) {
         worker::RunScene(run, recorded.recording, contacts_fd, {"walls", tripped.what()});
   }
   return recorded;
+}
+
+/// All of the detectors that this build has move the bodies alike.
+inline void ExpectAlike(plan::Scene scene, std::initializer_list<const char*> detectors) {
+  std::string hash;
+  for (const char* detector : detectors) {
+    if (schema::FindDetector(detector) == nullptr) continue;
+    SetWorld(scene, "detector", Word(detector));
+    const Recorded run = RunHere(scene);
+    ASSERT_TRUE(run.done()) << run.message();
+    if (hash.empty()) hash = run.hash();
+    EXPECT_EQ(run.hash(), hash) << detector;
+  }
 }
 
 }  // namespace cdb::tests
