@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -49,7 +50,7 @@ std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
 SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   const std::string text = ReadText(files[0]);
   SizedPlan sized = ReadSizedPlan(text, files[0]);
-  for (const std::string& file : files) {
+  for (const std::string& file : std::span(files).subspan(1)) {
     const std::string other = ReadText(file);
     if (other != text && ReadSizedPlan(other, file).plan.Sha256() != sized.plan.Sha256())
       throw CommandError(

@@ -30,8 +30,7 @@ namespace {
 std::vector<plan::Run> SpreadRuns(const grid::Grid& grid) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kMostTries = 100'000;  // where `skip` leaves few
-  grid::AxisSet all(grid.head.axes.size());
-  for (std::size_t axis = 0; axis < all.size(); ++axis) all[axis] = axis;
+  const grid::AxisSet all = grid::AllAxes(grid.head.axes.size());
   const grid::Subgrid whole(all, grid.extents());
   grid::Cursor cursor(grid);
   std::vector<plan::Run> runs;
