@@ -295,9 +295,9 @@ far; of a free spin, 0.03 is enough. This is not checked if anything else can ta
 rolling friction, soft contacts, or `expect anything`. Default contacts lose energy in elastic
 bounces; `contact faithful` does not.
   An object has passed through another (passed) if its centre of mass ran through it, or a ball about
-the centre with half the inner radius did within one cycle; through a surface, if its centre crossed it. A contact is pressed in (pressed) if it
-was shallow for three cycles and is then deep for six, or if an impact leaves it deep for half a
-second. An object sleeps unheld (unheld) in the air, or if it moved before and no forces of its
+the centre with half the inner radius did within one cycle; through a surface, if its centre crossed
+it. A contact is pressed in (pressed) if it was shallow for three cycles and is then deep for six, or
+if an impact leaves it deep for half a second. An object sleeps unheld (unheld) in the air, or if it moved before and no forces of its
 contacts, within friction, balance its weight and its turning.
 
 )reference";
