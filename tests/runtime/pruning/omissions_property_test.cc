@@ -22,12 +22,15 @@ using layouts::ObjectState;
 
 struct Touching {
   double radius, threshold;
+  Vector3d extent;  ///< half of its box for good: what is fixed does not turn
 };
 
 /// By the text of the facts, not by the code under test.
 Touching TouchingOf(const ObjectState& object) {
   const double disc = object.solid.HalfExtents().norm();
-  return {object.solid.IsBall() ? object.solid.sides.x() / 2 : disc, 0.02 * disc};
+  const double radius = object.solid.IsBall() ? object.solid.sides.x() / 2 : disc;
+  return {radius, 0.02 * disc,
+          object.IsFixed() ? object.solid.HalfExtents() : Vector3d::Constant(radius)};
 }
 
 HandMade RandomScene(Random& random) {
@@ -187,10 +190,11 @@ class Adversary {
   void TouchPair(std::size_t i, std::size_t j, const std::vector<Body>& before) {
     Body &a = bodies_[i], &b = bodies_[j];
     if (a.mass == 0 && b.mass == 0) return;
-    const double distance = (before[i].x - before[j].x).template cast<double>().norm();
-    if (distance > a.touching.radius + b.touching.radius +
-                       std::min(a.touching.threshold, b.touching.threshold))
-      return;
+    const Vector3d apart = (before[i].x - before[j].x).template cast<double>();
+    const double threshold = std::min(a.touching.threshold, b.touching.threshold);
+    if (apart.norm() > a.touching.radius + b.touching.radius + threshold) return;
+    const Vector3d between = apart.cwiseAbs() - a.touching.extent - b.touching.extent;
+    if (between.maxCoeff() > threshold) return;
     has_touched_ = true;
     for (Body* body : {&a, &b}) Wake(*body);
     if (a.mass == 0) return Fling(b);
@@ -206,9 +210,9 @@ class Adversary {
     const double energy = reduced * (va - vb).squaredNorm() / 2 + a.spin_energy + b.spin_energy;
     a.spin_energy = b.spin_energy = 0;
     const double kept = random_.Chance(0.3) ? random_(0, 1) : 1;
-    const Vector3d apart = std::sqrt(2 * kept * energy / reduced) * Aim(a);
-    a.v = (centre + b.mass / (a.mass + b.mass) * apart).template cast<T>();
-    b.v = (centre - a.mass / (a.mass + b.mass) * apart).template cast<T>();
+    const Vector3d flung = std::sqrt(2 * kept * energy / reduced) * Aim(a);
+    a.v = (centre + b.mass / (a.mass + b.mass) * flung).template cast<T>();
+    b.v = (centre - a.mass / (a.mass + b.mass) * flung).template cast<T>();
   }
 
   void Move(Body& body) {

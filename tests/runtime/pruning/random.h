@@ -17,7 +17,7 @@ struct Random {
   }
   Eigen::Vector3d Direction() {
     std::normal_distribution<double> normal;
-    const Eigen::Vector3d v(normal(engine), normal(engine), normal(engine));
+    const Eigen::Vector3d v{normal(engine), normal(engine), normal(engine)};  // in this order
     return v.normalized();
   }
   std::mt19937 engine;

@@ -106,7 +106,7 @@ TEST(Trajectory, HoldsTheSolidHoweverItIsTurned) {
       HandMade scene;
       scene.Add(Vector3d::Zero());
       ObjectState& object = scene.state.objects[0];
-      object.solid = {shape, Vector3d(random(0.1, 4), random(0.1, 4), random(0.1, 4))};
+      object.solid = {shape, Vector3d{random(0.1, 4), random(0.1, 4), random(0.1, 4)}};
       object.pose.orientation = layouts::TurnAbout(random.Vector(3));
       object.margin = 0.04;
       const pruning::Horizon horizon = pruning::HorizonOf(scene.scene);
