@@ -11,7 +11,7 @@
 // Read by the sanitizers. FCL frees with delete[] what it took by malloc when it copies a tree of
 // boxes, and loses the nodes of its trees in arrays.
 extern "C" const char* __asan_default_options() { return "alloc_dealloc_mismatch=0"; }
-extern "C" const char* __lsan_default_suppressions() { return "leak:fcl::"; }
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfcl"; }
 
 namespace cdb::tests {
 
