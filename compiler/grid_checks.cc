@@ -66,18 +66,24 @@ void GridChecks::FindFaults(const plan::FindSceneFault& find) {
 
 void GridChecks::Lint() {
   std::optional<checks::LintFindings> findings;
+  std::optional<checks::IdleSettings> idle;
   std::uint64_t looked_at = 0;
   survey_.Look(
       kMostLinted, {},
       [&](bool) {
         findings.emplace(benchmark_, diagnostics_);
+        idle.emplace(benchmark_, diagnostics_);
         looked_at = 0;
       },
       [&](const grid::Sample& sample, const plan::Scene& scene) {
         const std::uint64_t runs = sample.points * grid_.head.repeats;
         looked_at += runs;
-        if (!plan::TraceOf(scene)) findings->Add(choose_(sample.block, sample.local), scene, runs);
+        if (plan::TraceOf(scene)) return;
+        evaluate::Configuration& configuration = choose_(sample.block, sample.local);
+        findings->Add(configuration, scene, runs);
+        idle->Add(configuration, scene);
       });
+  idle->Report();
   findings->Report(looked_at, grid_.run_count());
 }
 

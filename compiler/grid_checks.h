@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "compiler/checks/idle_settings.h"
 #include "compiler/checks/lint_findings.h"
 #include "compiler/checks/scene_checks.h"
 #include "compiler/checks/scene_faults.h"
@@ -31,7 +32,8 @@ class GridChecks {
   void Check();
   /// Scenes that cannot be built: of every run, or of as many as take a second or two.
   void FindFaults(const plan::FindSceneFault& find);
-  /// Numbers that Bullet cannot follow: of every run, or of about kMostLinted spread over the grid.
+  /// Settings without effect, and numbers that Bullet cannot follow: of every run, or of about
+  /// kMostLinted spread over the grid.
   void Lint();
 
   /// Combinations of settings that are looked at.

@@ -298,7 +298,7 @@ void Lexer::LexPercent() {
   const bool remainder = IsNameChar(c) || c == '(';
   Report(kForeignOperator, at_, at_ + 1, "'%' means nothing here",
          remainder ? "there is no remainder; + - * / ^ are what there is"
-                   : "a percentage is written as a fraction: 0.05 or 5/100");
+                   : "a percentage is written as a fraction: 5 % is 0.05 or 5/100");
   // Between two values it is an operator; after one it is a unit, and goes.
   if (remainder)
     Add(TokenKind::kStar, at_ + 1, true);

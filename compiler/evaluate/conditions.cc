@@ -65,6 +65,13 @@ bool Conditions::Hold(const dsl::Condition& condition, const scenario::Scope& sc
   return Compare(*condition.left, condition.op, *condition.right, condition.span, scope);
 }
 
+void Conditions::CheckCalls(const dsl::Condition& condition) {
+  for (const auto& item : condition.items) CheckCalls(*item);
+  if (condition.left) RefuseCall(*condition.left);
+  if (condition.right) RefuseCall(*condition.right);
+  for (const auto& value : condition.values) RefuseCall(*value);
+}
+
 /// A call in a condition has no one value: true, with a report.
 bool Conditions::RefuseCall(const Expr& expr) {
   if (expr.kind == ExprKind::kCall && expr.text == "sweep") {

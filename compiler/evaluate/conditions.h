@@ -23,6 +23,8 @@ class Conditions {
 
   /// At the chosen point of the axes; false after a diagnostic.
   bool Hold(const dsl::Condition& condition, const scenario::Scope& scope);
+  /// Reports what no condition can hold, whatever its names stand for.
+  void CheckCalls(const dsl::Condition& condition);
 
  private:
   /// A comparison by `op`, which stands at `span`.

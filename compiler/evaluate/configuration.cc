@@ -100,6 +100,8 @@ void Configuration::Complete(plan::Scene& scene) const {
 void Configuration::CheckSettings() {
   Choose(Point(axes_.size(), 0));
   for (const DependentParameter& parameter : parameters_) ReportAll(parameter);
+  for (const auto& skip : layers_.skips)
+    if (skip.node->when) conditions_.CheckCalls(*skip.node->when);
 }
 
 dsl::Span Configuration::SpanOf(const scenario::ParameterKey& key, const dsl::Span& otherwise) {

@@ -48,7 +48,7 @@ class Configuration {
   std::optional<schema::Value> ValueOf(const scenario::ParameterKey& key);
   /// Sets the seeds of a scene and the plug-ins that it uses.
   void Complete(plan::Scene& scene) const;
-  /// Checks each setting on its own.
+  /// Checks each setting, and each condition, on its own.
   void CheckSettings();
 
   bool IsSet(const scenario::ParameterKey& key) const { return layers_.settings.contains(key); }

@@ -11,11 +11,7 @@
 namespace cdb::plan {
 namespace {
 
-bool IsZero(const schema::Value& value) {
-  if (const auto* vector = std::get_if<Eigen::Vector3d>(&value)) return vector->isZero(0);
-  const schema::Number* number = schema::AsNumber(value);
-  return number != nullptr && number->AsReal() == 0;
-}
+using schema::IsZero;
 
 /// Kinematic objects do work on what they push.
 bool IsDriven(const Scene& scene) {

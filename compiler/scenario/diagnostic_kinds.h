@@ -35,6 +35,7 @@ inline constexpr dsl::DiagnosticKind kRunsWillFail{"W0201", "runs-will-fail"};
 inline constexpr dsl::DiagnosticKind kDefaultSize{"W0202", "default-size"};
 inline constexpr dsl::DiagnosticKind kUnreachable{"W0203", "unreachable"};
 inline constexpr dsl::DiagnosticKind kEllipsoids{"W0204", "ellipsoids"};
+inline constexpr dsl::DiagnosticKind kNoEffect{"W0205", "no-effect"};
 
 inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
@@ -42,6 +43,6 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
-    &kUnreachable,    &kWrongUnit,  &kEllipsoids,   &kBadTable};
+    &kUnreachable,    &kWrongUnit,  &kEllipsoids,   &kBadTable,      &kNoEffect};
 
 }  // namespace cdb::scenario

@@ -127,24 +127,25 @@ void Scenario::LoadPlugin(const std::string& path, const dsl::Use* use,
   if (!plugin_files_.emplace(path, use).second) return;
   const dsl::Span span = use != nullptr ? use->path_span : dsl::Span{};
   std::string why;
-  const auto hash = HashOf(path, why);
-  if (!hash) {
+  const auto bytes = read_(path, why);
+  if (!bytes) {
     is_complete_ = false;
     diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why),
                        use != nullptr ? "its name counts from the folder of the file that says it"
                                       : "--plugin takes a shared library");
     return;
   }
-  auto detectors = describe_ ? describe_(path, why) : std::nullopt;
+  auto detectors = describe_ ? describe_(*bytes, path, why) : std::nullopt;
   if (!detectors) {
     is_complete_ = false;
     diagnostics.Report(kUnavailable, span,
                        describe_ ? why : fmt::format("'{}' cannot be looked into here", path));
     return;
   }
+  const std::string hash = plan::Sha256Hex(*bytes);
   for (schema::PluginDetector& detector : *detectors) {
     detector.path = path;
-    detector.sha256 = *hash;
+    detector.sha256 = hash;
     AddDetector(std::move(detector), use, diagnostics);
   }
 }

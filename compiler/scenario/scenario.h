@@ -23,10 +23,10 @@ namespace cdb::scenario {
 using ReadFile =
     std::function<std::optional<std::string>(const std::string& path, std::string& why)>;
 
-/// Looks into a shared library, behind a function as well: its detectors with name, phases and
-/// limit, or nullopt and why there are none.
+/// Looks into the bytes of a shared library, behind a function as well, and runs nothing of it: its
+/// detectors with name, phases and limit, or nullopt and why there are none.
 using DescribePlugin = std::function<std::optional<std::vector<schema::PluginDetector>>(
-    const std::string& path, std::string& why)>;
+    const std::string& bytes, const std::string& path, std::string& why)>;
 
 /// Shared libraries that a command line names, and how to look into any.
 struct PluginSource {

@@ -115,6 +115,13 @@ inline const Text* AsText(const Value& value) { return std::get_if<Text>(&value)
 inline const Call* AsCall(const Value& value) { return std::get_if<Call>(&value); }
 inline const Formula* AsFormula(const Value& value) { return std::get_if<Formula>(&value); }
 
+/// The number 0 or the vector 0.
+inline bool IsZero(const Value& value) {
+  const Number* number = AsNumber(value);
+  const Eigen::Vector3d* vector = AsVector(value);
+  return number != nullptr ? number->AsReal() == 0 : vector != nullptr && vector->isZero(0);
+}
+
 /// A row of the table of distributions.
 struct DistributionInfo {
   std::string_view name;

@@ -154,7 +154,7 @@ class Detector {
 // A shared library of detectors.
 
 /// Incremented with every change of the declarations in this file.
-inline constexpr std::uint32_t kDetectorAbi = 2;
+inline constexpr std::uint32_t kDetectorAbi = 3;
 
 enum class Phases : std::uint32_t {
   kBroad = 1,       ///< FindPairs
@@ -202,12 +202,77 @@ constexpr const char* DetectorBuild() {
 #endif
 }
 
-/// Exports the entries of an array: CDB_DETECTORS(kEntries), once in a shared library.
+#define CDB_MANIFEST_SECTION ".cdb_detectors"
+/// Where a library's list of detectors stands, to be read without loading it.
+inline constexpr const char* kManifestSection = CDB_MANIFEST_SECTION;
+
+/// A list of detectors as text: `ABI <tab> BUILD`, and a line `NAME <tab> PHASES <tab> MAX_BODIES`
+/// for each. Ends with NUL.
+template <std::size_t kSize>
+struct Manifest {
+  char text[kSize];
+};
+
+/// Appends to a text, or counts its bytes where there is no place for it.
+class ManifestWriter {
+ public:
+  constexpr explicit ManifestWriter(char* place) : place_(place) {}
+  constexpr void Add(char c) {
+    if (place_ != nullptr) place_[size_] = c;
+    ++size_;
+  }
+  constexpr void Add(const char* text) {
+    for (; *text != '\0'; ++text) Add(*text);
+  }
+  constexpr void Add(std::uint64_t number) {
+    if (number >= 10) Add(number / 10);
+    Add(static_cast<char>('0' + number % 10));
+  }
+  constexpr std::size_t size() const { return size_; }
+
+ private:
+  char* place_;
+  std::size_t size_ = 0;
+};
+
+/// The bytes of the list, which is written to `place` if that is not null.
+constexpr std::size_t WriteManifest(std::span<const DetectorEntry> entries, char* place) {
+  ManifestWriter writer(place);
+  writer.Add(std::uint64_t{kDetectorAbi});
+  writer.Add('\t');
+  writer.Add(DetectorBuild());
+  writer.Add('\n');
+  for (const DetectorEntry& entry : entries) {
+    writer.Add(entry.name);
+    writer.Add('\t');
+    writer.Add(!HasAny(entry.phases, kNarrow) ? "broad"
+               : HasAny(entry.phases, kBroad) ? "broad narrow"
+                                              : "narrow");
+    writer.Add('\t');
+    writer.Add(entry.max_bodies);
+    writer.Add('\n');
+  }
+  writer.Add('\0');
+  return writer.size();
+}
+
+template <std::size_t kSize>
+constexpr Manifest<kSize> MakeManifest(std::span<const DetectorEntry> entries) {
+  Manifest<kSize> manifest{};
+  WriteManifest(entries, manifest.text);
+  return manifest;
+}
+
+/// Exports the entries of a constexpr array: CDB_DETECTORS(kEntries), once in a shared library.
 #define CDB_DETECTORS(array)                                                                      \
   extern "C" __attribute__((visibility("default"))) const cdb::Plugin* cdb_plugin() {             \
     static const cdb::Plugin plugin = {cdb::kDetectorAbi, cdb::DetectorBuild(), std::size(array), \
                                        std::data(array)};                                         \
     return &plugin;                                                                               \
-  }
+  }                                                                                               \
+  extern "C" __attribute__((                                                                      \
+      visibility("default"), used,                                                                \
+      section(CDB_MANIFEST_SECTION))) constexpr cdb::Manifest<cdb::WriteManifest(array, nullptr)> \
+      cdb_manifest = cdb::MakeManifest<cdb::WriteManifest(array, nullptr)>(array);
 
 }  // namespace cdb

@@ -22,6 +22,28 @@ bool IsName(std::string_view text) {
 
 }  // namespace
 
+void CheckAbi(std::uint32_t abi, const std::string& path) {
+  if (abi != kDetectorAbi)
+    throw PluginError(
+        fmt::format("'{}' was built for detector interface {}, this cdb has {}; build "
+                    "it again with this cdb's cdb/detector.h",
+                    path, abi, kDetectorAbi));
+}
+
+void CheckName(std::string_view name, const std::string& shown, const std::string& path) {
+  if (!IsName(name))
+    throw PluginError(
+        fmt::format("'{}' calls a detector '{}', which no .cdb file can write; a name is letters, "
+                    "digits and _, and begins with no digit",
+                    path, shown));
+}
+
+void RefuseBuild(const std::string& build, const std::string& path) {
+  throw PluginError(
+      fmt::format("'{}' was built with {}, this cdb with {}; build it with the same compiler", path,
+                  build, DetectorBuild()));
+}
+
 const Plugin& LoadPlugin(const std::string& path) {
   // The initializers of libraries linked with -ffast-math flush denormals to zero.
   const KeepsFloatingPoint keeps;
@@ -37,15 +59,9 @@ const Plugin& LoadPlugin(const std::string& path) {
                     path));
   const Plugin* plugin = get();
   if (plugin == nullptr) throw PluginError(fmt::format("'{}': cdb_plugin returns nothing", path));
-  if (plugin->abi != kDetectorAbi)
-    throw PluginError(
-        fmt::format("'{}' was built for detector interface {}, this cdb has {}; build "
-                    "it again with this cdb's cdb/detector.h",
-                    path, plugin->abi, kDetectorAbi));
+  CheckAbi(plugin->abi, path);
   if (plugin->build == nullptr || std::string_view(plugin->build) != DetectorBuild())
-    throw PluginError(fmt::format(
-        "'{}' was built with {}, this cdb with {}; build it with the same compiler", path,
-        plugin->build == nullptr ? "nothing named" : plugin->build, DetectorBuild()));
+    RefuseBuild(plugin->build == nullptr ? "nothing named" : plugin->build, path);
   if (plugin->entries == nullptr || plugin->count == 0)
     throw PluginError(fmt::format("'{}' offers no detector: its array is empty", path));
   const std::span entries(plugin->entries, plugin->count);
@@ -54,11 +70,7 @@ const Plugin& LoadPlugin(const std::string& path) {
         !HasAny(entry.phases, kBroad | kNarrow))
       throw PluginError(
           fmt::format("'{}' offers a detector without name, line, phase or function", path));
-    if (!IsName(entry.name))
-      throw PluginError(fmt::format(
-          "'{}' calls a detector '{}', which no .cdb file can write; a name is letters, "
-          "digits and _, and begins with no digit",
-          path, entry.name));
+    CheckName(entry.name, entry.name, path);
     if (FindEntry(*plugin, entry.name) != &entry)
       throw PluginError(fmt::format("'{}' has two detectors called '{}'", path, entry.name));
   }

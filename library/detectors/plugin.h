@@ -2,8 +2,10 @@
 // cdb.
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "library/detectors/detector.h"
 
@@ -21,6 +23,13 @@ class PluginError : public std::runtime_error {
 /// library's initializers, which may do anything; the floating-point environment of the caller is
 /// restored after them. Threads: any.
 const Plugin& LoadPlugin(const std::string& path);
+
+// What LoadPlugin asks of a library, and ReadManifest (manifest.h) of its file: each throws
+// PluginError where it is not so.
+void CheckAbi(std::uint32_t abi, const std::string& path);
+/// `shown`: the name as a message can show it.
+void CheckName(std::string_view name, const std::string& shown, const std::string& path);
+[[noreturn]] void RefuseBuild(const std::string& build, const std::string& path);
 
 /// Null if there is none of that name.
 const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name);

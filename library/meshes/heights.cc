@@ -64,8 +64,8 @@ HeightGrid ParseHeights(std::string_view csv, std::string_view name, double cell
   }
   if (grid.rows < 2 || grid.columns < 2)
     throw library::SceneError(
-        fmt::format("{}: it has {} rows of {} heights", name, grid.rows, grid.columns),
-        "a height field has two at least of both");
+        fmt::format("{}: it has {} by {} heights", name, grid.rows, grid.columns),
+        "a height field has 2 by 2 or more");
   return grid;
 }
 

@@ -58,14 +58,14 @@ void AddVertex(const Eigen::Vector3d& vertex, Mesh& mesh, std::string_view name,
 }
 
 void AddPolygon(std::span<const std::uint32_t> corners, std::size_t vertices, Mesh& mesh,
-                std::string_view name, Place place) {
+                std::string_view name, Place place, std::uint32_t first) {
   if (corners.size() < 3)
     Refuse(name, place, fmt::format("a face needs 3 corners or more, not {}", corners.size()));
   for (const std::uint32_t corner : corners)
     if (corner >= vertices)
-      Refuse(
-          name, place,
-          fmt::format("a face has vertex {}, counted from 0, and there are {}", corner, vertices));
+      Refuse(name, place,
+             fmt::format("a face has vertex {}, counted from {}, and there are {}",
+                         std::uint64_t{corner} + first, first, vertices));
   if (mesh.triangles.size() + corners.size() - 2 > kMaxTriangles)
     Refuse(name, place,
            fmt::format("more than {} triangles; simplify the model first", kMaxTriangles));

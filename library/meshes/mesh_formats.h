@@ -35,9 +35,9 @@ double Number(std::string_view word, std::string_view name, Place place);
 std::int64_t Integer(std::string_view word, std::string_view name, Place place);
 
 /// Adds a fan; refuses fewer than three corners, corners from `vertices` on, and too many
-/// triangles.
+/// triangles. `first`: what the format calls the first vertex.
 void AddPolygon(std::span<const std::uint32_t> corners, std::size_t vertices, Mesh& mesh,
-                std::string_view name, Place place);
+                std::string_view name, Place place, std::uint32_t first = 0);
 void AddVertex(const Eigen::Vector3d& vertex, Mesh& mesh, std::string_view name, Place place);
 
 /// A text's lines, with any of the three ends of line.

@@ -42,6 +42,22 @@ std::vector<fs::path> ModelFolders() {
   return {folder / "models", folder.parent_path() / "share" / "cdb" / "models"};
 }
 
+namespace {
+
+/// An installed copy has the script beside its folder of models.
+std::string HowToFetch(std::span<const fs::path> folders) {
+  for (const fs::path& folder : folders) {
+    const fs::path script = folder.parent_path() / "fetch-models";
+    std::error_code error;
+    if (fs::exists(script, error))
+      return fmt::format("run: '{}' '{}'", script.string(), folder.string());
+  }
+  return fmt::format("in cdb's source folder run: library/meshes/fetch-models '{}'",
+                     folders[0].string());
+}
+
+}  // namespace
+
 fs::path PathOf(const Model& model, std::span<const fs::path> folders) {
   CDB_CHECK(!folders.empty());
   std::string looked;
@@ -51,9 +67,8 @@ fs::path PathOf(const Model& model, std::span<const fs::path> folders) {
     looked += fmt::format("{}{}", looked.empty() ? "" : " and ", folder.string());
   }
   throw library::SceneError(
-      fmt::format("the model `{}` is not on this machine (looked for {} in {}); in cdb's source "
-                  "folder run: library/meshes/fetch-models '{}' {}",
-                  model.name, model.file, looked, folders[0].string(), model.name));
+      fmt::format("the model `{}` is not on this machine (looked for {} in {}); {} {}", model.name,
+                  model.file, looked, HowToFetch(folders), model.name));
 }
 
 Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& name) {

@@ -86,7 +86,7 @@ Mesh ParseObj(std::string_view bytes, std::string_view name) {
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const std::size_t end = i + 1 < faces.size() ? faces[i + 1].begin : corners.size();
     AddPolygon(std::span(corners).subspan(faces[i].begin, end - faces[i].begin),
-               mesh.vertices.size(), mesh, name, faces[i].place);
+               mesh.vertices.size(), mesh, name, faces[i].place, 1);
   }
   return mesh;
 }

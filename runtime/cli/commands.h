@@ -38,6 +38,8 @@ void AddFormatCommand(CLI::App& app, ExitStatus& status);
 void AddLspCommand(CLI::App& app, ExitStatus& status);
 /// Files for editors, shells and man, made from the tables of the language.
 void AddGenerateCommand(CLI::App& app, ExitStatus& status);
+/// What makes timings doubtful here. Exit status 3 if a fixed loop does not run steadily.
+void AddDoctorCommand(CLI::App& app, ExitStatus& status);
 void AddDocCommand(CLI::App& app, ExitStatus& status);
 void AddListCommand(CLI::App& app, ExitStatus& status);
 

@@ -15,9 +15,10 @@
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
 #include "library/closed_forms/scene_fault.h"
+#include "library/detectors/manifest.h"
+#include "library/detectors/plugin.h"
 #include "library/layouts/pose_table.h"
 #include "runtime/cli/exit_status.h"
-#include "runtime/process/probe_plugin.h"
 #include "runtime/process/worker.h"
 #include "runtime/report/console.h"
 #include "runtime/store/trace_file.h"
@@ -109,8 +110,14 @@ dsl::RenderOptions RenderOptionsForTerminal() {
 compiler::CompileOptions OptionsOf(const std::string& library,
                                    const std::optional<std::string>& benchmark,
                                    const std::vector<std::string>& plugins, bool lists_runs) {
-  const auto describe = [](const std::string& path, std::string& why) {
-    return process::ProbePlugin(process::FindAnyWorker(), path, why);
+  const auto describe = [](const std::string& bytes, const std::string& path,
+                           std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
+    try {
+      return detectors::ReadManifest(bytes, path);
+    } catch (const detectors::PluginError& error) {
+      why = error.what();
+      return std::nullopt;
+    }
   };
   return {library,
           benchmark,

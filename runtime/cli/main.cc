@@ -48,6 +48,7 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddStabilityCommand(app, status);
   AddVerifyCommand(app, status);
   AddMergeCommand(app, status);
+  AddDoctorCommand(app, status);
   AddFormatCommand(app, status);
   AddLspCommand(app, status);
   AddDocCommand(app, status);

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <thread>
 
+#include "commit.h"
+
 namespace cdb::cli {
 namespace {
 
@@ -48,6 +50,7 @@ store::Provenance CollectProvenance() {
     if (!value.empty()) facts[name] = std::move(value);
   };
   add("cdb_version", CDB_VERSION);
+  add("commit", CDB_COMMIT);
   add("build_type", BuildType());
   add("compiler", CDB_COMPILER);
   add("compiler_flags", CDB_FLAGS);

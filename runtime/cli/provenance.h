@@ -10,8 +10,8 @@ namespace cdb::cli {
 /// `Release`, or what else this program was built as. Sanitizers count as another build.
 std::string BuildType();
 
-/// Version, build, compiler, Bullet, processor, memory, kernel, system, frequency governor; what
-/// the system does not tell is left out.
+/// Version, commit, build, compiler, Bullet, processor, memory, kernel, system, frequency governor;
+/// what the system does not tell is left out.
 store::Provenance CollectProvenance();
 
 }  // namespace cdb::cli

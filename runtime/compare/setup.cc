@@ -20,6 +20,7 @@ namespace {
 /// Facts of /provenance, and what they are called here.
 constexpr std::pair<const char*, const char*> kFacts[] = {
     {"cdb_version", "cdb"},
+    {"commit", "commit of cdb"},
     {"bullet_version", "Bullet"},
     {"build_type", "build"},
     {"compiler", "compiler"},

@@ -150,6 +150,7 @@ Json DocumentMachine(const store::ResultFile& file) {
 
 Json DocumentBuild(const store::ResultFile& file) {
   return FactsOf(file, {{"cdb", "cdb_version"},
+                        {"commit", "commit"},
                         {"type", "build_type"},
                         {"compiler", "compiler"},
                         {"flags", "compiler_flags"},

@@ -115,6 +115,11 @@ constexpr Explanation kScenarioRows[] = {
      "same( ) is one draw for all three sides.",
      "benchmark b { objects { type sphere; size uniform(10, 50) } }\n",
      "benchmark b { objects { type sphere; size same(uniform(10, 50)) } }\n"},
+    {&scenario::kNoEffect,
+     "A setting moves or judges nothing in any run: a velocity of fixed objects, kinematic objects "
+     "without velocity or path, what a driven scene is expected to do.",
+     "benchmark b { objects { mass fixed; linear_velocity (0, 1, 0) } }\n",
+     "benchmark b { objects { mass kinematic; linear_velocity (0, 1, 0) } }\n"},
     {&scenario::kDefaultSize,
      "A group has the default size, and all others are much smaller or larger. It may be an "
      "oversight: set the size.",

@@ -341,11 +341,13 @@ PLUG-INS
 
 A plug-in needs only the installed header cdb/detector.h; examples/my_detector is a complete one. The
 CMake package `cdb` has the target cdb::detector. The names of a plug-in's detectors become words of
-`detector` and `narrow_phase`. Plug-ins are loaded only by separate processes: one that was built for
-another version of the interface, or that crashes or hangs on loading (10 s), is refused by name. If
-a detector throws, crashes, hangs (`timeout` ends it) or returns an invalid result, such as an unknown
-body or a normal that is not a unit vector, only its own runs fail. The plan stores the file name and
-its SHA-256: rebuilding the library makes new runs, and a plan refuses a library that has changed.
+`detector` and `narrow_phase`. Before the run `cdb` reads these names from the file and runs no code of
+it, so that `check` and `plan` are safe with a library of unknown origin; `run`, `trace` and `verify`
+run its code with your rights. One that was built for another version of the interface is refused by
+name. Only the processes of its runs load a plug-in: if it crashes or hangs on loading, or a detector
+throws, crashes, hangs (`timeout` ends it) or returns an invalid result, such as an unknown body or a
+normal that is not a unit vector, only its own runs fail. The plan stores the file name and its
+SHA-256: rebuilding the library makes new runs, and a plan refuses a library that has changed.
 
 )reference";
 

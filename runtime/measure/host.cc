@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 
 namespace cdb::measure {
@@ -18,6 +19,15 @@ std::string HostName() {
 double LoadAverage() {
   double load = 0;
   return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
+}
+
+double StolenTime() {
+  std::ifstream stat("/proc/stat");
+  std::string cpu;
+  double user = 0, nice = 0, system = 0, idle = 0, iowait = 0, irq = 0, softirq = 0, steal = 0;
+  if (!(stat >> cpu >> user >> nice >> system >> idle >> iowait >> irq >> softirq >> steal))
+    return std::numeric_limits<double>::quiet_NaN();
+  return steal * 1e9 / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
 double ProcessorCount() {

@@ -139,8 +139,6 @@ measure::NoiseJudgement NoiseOf(const plan::Run& run, const store::RunResult& re
 
 WorkerPrograms FindWorkers(const plan::Plan& plan) { return FindWorkers(plan, OwnFolder()); }
 
-fs::path FindAnyWorker() { return FindWorker(OwnFolder(), kSingleWorker); }
-
 WorkerPrograms FindWorkers(const plan::Plan& plan, const fs::path& folder) {
   WorkerPrograms programs;
   const auto uses = [&plan](std::string_view precision) {

@@ -30,9 +30,6 @@ WorkerPrograms FindWorkers(const plan::Plan& plan);
 /// The same for a program in `folder`.
 WorkerPrograms FindWorkers(const plan::Plan& plan, const std::filesystem::path& folder);
 
-/// One of them, whichever precision, for what needs no run. Throws ScheduleError.
-std::filesystem::path FindAnyWorker();
-
 /// The end of what a worker wrote to standard error, for the message of a crash: at most
 /// kMaxBytes, however much was written.
 class TextTail {

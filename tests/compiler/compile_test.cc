@@ -47,7 +47,7 @@ compiler::Compilation CompileHere(const fs::path& input) {
   return compiler::Compile(input.filename().string(), read,
                            {"",
                             std::nullopt,
-                            {{}, DescribeText(read)},
+                            {{}, DescribeText()},
                             MadeUpTraces,
                             closed_forms::FindSceneFault,
                             ReadTables(read)});

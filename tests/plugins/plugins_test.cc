@@ -4,12 +4,15 @@
 
 #include <filesystem>
 #include <map>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "library/detectors/detector.h"
-#include "runtime/process/probe_plugin.h"
+#include "library/detectors/manifest.h"
+#include "library/detectors/plugin.h"
 #include "runtime/store/store.h"
+#include "tests/support/files.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"
 
@@ -175,12 +178,11 @@ TEST(Plugins, AreRefusedWhereTheyAreNamed) {
   };
   const Case cases[] = {
       {"nowhere.so", "cannot read 'nowhere.so'"},
-      {"text.so", "cannot load 'text.so'"},
-      {PluginFile("other_abi"), fmt::format("was built for detector interface {}, this cdb has {}",
-                                            kDetectorAbi + 1, kDetectorAbi)},
+      {"text.so", "'text.so' is no shared library of this machine"},
+      {PluginFile("other_abi"),
+       fmt::format("was built for detector interface 1000000, this cdb has {}", kDetectorAbi)},
       {PluginFile("other_build"), "was built with another library"},
-      {PluginFile("no_symbol"), "it has no function cdb_plugin"},
-      {PluginFile("crashes"), "cannot be loaded: the process that tried"},
+      {PluginFile("no_symbol"), "has no list of detectors"},
       {PluginFile("bad_name"), "'half-open', which no .cdb file can write"},
       {PluginFile("taken_name"), "has a detector 'dbvt', and so has cdb"},
   };
@@ -233,22 +235,54 @@ TEST(Plugins, ThatWereChangedSinceThePlanAreRefused) {
   EXPECT_TRUE(Has(mixed.err, "names its own")) << mixed.err;
 }
 
-TEST(ProbePlugin, GivesUpOnALibraryThatHangs) {
-  std::string why;
-  const auto found =
-      process::ProbePlugin(BuildFolder() / "cdb-worker-f32", PluginFile("hangs"), why, 0.5);
-  EXPECT_FALSE(found);
-  EXPECT_TRUE(Has(why, "is not loaded after 0.5 s")) << why;
+/// A scenario is looked at without running its libraries, so that these faults show when it is run.
+TEST(Plugins, RunNoCodeBeforeTheRun) {
+  const Program program;
+  for (const char* library : {"crashes", "hangs"}) {
+    program.Write("b.cdb", ContactCluster(Use(library), "detector sweep(lonely, dbvt); timeout 1"));
+    for (const char* command : {"check", "plan"}) {
+      const Finished looked = program.Run({command, "b.cdb"});
+      EXPECT_EQ(looked.status, 0) << looked.err;
+    }
+    EXPECT_EQ(program.Run({"plan", "b.cdb", "--why"}).status, 0);
+    EXPECT_EQ(program.Run({"run", "b.cdb", "-q", "--fresh"}).status, 3);
+    const auto ends = Ends(program.folder() / "b.h5");
+    EXPECT_EQ(ends.at("dbvt").status, store::Status::kDone);
+    EXPECT_EQ(ends.at("lonely").status,
+              std::string(library) == "hangs" ? store::Status::kTimedOut : store::Status::kCrashed);
+    EXPECT_TRUE(Has(ends.at("lonely").message, "loading detector `lonely`"))
+        << ends.at("lonely").message;
+  }
 }
 
-TEST(ProbePlugin, FindsNamesPhasesAndLimits) {
-  std::string why;
-  const auto found =
-      process::ProbePlugin(BuildFolder() / "cdb-worker-f32", PluginFile("faulty"), why);
-  ASSERT_TRUE(found) << why;
-  EXPECT_EQ(found->at(0), (schema::PluginDetector{"sound", "broad", 0, "", ""}));
-  EXPECT_EQ(found->at(1), (schema::PluginDetector{"few", "broad", 10, "", ""}));
-  EXPECT_EQ(found->back().phases, "narrow");
+TEST(Manifest, HoldsNamesPhasesAndLimits) {
+  const auto found = detectors::ReadManifest(ReadFile(PluginFile("faulty")), "faulty.so");
+  EXPECT_EQ(found.at(0), (schema::PluginDetector{"sound", "broad", 0, "", ""}));
+  EXPECT_EQ(found.at(1), (schema::PluginDetector{"few", "broad", 10, "", ""}));
+  EXPECT_EQ(found.back().phases, "narrow");
+}
+
+/// What stands in the file is read with the same care as anything of a stranger's.
+TEST(Manifest, SurvivesDamage) {
+  const std::string bytes = ReadFile(PluginFile("other_abi"));
+  const std::size_t sections = bytes.size() - std::min<std::size_t>(bytes.size(), 4096);
+  std::mt19937 random(1);
+  int refused = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    std::string damaged = bytes;
+    const int flips = 1 + static_cast<int>(random() % 8);
+    for (int flip = 0; flip < flips; ++flip) {
+      const std::size_t at = random() % 2 == 0 ? random() % 64 : sections + random() % 4096;
+      damaged[std::min(at, bytes.size() - 1)] = static_cast<char>(random());
+    }
+    if (random() % 8 == 0) damaged.resize(random() % damaged.size());
+    try {
+      detectors::ReadManifest(damaged, "x.so");
+    } catch (const detectors::PluginError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 10'000);
 }
 
 }  // namespace

@@ -29,15 +29,11 @@ constexpr const char* kName = "lonely";
 }  // namespace
 
 #if defined(OTHER_ABI)
-extern "C" const cdb::Plugin* cdb_plugin() {
-  static const cdb::Plugin plugin = {cdb::kDetectorAbi + 1, cdb::DetectorBuild(), 1, kEntries};
-  return &plugin;
-}
+extern "C" __attribute__((used, section(CDB_MANIFEST_SECTION))) constexpr char kOther[] =
+    "1000000\tlibstdc++\nlonely\tbroad\t0\n";
 #elif defined(OTHER_BUILD)
-extern "C" const cdb::Plugin* cdb_plugin() {
-  static const cdb::Plugin plugin = {cdb::kDetectorAbi, "another library", 1, kEntries};
-  return &plugin;
-}
+extern "C" __attribute__((used, section(CDB_MANIFEST_SECTION))) constexpr char kOther[] =
+    "3\tanother library\nlonely\tbroad\t0\n";
 #elif !defined(NO_SYMBOL)
 CDB_DETECTORS(kEntries)
 #endif

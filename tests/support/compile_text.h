@@ -16,13 +16,13 @@
 
 namespace cdb::tests {
 
-/// Replaces the loading of a shared library: each line of the text is a detector, its name, its
+/// Replaces the reading of a shared library: each line of the text is a detector, its name, its
 /// limit and its phases. A text without detectors is not a library.
-inline scenario::DescribePlugin DescribeText(const scenario::ReadFile& read) {
-  return [read](const std::string& path,
-                std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
+inline scenario::DescribePlugin DescribeText() {
+  return [](const std::string& bytes, const std::string& path,
+            std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
     std::vector<schema::PluginDetector> detectors;
-    std::istringstream lines(read(path, why).value_or(""));
+    std::istringstream lines(bytes);
     schema::PluginDetector detector;
     while (lines >> detector.name >> detector.max_bodies &&
            std::getline(lines >> std::ws, detector.phases))
@@ -83,7 +83,7 @@ inline compiler::Compilation CompileText(const std::string& text,
   };
   return compiler::Compile(
       "test.cdb", read,
-      {"lib", std::nullopt, {plugins, DescribeText(read)}, MadeUpTraces, {}, ReadTables(read)});
+      {"lib", std::nullopt, {plugins, DescribeText()}, MadeUpTraces, {}, ReadTables(read)});
 }
 
 }  // namespace cdb::tests

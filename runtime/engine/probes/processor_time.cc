@@ -1,12 +1,8 @@
 #include "runtime/engine/probes/processor_time.h"
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <ctime>
-#include <fstream>
-#include <limits>
-#include <string>
 
 #include "runtime/measure/host.h"
 
@@ -19,20 +15,11 @@ double ClockNs(clockid_t clock) {
   return static_cast<double>(time.tv_sec) * 1e9 + static_cast<double>(time.tv_nsec);
 }
 
-double StolenNs() {
-  std::ifstream stat("/proc/stat");
-  std::string cpu;
-  double user = 0, nice = 0, system = 0, idle = 0, iowait = 0, irq = 0, softirq = 0, steal = 0;
-  if (!(stat >> cpu >> user >> nice >> system >> idle >> iowait >> irq >> softirq >> steal))
-    return std::numeric_limits<double>::quiet_NaN();
-  return steal * 1e9 / static_cast<double>(sysconf(_SC_CLK_TCK));
-}
-
 }  // namespace
 
 ProcessorTime::Reading ProcessorTime::Read() {
   Reading now;
-  now.stolen_ns = StolenNs();
+  now.stolen_ns = measure::StolenTime();
   rusage usage = {};
   getrusage(RUSAGE_THREAD, &usage);
   now.preemptions = static_cast<double>(usage.ru_nivcsw);

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -20,8 +19,6 @@
 
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/trace.h"
-#include "library/detectors/description.h"
-#include "library/detectors/plugin.h"
 #include "library/layouts/pose_table.h"
 #include "runtime/engine/detection/plugin_detectors.h"
 #include "runtime/engine/probes/memory.h"
@@ -68,22 +65,6 @@ bool HasDescriptors() {
   throw std::system_error(errno, std::generic_category(), "cannot start again");
 }
 
-/// What a library offers, for `cdb` (kDescribeOption). The library may print what it likes, or
-/// without end.
-int DescribeLibrary(const std::string& path) {
-  const int out = dup(STDOUT_FILENO);
-  constexpr rlimit kLimit = {1 << 20, 1 << 20};
-  if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0 || setrlimit(RLIMIT_FSIZE, &kLimit) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot look into a library");
-  try {
-    measure::WriteAll(out, detectors::DescriptionOf(detectors::LoadPlugin(path)));
-    return 0;
-  } catch (const detectors::PluginError& error) {
-    measure::WriteAll(out, error.what());
-    return detectors::kNoPlugin;
-  }
-}
-
 void RunWorker(const char* program, const Kept& kept) {
   const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
   measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
@@ -122,10 +103,9 @@ int main(int argc, char** argv) {
                btGetVersion() % 100, world::EnginePrecision());
     return 0;
   }
-  const bool describes = argc == 3 && std::string_view(argv[1]) == detectors::kDescribeOption;
   const bool settles = argc == 2 && std::string_view(argv[1]) == kSettleOption;
   const bool keeps = argc == 4 && std::string_view(argv[1]) == measure::kKeepOption;
-  if (!describes && !settles && ((argc != 1 && !keeps) || !HasDescriptors())) {
+  if (!settles && ((argc != 1 && !keeps) || !HasDescriptors())) {
     fmt::print(stderr,
                "{}: this program runs one run of a plan for `cdb run` and is not started by hand; "
                "use `cdb run FILE.cdb`\n",
@@ -137,9 +117,7 @@ int main(int argc, char** argv) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     layouts::SetPoseReader(
         [](const schema::Call& poses) { return layouts::UnpackPoses(ReadPackedPoses(), poses); });
-    if (describes) {
-      _exit(DescribeLibrary(argv[2]));
-    } else if (settles) {
+    if (settles) {
       SettleForAnother(plan::RunFromYaml(measure::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
     } else {
       RunWorker(argv[0], keeps ? Kept{argv[2], argv[3]} : Kept{});

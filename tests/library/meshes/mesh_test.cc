@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"a.obj", "\nv 0 0 1e999\n", "a.obj:2: `1e999` should be a number"},
         Broken{"a.obj", "v 0 0 1e16\n", "a.obj:1: the coordinate 1e+16 is not"},
         Broken{"a.obj", "v 0 0 0x\n", "a.obj:1: `0x` should be a number"},
-        Broken{"a.obj", "v 0 0 0\nf 1 1 2\n", "a.obj:2: a face has vertex 1, counted from 0"},
+        Broken{"a.obj", "v 0 0 0\nf 1 1 2\n", "a.obj:2: a face has vertex 2, counted from 1"},
         Broken{"a.obj", "v 0 0 0\nf 0 1 1\n", "a.obj:2: a face has vertex 0; they count from 1"},
         Broken{"a.obj", "v 0 0 0\nf -2 1 1\n", "a.obj:2: a face has vertex -2"},
         Broken{"a.obj", "v 0 0 0\nf 1 -9223372036854775808 1\n", "a.obj:2: a face has vertex -9"},

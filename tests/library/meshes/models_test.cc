@@ -44,6 +44,13 @@ TEST_F(ModelFolder, TheFirstThatHasItCounts) {
                 both[0].string() + " and " + both[1].string() +
                 "); in cdb's source folder run: library/meshes/fetch-models '" + both[0].string() +
                 "' bunny");
+  // An installed copy.
+  fs::create_directories(folder_ / "share");
+  WriteFile(folder_ / "share/fetch-models", "");
+  const std::vector<fs::path> installed = {both[0], folder_ / "share/models"};
+  EXPECT_TRUE(Refusal([&] { meshes::PathOf(bunny, installed); })
+                  .ends_with("); run: '" + (folder_ / "share/fetch-models").string() + "' '" +
+                             installed[1].string() + "' bunny"));
   fs::create_directories(both[1]);
   WriteFile(both[1] / "bunny.off", ToOff(InsideOut(AngleMesh())));
   EXPECT_EQ(meshes::PathOf(bunny, both), both[1] / "bunny.off");

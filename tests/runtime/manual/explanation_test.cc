@@ -35,7 +35,7 @@ compiler::Compilation CompileExample(std::string_view text) {
     why = "No such file or directory";
     return std::nullopt;
   };
-  const auto describe = [](const std::string& path,
+  const auto describe = [](const std::string&, const std::string& path,
                            std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
     why = "'" + path + "' is no plug-in";
     return std::nullopt;

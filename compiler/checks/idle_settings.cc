@@ -1,0 +1,65 @@
+#include "compiler/checks/idle_settings.h"
+
+#include <fmt/format.h>
+
+#include "compiler/plan/expectation.h"
+#include "compiler/plan/kinematic.h"
+#include "compiler/plan/poses.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+
+namespace cdb::checks {
+namespace {
+
+using schema::IsZero;
+
+bool IsStill(const plan::Group& group) {
+  return plan::PathOf(group) == nullptr && IsZero(group.settings.Get("linear_velocity")) &&
+         IsZero(group.settings.Get("angular_velocity"));
+}
+
+}  // namespace
+
+void IdleSettings::Look(evaluate::Configuration& configuration, const scenario::ParameterKey& key,
+                        bool is_idle, const std::string& message, const std::string& help) {
+  if (!configuration.IsSet(key)) return;
+  if (!is_idle)
+    useful_.insert(key);
+  else if (!idle_.contains(key))
+    idle_.emplace(key, Finding{configuration.SpanOf(key, benchmark_), message, help});
+}
+
+void IdleSettings::Add(evaluate::Configuration& configuration, const plan::Scene& scene) {
+  for (const plan::Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0) continue;
+    for (const auto velocity :
+         {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")}) {
+      if (IsZero(group.settings.Get(velocity))) continue;
+      Look(configuration, {group.name, velocity.get()}, group.settings.WordOr("mass") == "fixed",
+           fmt::format("'{}' is fixed, and {} does not move it", group.name, velocity.name()),
+           "leave it out, or write mass kinematic: that moves as its velocity says, whatever it "
+           "meets");
+    }
+    if (plan::HasKinematic(group))
+      Look(configuration, {group.name, schema::GroupParameter("mass").get()}, IsStill(group),
+           fmt::format("'{}' is kinematic, and nothing moves it", group.name),
+           "give it a linear_velocity, an angular_velocity or location path(\"motion.csv\"), or "
+           "write "
+           "mass fixed");
+  }
+  const std::string_view said = scene.world.WordOr("expect");
+  if (said == "rest" || said == "energy")
+    Look(configuration, {"", schema::WorldParameter("expect").get()},
+         plan::ExpectationOf(scene) == plan::Expectation::kDriven,
+         fmt::format("'expect {}' judges nothing here: a schedule or kinematic objects drive the "
+                     "scene, so that its energy may change at any time",
+                     said),
+         "leave it out");
+}
+
+void IdleSettings::Report() const {
+  for (const auto& [key, finding] : idle_)
+    if (!useful_.contains(key))
+      diagnostics_.Report(scenario::kNoEffect, finding.span, finding.message, finding.help);
+}
+
+}  // namespace cdb::checks

@@ -1,0 +1,70 @@
+// `cdb doctor`: whether this machine is fit for timings, and what to change.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/measure/machine.h"
+#include "runtime/measure/noise_floor.h"
+#include "runtime/report/console.h"
+
+namespace cdb::cli {
+namespace {
+
+constexpr double kSeconds = 2;
+/// ns: a cycle of a few objects is timed by a dozen readings, and takes some microseconds.
+constexpr double kSlowClock = 100;
+
+std::string Percent(double part) { return fmt::format("{:.1f} %", 100 * part); }
+
+std::vector<measure::MachineFact> FactsOf(const measure::NoiseFloor& floor) {
+  std::vector<measure::MachineFact> facts;
+  facts.push_back({"reading the clock", fmt::format("{:.0f} ns", floor.clock_ns),
+                   floor.clock_ns > kSlowClock ? "short phases are dominated by it; see the clock "
+                                                 "source above"
+                                               : ""});
+  facts.push_back({"off the processor", Percent(floor.off_processor),
+                   floor.off_processor > 0.02 ? "other programs take turns with this one" : ""});
+  if (!std::isnan(floor.stolen))
+    facts.push_back({"stolen time", Percent(floor.stolen),
+                     floor.stolen > 0.01 ? "another virtual machine took the processors" : ""});
+  facts.push_back(
+      {"a fixed loop",
+       fmt::format("{:.3g} us; half of {} within {} of the median, 99 % up to +{}, worst x {:.2f}",
+                   floor.median / 1e3, floor.loops,
+                   Percent((floor.half_high - floor.half_low) / 2 / floor.median),
+                   Percent(floor.p99 / floor.median - 1), floor.worst / floor.median),
+       floor.IsQuiet() ? "" : "smaller differences than these are lost in noise"});
+  return facts;
+}
+
+ExitStatus Examine() {
+  std::vector<measure::MachineFact> facts = measure::LookAtMachine();
+  const measure::NoiseFloor floor = measure::MeasureNoiseFloor(kSeconds);
+  for (measure::MachineFact& fact : FactsOf(floor)) facts.push_back(std::move(fact));
+  int doubts = 0;
+  for (const measure::MachineFact& fact : facts) {
+    const bool is_good = fact.remedy.empty();
+    doubts += !is_good;
+    report::Print(fmt::format("  {}  {:20} {}\n", is_good ? "ok" : " !", fact.name, fact.value));
+    if (!is_good) report::Print(fmt::format("      {:20} {}\n", "", fact.remedy));
+  }
+  report::Print(floor.IsQuiet()
+                    ? fmt::format("\nQuiet enough for timings{}.\n",
+                                  doubts > 0 ? "; what is marked may still disturb them" : "")
+                    : "\nNot quiet: timings made now would be marked as noisy, or be wrong by more "
+                      "than they say.\n");
+  return floor.IsQuiet() ? ExitStatus::kGood : ExitStatus::kRuns;
+}
+
+}  // namespace
+
+void AddDoctorCommand(CLI::App& app, ExitStatus& status) {
+  Subcommand command(app, "doctor", "whether this machine is fit for timings, and what to change");
+  command.Action(status, Examine);
+}
+
+}  // namespace cdb::cli

@@ -1,0 +1,22 @@
+#!/bin/bash
+# The Debian package as its users meet it: made, unpacked elsewhere, and its programs run there.
+set -euo pipefail
+cpack=$1 build=$2
+command -v dpkg-shlibdeps >/dev/null || { echo 'skipped: needs dpkg-dev'; exit 77; }
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+"$cpack" --config "$build/CPackConfig.cmake" -B "$folder" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+package=$(echo "$folder"/cdb_*.deb)
+dpkg-deb --field "$package" Depends | grep libhdf5
+dpkg-deb --extract "$package" "$folder/root"
+share=$folder/root/usr/share
+[ -s "$share/doc/cdb/copyright" ] && [ -s "$share/man/man1/cdb.1" ] && [ -x "$share/cdb/fetch-models" ]
+
+cd "$folder"
+cdb=$folder/root/usr/bin/cdb
+"$cdb" run -q "$share/doc/cdb/examples/first.cdb"
+"$cdb" show first.h5
+"$cdb" check "$share"/cdb/scenarios/*/*.cdb >checked 2>&1
+# A model is there, or the message says how this copy gets it.
+"$cdb" run -q - <<<'benchmark b { cycles 2; objects { quantity 2; type bunny } }' 2>said || grep "run: '$share/cdb/fetch-models' '$share/cdb/models' bunny" said

@@ -1,0 +1,33 @@
+#include "runtime/measure/noise_floor.h"
+
+#include <gtest/gtest.h>
+
+namespace cdb::tests {
+namespace {
+
+TEST(NoiseFloor, IsOfLoopsThatTookTime) {
+  const measure::NoiseFloor floor = measure::MeasureNoiseFloor(0.02);
+  EXPECT_GE(floor.loops, 1u);
+  EXPECT_GT(floor.median, 0);
+  EXPECT_LE(floor.half_low, floor.median);
+  EXPECT_GE(floor.half_high, floor.median);
+  EXPECT_GE(floor.p99, floor.half_high);
+  EXPECT_GE(floor.worst, floor.p99);
+  EXPECT_GT(floor.clock_ns, 0);
+}
+
+TEST(NoiseFloor, IsQuietWithinItsLimitsAlone) {
+  const measure::NoiseFloor quiet = {100, 1000, 995, 1005, 1050, 3000, 0.01, 0, 20};
+  EXPECT_TRUE(quiet.IsQuiet());
+  for (const auto& [member, value] : {std::pair(&measure::NoiseFloor::half_high, 1020.0),
+                                      {&measure::NoiseFloor::p99, 1200.0},
+                                      {&measure::NoiseFloor::off_processor, 0.05},
+                                      {&measure::NoiseFloor::stolen, 0.02}}) {
+    measure::NoiseFloor disturbed = quiet;
+    disturbed.*member = value;
+    EXPECT_FALSE(disturbed.IsQuiet()) << value;
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests
