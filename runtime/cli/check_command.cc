@@ -25,7 +25,7 @@ compiler::Compilation CompileToJson(const std::string& file,
                                     const std::vector<std::string>& plugins) {
   compiler::Compilation result =
       CompileWith(FindScenario(file), ReadInput, std::nullopt, plugins, /*lists_runs=*/false);
-  report::Print(DiagnosticsJson(result.diagnostics));
+  report::PrintExact(DiagnosticsJson(result.diagnostics));
   return result;
 }
 

@@ -139,7 +139,7 @@ compiler::Compilation CompileAndReport(const std::string& file,
     if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))
       shown.Report(*diagnostic.kind, diagnostic.span, diagnostic.message, diagnostic.help,
                    diagnostic.notes);
-  report::Say(dsl::Render(shown, RenderOptionsForTerminal()));
+  report::SayExact(dsl::Render(shown, RenderOptionsForTerminal()));
   if (lints == LintText::kOneLine) report::Say(LintsInOneLine(result.diagnostics, file));
   return result;
 }
