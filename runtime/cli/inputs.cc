@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
-#include <iterator>
 #include <set>
 
 #include "compiler/checks/lints.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/schema/schema.h"
 #include "dsl/diagnostics.h"
@@ -81,7 +80,9 @@ std::string FileOrStandardInput(const std::string& file) {
 
 std::optional<std::string> ReadInput(const std::string& path, std::string& why) {
   if (path != kStandardInput) return compiler::ReadFromDisk(path, why);
-  static const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  static std::string fault;
+  static const std::optional<std::string> text = plan::ReadInput(STDIN_FILENO, fault);
+  if (!text) why = fault;
   return text;
 }
 

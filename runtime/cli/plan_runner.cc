@@ -21,14 +21,23 @@
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress.h"
+#include "runtime/store/temporary_file.h"
 
 namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The shards of `out.h5` lie in `out.runs`.
-fs::path ShardFolder(fs::path out) { return out.replace_extension(".runs"); }
+/// The shards of `out.h5` lie in `out.runs`. Throws CommandError for a file of that name.
+fs::path ShardFolder(const fs::path& out) {
+  fs::path folder = out;
+  folder.replace_extension(".runs");
+  if (folder == out)
+    throw CommandError(fmt::format(
+        "'{}' is the name of the folder for its own shards; name another file by -o ({}.h5)",
+        out.string(), out.stem().string()));
+  return folder;
+}
 
 bool IsComplete(const store::ResultFile& file, const plan::Plan& plan) {
   bool is_complete = true;
@@ -157,6 +166,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   const plan::Plan& plan = sized.plan;
   const fs::path folder = ShardFolder(out);
   std::error_code error;
+  store::RemoveStaleTemporariesBeside(out);
   if (!options_.fresh && IsThereAlready(out, plan)) {
     // Shards are still there where the last runner was killed right after it had merged them.
     if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
@@ -176,7 +186,6 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     return end;
   }
   if (options_.shard.count > 1) return end;
-  store::RemoveStaleTemporaries(out.has_parent_path() ? out.parent_path() : ".");
   // Another runner may have been faster with the same plan.
   if (options_.fresh || !IsThereAlready(out, plan)) store::Merge(plan, provenance_, folder, out);
   if (lock.TakeForMyself()) RemoveShards(plan, folder);

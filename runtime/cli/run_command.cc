@@ -58,6 +58,10 @@ fs::path ResultPath(const RunArguments& arguments, const plan::Plan& plan, std::
   std::error_code error;
   const std::string file = (arguments.only.empty() ? plan.benchmark : arguments.only) + ".h5";
   if (arguments.out.empty()) return file;
+  if (fs::path(arguments.out).extension() == ".runs")
+    throw CommandError(
+        fmt::format("'{}': names that end in .runs are folders of shards; name another file by -o",
+                    arguments.out));
   if (fs::is_directory(arguments.out, error)) return fs::path(arguments.out) / file;
   if (plan_count > 1)
     throw CommandError(fmt::format(

@@ -19,6 +19,7 @@
 #include "runtime/process/worker.h"
 #include "runtime/report/console.h"
 #include "runtime/schedule/schedule.h"
+#include "runtime/store/temporary_file.h"
 #include "runtime/store/trace_file.h"
 
 namespace cdb::cli {
@@ -46,6 +47,7 @@ class Tracer {
 
   /// ExitStatus::kRuns for a failed run, of which there is no file.
   ExitStatus Trace(const plan::Run& run, const fs::path& file) {
+    store::RemoveStaleTemporariesBeside(file);
     if (!arguments_.fresh && store::TracedRun(file) == run.id) {
       Tell(file, "is there already; --fresh makes it anew");
       return ExitStatus::kGood;

@@ -24,7 +24,7 @@ void RemoveWholePlan(const std::filesystem::path& folder);
 /// One folder of shards of one plan. Nothing is held open. Not for several threads.
 class ShardFolder {
  public:
-  /// Makes the folder, removes temporaries that a dead process of this machine left, and forgets
+  /// Makes the folder, removes temporaries that killed processes of this machine left, and forgets
   /// its shards where `fresh`. Throws StoreError; ScheduleError where it holds a shard of a run
   /// that is not in the plan, and then nothing was changed.
   ShardFolder(const plan::Plan& plan, std::filesystem::path folder, bool fresh);
@@ -34,6 +34,9 @@ class ShardFolder {
   /// StoreError for one that cannot be read.
   std::optional<store::ShardInfo> Find(const plan::Run& run,
                                        std::vector<std::string>& warnings) const;
+
+  /// A file is there under the name of the run's shard.
+  bool Has(const plan::Run& run) const;
 
   /// Makes `plan.yaml` say this plan, in one step. To be called once no shard was refused. Throws
   /// StoreError.

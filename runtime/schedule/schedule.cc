@@ -41,11 +41,11 @@ class Execution {
   Summary Run() {
     CheckMemory(plan_);
     const std::vector<const plan::Run*> measured = OrderRuns(plan_, options_.shard);
-    std::vector<const plan::Run*> all = ReferencesOf(plan_, measured);
-    all.insert(all.end(), measured.begin(), measured.end());
+    all_ = ReferencesOf(plan_, measured);
+    all_.insert(all_.end(), measured.begin(), measured.end());
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
-    for (const plan::Run* run : all) {
+    for (const plan::Run* run : all_) {
       if (const auto shard = folder_->Find(*run, warnings)) {
         CountFound(*run, *shard);
       } else {
@@ -58,6 +58,7 @@ class Execution {
     listener_.Begin(plan_, queue_, summary_, slots_.size());
     Work();
     while (!IsStopped() && QueueOutdated(measured)) Work();
+    CheckShardsAreThere();
     return summary_;
   }
 
@@ -204,14 +205,31 @@ class Execution {
     try {
       Write(run, ending);
     } catch (const store::StoreError& error) {
-      throw store::StoreError(
-          fmt::format("{}\n{} of {} runs are safe in {}; the same command goes on from there",
-                      error.what(), summary_.ended(),
-                      summary_.ended() + queue_.size() - next_ + Busy(), folder_->path().string()));
+      throw store::StoreError(fmt::format("{}\n{}", error.what(), SafeText()));
     }
     slots_[ending.slot] = nullptr;
     if (!is_repeating_) summary_.Count(ending.result.outcome());
     listener_.RunEnded(run, ending.result, ending.wall_s);
+  }
+
+  /// What is in the folder now: it may have been removed while the runs went.
+  std::size_t CountSafe() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(all_, [this](const plan::Run* run) { return folder_->Has(*run); }));
+  }
+  std::string SafeText() const {
+    const std::size_t safe = CountSafe();
+    return fmt::format("{} of {} runs are safe in {}; the same command {}", safe, all_.size(),
+                       folder_->path().string(),
+                       safe > 0 ? "goes on from there" : "runs all of them");
+  }
+
+  /// A merge would take runs whose shards are gone for runs that nobody has started.
+  void CheckShardsAreThere() const {
+    if (IsStopped() || CountSafe() == all_.size()) return;
+    throw store::StoreError(
+        fmt::format("{}: shards were removed from it while the runs went; nothing was merged\n{}",
+                    folder_->path().string(), SafeText()));
   }
 
   /// A run that ended well before is kept as it was.
@@ -243,10 +261,6 @@ class Execution {
     writer_.Write(run, ending.result, folder_->path());
   }
 
-  std::size_t Busy() const {
-    return slots_.size() - static_cast<std::size_t>(std::ranges::count(slots_, nullptr));
-  }
-
   const plan::Plan& plan_;
   const ExecuteOptions& options_;
   process::Launcher& launcher_;
@@ -257,6 +271,7 @@ class Execution {
   SharedOmissions omissions_;
   bool is_repeating_ = false;  // runs that ended well already
   std::optional<ShardFolder> folder_;
+  std::vector<const plan::Run*> all_;  // with references
   std::vector<const plan::Run*> queue_;
   std::size_t next_ = 0;                 // of queue_
   std::vector<const plan::Run*> slots_;  // what runs in each, or null

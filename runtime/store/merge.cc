@@ -22,6 +22,7 @@
 #include "runtime/store/shard.h"
 #include "runtime/store/shard_index.h"
 #include "runtime/store/store.h"
+#include "runtime/store/temporary_file.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
@@ -424,22 +425,19 @@ void Merge(const plan::Plan& plan, const Provenance& provenance,
         fmt::format("{}: is a folder where the result should go; the shards were left "
                     "as they are: choose another name (-o)",
                     out.string()));
-  const fs::path temporary = TemporaryName(out);
+  RemoveStaleTemporariesBeside(out);
+  TemporaryFile temporary(out);
   try {
     Merger merger(plan, provenance, shards);
-    merger.Write(temporary);
-    merger.Verify(temporary);
+    merger.Write(temporary.path());
+    merger.Verify(temporary.path());
   } catch (const hdf5::Error& error) {
-    fs::remove(temporary, ignored);
     throw StoreError(
         fmt::format("{}: cannot merge the shards: {}; they are all kept in {}: make "
                     "room or mend it, and merge again",
                     out.string(), error.what(), shards.empty() ? "" : shards.front().string()));
-  } catch (...) {
-    fs::remove(temporary, ignored);
-    throw;
   }
-  Publish(temporary, out);
+  temporary.Publish();
 }
 
 }  // namespace cdb::store

@@ -101,8 +101,9 @@ class ShardWriter {
 void WriteShard(const plan::Plan& plan, const plan::Run& run, const RunResult& result,
                 const Provenance& provenance, const std::filesystem::path& folder);
 
-/// Removes temporaries in `folder` that processes of this host left behind when they were killed;
-/// those of living processes and of other hosts stay. Throws StoreError where there is no folder.
+/// Removes temporaries in `folder` that processes of this host left behind when they were killed.
+/// Those that somebody still writes are locked and stay (temporary_file.h), and so do those of
+/// other hosts. Throws StoreError where there is no folder.
 void RemoveStaleTemporaries(const std::filesystem::path& folder);
 
 struct ShardInfo {

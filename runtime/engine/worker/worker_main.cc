@@ -18,6 +18,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/trace.h"
 #include "library/detectors/description.h"
@@ -75,6 +76,10 @@ int DescribeLibrary(const std::string& path) {
   constexpr rlimit kLimit = {1 << 20, 1 << 20};
   if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0 || setrlimit(RLIMIT_FSIZE, &kLimit) != 0)
     throw std::system_error(errno, std::generic_category(), "cannot look into a library");
+  if (const std::string why = plan::WhyNotReadable(path); !why.empty()) {
+    measure::WriteAll(out, fmt::format("cannot load '{}': {}", path, why));
+    return detectors::kNoPlugin;
+  }
   try {
     measure::WriteAll(out, detectors::DescriptionOf(detectors::LoadPlugin(path)));
     return 0;

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "compiler/plan/input_file.h"
 #include "runtime/store/hdf5/calls.h"
 #include "runtime/store/hdf5/sink.h"
 
@@ -158,6 +159,7 @@ File File::Create(const std::filesystem::path& path) {
 
 File File::Open(const std::filesystem::path& path) {
   BeQuiet();
+  if (const std::string why = plan::WhyNotReadable(path); !why.empty()) throw Error(why);
   return File(Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open it"));
 }
 

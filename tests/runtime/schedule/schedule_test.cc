@@ -409,6 +409,32 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
   EXPECT_EQ(whole, 4u);
 }
 
+TEST_F(ScheduleTest, CountsTheShardsThatAreStillThere) {
+  bool keeps_folder = false;
+  launcher.before_wait = [&] {
+    if (ears.ended != 4) return;
+    fs::remove_all(options.folder);
+    if (keeps_folder) fs::create_directories(options.folder);
+  };
+  const auto message = [&]() -> std::string {
+    try {
+      Run(plan);
+    } catch (const store::StoreError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const std::string gone = message();
+  EXPECT_NE(gone.find("No such file or directory"), std::string::npos) << gone;
+  EXPECT_NE(gone.find("0 of 9 runs are safe in"), std::string::npos) << gone;
+  // Somebody made it anew: five shards come, and four are missing.
+  keeps_folder = true;
+  ears = {};
+  const std::string emptied = message();
+  EXPECT_NE(emptied.find("shards were removed from it"), std::string::npos) << emptied;
+  EXPECT_NE(emptied.find("5 of 9 runs are safe in"), std::string::npos) << emptied;
+}
+
 TEST_F(ScheduleTest, ALauncherThatRefusesEndsTheWork) {
   struct Refuser : FakeLauncher {
     void Start(std::size_t slot, const plan::Run& run, const std::string& kept) override {
