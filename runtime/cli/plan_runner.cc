@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "library/content_cache.h"
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/measure/host.h"
@@ -140,6 +141,8 @@ PlanRunner::PlanRunner(PlanRunnerOptions options)
   for (const std::string& plugin : options_.plugins)
     plugins += " --plugin " + report::ShellWord(plugin);
   if (!plugins.empty()) provenance_["plugins"] = plugins.substr(1);
+  const std::string fault = library::CacheFault(library::CacheFolder());
+  if (!fault.empty() && !options_.is_quiet) report::Say(fmt::format("cdb: warning: {}\n", fault));
   std::signal(SIGPIPE, SIG_IGN);
 }
 
