@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "compiler/plan/input_file.h"
 #include "library/content_cache.h"
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
@@ -22,6 +24,7 @@
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress.h"
+#include "runtime/store/safe_file.h"
 #include "runtime/store/temporary_file.h"
 
 namespace cdb::cli {
@@ -101,6 +104,13 @@ class FolderLock {
   int fd_ = -1;
 };
 
+/// What a retry that was stopped wanted; empty where there was none.
+RetryChoice FindStartedRetry(const fs::path& folder) {
+  std::string why;
+  return RetryChoice::FromText(
+      plan::ReadInputFile(folder / schedule::kRetryMarkName, why).value_or(""));
+}
+
 /// Removes the shards that `Merge` has verified, and nothing else.
 void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
   if (plan.whole) return schedule::RemoveWholePlan(folder);
@@ -108,6 +118,7 @@ void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
   for (const auto* runs : {&plan.runs, &plan.references})
     for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
   fs::remove(folder / "plan.yaml", ignored);
+  fs::remove(folder / schedule::kRetryMarkName, ignored);
   fs::remove(folder, ignored);
 }
 
@@ -146,9 +157,8 @@ PlanRunner::PlanRunner(PlanRunnerOptions options)
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan, const fs::path& folder) const {
-  schedule::ExecuteOptions execute;
-  execute.folder = folder;
+schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan,
+                                          schedule::ExecuteOptions execute) const {
   execute.jobs = options_.jobs;
   execute.shard = options_.shard;
   execute.fresh = options_.fresh;
@@ -165,11 +175,22 @@ schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan, const fs::path&
   return schedule::ExecuteParts(plan.plan, list, execute, listener);
 }
 
+void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const {
+  report::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
+                          end.summary.ended(),
+                          plan.grid != nullptr ? plan.plan.RunCount() / options_.shard.count
+                                               : end.summary.ended() + end.summary.left,
+                          end.shards.string()));
+}
+
 ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) const {
   const plan::Plan& plan = sized.plan;
   const fs::path folder = ShardFolder(out);
   std::error_code error;
   store::RemoveStaleTemporariesBeside(out);
+  const RetryChoice retry = options_.retry.With(FindStartedRetry(folder));
+  if (!options_.fresh && !retry.is_empty() && fs::exists(out, error))
+    return Retry(sized, out, retry);
   if (!options_.fresh && IsThereAlready(out, plan)) {
     // Shards are still there where the last runner was killed right after it had merged them.
     if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
@@ -179,19 +200,81 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   }
   FolderLock lock(folder);
   WarnOfLoad(plan);
-  ExecutedPlan end = {ExecuteRuns(sized, folder), folder, false};
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  if (!options_.retry.is_empty())
+    execute.is_repeated = [this](const plan::Run& run, const fs::path& shard) {
+      const store::ResultFile file(shard);
+      const std::vector<std::size_t> at(file.axes().size(), 0);
+      return options_.retry.Wants(file, {at, 0}, run.id);
+    };
+  ExecutedPlan end = {ExecuteRuns(sized, std::move(execute)), folder, false};
   if (end.summary.signal != 0) {
-    report::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
-                            end.summary.ended(),
-                            sized.grid != nullptr ? plan.RunCount() / options_.shard.count
-                                                  : end.summary.ended() + end.summary.left,
-                            folder.string()));
+    SayStopped(sized, end);
     return end;
   }
   if (options_.shard.count > 1) return end;
   // Another runner may have been faster with the same plan.
   if (options_.fresh || !IsThereAlready(out, plan)) store::Merge(plan, provenance_, folder, out);
   if (lock.TakeForMyself()) RemoveShards(plan, folder);
+  end.is_merged = true;
+  return end;
+}
+
+ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
+                               const RetryChoice& retry) const {
+  const plan::Plan& plan = sized.plan;
+  const fs::path folder = ShardFolder(out);
+  const fs::path mark = folder / schedule::kRetryMarkName;
+  if (options_.shard.count > 1)
+    throw CommandError("--retry runs a few runs again, all of them here; leave out --shard");
+  IsThereAlready(out, plan);  // refuses another plan
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::exists(mark, error)) {
+    // Left over where a runner was killed right after its merge: not what is to be run again.
+    if (!FolderLock(folder).TakeForMyself())
+      throw CommandError(
+          fmt::format("another cdb is at work in '{}'; retry when it has ended", folder.string()));
+    RemoveShards(plan, folder);
+  }
+  const store::ResultFile base(out);
+  const auto is_kept = [&](const store::ResultFile::Cell& cell, const std::string& id) {
+    const store::Status status = base.ReadStatus(cell);
+    return status != store::Status::kMissing && !retry.Wants(base, cell, id);
+  };
+  std::size_t wanted = 0;
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    wanted += !is_kept({at, rep}, id);
+  });
+  if (wanted == 0 && !fs::exists(mark, error)) {
+    if (!options_.is_quiet)
+      report::Say(fmt::format("no run of '{}' is {}; nothing is run again\n", out.string(),
+                              fmt::join(retry.Words(), " or ")));
+    return {{}, folder, true};
+  }
+  FolderLock lock(folder);
+  store::WriteWhole(retry.Text(), mark);
+  WarnOfLoad(plan);
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  execute.find_elsewhere = [&](const plan::Run& run) -> std::optional<store::ShardInfo> {
+    const store::ResultFile::Cell cell = {run.at, run.rep};
+    if (!is_kept(cell, run.id)) return std::nullopt;
+    store::ShardInfo info = {run.id, base.plan_sha256(), {base.ReadStatus(cell)}, {}, {}};
+    if (base.Has("omitted")) info.omitted = base.ReadText("omitted", cell);
+    if (base.Has("needs")) info.decisions = base.ReadText("needs", cell);
+    return info;
+  };
+  ExecutedPlan end = {ExecuteRuns(sized, std::move(execute)), folder, false};
+  if (end.summary.signal != 0) {
+    SayStopped(sized, end);
+    return end;
+  }
+  store::Merge(plan, provenance_, {folder}, out, out);
+  if (lock.TakeForMyself()) {
+    fs::remove(mark, error);  // first: from here on, the shards are left over
+    RemoveShards(plan, folder);
+  }
   end.is_merged = true;
   return end;
 }

@@ -66,7 +66,7 @@ void ForEachName(const fs::path& folder, Visit visit) {
 void RemoveFilesOfPlans(const fs::path& folder) {
   ForEachName(folder, [&](const std::string& name) {
     if (ShardRunId(name, kShardEnding).empty() && ShardRunId(name, kBrokenEnding).empty() &&
-        name != kPlanName && !IsPartMark(name))
+        name != kPlanName && name != kRetryMarkName && !IsPartMark(name))
       return;
     const fs::path file = folder / name;
     if (unlink(file.c_str()) != 0 && errno != ENOENT) FailStore("remove", file, errno);
@@ -137,14 +137,18 @@ void ShardFolder::WritePlan(const plan::Plan& plan) const {
   store::WriteWhole(text, file);
 }
 
+fs::path ShardFolder::ShardOf(const plan::Run& run) const {
+  return folder_ / (run.id + std::string(kShardEnding));
+}
+
 bool ShardFolder::Has(const plan::Run& run) const {
   std::error_code error;
-  return fs::is_regular_file(folder_ / (run.id + std::string(kShardEnding)), error);
+  return fs::is_regular_file(ShardOf(run), error);
 }
 
 std::optional<store::ShardInfo> ShardFolder::Find(const plan::Run& run,
                                                   std::vector<std::string>& warnings) const {
-  const fs::path shard = folder_ / (run.id + std::string(kShardEnding));
+  const fs::path shard = ShardOf(run);
   // What the system refuses to open is not broken: setting it aside would hide a good shard.
   const int fd = open(shard.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0 && errno == ENOENT) return std::nullopt;

@@ -13,6 +13,8 @@
 
 namespace cdb::schedule {
 
+/// Holds what is run again (`cdb run --retry`) until that has ended, in the folder.
+inline constexpr const char* kRetryMarkName = "retry";
 /// The mark of a part that has ended (runtime/schedule/parts.h), in the folder.
 std::string PartMarkName(std::uint64_t part, std::uint64_t count);
 /// Files in the folder that are called like shards; 0 where there is no folder. Throws StoreError.
@@ -35,7 +37,9 @@ class ShardFolder {
   std::optional<store::ShardInfo> Find(const plan::Run& run,
                                        std::vector<std::string>& warnings) const;
 
-  /// A file is there under the name of the run's shard.
+  /// Where the shard of a run is, or would be.
+  std::filesystem::path ShardOf(const plan::Run& run) const;
+  /// A file is there.
   bool Has(const plan::Run& run) const;
 
   /// Makes `plan.yaml` say this plan, in one step. To be called once no shard was refused. Throws

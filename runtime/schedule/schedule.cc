@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <utility>
 
 #include "compiler/plan/capacity.h"
@@ -40,15 +41,17 @@ class Execution {
 
   Summary Run() {
     CheckMemory(plan_);
-    const std::vector<const plan::Run*> measured = OrderRuns(plan_, options_.shard);
+    const std::vector<const plan::Run*> measured = FindWanted();
     all_ = ReferencesOf(plan_, measured);
     all_.insert(all_.end(), measured.begin(), measured.end());
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
     for (const plan::Run* run : all_) {
-      if (const auto shard = folder_->Find(*run, warnings)) {
+      const auto shard = folder_->Find(*run, warnings);
+      if (shard && !IsRepeated(*run)) {
         CountFound(*run, *shard);
       } else {
+        if (shard) repeated_.insert(run);
         queue_.push_back(run);
       }
       for (const std::string& warning : std::exchange(warnings, {})) listener_.Warn(warning);
@@ -71,6 +74,25 @@ class Execution {
       execution.listener_.End();
     }
   };
+
+  /// Those that have to be in the folder at the end.
+  std::vector<const plan::Run*> FindWanted() {
+    std::vector<const plan::Run*> wanted;
+    for (const plan::Run* run : OrderRuns(plan_, options_.shard)) {
+      const auto elsewhere = options_.find_elsewhere ? options_.find_elsewhere(*run) : std::nullopt;
+      if (!elsewhere) {
+        wanted.push_back(run);
+      } else if (elsewhere->outcome.status == store::Status::kDone) {
+        omissions_.Note(*run, elsewhere->omitted, elsewhere->decisions);
+      }
+    }
+    return wanted;
+  }
+
+  bool IsRepeated(const plan::Run& run) const {
+    return options_.is_repeated && run.scene.role == plan::Role::kMeasured &&
+           options_.is_repeated(run, folder_->ShardOf(run));
+  }
 
   void Work() {
     while (FillSlots()) {
@@ -186,6 +208,7 @@ class Execution {
     if (is_repeating_) return next_ < queue_.size() ? queue_[next_++] : nullptr;
     while (next_ < queue_.size()) {
       const plan::Run* run = queue_[next_++];
+      if (repeated_.contains(run)) return run;
       std::vector<std::string> warnings;
       const auto shard = folder_->Find(*run, warnings);
       for (const std::string& warning : warnings) listener_.Warn(warning);
@@ -273,8 +296,9 @@ class Execution {
   std::optional<ShardFolder> folder_;
   std::vector<const plan::Run*> all_;  // with references
   std::vector<const plan::Run*> queue_;
-  std::size_t next_ = 0;                 // of queue_
-  std::vector<const plan::Run*> slots_;  // what runs in each, or null
+  std::unordered_set<const plan::Run*> repeated_;  // of queue_, with a shard
+  std::size_t next_ = 0;                           // of queue_
+  std::vector<const plan::Run*> slots_;            // what runs in each, or null
   struct Stall {
     std::uint64_t cycles = 0;
     int ticks = 0;  // in a plug-in without a new cycle

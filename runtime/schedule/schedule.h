@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,12 @@ struct ExecuteOptions {
   std::size_t jobs = 1;          ///< runs at a time
   ShardChoice shard = {};
   bool fresh = false;  ///< forget what the folder holds
+  /// A run that is executed although the folder has its shard, which stays until the new one is
+  /// written; null: none.
+  std::function<bool(const plan::Run&, const std::filesystem::path& shard)> is_repeated = {};
+  /// What is known of a run that is kept elsewhere, and neither executed nor counted; nullopt for
+  /// others. Null: all are to be in the folder.
+  std::function<std::optional<store::ShardInfo>(const plan::Run&)> find_elsewhere = {};
   store::Provenance provenance = {};
   const process::StopFlag* stop = nullptr;  ///< may be null
 };

@@ -117,10 +117,12 @@ ShardInfo ReadShardInfo(const std::filesystem::path& file);
 
 /// Makes `out` from `shards`, folders of them or single files (of a run that stands twice, the
 /// first): under a temporary name, verified against the shards, fsynced, renamed. Runs without a
-/// shard are cells with status `missing`. The shards are left alone. Throws StoreError; then `out`
-/// is as before.
+/// shard are as in `base`, a results file of the same plan that may be `out`, where that is given,
+/// else cells with status `missing`. The shards are left alone. Throws StoreError; then `out` is as
+/// before.
 void Merge(const plan::Plan& plan, const Provenance& provenance,
-           const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out);
+           const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out,
+           const std::filesystem::path& base = {});
 void Merge(const plan::Plan& plan, const Provenance& provenance,
            const std::filesystem::path& folder, const std::filesystem::path& out);
 

@@ -409,6 +409,35 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
   EXPECT_EQ(whole, 4u);
 }
 
+TEST_F(ScheduleTest, RunsAgainWhatIsAskedForAndNothingElse) {
+  const std::string crashed = plan.runs[4].id;
+  launcher.behave = [&](const plan::Run& run) {
+    return run.id == crashed ? store::Status::kCrashed : store::Status::kDone;
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 8, .crashed = 1}));
+  const std::string others = ReadFile(options.folder / (plan.runs[0].id + ".h5"));
+  launcher.behave = [](const plan::Run&) { return store::Status::kDone; };
+  launcher.started.clear();
+  options.is_repeated = [](const plan::Run& run, const fs::path& shard) {
+    EXPECT_EQ(shard.stem(), run.id);
+    return store::ReadShardInfo(shard).outcome.status == store::Status::kCrashed;
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 8}));
+  EXPECT_EQ(launcher.started, std::vector<std::string>{crashed});
+  EXPECT_TRUE(ReadFile(options.folder / (plan.runs[0].id + ".h5")) == others);
+}
+
+TEST_F(ScheduleTest, LeavesRunsAloneThatAreKeptElsewhere) {
+  const std::string wanted = plan.runs[4].id;
+  options.find_elsewhere = [&](const plan::Run& run) -> std::optional<store::ShardInfo> {
+    if (run.id == wanted) return std::nullopt;
+    return store::ShardInfo{run.id, plan.Sha256(), {store::Status::kDone}, "", ""};
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 1}));
+  EXPECT_EQ(launcher.started, std::vector<std::string>{wanted});
+  EXPECT_EQ(FilesIn(options.folder), (std::vector<std::string>{wanted + ".h5", "plan.yaml"}));
+}
+
 TEST_F(ScheduleTest, CountsTheShardsThatAreStillThere) {
   bool keeps_folder = false;
   launcher.before_wait = [&] {
