@@ -18,7 +18,7 @@
 #include "runtime/process/stop.h"
 #include "runtime/process/worker.h"
 #include "runtime/report/console.h"
-#include "runtime/schedule/schedule.h"
+#include "runtime/schedule/bounds.h"
 #include "runtime/store/temporary_file.h"
 #include "runtime/store/trace_file.h"
 
@@ -107,7 +107,7 @@ ExitStatus TracePlans(const TraceArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
   for (plan::Plan& plan : plans) {
     plan = MakeTracePlan(std::move(plan));
-    schedule::CheckMemory(plan);
+    schedule::CheckFits(plan, 1, 1, arguments.out);
     const std::vector<fs::path> files = TraceFiles(plan, arguments.out, plans.size());
     Tracer tracer(plan, arguments, stop);
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {

@@ -3,20 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <unordered_set>
 #include <utility>
 
-#include "compiler/plan/capacity.h"
 #include "compiler/plan/pile.h"
 #include "compiler/plan/reference.h"
 #include "compiler/schema/components.h"
 #include "compiler/schema/schema.h"
 #include "dsl/check.h"
-#include "runtime/measure/series.h"
 #include "runtime/process/worker.h"
+#include "runtime/schedule/bounds.h"
 #include "runtime/schedule/error_evaluator.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/shared_omissions.h"
@@ -40,7 +38,7 @@ class Execution {
         slots_(std::max<std::size_t>(options.jobs, 1)) {}
 
   Summary Run() {
-    CheckMemory(plan_);
+    CheckFits(plan_, slots_.size(), options_.shard.count, options_.folder);
     const std::vector<const plan::Run*> measured = FindWanted();
     all_ = ReferencesOf(plan_, measured);
     all_.insert(all_.end(), measured.begin(), measured.end());
@@ -310,30 +308,6 @@ class Execution {
 };
 
 }  // namespace
-
-void CheckMemory(const plan::Plan& plan) {
-  double bytes = 0, sampled = 0;
-  for (const measure::Series& series : measure::AllSeries())
-    if (series.IsRecordedBy(plan))
-      bytes += static_cast<double>(
-          series.ItemBytes() *
-          series.ValueCount({plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)}));
-  for (const plan::Run& run : plan.Bounds())
-    if (const auto shape = measure::SampleShapeOf(run.scene))
-      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
-  // Those of the run, of its reference and of its twin.
-  bytes += 3 * sampled;
-  std::ifstream info("/proc/meminfo");
-  for (std::string name; info >> name; std::getline(info, name)) {
-    double kib = 0;
-    // Recording and shard stand side by side.
-    if (name == "MemAvailable:" && info >> kib && 2 * bytes > 0.8 * 1024 * kib)
-      throw process::ScheduleError(fmt::format(
-          "{}: one run records up to {:.3g} GB and this machine has {:.3g} GB of memory free; take "
-          "fewer cycles or objects, or record less",
-          plan.benchmark, bytes / 1e9, kib * 1024 / 1e9));
-  }
-}
 
 void Summary::Count(const store::Outcome& outcome) {
   switch (outcome.status) {

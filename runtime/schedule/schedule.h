@@ -92,9 +92,4 @@ Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, ProgressL
 Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, process::Launcher& launcher,
                 ProgressListener& listener);
 
-/// Throws ScheduleError where one run of the plan records more than this machine has memory for:
-/// a shard is as wide as the widest run of the plan, and is made in memory. Said before hours of
-/// work rather than after.
-void CheckMemory(const plan::Plan& plan);
-
 }  // namespace cdb::schedule
