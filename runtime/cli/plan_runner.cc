@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -122,6 +123,47 @@ void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
   fs::remove(folder, ignored);
 }
 
+/// Shards without a mark are of a runner that was killed right after its merge.
+void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (!FolderLock(folder).TakeForMyself())
+    throw CommandError(
+        fmt::format("another cdb is at work in '{}'; retry when it has ended", folder.string()));
+  RemoveShards(plan, folder);
+}
+
+/// The runs of a results file that a retry leaves as they are.
+class KeptRuns {
+ public:
+  KeptRuns(const fs::path& out, const RetryChoice& retry) : file_(out), retry_(retry) {}
+
+  std::size_t CountOthers(const plan::Plan& plan) const {
+    std::size_t others = 0;
+    plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+      others += !Has({at, rep}, id);
+    });
+    return others;
+  }
+  std::optional<store::ShardInfo> Find(const plan::Run& run) const {
+    const store::ResultFile::Cell cell = {run.at, run.rep};
+    if (!Has(cell, run.id)) return std::nullopt;
+    store::ShardInfo info = {
+        run.id, file_.plan_sha256(), {file_.ReadStatus(cell), measure::Verdict::kUnknown}, {}, {}};
+    if (file_.Has("omitted")) info.omitted = file_.ReadText("omitted", cell);
+    if (file_.Has("needs")) info.decisions = file_.ReadText("needs", cell);
+    return info;
+  }
+
+ private:
+  bool Has(const store::ResultFile::Cell& cell, const std::string& id) const {
+    return file_.ReadStatus(cell) != store::Status::kMissing && !retry_.Wants(file_, cell, id);
+  }
+
+  const store::ResultFile file_;
+  const RetryChoice& retry_;
+};
+
 }  // namespace
 
 void MakeResultsFolder(const fs::path& folder) {
@@ -189,8 +231,11 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   std::error_code error;
   store::RemoveStaleTemporariesBeside(out);
   const RetryChoice retry = options_.retry.With(FindStartedRetry(folder));
-  if (!options_.fresh && !retry.is_empty() && fs::exists(out, error))
+  if (!options_.fresh && !retry.is_empty() && fs::exists(out, error)) {
+    if (options_.retry.is_empty() && !options_.is_quiet)
+      report::Say(fmt::format("goes on with what `--retry` began in '{}'\n", out.string()));
     return Retry(sized, out, retry);
+  }
   if (!options_.fresh && IsThereAlready(out, plan)) {
     // Shards are still there where the last runner was killed right after it had merged them.
     if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
@@ -224,29 +269,15 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
 ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
                                const RetryChoice& retry) const {
   const plan::Plan& plan = sized.plan;
-  const fs::path folder = ShardFolder(out);
-  const fs::path mark = folder / schedule::kRetryMarkName;
+  const fs::path folder = ShardFolder(out), mark = folder / schedule::kRetryMarkName;
   if (options_.shard.count > 1)
     throw CommandError("--retry runs a few runs again, all of them here; leave out --shard");
   IsThereAlready(out, plan);  // refuses another plan
   std::error_code error;
-  if (fs::exists(folder, error) && !fs::exists(mark, error)) {
-    // Left over where a runner was killed right after its merge: not what is to be run again.
-    if (!FolderLock(folder).TakeForMyself())
-      throw CommandError(
-          fmt::format("another cdb is at work in '{}'; retry when it has ended", folder.string()));
-    RemoveShards(plan, folder);
-  }
-  const store::ResultFile base(out);
-  const auto is_kept = [&](const store::ResultFile::Cell& cell, const std::string& id) {
-    const store::Status status = base.ReadStatus(cell);
-    return status != store::Status::kMissing && !retry.Wants(base, cell, id);
-  };
-  std::size_t wanted = 0;
-  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
-    wanted += !is_kept({at, rep}, id);
-  });
-  if (wanted == 0 && !fs::exists(mark, error)) {
+  const bool is_started = fs::exists(mark, error);
+  if (!is_started) RemoveLeftovers(plan, folder);
+  const KeptRuns kept(out, retry);
+  if (!is_started && kept.CountOthers(plan) == 0) {
     if (!options_.is_quiet)
       report::Say(fmt::format("no run of '{}' is {}; nothing is run again\n", out.string(),
                               fmt::join(retry.Words(), " or ")));
@@ -257,14 +288,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   WarnOfLoad(plan);
   schedule::ExecuteOptions execute;
   execute.folder = folder;
-  execute.find_elsewhere = [&](const plan::Run& run) -> std::optional<store::ShardInfo> {
-    const store::ResultFile::Cell cell = {run.at, run.rep};
-    if (!is_kept(cell, run.id)) return std::nullopt;
-    store::ShardInfo info = {run.id, base.plan_sha256(), {base.ReadStatus(cell)}, {}, {}};
-    if (base.Has("omitted")) info.omitted = base.ReadText("omitted", cell);
-    if (base.Has("needs")) info.decisions = base.ReadText("needs", cell);
-    return info;
-  };
+  execute.find_elsewhere = [&kept](const plan::Run& run) { return kept.Find(run); };
   ExecutedPlan end = {ExecuteRuns(sized, std::move(execute)), folder, false};
   if (end.summary.signal != 0) {
     SayStopped(sized, end);
