@@ -37,7 +37,7 @@ void MergeBase::ReadProvenance() {
   if (!group.Has(std::string(kProvenanceRuns))) return;
   const std::vector<std::string> ids = group.OpenDataset(std::string(kProvenanceRuns)).ReadText();
   for (std::size_t i = 0; i < ids.size(); ++i) places_.emplace(ids[i], i);
-  for (const std::string& name : group.Names())
+  for (const std::string& name : group.MemberNames())
     if (name != kProvenanceRuns && name != "plan_text" && name != "scenario_text")
       varied_.emplace(name, group.OpenDataset(name).ReadText());
 }

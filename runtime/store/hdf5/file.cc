@@ -49,7 +49,7 @@ bool Group::Has(const std::string& name) const {
   return H5Lexists(id_.get(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
-std::vector<std::string> Group::Names() const {
+std::vector<std::string> Group::MemberNames() const {
   H5G_info_t info = {};
   Check(H5Gget_info(id_.get(), &info), "list a group");
   std::vector<std::string> names;

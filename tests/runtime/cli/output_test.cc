@@ -66,16 +66,21 @@ TEST_F(Output, ToAReaderThatHasGoneEndsQuietly) {
   }
 }
 
-/// A title, an axis and the name of a mesh that would colour, move the cursor and turn the line.
+/// The title of a plan, the only text there that is free: it would colour, ring and turn the line.
 TEST_F(Output, ShowsNoControlCharactersOfFiles) {
-  program_.Write("hostile.cdb",
-                 "benchmark h \"red \x1b[31m \xe2\x80\xae right \x07 end\" { cycles 2; "
-                 "objects.quantity sweep(1, 2) }");
-  ASSERT_EQ(program_.Run({"run", "hostile.cdb", "-q"}).status, 0);
+  program_.Write("h.cdb", "benchmark h \"plain title\" { cycles 2; objects.quantity sweep(2, 3) }");
+  ASSERT_EQ(program_.Run({"plan", "h.cdb", "-o", "h.yaml"}).status, 0);
+  std::string plan = program_.Read("h.yaml");
+  const std::size_t title = plan.find("plain title");
+  ASSERT_NE(title, std::string::npos);
+  program_.Write("h.yaml", plan.replace(title, 11, "red \\e[31m \\u202e right \\a end"));
+  program_.Write("bell.cdb", "benchmark b { cycles \x1b[31m\xe2\x80\xae }");
+  ASSERT_EQ(program_.Run({"run", "h.yaml", "-q"}).status, 0);
   for (const char* command :
-       {"show h.h5", "show h.h5 --json", "plan hostile.cdb", "check hostile.cdb",
-        "run hostile.cdb --fresh", "compare h.h5 h.h5", "report h.h5"}) {
+       {"show h.h5", "show h.h5 --json", "plan h.yaml", "check bell.cdb", "run h.yaml --fresh",
+        "compare h.h5 h.h5", "report h.h5", "show \"$(printf '\\033[31m.h5')\""}) {
     const Finished finished = program_.Shell(std::string("\"$CDB\" ") + command);
+    EXPECT_NE(finished.out + finished.err, "") << command;
     for (const std::string& text : {finished.out, finished.err}) {
       EXPECT_EQ(text.find('\x1b'), std::string::npos) << command << ": " << text;
       EXPECT_EQ(text.find('\x07'), std::string::npos) << command << ": " << text;

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 /// Every dataset with its values, as text; without those that say when a file was made.
 std::string ValuesIn(const hdf5::Group& group, const std::string& path = "") {
   std::string all;
-  for (const std::string& name : group.Names()) {
+  for (const std::string& name : group.MemberNames()) {
     if (path.empty() && (name == "run" || name == "accuracy" || name == "provenance")) {
       all += ValuesIn(group.OpenGroup(name), name + "/");
       continue;
