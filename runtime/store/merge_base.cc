@@ -43,8 +43,9 @@ void MergeBase::ReadProvenance() {
 }
 
 bool MergeBase::Has(std::size_t cell) const {
-  const auto status = static_cast<Status>(numbers_.at(0).at(cell));  // the first of RunNumbers
-  return status != Status::kMissing && status != Status::kSkipped;
+  const double status = numbers_.at(0).at(cell);  // the first of RunNumbers
+  return status != static_cast<double>(Status::kMissing) &&
+         status != static_cast<double>(Status::kSkipped);
 }
 
 std::map<std::string, std::string> MergeBase::ProvenanceOf(const std::string& run_id) const {
@@ -58,12 +59,17 @@ std::map<std::string, std::string> MergeBase::ProvenanceOf(const std::string& ru
 std::optional<MergeBase::Rows> MergeBase::ContactRows(std::size_t cell) const {
   const double first = contact_first_.at(cell);
   if (!(first >= 0)) return std::nullopt;
-  const auto begin = static_cast<std::uint64_t>(first);
   // Cells stand one after the other, in grid order.
+  double end = static_cast<double>(contact_rows_);
   for (std::size_t next = cell + 1; next < contact_first_.size(); ++next)
-    if (contact_first_[next] >= 0)
-      return Rows{begin, static_cast<std::uint64_t>(contact_first_[next]) - begin};
-  return Rows{begin, contact_rows_ - begin};
+    if (contact_first_[next] >= 0) {
+      end = contact_first_[next];
+      break;
+    }
+  if (end < first || end > static_cast<double>(contact_rows_))
+    throw hdf5::Error("contact_first does not fit the contacts");
+  const auto begin = static_cast<std::uint64_t>(first);
+  return Rows{begin, static_cast<std::uint64_t>(end) - begin};
 }
 
 }  // namespace cdb::store
