@@ -3,15 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "compiler/checks/file_lets.h"
 #include "compiler/checks/unreachable.h"
 #include "compiler/expand.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::compiler {
@@ -60,22 +56,7 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
 }
 
 std::optional<std::string> ReadFromDisk(const std::string& path, std::string& why) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    why = "it is a folder";
-    return std::nullopt;
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    why = std::strerror(errno);
-    return std::nullopt;
-  }
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad()) {
-    why = std::strerror(errno);
-    return std::nullopt;
-  }
-  return text;
+  return plan::ReadInputFile(path, why);
 }
 
 }  // namespace cdb::compiler

@@ -3,15 +3,14 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/sha256.h"
 
 namespace cdb::library {
@@ -27,7 +26,118 @@ fs::path FileOf(const fs::path& folder, std::string_view kind, std::string_view 
 
 /// What a file begins with; to be raised with its layout.
 std::string HeadOf(std::string_view kind, std::string_view key) {
-  return fmt::format("cdb {} 2\n{}", kind, key);
+  return fmt::format("cdb {} 3\n{}", kind, key);
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+bool IsOfUserAlone(const struct stat& status) {
+  return status.st_uid == geteuid() && (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+bool IsSafeFolder(const fs::path& folder) {
+  struct stat status = {};
+  return !folder.empty() && stat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) &&
+         IsOfUserAlone(status);
+}
+
+/// Makes it where it is missing, for the user alone. False where it is not safe.
+bool MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  if (folder.empty()) return false;
+  if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), error);
+  mkdir(folder.c_str(), S_IRWXU);
+  return IsSafeFolder(folder);
+}
+
+/// The bytes of a file that is the user's own; nullopt for any other.
+std::optional<std::string> ReadOwn(const fs::path& path) {
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  struct stat status = {};
+  if (file.get() < 0 || fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) ||
+      !IsOfUserAlone(status))
+    return std::nullopt;
+  std::string why;
+  return plan::ReadInput(file.get(), why);
+}
+
+bool WriteAllTo(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = write(fd, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+bool IsAt(int fd, const fs::path& path) {
+  struct stat ours = {}, there = {};
+  return fstat(fd, &ours) == 0 && stat(path.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+         ours.st_dev == there.st_dev;
+}
+
+enum class Replace { kYes, kNo };
+
+/// Writes a file under a temporary name and gives it its own. What a killed process left under that
+/// name is written over; while another process writes it, there is nothing to do.
+bool WriteOwn(const fs::path& path, std::string_view bytes, Replace replace) {
+  const fs::path temporary = path.string() + ".tmp";
+  const Descriptor file(
+      open(temporary.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  if (file.get() < 0) return false;
+  // Where the file system knows no locks, a mixture of two does not have its digest.
+  if (flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+  if (!IsAt(file.get(), temporary)) return false;
+  const bool is_written = ftruncate(file.get(), 0) == 0 && WriteAllTo(file.get(), bytes);
+  if (is_written && replace == Replace::kYes && rename(temporary.c_str(), path.c_str()) == 0)
+    return true;
+  const bool is_linked =
+      is_written && replace == Replace::kNo && link(temporary.c_str(), path.c_str()) == 0;
+  unlink(temporary.c_str());
+  return is_linked;
+}
+
+constexpr const char* kSecretName = "secret";
+constexpr std::size_t kSecretBytes = 32;
+
+/// Known to whoever may read the folder, which is the user alone.
+std::optional<std::string> FindSecret(const fs::path& folder) {
+  auto secret = ReadOwn(folder / kSecretName);
+  return secret && secret->size() == kSecretBytes ? secret : std::nullopt;
+}
+
+/// Of two processes that make one, both go on with the first.
+std::optional<std::string> MakeSecret(const fs::path& folder) {
+  const fs::path path = folder / kSecretName;
+  for (int tries = 0; tries < 3; ++tries) {
+    if (auto secret = FindSecret(folder)) return secret;
+    std::string bytes(kSecretBytes, '\0');
+    if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+      return std::nullopt;
+    // What is there and is none is of no use to anybody.
+    if (!WriteOwn(path, bytes, Replace::kNo) && !FindSecret(folder)) unlink(path.c_str());
+  }
+  return FindSecret(folder);
+}
+
+/// 64 hex digits that nobody without the secret can make (two passes, as in HMAC).
+std::string SealOf(const std::string& secret, std::string_view body) {
+  std::string inner = secret;
+  inner += body;
+  return plan::Sha256Hex(secret + plan::Sha256Hex(inner));
 }
 
 }  // namespace
@@ -47,57 +157,51 @@ fs::path CacheFolder() {
 
 std::string CacheKeyOf(std::string_view bytes) { return plan::Sha256Hex(bytes); }
 
+std::string CacheFault(const fs::path& folder) {
+  struct stat status = {};
+  if (folder.empty() || stat(folder.c_str(), &status) != 0 || IsSafeFolder(folder)) return {};
+  if (!S_ISDIR(status.st_mode))
+    return fmt::format("the cache '{}' is no folder and is not used; name another by CDB_CACHE",
+                       folder.string());
+  if (status.st_uid != geteuid())
+    return fmt::format(
+        "the cache '{}' belongs to another user and is not used; name your own by CDB_CACHE",
+        folder.string());
+  return fmt::format(
+      "others may write to the cache '{0}', and it is not used; empty it, and `chmod 700 {0}`",
+      folder.string());
+}
+
 std::optional<std::string> FindCached(const fs::path& folder, std::string_view kind,
                                       std::string_view key) {
-  if (folder.empty()) return std::nullopt;
-  std::ifstream stream(FileOf(folder, kind, key), std::ios::binary);
-  std::ostringstream all;
-  // Unlike its iterators, this does not throw where reading fails.
-  if (!stream || !(all << stream.rdbuf())) return std::nullopt;
-  const std::string_view bytes = all.view();
+  if (!IsSafeFolder(folder)) return std::nullopt;
+  const auto secret = FindSecret(folder);
+  const auto bytes = secret ? ReadOwn(FileOf(folder, kind, key)) : std::nullopt;
   const std::string head = HeadOf(kind, key);
-  if (bytes.size() < head.size() + kDigest || !bytes.starts_with(head)) return std::nullopt;
-  const std::string_view body = bytes.substr(0, bytes.size() - kDigest);
-  if (plan::Sha256Hex(body) != bytes.substr(body.size())) return std::nullopt;
+  if (!bytes || bytes->size() < head.size() + kDigest || !bytes->starts_with(head))
+    return std::nullopt;
+  const std::string_view body = std::string_view(*bytes).substr(0, bytes->size() - kDigest);
+  if (SealOf(*secret, body) != std::string_view(*bytes).substr(body.size())) return std::nullopt;
   return std::string(body.substr(head.size()));
 }
 
 bool StoreCached(const fs::path& folder, std::string_view kind, std::string_view key,
                  std::string_view contents) {
-  if (folder.empty()) return false;
+  if (!MakeFolder(folder)) return false;
+  const auto secret = MakeSecret(folder);
+  if (!secret) return false;
   std::string bytes = HeadOf(kind, key);
   bytes += contents;
-  bytes += plan::Sha256Hex(bytes);
-  const fs::path file = FileOf(folder, kind, key);
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  if (error) return false;
-  // A home may be shared by machines, and a process may have several threads here.
-  static std::atomic<unsigned> count = 0;
-  char host[256] = "";
-  if (gethostname(host, sizeof host - 1) != 0) return false;
-  const fs::path temporary = fmt::format("{}.{}.{}.{}.tmp", file.string(), host, getpid(), count++);
-  {
-    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) error = std::make_error_code(std::errc::io_error);
-  }
-  if (!error) fs::rename(temporary, file, error);
-  if (!error) return true;
-  std::error_code ignored;  // it may not be there
-  fs::remove(temporary, ignored);
-  return false;
+  bytes += SealOf(*secret, bytes);
+  return WriteOwn(FileOf(folder, kind, key), bytes, Replace::kYes);
 }
 
 CacheLock::CacheLock(const fs::path& folder, std::string_view kind, std::string_view key,
                      const std::function<void()>& on_wait) {
-  if (folder.empty()) return;
-  std::error_code error;
-  fs::create_directories(folder, error);
+  if (!MakeFolder(folder)) return;
   file_ = FileOf(folder, kind, key).concat(".lock");
-  while (!error) {
-    fd_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  for (;;) {
+    fd_ = open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
     if (fd_ < 0 || TakeOrForget(on_wait)) return;
   }
 }
@@ -110,10 +214,7 @@ bool CacheLock::TakeOrForget(const std::function<void()>& on_wait) {
     while (!(is_locked = flock(fd_, LOCK_EX) == 0) && errno == EINTR) {
     }
   }
-  struct stat ours = {}, there = {};
-  const bool is_there = is_locked && fstat(fd_, &ours) == 0 && stat(file_.c_str(), &there) == 0 &&
-                        ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
-  if (is_there) return true;
+  if (is_locked && IsAt(fd_, file_)) return true;
   close(fd_);
   fd_ = -1;
   return !is_locked;  // no locks here

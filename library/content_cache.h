@@ -1,8 +1,12 @@
 // A cache of expensive results, in files named after the hash of their inputs. Any number of
 // processes may share a folder.
 //
-// Errors: none; a damaged file counts as not there, and where the folder cannot be written nothing
-// is kept. Threads: any.
+// What is found decides results, so only the user can have put it there: folder and entries are
+// his own, nobody else may write to them, and an entry is bound to its kind, its key and a secret
+// of the folder, so that none that was made elsewhere is taken.
+//
+// Errors: none; a damaged or foreign file counts as not there, and where the folder cannot be
+// written or is not safe nothing is kept. Threads: any.
 #pragma once
 
 #include <filesystem>
@@ -15,6 +19,9 @@ namespace cdb::library {
 
 /// `$CDB_CACHE`, else `$XDG_CACHE_HOME/cdb`, else `$HOME/.cache/cdb`; empty where none is set.
 std::filesystem::path CacheFolder();
+
+/// Why the folder is not used, and what to do; empty where it is, or is not there yet.
+std::string CacheFault(const std::filesystem::path& folder);
 
 /// 64 hex digits of a hash of all that something depends on.
 std::string CacheKeyOf(std::string_view bytes);

@@ -16,6 +16,7 @@
 #include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
+#include "dsl/characters.h"
 #include "dsl/utf8.h"
 
 namespace cdb::plan {
@@ -299,7 +300,7 @@ class PlanReader : public ValueReader {
     if (node["plugins"]) run.scene.plugins = ReadPlugins(node["plugins"]);
     run.scene.world = ReadSettings<false>(Member(node, "world"), run.scene.plugins);
     for (const YAML::Node& group : Member(node, "groups"))
-      run.scene.groups.push_back({Text(Member(group, "name")), ReadSettings<true>(group)});
+      run.scene.groups.push_back({Name(Member(group, "name")), ReadSettings<true>(group)});
     if (run.scene.groups.empty()) Fail(node.Mark(), "a run needs a group of objects");
     if (Collisions(run.scene).ClassCount() > kMostCollisionClasses)
       Fail(node.Mark(), fmt::format("`collides_with` makes more than {} kinds of groups",
@@ -322,7 +323,7 @@ class PlanReader : public ValueReader {
     std::vector<schema::PluginDetector> plugins;
     for (const auto& entry : map) {
       schema::PluginDetector plugin;
-      plugin.name = Text(entry.first);
+      plugin.name = Name(entry.first);
       plugin.path = Text(Member(entry.second, "library"));
       plugin.sha256 = Text(Member(entry.second, "sha256"));
       plugin.phases = Text(Member(entry.second, "phases"));
@@ -345,7 +346,7 @@ class PlanReader : public ValueReader {
 
   Axis ReadAxis(const YAML::Node& node) const {
     Axis axis;
-    axis.name = Text(Member(node, "name"));
+    axis.name = Name(Member(node, "name"));
     axis.parameter = Text(Member(node, "parameter"));
     axis.unit = Text(Member(node, "unit"));
     const bool text = static_cast<bool>(node["labels"]);
@@ -371,7 +372,7 @@ class PlanReader : public ValueReader {
           fmt::format("{}: this is no cdb plan; `cdb plan FILE.cdb -o` writes one", name_));
     CheckPlanVersion(Count(root[std::string(kPlanFormat)]), name_);
     Plan plan;
-    plan.benchmark = Text(Member(root, "benchmark"));
+    plan.benchmark = Name(Member(root, "benchmark"));
     plan.title = Text(Member(root, "title"));
     plan.source = Text(Member(root, "source"));
     plan.repeats = Count(Member(root, "repeats"));
@@ -394,6 +395,16 @@ class PlanReader : public ValueReader {
   }
 
  private:
+  /// Files are called by names, so a name has no room for more than the language allows.
+  std::string Name(const YAML::Node& node) const {
+    const std::string& name = Text(node);
+    if (!dsl::IsPlainName(name))
+      Fail(node.Mark(),
+           fmt::format("`{}` is no name; a name is letters, digits and _, and begins with no digit",
+                       dsl::Printable(name)));
+    return name;
+  }
+
   /// What a plan that was compiled keeps to, and its ids do not vouch for.
   void CheckAccuracy(const YAML::Node& node, const Scene& scene) const {
     const AccuracyFault fault = FindAccuracyFault(scene);

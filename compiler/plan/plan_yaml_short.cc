@@ -4,6 +4,8 @@
 #include "compiler/plan/plan.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/short_plan.h"
+#include "dsl/characters.h"
+#include "dsl/utf8.h"
 
 namespace cdb::plan {
 
@@ -47,6 +49,10 @@ std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::strin
     CheckPlanVersion(root[std::string(kShortPlanFormat)].as<std::uint64_t>(), name);
     ShortPlan plan;
     plan.benchmark = root["benchmark"].as<std::string>();
+    if (!dsl::IsPlainName(plan.benchmark))
+      throw PlanError(fmt::format(
+          "{}:{}: `{}` is no name; a name is letters, digits and _, and begins with no digit", name,
+          root["benchmark"].Mark().line + 1, dsl::Printable(plan.benchmark)));
     plan.sha256 = root["sha256"].as<std::string>();
     plan.runs = root["runs"].as<std::uint64_t>();
     plan.source = root["source"].as<std::string>();

@@ -2,14 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/check.h"
@@ -36,24 +32,19 @@ struct Unreadable : SceneError {
   using SceneError::SceneError;
 };
 
-std::ifstream Open(const std::string& path) {
-  std::error_code error;
-  const bool is_folder = std::filesystem::is_directory(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (is_folder || !file)
-    throw Unreadable(
-        fmt::format("{}: {}", path, is_folder ? "it is a folder" : std::strerror(errno)),
-        "its name counts from the folder of the .cdb file");
-  return file;
+[[noreturn]] void FailToRead(const std::string& path, const std::string& why) {
+  throw Unreadable(fmt::format("{}: {}", path, why),
+                   "its name counts from the folder of the .cdb file");
 }
 
 /// The table, and the hash of what it is made of.
 std::pair<PoseTable, std::string> ReadWithHash(const schema::Call& poses) {
   if (plan::IsCsv(poses)) {
-    std::ifstream file = Open(FileOf(poses));
-    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    std::string why;
+    const auto bytes = plan::ReadInputFile(FileOf(poses), why);
+    if (!bytes) FailToRead(FileOf(poses), why);
     const auto parse = poses.name == schema::kPathCall ? ParsePathCsv : ParsePoseCsv;
-    return {parse(bytes, FileOf(poses)), plan::Sha256Hex(bytes)};
+    return {parse(*bytes, FileOf(poses)), plan::Sha256Hex(*bytes)};
   }
   if (!Hdf5Reader())
     throw SceneError(fmt::format("{}: nothing here reads HDF5", FileOf(poses)),
@@ -83,7 +74,8 @@ PoseTable ReadPoseTable(const schema::Call& poses) {
 
 std::optional<plan::PoseFacts> ReadPoseFacts(const schema::Call& poses, plan::PoseFault& why) {
   try {
-    Open(FileOf(poses));
+    if (const std::string fault = plan::WhyNotReadable(FileOf(poses)); !fault.empty())
+      FailToRead(FileOf(poses), fault);
     const auto [table, sha256] = ReadWithHash(poses);
     if (poses.name == schema::kPathCall) return FactsOfPath(Path(poses, table), sha256);
     return plan::PoseFacts{sha256, table.rows.size(), table.has_orientation,

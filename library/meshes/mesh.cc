@@ -6,9 +6,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <numeric>
+#include <utility>
 
+#include "compiler/plan/input_file.h"
 #include "library/meshes/mesh_formats.h"
 #include "library/scene_error.h"
 
@@ -129,19 +130,10 @@ std::string ReadMeshFile(const std::filesystem::path& file) {
     throw library::SceneError(fmt::format("{}: there is no such file", name));
   if (!std::filesystem::is_regular_file(file, error))
     throw library::SceneError(fmt::format("{}: is not a file", name));
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw library::SceneError(fmt::format("{}: {}", name, error.message()));
-  if (size > kMaxFileBytes)
-    throw library::SceneError(fmt::format("{}: is larger than {} MiB; simplify the model first",
-                                          name, kMaxFileBytes >> 20));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    throw library::SceneError(fmt::format("{}: cannot be opened; look at its permissions", name));
-  std::string bytes(size, '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (stream.gcount() != static_cast<std::streamsize>(size))
-    throw library::SceneError(fmt::format("{}: cannot be read to its end", name));
-  return bytes;
+  std::string why;
+  auto bytes = plan::ReadInputFile(file, why, kMaxFileBytes);
+  if (!bytes) throw library::SceneError(fmt::format("{}: {}", name, why));
+  return std::move(*bytes);
 }
 
 Mesh MergeEqualVertices(const Mesh& mesh) {

@@ -1,16 +1,19 @@
 // `cdb check`: the errors of scenario files, without running them.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "compiler/grid/part.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/diagnostics_json.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
+#include "runtime/schedule/bounds.h"
 
 namespace cdb::cli {
 namespace {
@@ -25,8 +28,20 @@ compiler::Compilation CompileToJson(const std::string& file,
                                     const std::vector<std::string>& plugins) {
   compiler::Compilation result =
       CompileWith(FindScenario(file), ReadInput, std::nullopt, plugins, /*lists_runs=*/false);
-  report::Print(DiagnosticsJson(result.diagnostics));
+  report::PrintExact(DiagnosticsJson(result.diagnostics));
   return result;
+}
+
+/// Whether this machine can run it, with nothing else at work. Says so where it cannot.
+bool FitsHere(const grid::Grid& grid, const std::string& file) {
+  plan::Plan plan = grid.head;
+  plan.whole =
+      std::make_shared<plan::WholePlan>(grid::MakeWhole(std::make_shared<const grid::Grid>(grid)));
+  const std::string why =
+      schedule::WhyTooLarge(schedule::LeastDemand(plan), schedule::WholeMachine());
+  if (!why.empty())
+    report::Say(fmt::format("{}: {}: this machine cannot run it: {}\n", file, plan.benchmark, why));
+  return why.empty();
 }
 
 ExitStatus Check(const CheckArguments& arguments) {
@@ -40,6 +55,8 @@ ExitStatus Check(const CheckArguments& arguments) {
       status = ExitStatus::kScenario;
       continue;
     }
+    for (const grid::Grid& grid : result.grids)
+      if (!FitsHere(grid, file)) status = std::max(status, ExitStatus::kWorld);
     if (arguments.json) continue;
     for (const grid::Grid& grid : result.grids)
       report::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),

@@ -166,7 +166,7 @@ ExitStatus CompareResults(const CompareArguments& arguments) {
   const auto files = FilesOf(arguments.files, unmatched);
   const auto benchmarks = ReadAll(files, options);
   if (arguments.is_json) {
-    report::Print(compare::CompareJson(benchmarks, unmatched, options));
+    report::PrintExact(compare::CompareJson(benchmarks, unmatched, options));
   } else {
     const compare::Document document =
         DocumentOf(benchmarks, NamesOf(arguments.files), unmatched, options);

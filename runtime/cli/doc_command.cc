@@ -68,7 +68,7 @@ ExitStatus Doc(const std::string& name, const CLI::App& app) {
     return ExitStatus::kGood;
   }
   if (const std::string text = ScenarioText(name); !text.empty()) {
-    report::Print(text);
+    report::PrintExact(text);
     return ExitStatus::kGood;
   }
   for (const CLI::App* command :

@@ -30,13 +30,13 @@ ExitStatus FormatFiles(const FormatArguments& arguments) {
     dsl::Diagnostics diagnostics;
     dsl::Parse(source, diagnostics);
     if (diagnostics.has_errors()) {
-      report::Say(dsl::Render(diagnostics, RenderOptionsForTerminal()));
+      report::SayExact(dsl::Render(diagnostics, RenderOptionsForTerminal()));
       status = ExitStatus::kScenario;
       continue;
     }
     const std::string formatted = dsl::Format(*source);
     if (file == kStandardInput && !arguments.check) {
-      report::Print(formatted);
+      report::PrintExact(formatted);
       continue;
     }
     if (formatted == source->text()) continue;

@@ -42,7 +42,7 @@ constexpr GeneratedFile kFiles[] = {
 ExitStatus Generate(const CLI::App& app, const std::string& kind) {
   for (const GeneratedFile& file : kFiles) {
     if (file.kind != kind) continue;
-    report::Print(file.text(CommandsOf(app)));
+    report::PrintExact(file.text(CommandsOf(app)));
     return ExitStatus::kGood;
   }
   throw CommandError(

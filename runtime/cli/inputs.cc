@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
-#include <iterator>
 #include <set>
 
 #include "compiler/checks/lints.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/schema/schema.h"
 #include "dsl/diagnostics.h"
@@ -82,7 +81,9 @@ std::string FileOrStandardInput(const std::string& file) {
 
 std::optional<std::string> ReadInput(const std::string& path, std::string& why) {
   if (path != kStandardInput) return compiler::ReadFromDisk(path, why);
-  static const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  static std::string fault;
+  static const std::optional<std::string> text = plan::ReadInput(STDIN_FILENO, fault);
+  if (!text) why = fault;
   return text;
 }
 
@@ -146,7 +147,7 @@ compiler::Compilation CompileAndReport(const std::string& file,
     if (lints == LintText::kWhole || !checks::IsLint(*diagnostic.kind))
       shown.Report(*diagnostic.kind, diagnostic.span, diagnostic.message, diagnostic.help,
                    diagnostic.notes);
-  report::Say(dsl::Render(shown, RenderOptionsForTerminal()));
+  report::SayExact(dsl::Render(shown, RenderOptionsForTerminal()));
   if (lints == LintText::kOneLine) report::Say(LintsInOneLine(result.diagnostics, file));
   return result;
 }

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <optional>
 #include <string>
 
@@ -41,8 +40,8 @@ ExitStatus ServeLanguage() {
     return CompileWith(path, read, std::nullopt, {}, /*lists_runs=*/false);
   };
   const auto send = [](const std::string& message) {
-    report::Print(lsp::Framed(message));
-    std::fflush(stdout);
+    report::PrintExact(lsp::Framed(message));
+    report::Flush();
   };
   lsp::Server server({compile, ScenarioLibrary(), CDB_VERSION, send});
   lsp::MessageReader reader;

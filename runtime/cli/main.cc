@@ -1,6 +1,8 @@
 // The command line of cdb.
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
@@ -96,11 +98,29 @@ ExitStatus MainWithErrors(int argc, char** argv) {
   return ExitStatus::kWorld;
 }
 
+/// A descriptor that was closed would be given to the first file that is opened, and be printed
+/// into.
+void KeepStandardDescriptors() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    // Standard output cannot be written then, and says so.
+    if (fcntl(fd, F_GETFD) < 0) open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+/// Whatever the command printed has to have arrived.
+ExitStatus CheckOutput(ExitStatus status) {
+  const auto fault = cdb::report::FinishOutput();
+  if (!fault) return status;
+  cdb::report::Say(fmt::format(
+      "cdb: cannot write standard output: {}; what was printed is not complete\n", *fault));
+  return ExitStatus::kWorld;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  KeepStandardDescriptors();
   // A limit on the size of files is an error of the write that meets it, with a message; it must
   // not end the program.
   std::signal(SIGXFSZ, SIG_IGN);
-  return static_cast<int>(MainWithErrors(argc, argv));
+  return static_cast<int>(CheckOutput(MainWithErrors(argc, argv)));
 }

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -97,7 +96,7 @@ ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string& only) {
       report::Print(fmt::format("{}{}  {}: {}{}\n", found ? "\n" : "", run.id, plan.benchmark,
                                 Describe(plan, run), alike));
       good = SayWhy(run.scene) && good;
-      std::fflush(stdout);
+      report::Flush();
       found = true;
     }
   }
@@ -164,7 +163,7 @@ void PrintTables(const std::vector<std::string>& tables) {
 template <typename Write>
 void WritePlan(const std::string& out, Write write) {
   if (out == "-") {
-    write([](std::string_view piece) { report::Print(piece); });
+    write([](std::string_view piece) { report::PrintExact(piece); });
   } else {
     store::WritePieces(write, out);
   }

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -11,9 +12,12 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <system_error>
 #include <utility>
 
+#include "compiler/plan/input_file.h"
+#include "library/content_cache.h"
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/measure/host.h"
@@ -21,14 +25,24 @@
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/temporary_file.h"
 
 namespace cdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The shards of `out.h5` lie in `out.runs`.
-fs::path ShardFolder(fs::path out) { return out.replace_extension(".runs"); }
+/// The shards of `out.h5` lie in `out.runs`. Throws CommandError for a file of that name.
+fs::path ShardFolder(const fs::path& out) {
+  fs::path folder = out;
+  folder.replace_extension(".runs");
+  if (folder == out)
+    throw CommandError(fmt::format(
+        "'{}' is the name of the folder for its own shards; name another file by -o ({}.h5)",
+        out.string(), out.stem().string()));
+  return folder;
+}
 
 bool IsComplete(const store::ResultFile& file, const plan::Plan& plan) {
   bool is_complete = true;
@@ -91,6 +105,13 @@ class FolderLock {
   int fd_ = -1;
 };
 
+/// What a retry that was stopped wanted; empty where there was none.
+RetryChoice FindStartedRetry(const fs::path& folder) {
+  std::string why;
+  return RetryChoice::FromText(
+      plan::ReadInputFile(folder / schedule::kRetryMarkName, why).value_or(""));
+}
+
 /// Removes the shards that `Merge` has verified, and nothing else.
 void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
   if (plan.whole) return schedule::RemoveWholePlan(folder);
@@ -98,8 +119,50 @@ void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
   for (const auto* runs : {&plan.runs, &plan.references})
     for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
   fs::remove(folder / "plan.yaml", ignored);
+  fs::remove(folder / schedule::kRetryMarkName, ignored);
   fs::remove(folder, ignored);
 }
+
+/// Shards without a mark are of a runner that was killed right after its merge.
+void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (!FolderLock(folder).TakeForMyself())
+    throw CommandError(
+        fmt::format("another cdb is at work in '{}'; retry when it has ended", folder.string()));
+  RemoveShards(plan, folder);
+}
+
+/// The runs of a results file that a retry leaves as they are.
+class KeptRuns {
+ public:
+  KeptRuns(const fs::path& out, const RetryChoice& retry) : file_(out), retry_(retry) {}
+
+  std::size_t CountOthers(const plan::Plan& plan) const {
+    std::size_t others = 0;
+    plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+      others += !Has({at, rep}, id);
+    });
+    return others;
+  }
+  std::optional<store::ShardInfo> Find(const plan::Run& run) const {
+    const store::ResultFile::Cell cell = {run.at, run.rep};
+    if (!Has(cell, run.id)) return std::nullopt;
+    store::ShardInfo info = {
+        run.id, file_.plan_sha256(), {file_.ReadStatus(cell), measure::Verdict::kUnknown}, {}, {}};
+    if (file_.Has("omitted")) info.omitted = file_.ReadText("omitted", cell);
+    if (file_.Has("needs")) info.decisions = file_.ReadText("needs", cell);
+    return info;
+  }
+
+ private:
+  bool Has(const store::ResultFile::Cell& cell, const std::string& id) const {
+    return file_.ReadStatus(cell) != store::Status::kMissing && !retry_.Wants(file_, cell, id);
+  }
+
+  const store::ResultFile file_;
+  const RetryChoice& retry_;
+};
 
 }  // namespace
 
@@ -131,12 +194,13 @@ PlanRunner::PlanRunner(PlanRunnerOptions options)
   for (const std::string& plugin : options_.plugins)
     plugins += " --plugin " + report::ShellWord(plugin);
   if (!plugins.empty()) provenance_["plugins"] = plugins.substr(1);
+  const std::string fault = library::CacheFault(library::CacheFolder());
+  if (!fault.empty() && !options_.is_quiet) report::Say(fmt::format("cdb: warning: {}\n", fault));
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan, const fs::path& folder) const {
-  schedule::ExecuteOptions execute;
-  execute.folder = folder;
+schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan,
+                                          schedule::ExecuteOptions execute) const {
   execute.jobs = options_.jobs;
   execute.shard = options_.shard;
   execute.fresh = options_.fresh;
@@ -153,10 +217,25 @@ schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan, const fs::path&
   return schedule::ExecuteParts(plan.plan, list, execute, listener);
 }
 
+void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const {
+  report::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
+                          end.summary.ended(),
+                          plan.grid != nullptr ? plan.plan.RunCount() / options_.shard.count
+                                               : end.summary.ended() + end.summary.left,
+                          end.shards.string()));
+}
+
 ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) const {
   const plan::Plan& plan = sized.plan;
   const fs::path folder = ShardFolder(out);
   std::error_code error;
+  store::RemoveStaleTemporariesBeside(out);
+  const RetryChoice retry = options_.retry.With(FindStartedRetry(folder));
+  if (!options_.fresh && !retry.is_empty() && fs::exists(out, error)) {
+    if (options_.retry.is_empty() && !options_.is_quiet)
+      report::Say(fmt::format("goes on with what `--retry` began in '{}'\n", out.string()));
+    return Retry(sized, out, retry);
+  }
   if (!options_.fresh && IsThereAlready(out, plan)) {
     // Shards are still there where the last runner was killed right after it had merged them.
     if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
@@ -166,20 +245,60 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   }
   FolderLock lock(folder);
   WarnOfLoad(plan);
-  ExecutedPlan end = {ExecuteRuns(sized, folder), folder, false};
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  if (!options_.retry.is_empty())
+    execute.is_repeated = [this](const plan::Run& run, const fs::path& shard) {
+      const store::ResultFile file(shard);
+      const std::vector<std::size_t> at(file.axes().size(), 0);
+      return options_.retry.Wants(file, {at, 0}, run.id);
+    };
+  ExecutedPlan end = {ExecuteRuns(sized, std::move(execute)), folder, false};
   if (end.summary.signal != 0) {
-    report::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
-                            end.summary.ended(),
-                            sized.grid != nullptr ? plan.RunCount() / options_.shard.count
-                                                  : end.summary.ended() + end.summary.left,
-                            folder.string()));
+    SayStopped(sized, end);
     return end;
   }
   if (options_.shard.count > 1) return end;
-  store::RemoveStaleTemporaries(out.has_parent_path() ? out.parent_path() : ".");
   // Another runner may have been faster with the same plan.
   if (options_.fresh || !IsThereAlready(out, plan)) store::Merge(plan, provenance_, folder, out);
   if (lock.TakeForMyself()) RemoveShards(plan, folder);
+  end.is_merged = true;
+  return end;
+}
+
+ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
+                               const RetryChoice& retry) const {
+  const plan::Plan& plan = sized.plan;
+  const fs::path folder = ShardFolder(out), mark = folder / schedule::kRetryMarkName;
+  if (options_.shard.count > 1)
+    throw CommandError("--retry runs a few runs again, all of them here; leave out --shard");
+  IsThereAlready(out, plan);  // refuses another plan
+  std::error_code error;
+  const bool is_started = fs::exists(mark, error);
+  if (!is_started) RemoveLeftovers(plan, folder);
+  const KeptRuns kept(out, retry);
+  if (!is_started && kept.CountOthers(plan) == 0) {
+    if (!options_.is_quiet)
+      report::Say(fmt::format("no run of '{}' is {}; nothing is run again\n", out.string(),
+                              fmt::join(retry.Words(), " or ")));
+    return {{}, folder, true};
+  }
+  FolderLock lock(folder);
+  store::WriteWhole(retry.Text(), mark);
+  WarnOfLoad(plan);
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  execute.find_elsewhere = [&kept](const plan::Run& run) { return kept.Find(run); };
+  ExecutedPlan end = {ExecuteRuns(sized, std::move(execute)), folder, false};
+  if (end.summary.signal != 0) {
+    SayStopped(sized, end);
+    return end;
+  }
+  store::Merge(plan, provenance_, {folder}, out, out);
+  if (lock.TakeForMyself()) {
+    fs::remove(mark, error);  // first: from here on, the shards are left over
+    RemoveShards(plan, folder);
+  }
   end.is_merged = true;
   return end;
 }

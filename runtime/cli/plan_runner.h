@@ -8,6 +8,7 @@
 
 #include "compiler/plan/plan.h"
 #include "runtime/cli/exit_status.h"
+#include "runtime/cli/retry.h"
 #include "runtime/cli/sized_plan.h"
 #include "runtime/process/stop.h"
 #include "runtime/schedule/schedule.h"
@@ -21,6 +22,7 @@ struct PlanRunnerOptions {
   bool is_quiet = false;                  ///< no progress
   schedule::ShardChoice shard = {};       ///< the part of each plan that is run
   std::vector<std::string> plugins = {};  ///< libraries that the scenario file does not name
+  RetryChoice retry = {};                 ///< finished runs that are run again
 };
 
 struct ExecutedPlan {
@@ -51,7 +53,11 @@ class PlanRunner {
   ExitStatus StoppedStatus() const { return StoppedBy(stop_.signal()); }
 
  private:
-  schedule::Summary ExecuteRuns(const SizedPlan& plan, const std::filesystem::path& folder) const;
+  /// Replaces the runs of a results file that `retry` wants, with those that it lacks.
+  ExecutedPlan Retry(const SizedPlan& plan, const std::filesystem::path& out,
+                     const RetryChoice& retry) const;
+  schedule::Summary ExecuteRuns(const SizedPlan& plan, schedule::ExecuteOptions execute) const;
+  void SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const;
   void WarnOfLoad(const plan::Plan& plan) const;
 
   PlanRunnerOptions options_;

@@ -35,6 +35,7 @@ struct RunArguments {
   std::uint64_t jobs = 1;
   std::string shard;                 ///< `K/N`, or empty
   std::string only;                  ///< the id of one run, or empty
+  std::vector<std::string> retry;    ///< how runs ended that are run again
   std::vector<std::string> plugins;  ///< shared libraries with detectors
   bool fresh = false;
   bool quiet = false;
@@ -58,6 +59,10 @@ fs::path ResultPath(const RunArguments& arguments, const plan::Plan& plan, std::
   std::error_code error;
   const std::string file = (arguments.only.empty() ? plan.benchmark : arguments.only) + ".h5";
   if (arguments.out.empty()) return file;
+  if (fs::path(arguments.out).extension() == ".runs")
+    throw CommandError(
+        fmt::format("'{}': names that end in .runs are folders of shards; name another file by -o",
+                    arguments.out));
   if (fs::is_directory(arguments.out, error)) return fs::path(arguments.out) / file;
   if (plan_count > 1)
     throw CommandError(fmt::format(
@@ -121,6 +126,25 @@ std::vector<SizedPlan> OnlyRun(const RunArguments& arguments) {
   throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", arguments.only));
 }
 
+/// The plan whose results `-o` names already, where it has the run of `--only`: that run is run
+/// again there. Empty where there is no such file, or it is of another plan.
+std::vector<SizedPlan> PlanOfExisting(const RunArguments& arguments) {
+  std::error_code error;
+  if (arguments.only.empty() || arguments.out.empty() || arguments.fresh ||
+      !fs::is_regular_file(arguments.out, error))
+    return {};
+  const std::string there = store::ResultFile(arguments.out).plan_sha256();
+  for (SizedPlan& sized :
+       LoadSizedPlans(arguments.file, arguments.benchmark, LintText::kNone, arguments.plugins)) {
+    bool has_run = false;
+    sized.plan.ForEachRun([&](const std::string& id, const auto&, std::uint64_t) {
+      has_run = has_run || id == arguments.only;
+    });
+    if (has_run && sized.plan.Sha256() == there) return {std::move(sized)};
+  }
+  return {};
+}
+
 ExitStatus ShowResult(const fs::path& out, bool quiet) {
   const report::ShowText shown = report::Show(store::ResultFile(out));
   if (!quiet) {
@@ -145,11 +169,21 @@ ExitStatus RunPlan(const SizedPlan& plan, const fs::path& out, const PlanRunner&
 
 ExitStatus Run(const RunArguments& arguments) {
   const schedule::ShardChoice shard = ParseShard(arguments.shard);
-  const auto plans = !arguments.only.empty()
-                         ? OnlyRun(arguments)
-                         : LoadSizedPlans(arguments.file, arguments.benchmark,
-                                          arguments.quiet ? LintText::kNone : LintText::kOneLine,
-                                          arguments.plugins);
+  RetryChoice retry(arguments.retry);
+  if (!retry.is_empty() && (arguments.fresh || !arguments.only.empty()))
+    throw CommandError(
+        fmt::format("--retry keeps the other runs, and {}; one of them alone",
+                    arguments.fresh ? "--fresh forgets all" : "--only runs one run by its id"));
+  auto plans = PlanOfExisting(arguments);
+  if (!plans.empty()) {
+    retry = RetryChoice::Only(arguments.only);
+  } else {
+    plans = !arguments.only.empty()
+                ? OnlyRun(arguments)
+                : LoadSizedPlans(arguments.file, arguments.benchmark,
+                                 arguments.quiet ? LintText::kNone : LintText::kOneLine,
+                                 arguments.plugins);
+  }
   if (plans.empty()) return ExitStatus::kScenario;
   std::vector<fs::path> outs;
   for (const SizedPlan& plan : plans)
@@ -158,7 +192,7 @@ ExitStatus Run(const RunArguments& arguments) {
     report::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
                             BuildType()));
   const PlanRunner runner(
-      {arguments.jobs, arguments.fresh, arguments.quiet, shard, arguments.plugins});
+      {arguments.jobs, arguments.fresh, arguments.quiet, shard, arguments.plugins, retry});
   ExitStatus status = ExitStatus::kGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
@@ -179,7 +213,10 @@ void AddRunCommand(CLI::App& app, ExitStatus& status) {
   command.Jobs(arguments->jobs, "runs at a time; timings want 1 (default)");
   command.Optional("--shard", arguments->shard, "K/N: only the K-th of N parts; merge them later");
   command.Optional("--only", arguments->only,
-                   "run this one run by itself, into RUN.h5 (ids: cdb plan)");
+                   "run this one run by itself, into RUN.h5, or again into -o if that has the "
+                   "results of FILE (ids: cdb plan)");
+  command.ShortList("--retry", arguments->retry,
+                    "run these again, in the same file: failed, crashed, timed_out, noisy");
   command.Fresh(arguments->fresh, "forget results and shards and start over");
   command.Quiet(arguments->quiet, "print nothing but errors");
   command.Plugins(arguments->plugins);

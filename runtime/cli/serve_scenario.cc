@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -56,7 +55,7 @@ ExitStatus ServeScenario(const std::string& file, const std::optional<std::strin
                        std::filesystem::read_symlink("/proc/self/exe"));
   serve::Serve(editor, stop.fd(), [](const std::string& address) {
     report::Print(fmt::format("{}\n", address));
-    std::fflush(stdout);  // a program may be waiting for it
+    report::Flush();  // a program may be waiting for it
     report::Say("open this address in a browser on this machine; Ctrl-C ends\n");
   });
   return ExitStatus::kGood;

@@ -124,7 +124,7 @@ ExitStatus Show(const ShowArguments& arguments) {
   store::ResultFile file(arguments.file);
   report::SelectPart(file, arguments.select);
   const report::ShowText shown = TextOf(file, arguments);
-  report::Print(shown.text);
+  (arguments.json || arguments.csv ? report::PrintExact : report::Print)(shown.text);
   return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
 }
 

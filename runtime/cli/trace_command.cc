@@ -18,7 +18,8 @@
 #include "runtime/process/stop.h"
 #include "runtime/process/worker.h"
 #include "runtime/report/console.h"
-#include "runtime/schedule/schedule.h"
+#include "runtime/schedule/bounds.h"
+#include "runtime/store/temporary_file.h"
 #include "runtime/store/trace_file.h"
 
 namespace cdb::cli {
@@ -46,6 +47,7 @@ class Tracer {
 
   /// ExitStatus::kRuns for a failed run, of which there is no file.
   ExitStatus Trace(const plan::Run& run, const fs::path& file) {
+    store::RemoveStaleTemporariesBeside(file);
     if (!arguments_.fresh && store::TracedRun(file) == run.id) {
       Tell(file, "is there already; --fresh makes it anew");
       return ExitStatus::kGood;
@@ -105,7 +107,7 @@ ExitStatus TracePlans(const TraceArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
   for (plan::Plan& plan : plans) {
     plan = MakeTracePlan(std::move(plan));
-    schedule::CheckMemory(plan);
+    schedule::CheckFits(plan, 1, 1, arguments.out);
     const std::vector<fs::path> files = TraceFiles(plan, arguments.out, plans.size());
     Tracer tracer(plan, arguments, stop);
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +17,7 @@
 #include "runtime/cli/verify_plan.h"
 #include "runtime/report/console.h"
 #include "runtime/report/verify_table.h"
+#include "runtime/store/safe_file.h"
 
 namespace cdb::cli {
 namespace {
@@ -38,11 +38,7 @@ struct VerifyArguments {
 
 /// Beside the results, so that one run of them can be seen by itself.
 void WritePlan(const plan::Plan& plan, const fs::path& path) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << plan::ToYaml(plan);
-  if (!file.flush())
-    throw CommandError(
-        fmt::format("cannot write '{}'; choose another folder by -o", path.string()));
+  store::WriteWhole(plan::ToYaml(plan), path);
 }
 
 ExitStatus Verify(const VerifyArguments& arguments) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "dsl/characters.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/serve_scenario.h"
@@ -172,8 +173,9 @@ void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>
   const std::string title = first.title.empty() ? first.benchmark : first.title;
   const std::string page = page::Assemble(page::ViewTemplate(), title + " (cdb view)",
                                           view::SceneDocument(title, recordings));
-  Write(arguments.out.empty() ? first.benchmark + ".scene.html" : arguments.out, page,
-        "open it in a browser");
+  // A results file may say anything, and its name of the benchmark is to be a file here.
+  const std::string name = dsl::IsPlainName(first.benchmark) ? first.benchmark : "view";
+  Write(arguments.out.empty() ? name + ".scene.html" : arguments.out, page, "open it in a browser");
 }
 
 /// `--serve` shows what the browser asks for.

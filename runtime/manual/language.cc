@@ -266,7 +266,8 @@ words). It is noisy if
   - a few long pauses make the mean step more than twice the median, while nine in ten steps are
     within 1.5 medians.
 `cdb show` says first how many runs were noisy, and why. Their times stay in the figures: repeats make
-up for pauses, as each cycle counts with its median over the repeats.
+up for pauses, as each cycle counts with its median over the repeats. `cdb run FILE --retry noisy` runs
+the noisy runs again and replaces them in the results; all others stay as they are.
 )reference";
 
 const std::string_view kVerdictsReference = R"reference(HOW A RUN CAN END

@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -348,7 +349,8 @@ Ending ProcessLauncher::Reap(Worker& worker) {
   worker.Kill();
   DrainErrors(worker);
   ProcessEnd end;
-  while (waitpid(worker.pid, &end.wait_status, 0) < 0) {
+  rusage usage = {};
+  while (wait4(worker.pid, &end.wait_status, 0, &usage) < 0) {
     if (errno != EINTR) FailToStart("cannot wait for a worker", errno);
   }
   worker.pid = -1;
@@ -359,6 +361,9 @@ Ending ProcessLauncher::Reap(Worker& worker) {
   } catch (const std::system_error& error) {
     throw ScheduleError(error.what());
   }
+  // Of one that did not live to say it, as the system counted.
+  double& peak = ending.result.scalars.peak_rss_bytes;
+  if (std::isnan(peak)) peak = static_cast<double>(usage.ru_maxrss) * 1024;
   ending.result.started_s = worker.started_s;
   ending.result.load = worker.load;
   ending.result.noise = NoiseOf(*worker.run, ending.result, *worker.recording);

@@ -4,14 +4,45 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <system_error>
+
+#include "dsl/utf8.h"
 
 namespace cdb::report {
+namespace {
 
-void Print(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+int first_error = 0;  // of standard output
 
-void Say(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+void NoteError(bool has_failed) {
+  if (has_failed && first_error == 0) first_error = errno;
+}
+
+}  // namespace
+
+void Print(std::string_view text) { PrintExact(dsl::Printable(text)); }
+
+void PrintExact(std::string_view text) {
+  NoteError(std::fwrite(text.data(), 1, text.size(), stdout) != text.size());
+}
+
+void Say(std::string_view text) { SayExact(dsl::Printable(text)); }
+
+void SayExact(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
+void Flush() { NoteError(std::fflush(stdout) != 0); }
+
+std::optional<std::string> FinishOutput() {
+  Flush();
+  // Closing may be the first that hears of a failed write (NFS, quotas). Of a copy, as the
+  // libraries still own the descriptor.
+  if (const int copy = dup(STDOUT_FILENO); copy >= 0) NoteError(close(copy) != 0);
+  if (first_error == 0 && std::ferror(stdout) != 0) first_error = EIO;
+  if (first_error == 0 || first_error == EPIPE) return std::nullopt;
+  return std::generic_category().message(first_error);
+}
 
 std::size_t TerminalWidth() {
   if (isatty(STDOUT_FILENO) == 0) return 0;

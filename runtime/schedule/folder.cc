@@ -5,13 +5,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <unordered_set>
 #include <utility>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/short_plan.h"
 #include "runtime/process/launcher.h"
@@ -67,7 +66,7 @@ void ForEachName(const fs::path& folder, Visit visit) {
 void RemoveFilesOfPlans(const fs::path& folder) {
   ForEachName(folder, [&](const std::string& name) {
     if (ShardRunId(name, kShardEnding).empty() && ShardRunId(name, kBrokenEnding).empty() &&
-        name != kPlanName && !IsPartMark(name))
+        name != kPlanName && name != kRetryMarkName && !IsPartMark(name))
       return;
     const fs::path file = folder / name;
     if (unlink(file.c_str()) != 0 && errno != ENOENT) FailStore("remove", file, errno);
@@ -108,14 +107,12 @@ ShardFolder::ShardFolder(const plan::Plan& plan, fs::path folder, bool fresh)
 /// By the plan in the folder: the ids of all runs would take their time.
 void ShardFolder::RefuseOtherWhole() const {
   const fs::path file = folder_ / kPlanName;
-  bool has_plan = false;
-  if (std::ifstream in(file, std::ios::binary); in) {
-    const auto there =
-        plan::FindShortPlan(std::string(std::istreambuf_iterator<char>(in), {}), file.string());
+  std::string why;
+  if (const auto text = plan::ReadInputFile(file, why)) {
+    const auto there = plan::FindShortPlan(*text, file.string());
     if (!there || there->sha256 != plan_sha256_) RefuseMixture(file);
-    has_plan = true;
+    return;
   }
-  if (has_plan) return;
   ForEachName(folder_, [&](const std::string& name) {
     if (!ShardRunId(name, kShardEnding).empty()) RefuseMixture(folder_ / name);
   });
@@ -135,18 +132,25 @@ void ShardFolder::RefuseOthers(const plan::Plan& plan) const {
 void ShardFolder::WritePlan(const plan::Plan& plan) const {
   const std::string text = plan.whole ? plan.whole->short_text : plan::ToYaml(plan);
   const fs::path file = folder_ / kPlanName;
-  {
-    std::ifstream in(file, std::ios::binary);
-    if (in && std::string(std::istreambuf_iterator<char>(in), {}) == text) return;
-  }
+  std::string why;
+  if (plan::ReadInputFile(file, why) == text) return;
   store::WriteWhole(text, file);
+}
+
+fs::path ShardFolder::ShardOf(const plan::Run& run) const {
+  return folder_ / (run.id + std::string(kShardEnding));
+}
+
+bool ShardFolder::Has(const plan::Run& run) const {
+  std::error_code error;
+  return fs::is_regular_file(ShardOf(run), error);
 }
 
 std::optional<store::ShardInfo> ShardFolder::Find(const plan::Run& run,
                                                   std::vector<std::string>& warnings) const {
-  const fs::path shard = folder_ / (run.id + std::string(kShardEnding));
+  const fs::path shard = ShardOf(run);
   // What the system refuses to open is not broken: setting it aside would hide a good shard.
-  const int fd = open(shard.c_str(), O_RDONLY | O_CLOEXEC);
+  const int fd = open(shard.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0 && errno == ENOENT) return std::nullopt;
   if (fd < 0) FailStore("read", shard, errno);
   close(fd);

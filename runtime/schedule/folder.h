@@ -13,6 +13,8 @@
 
 namespace cdb::schedule {
 
+/// Holds what is run again (`cdb run --retry`) until that has ended, in the folder.
+inline constexpr const char* kRetryMarkName = "retry";
 /// The mark of a part that has ended (runtime/schedule/parts.h), in the folder.
 std::string PartMarkName(std::uint64_t part, std::uint64_t count);
 /// Files in the folder that are called like shards; 0 where there is no folder. Throws StoreError.
@@ -24,7 +26,7 @@ void RemoveWholePlan(const std::filesystem::path& folder);
 /// One folder of shards of one plan. Nothing is held open. Not for several threads.
 class ShardFolder {
  public:
-  /// Makes the folder, removes temporaries that a dead process of this machine left, and forgets
+  /// Makes the folder, removes temporaries that killed processes of this machine left, and forgets
   /// its shards where `fresh`. Throws StoreError; ScheduleError where it holds a shard of a run
   /// that is not in the plan, and then nothing was changed.
   ShardFolder(const plan::Plan& plan, std::filesystem::path folder, bool fresh);
@@ -34,6 +36,11 @@ class ShardFolder {
   /// StoreError for one that cannot be read.
   std::optional<store::ShardInfo> Find(const plan::Run& run,
                                        std::vector<std::string>& warnings) const;
+
+  /// Where the shard of a run is, or would be.
+  std::filesystem::path ShardOf(const plan::Run& run) const;
+  /// A file is there.
+  bool Has(const plan::Run& run) const;
 
   /// Makes `plan.yaml` say this plan, in one step. To be called once no shard was refused. Throws
   /// StoreError.

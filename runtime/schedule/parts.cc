@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <optional>
+#include <sstream>
 #include <string>
 
+#include "compiler/plan/input_file.h"
 #include "dsl/check.h"
 #include "runtime/process/worker.h"
 #include "runtime/schedule/folder.h"
@@ -23,8 +24,8 @@ constexpr std::size_t Summary::*kCounts[] = {&Summary::done, &Summary::failed, &
 
 /// How the runs of a part ended; nullopt where it is not marked, or for another plan.
 std::optional<Summary> ReadMark(const fs::path& mark, const std::string& plan_sha256) {
-  std::ifstream in(mark);
-  std::string sha256;
+  std::string why, sha256;
+  std::istringstream in(plan::ReadInputFile(mark, why).value_or(""));
   if (!(in >> sha256) || sha256 != plan_sha256) return std::nullopt;
   Summary summary;
   for (const auto count : kCounts)
@@ -63,7 +64,8 @@ Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const Execute
   if (!options.fresh)
     for (std::uint64_t part = 0; part < parts; ++part)
       if (const auto there = ReadMark(mark_of(part), plan.whole->sha256)) marked += there->ended();
-  const bool heeds_marks = marked > 0 && CountShards(options.folder) >= marked;
+  const bool heeds_marks =
+      !options.is_repeated && marked > 0 && CountShards(options.folder) >= marked;
   ExecuteOptions one = options;
   one.shard = {};
   Summary all;

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "dsl/utf8.h"
 #include "runtime/measure/file_descriptor_io.h"
 
 namespace cdb::schedule {
@@ -264,7 +265,7 @@ std::string Progress::BarLine(std::size_t columns) const {
 
 void Progress::Line(const std::string& text) {
   Clear();
-  output_.write("cdb: " + text + "\n");
+  output_.write("cdb: " + dsl::Printable(text) + "\n");
 }
 
 void Progress::Clear() {
@@ -280,7 +281,7 @@ void Progress::Draw(bool is_urgent) {
   const double now_s = output_.now_s();
   if (drawn_width_ > 0 && !is_urgent && now_s - drawn_s_ < kDrawInterval) return;
   const std::size_t columns = output_.columns();
-  const std::string line = BarLine(columns);
+  const std::string line = dsl::Printable(BarLine(columns));
   const std::size_t above =
       drawn_width_ > 0 ? (drawn_width_ - 1) / std::max<std::size_t>(columns, 1) : 0;
   // In one piece, the new line before the rest of the old is cleared: nothing flickers.

@@ -3,19 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <utility>
 
-#include "compiler/plan/capacity.h"
 #include "compiler/plan/pile.h"
 #include "compiler/plan/reference.h"
 #include "compiler/schema/components.h"
 #include "compiler/schema/schema.h"
 #include "dsl/check.h"
-#include "runtime/measure/series.h"
 #include "runtime/process/worker.h"
+#include "runtime/schedule/bounds.h"
 #include "runtime/schedule/error_evaluator.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/shared_omissions.h"
@@ -39,16 +38,18 @@ class Execution {
         slots_(std::max<std::size_t>(options.jobs, 1)) {}
 
   Summary Run() {
-    CheckMemory(plan_);
-    const std::vector<const plan::Run*> measured = OrderRuns(plan_, options_.shard);
-    std::vector<const plan::Run*> all = ReferencesOf(plan_, measured);
-    all.insert(all.end(), measured.begin(), measured.end());
+    CheckFits(plan_, slots_.size(), options_.shard.count, options_.folder);
+    const std::vector<const plan::Run*> measured = FindWanted();
+    all_ = ReferencesOf(plan_, measured);
+    all_.insert(all_.end(), measured.begin(), measured.end());
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
-    for (const plan::Run* run : all) {
-      if (const auto shard = folder_->Find(*run, warnings)) {
+    for (const plan::Run* run : all_) {
+      const auto shard = folder_->Find(*run, warnings);
+      if (shard && !IsRepeated(*run)) {
         CountFound(*run, *shard);
       } else {
+        if (shard) repeated_.insert(run);
         queue_.push_back(run);
       }
       for (const std::string& warning : std::exchange(warnings, {})) listener_.Warn(warning);
@@ -58,6 +59,7 @@ class Execution {
     listener_.Begin(plan_, queue_, summary_, slots_.size());
     Work();
     while (!IsStopped() && QueueOutdated(measured)) Work();
+    CheckShardsAreThere();
     return summary_;
   }
 
@@ -70,6 +72,25 @@ class Execution {
       execution.listener_.End();
     }
   };
+
+  /// Those that have to be in the folder at the end.
+  std::vector<const plan::Run*> FindWanted() {
+    std::vector<const plan::Run*> wanted;
+    for (const plan::Run* run : OrderRuns(plan_, options_.shard)) {
+      const auto elsewhere = options_.find_elsewhere ? options_.find_elsewhere(*run) : std::nullopt;
+      if (!elsewhere) {
+        wanted.push_back(run);
+      } else if (elsewhere->outcome.status == store::Status::kDone) {
+        omissions_.Note(*run, elsewhere->omitted, elsewhere->decisions);
+      }
+    }
+    return wanted;
+  }
+
+  bool IsRepeated(const plan::Run& run) const {
+    return options_.is_repeated && run.scene.role == plan::Role::kMeasured &&
+           options_.is_repeated(run, folder_->ShardOf(run));
+  }
 
   void Work() {
     while (FillSlots()) {
@@ -185,6 +206,7 @@ class Execution {
     if (is_repeating_) return next_ < queue_.size() ? queue_[next_++] : nullptr;
     while (next_ < queue_.size()) {
       const plan::Run* run = queue_[next_++];
+      if (repeated_.contains(run)) return run;
       std::vector<std::string> warnings;
       const auto shard = folder_->Find(*run, warnings);
       for (const std::string& warning : warnings) listener_.Warn(warning);
@@ -204,14 +226,31 @@ class Execution {
     try {
       Write(run, ending);
     } catch (const store::StoreError& error) {
-      throw store::StoreError(
-          fmt::format("{}\n{} of {} runs are safe in {}; the same command goes on from there",
-                      error.what(), summary_.ended(),
-                      summary_.ended() + queue_.size() - next_ + Busy(), folder_->path().string()));
+      throw store::StoreError(fmt::format("{}\n{}", error.what(), SafeText()));
     }
     slots_[ending.slot] = nullptr;
     if (!is_repeating_) summary_.Count(ending.result.outcome());
     listener_.RunEnded(run, ending.result, ending.wall_s);
+  }
+
+  /// What is in the folder now: it may have been removed while the runs went.
+  std::size_t CountSafe() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(all_, [this](const plan::Run* run) { return folder_->Has(*run); }));
+  }
+  std::string SafeText() const {
+    const std::size_t safe = CountSafe();
+    return fmt::format("{} of {} runs are safe in {}; the same command {}", safe, all_.size(),
+                       folder_->path().string(),
+                       safe > 0 ? "goes on from there" : "runs all of them");
+  }
+
+  /// A merge would take runs whose shards are gone for runs that nobody has started.
+  void CheckShardsAreThere() const {
+    if (IsStopped() || CountSafe() == all_.size()) return;
+    throw store::StoreError(
+        fmt::format("{}: shards were removed from it while the runs went; nothing was merged\n{}",
+                    folder_->path().string(), SafeText()));
   }
 
   /// A run that ended well before is kept as it was.
@@ -243,10 +282,6 @@ class Execution {
     writer_.Write(run, ending.result, folder_->path());
   }
 
-  std::size_t Busy() const {
-    return slots_.size() - static_cast<std::size_t>(std::ranges::count(slots_, nullptr));
-  }
-
   const plan::Plan& plan_;
   const ExecuteOptions& options_;
   process::Launcher& launcher_;
@@ -257,9 +292,11 @@ class Execution {
   SharedOmissions omissions_;
   bool is_repeating_ = false;  // runs that ended well already
   std::optional<ShardFolder> folder_;
+  std::vector<const plan::Run*> all_;  // with references
   std::vector<const plan::Run*> queue_;
-  std::size_t next_ = 0;                 // of queue_
-  std::vector<const plan::Run*> slots_;  // what runs in each, or null
+  std::unordered_set<const plan::Run*> repeated_;  // of queue_, with a shard
+  std::size_t next_ = 0;                           // of queue_
+  std::vector<const plan::Run*> slots_;            // what runs in each, or null
   struct Stall {
     std::uint64_t cycles = 0;
     int ticks = 0;  // in a plug-in without a new cycle
@@ -271,30 +308,6 @@ class Execution {
 };
 
 }  // namespace
-
-void CheckMemory(const plan::Plan& plan) {
-  double bytes = 0, sampled = 0;
-  for (const measure::Series& series : measure::AllSeries())
-    if (series.IsRecordedBy(plan))
-      bytes += static_cast<double>(
-          series.ItemBytes() *
-          series.ValueCount({plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)}));
-  for (const plan::Run& run : plan.Bounds())
-    if (const auto shape = measure::SampleShapeOf(run.scene))
-      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
-  // Those of the run, of its reference and of its twin.
-  bytes += 3 * sampled;
-  std::ifstream info("/proc/meminfo");
-  for (std::string name; info >> name; std::getline(info, name)) {
-    double kib = 0;
-    // Recording and shard stand side by side.
-    if (name == "MemAvailable:" && info >> kib && 2 * bytes > 0.8 * 1024 * kib)
-      throw process::ScheduleError(fmt::format(
-          "{}: one run records up to {:.3g} GB and this machine has {:.3g} GB of memory free; take "
-          "fewer cycles or objects, or record less",
-          plan.benchmark, bytes / 1e9, kib * 1024 / 1e9));
-  }
-}
 
 void Summary::Count(const store::Outcome& outcome) {
   switch (outcome.status) {

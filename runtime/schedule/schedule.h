@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,12 @@ struct ExecuteOptions {
   std::size_t jobs = 1;          ///< runs at a time
   ShardChoice shard = {};
   bool fresh = false;  ///< forget what the folder holds
+  /// A run that is executed although the folder has its shard, which stays until the new one is
+  /// written; null: none.
+  std::function<bool(const plan::Run&, const std::filesystem::path& shard)> is_repeated = {};
+  /// What is known of a run that is kept elsewhere, and neither executed nor counted; nullopt for
+  /// others. Null: all are to be in the folder.
+  std::function<std::optional<store::ShardInfo>(const plan::Run&)> find_elsewhere = {};
   store::Provenance provenance = {};
   const process::StopFlag* stop = nullptr;  ///< may be null
 };
@@ -83,10 +91,5 @@ Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, ProgressL
 /// The same with another way to carry out a run, for tests.
 Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, process::Launcher& launcher,
                 ProgressListener& listener);
-
-/// Throws ScheduleError where one run of the plan records more than this machine has memory for:
-/// a shard is as wide as the widest run of the plan, and is made in memory. Said before hours of
-/// work rather than after.
-void CheckMemory(const plan::Plan& plan);
 
 }  // namespace cdb::schedule

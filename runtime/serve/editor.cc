@@ -7,12 +7,11 @@
 
 #include <array>
 #include <chrono>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/schema/schema.h"
 #include "runtime/serve/text_edit.h"
 #include "runtime/store/safe_file.h"
@@ -57,8 +56,8 @@ Json ParametersOf(const std::string& text, const std::string& benchmark) {
 }
 
 std::string ReadWhole(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::string why;
+  return plan::ReadInputFile(file, why).value_or("");
 }
 
 Json Message(const std::string& message) { return {{"message", message}}; }

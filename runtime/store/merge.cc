@@ -16,12 +16,14 @@
 #include "compiler/plan/plan_yaml.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/layout_file.h"
+#include "runtime/store/merge_base.h"
 #include "runtime/store/merged_provenance.h"
 #include "runtime/store/reference_shard.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/shard_index.h"
 #include "runtime/store/store.h"
+#include "runtime/store/temporary_file.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
@@ -92,8 +94,11 @@ hdf5::Shape Unflatten(const hdf5::Shape& grid, std::size_t index) {
 
 class Merger {
  public:
-  Merger(const plan::Plan& plan, const Provenance& provenance, const std::vector<fs::path>& shards)
+  /// `base`: empty, or the file that holds the runs without a shard.
+  Merger(const plan::Plan& plan, const Provenance& provenance, const std::vector<fs::path>& shards,
+         const fs::path& base)
       : plan_(plan), provenance_(provenance), places_(PlacesOf(shards)), facts_(plan) {
+    if (!base.empty()) base_.emplace(base, facts_);
     hdf5::Shape grid;
     for (const plan::Axis& axis : plan.axes) grid.push_back(axis.values.size());
     grid.push_back(plan.repeats);
@@ -127,7 +132,8 @@ class Merger {
       file.OpenDataset(facts_.numbers[i].name).Write(numbers_[i]);
     for (std::size_t i = 0; i < texts_.size(); ++i)
       file.OpenDataset(facts_.texts[i].name).WriteText(texts_[i]);
-    if (!plan_.references.empty()) MergeReferences(plan_, layout_, ReferencePaths(), file);
+    if (!plan_.references.empty())
+      MergeReferences(plan_, layout_, ReferencePaths(), base_ ? &base_->file() : nullptr, file);
     if (facts_.contacts) file.OpenDataset("contact_first").Write(contact_first_);
     WriteProvenance(file);
     file.Close();
@@ -161,7 +167,8 @@ class Merger {
       if (!std::ranges::equal(values, numbers_[i], SameBits))
         throw hdf5::Error(fmt::format("{} did not come back as it was written", name));
     }
-    if (!plan_.references.empty()) VerifyReferences(plan_, layout_, ReferencePaths(), file);
+    if (!plan_.references.empty())
+      VerifyReferences(plan_, layout_, ReferencePaths(), base_ ? &base_->file() : nullptr, file);
     for (std::size_t i = 0; i < texts_.size(); ++i) {
       const std::string& name = facts_.texts[i].name;
       if (file.OpenDataset(name).ReadText() != texts_[i])
@@ -235,6 +242,12 @@ class Merger {
     std::vector<bool> recorded(cells, false);
     for (const Cells& run : runs_) {
       const auto path = FindShard(run.run_id);
+      if (!path && base_)
+        for (const std::size_t cell : run.cells)
+          if (const auto there = base_->ContactRows(cell)) {
+            recorded[cell] = true;
+            rows[cell] = there->count;
+          }
       if (!path) continue;
       const hdf5::File shard = OpenOf(run.run_id, *path, ReadSealed(*path));
       const double first = shard.OpenDataset("contact_first").Read().at(0);
@@ -258,6 +271,11 @@ class Merger {
     std::size_t merged = 0;
     for (const Cells& run : runs_) {
       const auto path = FindShard(run.run_id);
+      if (!path && base_ && base_->Has(run.cells.front())) {
+        CopyFromBase(run, series, contacts);
+        file.CheckWritten();
+        ++merged;
+      }
       if (!path) continue;
       const std::vector<std::byte> bytes = ReadSealed(*path);
       const auto index = FindIndex(bytes);
@@ -271,6 +289,55 @@ class Merger {
       ++merged;
     }
     return merged;
+  }
+
+  /// The run as it stands in the base.
+  void CopyFromBase(const Cells& run, std::vector<hdf5::Dataset>& series,
+                    std::vector<hdf5::Dataset>& contacts) {
+    for (const std::size_t cell : run.cells) {
+      for (std::size_t i = 0; i < series.size(); ++i) CopyCell(*series_[i], cell, series[i]);
+      for (std::size_t i = 0; i < numbers_.size(); ++i) numbers_[i][cell] = base_->Number(i, cell);
+      for (std::size_t i = 0; i < texts_.size(); ++i) texts_[i][cell] = base_->Text(i, cell);
+      for (std::size_t i = 0; i < contacts.size(); ++i)
+        CopyRows(kContactArrays[i], cell, contacts[i]);
+    }
+    run_provenance_.Add(run.run_id, base_->ProvenanceOf(run.run_id));
+  }
+
+  /// By values, so that it does not matter how the base was filtered.
+  void CopyCell(const Array& array, std::size_t cell, hdf5::Dataset& target) {
+    const hdf5::Dataset source = base_->file().OpenDataset(array.name);
+    if (source.type() != array.type || source.shape() != array.shape)
+      throw hdf5::Error(fmt::format("{} of the file has another shape", array.name));
+    const hdf5::Shape place = Unflatten(layout_.grid, cell);
+    const bool is_cut_alike = source.ChunkShape() == array.chunk;
+    hdf5::RawChunk stored;
+    for (std::uint64_t i = 0; i < ChunksOfCell(array, place.size()); ++i) {
+      hdf5::Shape start = ChunkStart(array, place, i), count = array.chunk;
+      for (std::size_t k = 0; k < count.size(); ++k)
+        count[k] = std::min(count[k], array.shape[k] - start[k]);
+      if (is_cut_alike && !source.ReadChunk(start, stored)) continue;  // no cycle of it ran
+      CopyBlock(array.name.c_str(), source, start, start, count, target);
+    }
+  }
+
+  void CopyRows(const char* name, std::size_t cell, hdf5::Dataset& target) {
+    const auto rows = base_->ContactRows(cell);
+    if (!rows || rows->count == 0) return;
+    const hdf5::Dataset source = base_->file().OpenDataset(name);
+    hdf5::Shape from(source.shape().size(), 0), count = source.shape();
+    hdf5::Shape to = from;
+    from[0] = rows->first;
+    to[0] = static_cast<std::uint64_t>(contact_first_[cell]);
+    count[0] = rows->count;
+    CopyBlock(name, source, from, to, count, target);
+  }
+
+  void CopyBlock(const char* name, const hdf5::Dataset& source, const hdf5::Shape& from,
+                 const hdf5::Shape& to, const hdf5::Shape& count, hdf5::Dataset& target) {
+    const std::vector<double> values = source.Read(from, count);
+    target.Write(to, count, values);
+    copied_rows_.push_back({name, to, count, Checksum(std::as_bytes(std::span(values)))});
   }
 
   bool IsUsable(const ShardIndex& index) const {
@@ -391,6 +458,7 @@ class Merger {
   const Provenance& provenance_;
   const std::vector<Place> places_;
   const PlanFacts facts_;
+  std::optional<MergeBase> base_;
   std::vector<Cells> runs_;  ///< each id once, in grid order
   Layout layout_;
   std::uint64_t layout_checksum_ = 0;
@@ -413,7 +481,7 @@ void Merge(const plan::Plan& plan, const Provenance& provenance, const fs::path&
 }
 
 void Merge(const plan::Plan& plan, const Provenance& provenance,
-           const std::vector<fs::path>& shards, const fs::path& out) {
+           const std::vector<fs::path>& shards, const fs::path& out, const fs::path& base) {
   std::error_code not_there;
   for (const fs::path& place : shards)
     if (!fs::is_regular_file(place, not_there)) RequireFolder(place, "shards");
@@ -424,22 +492,19 @@ void Merge(const plan::Plan& plan, const Provenance& provenance,
         fmt::format("{}: is a folder where the result should go; the shards were left "
                     "as they are: choose another name (-o)",
                     out.string()));
-  const fs::path temporary = TemporaryName(out);
+  RemoveStaleTemporariesBeside(out);
+  TemporaryFile temporary(out);
   try {
-    Merger merger(plan, provenance, shards);
-    merger.Write(temporary);
-    merger.Verify(temporary);
+    Merger merger(plan, provenance, shards, base);
+    merger.Write(temporary.path());
+    merger.Verify(temporary.path());
   } catch (const hdf5::Error& error) {
-    fs::remove(temporary, ignored);
     throw StoreError(
         fmt::format("{}: cannot merge the shards: {}; they are all kept in {}: make "
                     "room or mend it, and merge again",
                     out.string(), error.what(), shards.empty() ? "" : shards.front().string()));
-  } catch (...) {
-    fs::remove(temporary, ignored);
-    throw;
   }
-  Publish(temporary, out);
+  temporary.Publish();
 }
 
 }  // namespace cdb::store

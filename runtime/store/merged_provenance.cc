@@ -7,7 +7,7 @@
 namespace cdb::store {
 namespace {
 
-constexpr const char* kRuns = "run";
+const std::string kRuns(kProvenanceRuns);
 
 /// The dimension of the arrays. Not the axes of the grid, which may be called like a fact.
 void WriteRuns(hdf5::Group& group, const std::vector<std::string>& ids) {

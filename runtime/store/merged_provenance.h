@@ -5,12 +5,16 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/store/hdf5/file.h"
 #include "runtime/store/store.h"
 
 namespace cdb::store {
+
+/// The dimension of the arrays in the group.
+inline constexpr std::string_view kProvenanceRuns = "run";
 
 class MergedProvenance {
  public:

@@ -95,13 +95,24 @@ struct Head {
   std::map<std::string, std::vector<std::string>> texts;
 };
 
-Head ReadHeads(const plan::Plan& plan, const std::vector<fs::path>& paths) {
-  Head head;
+Head ReadHeads(const plan::Plan& plan, const std::vector<fs::path>& paths, const hdf5::File* base) {
+  Head head, there;
+  if (base != nullptr) {
+    there.status = base->OpenDataset(kReferenceGroup + "status").Read();
+    for (const char* name : {"message", "state_hash", "host"})
+      there.texts[name] = base->OpenDataset(kReferenceGroup + name).ReadText();
+  }
   const std::string sha256 = plan.Sha256();
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const plan::Run& run = plan.references[i];
     head.texts["role"].emplace_back(RoleName(run.scene.role));
     head.texts["run_text"].push_back(plan::RunToYaml(run));
+    if (paths[i].empty() && base != nullptr) {
+      head.status.push_back(there.status.at(i));
+      for (const char* name : {"message", "state_hash", "host"})
+        head.texts[name].push_back(there.texts[name].at(i));
+      continue;
+    }
     if (paths[i].empty()) {
       head.status.push_back(static_cast<double>(Status::kMissing));
       for (const char* name : {"message", "state_hash", "host"}) head.texts[name].emplace_back();
@@ -115,11 +126,27 @@ Head ReadHeads(const plan::Plan& plan, const std::vector<fs::path>& paths) {
   return head;
 }
 
+/// The same as it stands in a merged file.
+Block BlockIn(const hdf5::File& base, const std::string& array, std::size_t reference) {
+  const hdf5::Dataset dataset = base.OpenDataset(array);
+  Block block;
+  block.count = dataset.shape();
+  block.start.assign(block.count.size(), 0);
+  block.start[0] = reference;
+  block.count[0] = 1;
+  block.values = dataset.Read(block.start, block.count);
+  return block;
+}
+
 /// Calls `visit(array, block)` for every reference that has samples.
 void ForEachBlock(const plan::Plan& plan, const std::vector<fs::path>& paths,
+                  const hdf5::File* base,
                   const std::function<void(const std::string&, const Block&)>& visit) {
   const std::string sha256 = plan.Sha256();
   for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (paths[i].empty() && base != nullptr)
+      for (const char* name : {"states", "observables"})
+        visit(kReferenceGroup + name, BlockIn(*base, kReferenceGroup + name, i));
     if (paths[i].empty()) continue;
     const ReferenceShard shard = ReadReference(sha256, plan.references[i], paths[i]);
     if (shard.values.empty() || shard.shape.objects == 0) continue;
@@ -164,28 +191,29 @@ ReferenceShard ReadReference(const std::string& plan_sha256, const plan::Run& ru
 }
 
 void MergeReferences(const plan::Plan& plan, const Layout& layout,
-                     const std::vector<fs::path>& paths, hdf5::File& file) {
-  const Head head = ReadHeads(plan, paths);
+                     const std::vector<fs::path>& paths, const hdf5::File* base, hdf5::File& file) {
+  const Head head = ReadHeads(plan, paths, base);
   file.OpenDataset(layout.Get(kReferenceGroup + "status").name).Write(head.status);
   for (const auto& [name, texts] : head.texts)
     file.OpenDataset(kReferenceGroup + name).WriteText(texts);
-  ForEachBlock(plan, paths, [&file](const std::string& name, const Block& block) {
+  ForEachBlock(plan, paths, base, [&file](const std::string& name, const Block& block) {
     file.OpenDataset(name).Write(block.start, block.count, block.values);
     file.CheckWritten();
   });
 }
 
 void VerifyReferences(const plan::Plan& plan, const Layout& layout,
-                      const std::vector<fs::path>& paths, const hdf5::File& file) {
+                      const std::vector<fs::path>& paths, const hdf5::File* base,
+                      const hdf5::File& file) {
   const auto expect = [](bool is_same, const std::string& name) {
     if (!is_same) throw hdf5::Error(fmt::format("{} did not come back as it was written", name));
   };
-  const Head head = ReadHeads(plan, paths);
+  const Head head = ReadHeads(plan, paths, base);
   const std::string status = layout.Get(kReferenceGroup + "status").name;
   expect(file.OpenDataset(status).Read() == head.status, status);
   for (const auto& [name, texts] : head.texts)
     expect(file.OpenDataset(kReferenceGroup + name).ReadText() == texts, kReferenceGroup + name);
-  ForEachBlock(plan, paths, [&](const std::string& name, const Block& block) {
+  ForEachBlock(plan, paths, base, [&](const std::string& name, const Block& block) {
     const auto bytes = [](const std::vector<double>& values) {
       return Checksum(std::as_bytes(std::span(values)));
     };

@@ -32,11 +32,14 @@ ReferenceShard ReadReference(const std::string& plan_sha256, const plan::Run& ru
                              const std::filesystem::path& file);
 
 /// Fills the arrays of /accuracy/reference from the shard of each of `plan.references`; those
-/// without a path are `missing`. Throws StoreError, h5::Error.
+/// without a path are as in `base`, a merged file, or `missing` where that is null. Throws
+/// StoreError, h5::Error.
 void MergeReferences(const plan::Plan& plan, const Layout& layout,
-                     const std::vector<std::filesystem::path>& paths, hdf5::File& file);
+                     const std::vector<std::filesystem::path>& paths, const hdf5::File* base,
+                     hdf5::File& file);
 /// Holds what MergeReferences wrote against the shards. Throws h5::Error.
 void VerifyReferences(const plan::Plan& plan, const Layout& layout,
-                      const std::vector<std::filesystem::path>& paths, const hdf5::File& file);
+                      const std::vector<std::filesystem::path>& paths, const hdf5::File* base,
+                      const hdf5::File& file);
 
 }  // namespace cdb::store

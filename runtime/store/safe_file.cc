@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,22 +9,19 @@
 #include <array>
 #include <bit>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <limits>
 #include <system_error>
 #include <utility>
 
 #include "runtime/measure/file_descriptor_io.h"
-#include "runtime/measure/host.h"
 #include "runtime/store/store.h"
+#include "runtime/store/temporary_file.h"
 
 namespace cdb::store {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view kTemporaryEnd = ".tmp";
 
 /// Stands after the last byte of a shard, where HDF5 and its readers do not look.
 struct Seal {
@@ -38,23 +34,6 @@ constexpr std::array<char, 8> kMagic = {'c', 'd', 'b', ' ', 's', 'e', 'a', 'l'};
 
 std::string ErrorText(int error) { return std::generic_category().message(error); }
 
-std::string Remedy(int error) {
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-    case EFBIG:
-      return "make room on the disk and run again; it goes on where it stopped";
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return "choose a folder that can be written to (-o)";
-    case EISDIR:
-      return "choose another name (-o)";
-    default:
-      return "mend that and run again; it goes on where it stopped";
-  }
-}
-
 /// A file descriptor, closed at the end.
 class Descriptor {
  public:
@@ -65,8 +44,6 @@ class Descriptor {
     if (fd_ >= 0) close(fd_);
   }
   int get() const { return fd_; }
-  /// Closing may be the first that hears of a failed write (NFS, quotas).
-  bool Close() { return close(std::exchange(fd_, -1)) == 0; }
 
  private:
   int fd_;
@@ -86,34 +63,9 @@ std::size_t ReadAll(int fd, std::span<std::byte> bytes) {
   return done;
 }
 
-[[noreturn]] void FailWrite(const fs::path& temporary, const fs::path& final_name,
-                            std::string_view doing, int error) {
-  std::error_code ignored;
-  fs::remove(temporary, ignored);
-  throw StoreError(fmt::format("{}: cannot {}: {}; nothing that was finished is lost: {}",
-                               final_name.string(), doing, ErrorText(error), Remedy(error)));
-}
-
 [[noreturn]] void FailRead(const fs::path& file, std::string_view why) {
   throw StoreError(fmt::format("{}: {}; it was left as it is: remove it and its run is done again",
                                file.string(), why));
-}
-
-/// Whether `name` is a temporary of this host that nobody is writing any more.
-bool IsStale(std::string_view name, std::string_view host) {
-  if (!name.ends_with(kTemporaryEnd)) return false;
-  name.remove_suffix(kTemporaryEnd.size());
-  const std::size_t dot = name.rfind('.');
-  if (dot == std::string_view::npos) return false;
-  const std::string_view digits = name.substr(dot + 1);
-  name = name.substr(0, dot);
-  if (!name.ends_with(host)) return false;
-  name.remove_suffix(host.size());
-  if (!name.ends_with('.')) return false;
-  pid_t pid = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), pid);
-  if (error != std::errc{} || end != digits.data() + digits.size() || pid <= 0) return false;
-  return kill(pid, 0) != 0 && errno == ESRCH;
 }
 
 }  // namespace
@@ -133,87 +85,49 @@ std::uint64_t Checksum(std::span<const std::byte> bytes) {
   return hash ^ (hash >> 32);
 }
 
-fs::path TemporaryName(const fs::path& final_name) {
-  return final_name.string() +
-         fmt::format(".{}.{}{}", measure::HostName(), getpid(), kTemporaryEnd);
-}
-
 void RequireFolder(const fs::path& folder, std::string_view use) {
   struct stat status = {};
   const int error = stat(folder.c_str(), &status) != 0 ? errno
                     : S_ISDIR(status.st_mode)          ? 0
                                                        : ENOTDIR;
   if (error == 0) return;
-  throw StoreError(fmt::format(
-      "{}: the folder of {} cannot be used: {}; nothing was written: {}", folder.string(), use,
-      ErrorText(error), error == ENOENT ? "make it, or choose another (-o)" : Remedy(error)));
+  throw StoreError(
+      fmt::format("{}: the folder of {} cannot be used: {}; nothing was written: {}",
+                  folder.string(), use, ErrorText(error),
+                  error == ENOENT ? "make it, or choose another (-o)" : "choose another (-o)"));
 }
-
-void Publish(const fs::path& temporary, const fs::path& final_name) {
-  {
-    Descriptor file(temporary, O_RDONLY);
-    if (file.get() < 0 || fsync(file.get()) != 0)
-      FailWrite(temporary, final_name, "bring it to the disk", errno);
-  }
-  if (rename(temporary.c_str(), final_name.c_str()) != 0)
-    FailWrite(temporary, final_name, "give it its name", errno);
-  const fs::path parent = final_name.has_parent_path() ? final_name.parent_path() : ".";
-  Descriptor folder(parent, O_RDONLY | O_DIRECTORY);
-  // Some network file systems have no fsync for folders, and say EINVAL.
-  if (folder.get() < 0 || (fsync(folder.get()) != 0 && errno != EINVAL))
-    throw StoreError(
-        fmt::format("{}: was written, but its folder could not be brought to the "
-                    "disk: {}; check the disk before you rely on it",
-                    final_name.string(), ErrorText(errno)));
-}
-
-namespace {
-
-void WriteParts(std::initializer_list<std::span<const std::byte>> parts,
-                const fs::path& final_name) {
-  const fs::path temporary = TemporaryName(final_name);
-  {
-    Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-    bool good = file.get() >= 0;
-    for (const auto& part : parts) good = good && measure::TryWriteAll(file.get(), part);
-    if (!good || !file.Close()) FailWrite(temporary, final_name, "write it", errno);
-  }
-  Publish(temporary, final_name);
-}
-
-}  // namespace
 
 void WriteWhole(std::string_view text, const fs::path& final_name) {
-  WriteParts({std::as_bytes(std::span(text))}, final_name);
+  WritePieces([text](const auto& write) { write(text); }, final_name);
 }
 
 void WritePieces(const std::function<void(const std::function<void(std::string_view)>&)>& fill,
                  const fs::path& final_name) {
-  const fs::path temporary = TemporaryName(final_name);
-  {
-    Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-    const auto fail = [&] { FailWrite(temporary, final_name, "write it", errno); };
-    if (file.get() < 0) fail();
-    fill([&](std::string_view piece) {
-      if (!measure::TryWriteAll(file.get(), std::as_bytes(std::span(piece)))) fail();
-    });
-    if (!file.Close()) fail();
-  }
-  Publish(temporary, final_name);
+  RemoveStaleTemporariesBeside(final_name);
+  TemporaryFile file(final_name);
+  fill([&](std::string_view piece) {
+    if (!measure::TryWriteAll(file.fd(), std::as_bytes(std::span(piece))))
+      file.Fail("write it", errno);
+  });
+  file.Publish();
 }
 
 void WriteSealed(std::span<const std::byte> bytes, const fs::path& final_name) {
   const Seal seal = {kMagic, bytes.size(), Checksum(bytes)};
-  WriteParts({bytes, std::as_bytes(std::span(&seal, 1))}, final_name);
+  TemporaryFile file(final_name);
+  for (const auto part : {bytes, std::as_bytes(std::span(&seal, 1))})
+    if (!measure::TryWriteAll(file.fd(), part)) file.Fail("write it", errno);
+  file.Publish();
 }
 
 std::vector<std::byte> ReadSealed(const fs::path& path) {
-  Descriptor file(path, O_RDONLY);
+  Descriptor file(path, O_RDONLY | O_NONBLOCK);
   struct stat status = {};
   if (file.get() < 0 || fstat(file.get(), &status) != 0)
     throw StoreError(fmt::format("{}: cannot be read: {}; nothing was changed", path.string(),
                                  ErrorText(errno)));
   if (S_ISDIR(status.st_mode)) FailRead(path, "is a folder, not the result of a run");
+  if (!S_ISREG(status.st_mode)) FailRead(path, "is a pipe or a device, not the result of a run");
   std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
   const std::size_t got = ReadAll(file.get(), bytes);
   if (got != bytes.size() && errno != 0)
@@ -235,24 +149,13 @@ std::vector<std::byte> ReadSealed(const fs::path& path) {
 }
 
 bool IsSealed(const fs::path& path) {
-  Descriptor file(path, O_RDONLY);
+  Descriptor file(path, O_RDONLY | O_NONBLOCK);
   Seal seal = {};
   const off_t end = file.get() < 0 ? -1 : lseek(file.get(), 0, SEEK_END);
   if (end < static_cast<off_t>(sizeof(seal))) return false;
   const off_t begin = end - static_cast<off_t>(sizeof(seal));
   return pread(file.get(), &seal, sizeof(seal), begin) == ssize_t{sizeof(seal)} &&
          seal.magic == kMagic;
-}
-
-void RemoveStaleTemporaries(const fs::path& folder) {
-  RequireFolder(folder, "results");
-  const std::string host = measure::HostName();
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    std::error_code gone;  // another driver may remove it as well
-    if (IsStale(entry->path().filename().native(), host)) fs::remove(entry->path(), gone);
-  }
 }
 
 }  // namespace cdb::store

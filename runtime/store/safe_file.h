@@ -14,17 +14,11 @@
 
 namespace cdb::store {
 
-/// `<final>.<host>.<pid>.tmp`, beside the final file, so that the rename stays on one file system.
-std::filesystem::path TemporaryName(const std::filesystem::path& final_name);
-
 /// Throws StoreError where `folder` is no folder; `use` says what it should hold.
 void RequireFolder(const std::filesystem::path& folder, std::string_view use);
 
-/// fsyncs `temporary`, renames it to `final_name`, fsyncs the folder. Throws StoreError, with the
-/// temporary removed.
-void Publish(const std::filesystem::path& temporary, const std::filesystem::path& final_name);
-
-/// Writes `text` to `final_name`, safely. Throws StoreError, with nothing changed.
+/// Writes `text` to `final_name`, safely; a link there is followed (temporary_file.h). Throws
+/// StoreError, with nothing changed.
 void WriteWhole(std::string_view text, const std::filesystem::path& final_name);
 
 /// The same in pieces: `fill` is called once with a function that appends.

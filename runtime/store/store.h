@@ -101,8 +101,9 @@ class ShardWriter {
 void WriteShard(const plan::Plan& plan, const plan::Run& run, const RunResult& result,
                 const Provenance& provenance, const std::filesystem::path& folder);
 
-/// Removes temporaries in `folder` that processes of this host left behind when they were killed;
-/// those of living processes and of other hosts stay. Throws StoreError where there is no folder.
+/// Removes temporaries in `folder` that processes of this host left behind when they were killed.
+/// Those that somebody still writes are locked and stay (temporary_file.h), and so do those of
+/// other hosts. Throws StoreError where there is no folder.
 void RemoveStaleTemporaries(const std::filesystem::path& folder);
 
 struct ShardInfo {
@@ -116,10 +117,12 @@ ShardInfo ReadShardInfo(const std::filesystem::path& file);
 
 /// Makes `out` from `shards`, folders of them or single files (of a run that stands twice, the
 /// first): under a temporary name, verified against the shards, fsynced, renamed. Runs without a
-/// shard are cells with status `missing`. The shards are left alone. Throws StoreError; then `out`
-/// is as before.
+/// shard are as in `base`, a results file of the same plan that may be `out`, where that is given,
+/// else cells with status `missing`. The shards are left alone. Throws StoreError; then `out` is as
+/// before.
 void Merge(const plan::Plan& plan, const Provenance& provenance,
-           const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out);
+           const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out,
+           const std::filesystem::path& base = {});
 void Merge(const plan::Plan& plan, const Provenance& provenance,
            const std::filesystem::path& folder, const std::filesystem::path& out);
 

@@ -14,7 +14,7 @@
 #include "runtime/store/dimensions.h"
 #include "runtime/store/hdf5/chunks.h"
 #include "runtime/store/hdf5/file.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/temporary_file.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
@@ -210,21 +210,20 @@ measure::TraceMemory ReadMemory(const hdf5::File& file, const plan::TraceFacts& 
 
 void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
                 std::span<const double> poses, const fs::path& path) {
-  const fs::path temporary = TemporaryName(path);
-  std::error_code ignored;
+  RemoveStaleTemporariesBeside(path);
+  TemporaryFile temporary(path);
   try {
-    hdf5::File file = hdf5::File::Create(temporary);
+    hdf5::File file = hdf5::File::Create(temporary.path());
     WriteHead(file, trace, origin, objects);
     WriteArrays(file, trace, objects, poses);
     AddText(file, "scenario_text", origin.scenario_text, "the scenario that was recorded");
     AddText(file, "run_text", origin.run_text, "all that decides the run, as YAML");
     file.Close();
   } catch (const hdf5::Error& error) {
-    fs::remove(temporary, ignored);
     throw StoreError(fmt::format("{}: cannot be written: {}; make room, or name another place (-o)",
                                  path.string(), error.what()));
   }
-  Publish(temporary, path);
+  temporary.Publish();
 }
 
 plan::TraceFacts ReadTraceFacts(const fs::path& path) {

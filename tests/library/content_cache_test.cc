@@ -5,15 +5,92 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <filesystem>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include "compiler/plan/sha256.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {
 namespace {
 
 const std::string kKey(64, 'a');
+
+namespace fs = std::filesystem;
+
+fs::perms PermsOf(const fs::path& path) { return fs::status(path).permissions(); }
+
+TEST(Cache, IsTheUsersOwn) {
+  const TemporaryFolder folder;
+  const fs::path cache = folder / "new" / "cache";
+  ASSERT_TRUE(library::StoreCached(cache, "pile", kKey, "poses"));
+  EXPECT_EQ(PermsOf(cache), fs::perms::owner_all);
+  for (const std::string& name : FilesIn(cache))
+    EXPECT_EQ(PermsOf(cache / name), fs::perms::owner_read | fs::perms::owner_write) << name;
+  EXPECT_EQ(library::FindCached(cache, "pile", kKey), "poses");
+  EXPECT_EQ(library::CacheFault(cache), "");
+  // Where others may write, nothing is found and nothing kept, and that is said.
+  for (const fs::perms writers : {fs::perms::group_write, fs::perms::others_write}) {
+    fs::permissions(cache, fs::perms::owner_all | writers);
+    EXPECT_EQ(library::FindCached(cache, "pile", kKey), std::nullopt);
+    EXPECT_FALSE(library::StoreCached(cache, "pile", kKey, "other"));
+    EXPECT_FALSE(library::CacheLock(cache, "pile", kKey, [] {}).IsHeld());
+    EXPECT_NE(library::CacheFault(cache).find("chmod 700"), std::string::npos);
+  }
+  if (geteuid() == 0) {
+    fs::permissions(cache, fs::perms::owner_all);
+    ASSERT_EQ(chown(cache.c_str(), 12345, 12345), 0);
+    EXPECT_EQ(library::FindCached(cache, "pile", kKey), std::nullopt);
+    EXPECT_NE(library::CacheFault(cache).find("another user"), std::string::npos);
+  }
+}
+
+/// What anybody can make who knows how a file is laid out.
+std::string Forged(const std::string& kind, const std::string& key, const std::string& contents) {
+  std::string bytes = "cdb " + kind + " 3\n" + key + contents;
+  return bytes + plan::Sha256Hex(bytes);
+}
+
+TEST(Cache, TakesNoEntryThatWasMadeElsewhere) {
+  const TemporaryFolder mine, other;
+  const std::string entry = kKey + ".pile", another_key(64, 'b');
+  for (const auto* folder : {&mine, &other})
+    ASSERT_TRUE(library::StoreCached(folder->path(), "pile", kKey, "poses"));
+  const auto find = [&](const std::string& key) {
+    return library::FindCached(mine.path(), "pile", key);
+  };
+  const std::string good = ReadFile(mine / entry);
+  WriteFile(mine / entry, Forged("pile", kKey, "forged"));
+  EXPECT_EQ(find(kKey), std::nullopt) << "a digest that anybody can compute";
+  WriteFile(mine / entry, ReadFile(other / entry));
+  EXPECT_EQ(find(kKey), std::nullopt) << "sealed with the secret of another folder";
+  std::string renamed = good;
+  renamed.replace(renamed.find(kKey), 64, another_key);
+  WriteFile(mine / (another_key + ".pile"), renamed);
+  EXPECT_EQ(find(another_key), std::nullopt) << "bound to another key";
+  WriteFile(mine / entry, good);
+  EXPECT_EQ(find(kKey), "poses");
+  fs::permissions(mine / entry, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_EQ(find(kKey), std::nullopt) << "others may write to it";
+  fs::rename(mine / entry, mine / "real");
+  fs::permissions(mine / "real", fs::perms::others_write, fs::perm_options::remove);
+  fs::create_symlink("real", mine / entry);
+  EXPECT_EQ(find(kKey), std::nullopt) << "a link";
+}
+
+TEST(Cache, AKilledWriterLeavesNothingThatGrows) {
+  const TemporaryFolder folder;
+  WriteFile(folder / (kKey + ".pile.tmp"), "half of someth");
+  ASSERT_TRUE(library::StoreCached(folder.path(), "pile", kKey, "poses"));
+  EXPECT_EQ(library::FindCached(folder.path(), "pile", kKey), "poses");
+  EXPECT_EQ(FilesIn(folder.path()), (std::vector<std::string>{kKey + ".pile", "secret"}));
+  WriteFile(folder / "secret", "too short");
+  EXPECT_EQ(library::FindCached(folder.path(), "pile", kKey), std::nullopt);
+  ASSERT_TRUE(library::StoreCached(folder.path(), "pile", kKey, "poses"));
+  EXPECT_EQ(library::FindCached(folder.path(), "pile", kKey), "poses");
+}
 
 TEST(CacheLock, OneMakesAnEntryAndTheOthersFindIt) {
   const TemporaryFolder folder;
@@ -32,7 +109,7 @@ TEST(CacheLock, OneMakesAnEntryAndTheOthersFindIt) {
   }
   other.join();
   EXPECT_EQ(found, "poses");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1)
+  EXPECT_EQ(FilesIn(folder.path()), (std::vector<std::string>{kKey + ".pile", "secret"}))
       << "the entry and no lock";
 }
 

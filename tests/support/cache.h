@@ -3,7 +3,9 @@
 
 #include <stdlib.h>
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "tests/support/files.h"
 
@@ -27,6 +29,13 @@ class TemporaryCache {
   TemporaryCache& operator=(const TemporaryCache&) = delete;
 
   const std::filesystem::path& folder() const { return folder_.path(); }
+  /// The files in it, without the secret that seals them.
+  std::vector<std::filesystem::path> Entries() const {
+    std::vector<std::filesystem::path> entries;
+    for (const std::string& name : FilesIn(folder()))
+      if (name != "secret") entries.push_back(folder() / name);
+    return entries;
+  }
 
  private:
   TemporaryFolder folder_;

@@ -1,19 +1,16 @@
 #include "runtime/engine/detection/plugin_detectors.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <utility>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/sha256.h"
 #include "library/detectors/floating_point.h"
 #include "library/detectors/plugin.h"
 #include "library/scene_error.h"
-#include "runtime/measure/file_descriptor_io.h"
 #include "runtime/measure/plugin_call.h"
 
 namespace cdb::detection {
@@ -52,19 +49,12 @@ class WatchedCall {
 };
 
 std::string HashOf(const PluginDetector& plugin) {
-  const int fd = open(plugin.path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0)
+  std::string why;
+  const auto bytes = plan::ReadInputFile(plugin.path, why);
+  if (!bytes)
     throw SceneError(fmt::format("detector `{}`: cannot read its library '{}': {}", plugin.name,
-                                 plugin.path, std::generic_category().message(errno)));
-  try {
-    const std::string bytes = measure::ReadAll(fd);
-    close(fd);
-    return plan::Sha256Hex(bytes);
-  } catch (const std::system_error& error) {
-    close(fd);
-    throw SceneError(
-        fmt::format("detector `{}`: its library '{}': {}", plugin.name, plugin.path, error.what()));
-  }
+                                 plugin.path, why));
+  return plan::Sha256Hex(*bytes);
 }
 
 class WatchedDetector final : public Detector {

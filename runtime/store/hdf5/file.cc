@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "compiler/plan/input_file.h"
 #include "runtime/store/hdf5/calls.h"
 #include "runtime/store/hdf5/sink.h"
 
@@ -46,6 +47,23 @@ std::string UniqueName() {
 
 bool Group::Has(const std::string& name) const {
   return H5Lexists(id_.get(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::vector<std::string> Group::MemberNames() const {
+  H5G_info_t info = {};
+  Check(H5Gget_info(id_.get(), &info), "list a group");
+  std::vector<std::string> names;
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    const auto name_by_index = [&](char* name, std::size_t bytes) {
+      return Checked(H5Lget_name_by_idx(id_.get(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name, bytes,
+                                        H5P_DEFAULT),
+                     "list a group");
+    };
+    std::string name(static_cast<std::size_t>(name_by_index(nullptr, 0)), '\0');
+    name_by_index(name.data(), name.size() + 1);
+    names.push_back(std::move(name));
+  }
+  return names;
 }
 
 Dataset Group::OpenDataset(const std::string& name) const {
@@ -158,6 +176,7 @@ File File::Create(const std::filesystem::path& path) {
 
 File File::Open(const std::filesystem::path& path) {
   BeQuiet();
+  if (const std::string why = plan::WhyNotReadable(path); !why.empty()) throw Error(why);
   return File(Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open it"));
 }
 

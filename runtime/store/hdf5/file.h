@@ -21,6 +21,8 @@ class Group : public Object {
  public:
   explicit Group(Id id) : Object(std::move(id)) {}
   bool Has(const std::string& name) const;
+  /// Of the datasets and groups in it, sorted.
+  std::vector<std::string> MemberNames() const;
   /// Refuses (Error) a type that results files do not have.
   Dataset OpenDataset(const std::string& name) const;
   Dataset CreateDataset(const DatasetSpec& spec);

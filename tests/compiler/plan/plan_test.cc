@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/short_plan.h"
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
@@ -230,6 +231,23 @@ TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
   EXPECT_NE(ErrorOf(Replaced(yaml, "at: [0, 0]", "at: [0, 9]")).find("axes"), std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(yaml, "at: [0, 0]", "at: [0]")).find("axes"), std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(yaml, "rep: 0", "rep: 5")).find("changed by hand"), std::string::npos);
+}
+
+TEST(PlanYaml, HoldsNamesToTheRuleOfTheLanguage) {
+  const std::string yaml = plan::ToYaml(Example());
+  const std::string name = "benchmark: \"" + Example().benchmark + "\"";
+  ASSERT_NE(yaml.find(name), std::string::npos);
+  for (const char* wrong :
+       {"../../escaped", "/tmp/escaped", "..", "", "a b", "1st", "\u202eb", "a\\n", "caf\u00e9"})
+    EXPECT_NE(ErrorOf(Replaced(yaml, name, std::string("benchmark: \"") + wrong + "\""))
+                  .find("a name is letters, digits and _"),
+              std::string::npos)
+        << wrong;
+  EXPECT_NE(ErrorOf(Replaced(yaml, "name: cycles", "name: \"../cycles\"")).find("is no name"),
+            std::string::npos);
+  plan::ShortPlan form;
+  form.benchmark = "../../escaped";
+  EXPECT_THROW(plan::FindShortPlan(plan::ToYaml(form), "short.yaml"), plan::PlanError);
 }
 
 TEST(PlanHash, IsOfWhatDecidesTheResults) {

@@ -35,7 +35,8 @@ class DecompositionCacheTest : public ::testing::Test {
   }
   std::vector<fs::path> Files() const {
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(cache_)) files.push_back(entry.path());
+    for (const auto& entry : fs::directory_iterator(cache_))
+      if (entry.path().filename() != "secret") files.push_back(entry.path());
     return files;
   }
 
@@ -52,10 +53,14 @@ TEST_F(DecompositionCacheTest, MakesOnce) {
   EXPECT_EQ(found, form_);
   EXPECT_EQ(made_, 1);
   ASSERT_EQ(Files(), std::vector{cache_ / (objects::DecompositionKey("angle") + ".form")});
-  // To the last bit: kept again, it is the same file.
+  // To the last bit: kept again, it is the same file but for its seal, which is of the folder.
+  const auto body = [](const fs::path& file) {
+    const std::string bytes = ReadFile(file);
+    return bytes.substr(0, bytes.size() - 64);
+  };
   objects::DecomposeOnce(
       "m", "angle", [&] { return found; }, folder_ / "other");
-  EXPECT_EQ(ReadFile(folder_ / "other" / Files()[0].filename()), ReadFile(Files()[0]));
+  EXPECT_EQ(body(folder_ / "other" / Files()[0].filename()), body(Files()[0]));
 }
 
 TEST_F(DecompositionCacheTest, NamesAreNotKept) {

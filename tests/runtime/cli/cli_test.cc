@@ -269,6 +269,7 @@ TEST(Run, ATimeoutEndsARunAndKeepsItsCycles) {
   const store::ResultFile file(program.folder() / "slow.h5");
   EXPECT_EQ(file.ReadStatus({{}, 0}), store::Status::kTimedOut);
   EXPECT_GT(file.ReadCycleCount({{}, 0}), 0u);
+  EXPECT_GT(file.ReadReal("peak_rss", {{}, 0}), 1e6) << "of the dead as well";
 }
 
 TEST(Run, WhatNoMemoryHoldsIsRefusedBeforeAnythingRuns) {
@@ -280,6 +281,22 @@ TEST(Run, WhatNoMemoryHoldsIsRefusedBeforeAnythingRuns) {
   EXPECT_EQ(run.status, 2);
   EXPECT_NE(run.err.find("huge: one run records up to"), std::string::npos) << run.err;
   EXPECT_FALSE(program.Exists("huge.h5") || program.Exists("huge.runs"));
+}
+
+TEST(Check, RefusesWhatThisMachineCannotRun) {
+  const Program program;
+  program.Write("many.cdb", "benchmark many { world.side 1e9; objects.quantity 2000000000 }");
+  program.Write("long.cdb",
+                "benchmark long { cycles 2000000000; world.side 1e6; record pairs; "
+                "objects.quantity 1000000 }");
+  for (const char* command : {"check", "run"}) {
+    const Finished many = program.Run({command, "many.cdb"});
+    EXPECT_EQ(many.status, 2) << many.err;
+    EXPECT_NE(many.err.find("its 2e+09 objects take 2e+03 GB or more"), std::string::npos)
+        << many.err;
+    EXPECT_EQ(program.Run({command, "long.cdb"}).status, 2);
+  }
+  EXPECT_FALSE(program.Exists("many.runs"));
 }
 
 TEST(Check, FindsEveryErrorAndLeavesNoFile) {

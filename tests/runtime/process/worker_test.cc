@@ -102,7 +102,7 @@ TEST(WorkerTest, ASignalIsNamed) {
   EXPECT_EQ(ending.result.message,
             "the worker was ended by signal 11 (SIGSEGV, Segmentation fault)");
   EXPECT_EQ(ending.result.omitted, "raycast_tree pools") << "settled before the first cycle";
-  EXPECT_TRUE(std::isnan(ending.result.scalars.peak_rss_bytes));
+  EXPECT_GT(ending.result.scalars.peak_rss_bytes, 1e5) << "of the dead as well";
 }
 
 TEST(WorkerTest, ACrashTellsTheLastWords) {

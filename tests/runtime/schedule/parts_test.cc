@@ -54,6 +54,7 @@ class PartsTest : public testing::Test {
     whole->run_count = listed_.runs.size();
     whole->bounds = listed_.runs;
     plan::ShortPlan form;
+    form.benchmark = "large";
     form.sha256 = whole->sha256;
     whole->short_text = plan::ToYaml(form);
     plan_ = listed_;

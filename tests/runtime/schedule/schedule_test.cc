@@ -409,6 +409,61 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
   EXPECT_EQ(whole, 4u);
 }
 
+TEST_F(ScheduleTest, RunsAgainWhatIsAskedForAndNothingElse) {
+  const std::string crashed = plan.runs[4].id;
+  launcher.behave = [&](const plan::Run& run) {
+    return run.id == crashed ? store::Status::kCrashed : store::Status::kDone;
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 8, .crashed = 1}));
+  const std::string others = ReadFile(options.folder / (plan.runs[0].id + ".h5"));
+  launcher.behave = [](const plan::Run&) { return store::Status::kDone; };
+  launcher.started.clear();
+  options.is_repeated = [](const plan::Run& run, const fs::path& shard) {
+    EXPECT_EQ(shard.stem(), run.id);
+    return store::ReadShardInfo(shard).outcome.status == store::Status::kCrashed;
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 8}));
+  EXPECT_EQ(launcher.started, std::vector<std::string>{crashed});
+  EXPECT_TRUE(ReadFile(options.folder / (plan.runs[0].id + ".h5")) == others);
+}
+
+TEST_F(ScheduleTest, LeavesRunsAloneThatAreKeptElsewhere) {
+  const std::string wanted = plan.runs[4].id;
+  options.find_elsewhere = [&](const plan::Run& run) -> std::optional<store::ShardInfo> {
+    if (run.id == wanted) return std::nullopt;
+    return store::ShardInfo{run.id, plan.Sha256(), {store::Status::kDone}, "", ""};
+  };
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 1}));
+  EXPECT_EQ(launcher.started, std::vector<std::string>{wanted});
+  EXPECT_EQ(FilesIn(options.folder), (std::vector<std::string>{wanted + ".h5", "plan.yaml"}));
+}
+
+TEST_F(ScheduleTest, CountsTheShardsThatAreStillThere) {
+  bool keeps_folder = false;
+  launcher.before_wait = [&] {
+    if (ears.ended != 4) return;
+    fs::remove_all(options.folder);
+    if (keeps_folder) fs::create_directories(options.folder);
+  };
+  const auto message = [&]() -> std::string {
+    try {
+      Run(plan);
+    } catch (const store::StoreError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const std::string gone = message();
+  EXPECT_NE(gone.find("No such file or directory"), std::string::npos) << gone;
+  EXPECT_NE(gone.find("0 of 9 runs are safe in"), std::string::npos) << gone;
+  // Somebody made it anew: five shards come, and four are missing.
+  keeps_folder = true;
+  ears = {};
+  const std::string emptied = message();
+  EXPECT_NE(emptied.find("shards were removed from it"), std::string::npos) << emptied;
+  EXPECT_NE(emptied.find("5 of 9 runs are safe in"), std::string::npos) << emptied;
+}
+
 TEST_F(ScheduleTest, ALauncherThatRefusesEndsTheWork) {
   struct Refuser : FakeLauncher {
     void Start(std::size_t slot, const plan::Run& run, const std::string& kept) override {

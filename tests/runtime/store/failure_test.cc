@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "runtime/store/store.h"
+#include "runtime/store/trace_file.h"
 #include "tests/runtime/store/store_fixture.h"
 
 namespace cdb::tests {
@@ -336,6 +337,39 @@ TEST(Kill, WhileMergingLeavesTheResultWhole) {
     ASSERT_THAT(FilesIn(target.path()), ElementsAre("out.h5"));
     ASSERT_EQ(FilesIn(folder.path()), shards);
   }
+}
+
+/// The next of the kind clears away what the killed ones left, also under another name.
+TEST(Kill, WhileMergingAndTracingLeavesNoTemporariesForEver) {
+  const Plan plan = SmallPlan(3);
+  const TemporaryFolder folder, target;
+  for (const plan::Run& run : plan.runs)
+    store::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
+  measure::TraceMemory trace = measure::TraceMemory::Create({3, 4, false});
+  const std::vector<double> boxes(3 * measure::kBoxSize, 1);
+  for (std::uint64_t cycle = 0; cycle < 4; ++cycle) trace.SetBoxes(cycle, boxes);
+  const auto merge = [&](const char* name) {
+    store::Merge(plan, {}, folder.path(), target / name);
+  };
+  const auto write_trace = [&](const char* name) {
+    store::WriteTrace(trace, {}, 0, {}, target / name);
+  };
+  std::mt19937 random(13);
+  std::size_t left = 0;
+  for (int trial = 0; trial < 10; ++trial) {
+    KillDuring(random, [&](int) {
+      for (;;) merge("killed.h5");
+    });
+    KillDuring(random, [&](int) {
+      for (;;) write_trace("killed.trace.h5");
+    });
+    for (const std::string& name : FilesIn(target.path())) left += name.ends_with(".tmp");
+    merge("out.h5");
+    write_trace("t.trace.h5");
+    for (const std::string& name : FilesIn(target.path()))
+      EXPECT_FALSE(name.ends_with(".tmp")) << name;
+  }
+  EXPECT_GT(left, 0u) << "no kill has met a temporary";
 }
 
 }  // namespace

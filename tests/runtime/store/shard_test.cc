@@ -1,9 +1,7 @@
 // A shard is read as it was written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -206,33 +204,6 @@ TEST(StatusNames, AreThoseOfTheContract) {
   for (int i = 0; i <= static_cast<int>(store::Status::kTimedOut); ++i)
     names += std::string(store::StatusName(static_cast<store::Status>(i))) + " ";
   EXPECT_EQ(names, "missing done skipped failed crashed timed_out ");
-}
-
-TEST(StaleTemporaries, OfDeadProcessesOfThisHostAreRemoved) {
-  const pid_t dead = fork();
-  ASSERT_GE(dead, 0);
-  if (dead == 0) _exit(0);
-  ASSERT_EQ(waitpid(dead, nullptr, 0), dead);
-  std::array<char, 256> host = {};
-  ASSERT_EQ(gethostname(host.data(), host.size() - 1), 0);
-  const std::string run = "0123456789abcdef.h5";
-  const std::string here = run + "." + host.data() + ".";
-  const std::vector<std::string> kept = {
-      run,
-      run + ".tmp",
-      here + std::to_string(getpid()) + ".tmp",
-      here + "x.tmp",
-      here + ".tmp",
-      here + std::to_string(dead),
-      run + ".elsewhere." + std::to_string(dead) + ".tmp",
-      "plan.yaml",
-  };
-  const TemporaryFolder folder;
-  for (const std::string& name : kept) WriteFile(folder / name, "x");
-  WriteFile(folder / (here + std::to_string(dead) + ".tmp"), "x");
-  store::RemoveStaleTemporaries(folder.path());
-  EXPECT_THAT(FilesIn(folder.path()), testing::UnorderedElementsAreArray(kept));
-  EXPECT_THROW(store::RemoveStaleTemporaries(folder / "nowhere"), store::StoreError);
 }
 
 }  // namespace

@@ -103,8 +103,7 @@ TEST_F(Pile, IsTheSameForEveryDetectorAndPrecision) {
   SetWorld(scene, "precision",
            Word(std::string_view(world::EnginePrecision()) == "single" ? "double" : "single"));
   // Anew, and not from the cache.
-  for (const auto& entry : std::filesystem::directory_iterator(cache_.folder()))
-    std::filesystem::remove(entry);
+  for (const auto& entry : cache_.Entries()) std::filesystem::remove(entry);
   const layouts::InitialState second = Settled(scene);
   for (std::size_t i = 0; i < 20; ++i) {
     EXPECT_EQ(first.objects[i].pose.position, second.objects[i].pose.position);
@@ -115,18 +114,16 @@ TEST_F(Pile, IsTheSameForEveryDetectorAndPrecision) {
 
 TEST_F(Pile, IsSettledOnceAndThenFound) {
   plan::Scene scene = PileScene(5);
-  const auto files = [&] {
-    return std::distance(std::filesystem::directory_iterator(cache_.folder()), {});
-  };
+  const auto files = [&] { return cache_.Entries().size(); };
   const layouts::InitialState first = Settled(scene);
-  EXPECT_EQ(files(), 1);
+  EXPECT_EQ(files(), 1u);
   SetWorld(scene, "cycles", std::uint64_t{7});
   const layouts::InitialState found = Settled(scene);
-  EXPECT_EQ(files(), 1);
+  EXPECT_EQ(files(), 1u);
   EXPECT_EQ(first.objects[4].pose.position, found.objects[4].pose.position);
   SetGroup(scene, "friction", 0.9);
   Settled(scene);
-  EXPECT_EQ(files(), 2) << "another pile";
+  EXPECT_EQ(files(), 2u) << "another pile";
 }
 
 TEST_F(Pile, IsSharedByScenesThatDifferInWhatDoesNotDecideIt) {
@@ -139,13 +136,13 @@ TEST_F(Pile, IsSharedByScenesThatDifferInWhatDoesNotDecideIt) {
   scene.role = plan::Role::kReference;
   SeedStreams(scene);
   Settled(scene);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(cache_.folder()), {}), 1);
+  EXPECT_EQ(cache_.Entries().size(), 1u);
 }
 
 TEST_F(Pile, ADamagedEntryOfTheCacheIsSettledAgain) {
   const plan::Scene scene = PileScene(5);
   const layouts::InitialState first = Settled(scene);
-  const std::filesystem::path file = std::filesystem::directory_iterator(cache_.folder())->path();
+  const std::filesystem::path file = cache_.Entries().at(0);
   std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(200).put('\x5a');
   const layouts::InitialState second = Settled(scene);
   EXPECT_EQ(first.objects[4].pose.position, second.objects[4].pose.position);

@@ -1,0 +1,146 @@
+#include "runtime/schedule/bounds.h"
+
+#include <fmt/format.h>
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string_view>
+
+#include "compiler/plan/capacity.h"
+#include "compiler/plan/trace.h"
+#include "runtime/measure/samples.h"
+#include "runtime/measure/series.h"
+#include "runtime/process/launcher.h"
+
+namespace cdb::schedule {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A rigid body of Bullet has 700 bytes, its boxes and pairs take more; 1.9 kB were measured.
+constexpr double kBytesOfObject = 1000;
+/// No results compress better.
+constexpr double kBestCompression = 20;
+constexpr double kSecondsOfObject = 10e-9;  // in a cycle
+constexpr double kSecondsOfRun = 1e-3;      // its process and its shard
+constexpr double kMostSeconds = 365.25 * 24 * 3600;
+/// Of the free memory: something is left to the system.
+constexpr double kUsableMemory = 0.8;
+
+double RecordedBytes(const measure::RunExtents& extents, const auto& is_recorded) {
+  double bytes = 0;
+  for (const measure::Series& series : measure::AllSeries())
+    if (is_recorded(series))
+      bytes +=
+          static_cast<double>(series.ItemBytes()) * static_cast<double>(series.ValueCount(extents));
+  return bytes;
+}
+
+double SecondsOf(const plan::Run& run) {
+  const plan::WorldSettings& world = run.scene.world;
+  const double cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));
+  const double seconds =
+      kSecondsOfRun + cycles * static_cast<double>(run.scene.ObjectCount()) * kSecondsOfObject;
+  return world.WordOr("timeout").empty() ? std::min(seconds, world.Real("timeout")) : seconds;
+}
+
+/// Bytes of a line of /proc/meminfo.
+double MemoryInfo(std::string_view wanted) {
+  std::ifstream info("/proc/meminfo");
+  for (std::string name; info >> name; std::getline(info, name)) {
+    double kib = 0;
+    if (name == wanted && info >> kib) return kib * 1024;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Bytes that the control group (version 2) may use; infinite where there is no limit. What it uses
+/// now says little: most of it may be cache.
+double GroupLimit() {
+  std::ifstream file("/sys/fs/cgroup/memory.max");
+  double bytes = 0;
+  return file >> bytes ? bytes : std::numeric_limits<double>::infinity();
+}
+
+std::string BytesText(double bytes) { return fmt::format("{:.3g} GB", bytes / 1e9); }
+
+}  // namespace
+
+Demand LeastDemand(const plan::Plan& plan, std::uint64_t jobs, std::uint64_t parts) {
+  Demand demand;
+  double sampled = 0;
+  for (const plan::Run& run : plan.Bounds()) {
+    if (const auto shape = measure::SampleShapeOf(run.scene))
+      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
+    if (plan::TraceOf(run.scene)) continue;  // nothing is placed
+    const auto objects = static_cast<double>(run.scene.ObjectCount());
+    demand.objects = std::max(demand.objects, objects);
+  }
+  const double recorded =
+      RecordedBytes({plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)},
+                    [&](const measure::Series& series) { return series.IsRecordedBy(plan); });
+  // Recording and shard stand side by side; samples are those of the run, of its reference and of
+  // its twin.
+  demand.recorded = 2 * (recorded + 3 * sampled);
+  demand.scene = demand.objects * kBytesOfObject;
+  for (const plan::Run& run : plan.runs) {
+    demand.disk += 2 / kBestCompression *
+                   RecordedBytes(measure::ExtentsOf(run.scene), [&](const measure::Series& series) {
+                     return series.IsRecordedBy(run.scene);
+                   });
+    demand.time += SecondsOf(run);
+  }
+  if (plan.whole) {
+    demand.time = static_cast<double>(plan.RunCount()) * kSecondsOfRun;
+    for (const plan::Run& run : plan.Bounds()) demand.time = std::max(demand.time, SecondsOf(run));
+  }
+  demand.time /= static_cast<double>(jobs * parts);
+  demand.disk /= static_cast<double>(parts);
+  return demand;
+}
+
+Capacity WholeMachine() {
+  return {std::min(MemoryInfo("MemTotal:"), GroupLimit()), std::numeric_limits<double>::infinity()};
+}
+
+Capacity FreeNow(const fs::path& folder) {
+  Capacity capacity;
+  capacity.memory = kUsableMemory * std::min(MemoryInfo("MemAvailable:"), GroupLimit());
+  std::error_code error;
+  fs::path at = fs::absolute(folder, error);
+  while (!error && !fs::exists(at, error) && at.has_relative_path()) at = at.parent_path();
+  struct statvfs status = {};
+  if (statvfs(at.c_str(), &status) == 0)
+    capacity.disk = static_cast<double>(status.f_bavail) * static_cast<double>(status.f_frsize);
+  return capacity;
+}
+
+std::string WhyTooLarge(const Demand& demand, const Capacity& capacity) {
+  if (demand.recorded + demand.scene > capacity.memory)
+    return fmt::format(
+        "one run records up to {}, its {:.4g} objects take {} or more, and there are {} of memory; "
+        "take fewer cycles or objects, or record less",
+        BytesText(demand.recorded), demand.objects, BytesText(demand.scene),
+        BytesText(capacity.memory));
+  if (demand.disk > capacity.disk)
+    return fmt::format(
+        "its results take {} of disk or more, and there are {}; record less, take fewer runs or "
+        "cycles, or another disk by -o",
+        BytesText(demand.disk), BytesText(capacity.disk));
+  if (demand.time > kMostSeconds)
+    return fmt::format(
+        "its runs take {:.3g} years or more, at {:g} ns for an object and cycle; take fewer runs, "
+        "objects or cycles, or set a timeout",
+        demand.time / kMostSeconds, kSecondsOfObject * 1e9);
+  return {};
+}
+
+void CheckFits(const plan::Plan& plan, std::uint64_t jobs, std::uint64_t parts,
+               const fs::path& folder) {
+  const std::string why = WhyTooLarge(LeastDemand(plan, jobs, parts), FreeNow(folder));
+  if (!why.empty())
+    throw process::ScheduleError(fmt::format("{}: {}; nothing was started", plan.benchmark, why));
+}
+
+}  // namespace cdb::schedule

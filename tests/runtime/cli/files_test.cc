@@ -1,0 +1,100 @@
+// What a path may name: files, and nothing that is waited for or written over by mistake.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <string>
+
+#include "runtime/store/store.h"
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char kScenario[] = "benchmark s { cycles 2; objects.quantity sweep(2, 3) }";
+
+/// Exit status not 0, a message with `part`, and no wait.
+void ExpectRefused(const Program& program, const std::string& command, const std::string& part) {
+  const Finished finished = program.Shell("exec timeout 20 \"$CDB\" " + command);
+  EXPECT_TRUE(finished.status == 1 || finished.status == 2) << command << ": " << finished.status;
+  EXPECT_NE(finished.err.find(part), std::string::npos) << command << ": " << finished.err;
+}
+
+TEST(Inputs, PipesAndDevicesAreRefusedAndNotWaitedFor) {
+  const Program program;
+  program.Write("s.cdb", kScenario);
+  for (const char* name : {"p.cdb", "p.yaml", "p.h5", "p.obj", "p.csv", "p.so", "p.runs"})
+    ASSERT_EQ(mkfifo((program.folder() / name).c_str(), 0600), 0);
+  for (const char* command :
+       {"check p.cdb", "plan p.yaml", "run p.cdb", "run p.yaml", "fmt p.cdb", "show p.h5",
+        "report p.h5", "view p.h5", "compare p.h5 p.h5", "check s.cdb --plugin ./p.so"})
+    ExpectRefused(program, command, "it is a pipe, not a file");
+  ExpectRefused(program, "check /dev/zero", "it is a device, not a file");
+  ExpectRefused(program, "merge -o m.h5 p.runs", "p.runs");
+  const auto in_scenario = [&](const std::string& line, const std::string& part) {
+    program.Write("t.cdb", "benchmark t { cycles 2; " + line + " }");
+    ExpectRefused(program, "check t.cdb", part);
+  };
+  in_scenario("objects.type mesh(\"p.obj\")", "not a file");
+  in_scenario("objects.location poses(\"p.csv\")", "it is a pipe, not a file");
+  in_scenario("objects.location poses(\"p.h5\", cycle: 1)", "it is a pipe, not a file");
+  in_scenario("trace \"p.h5\"", "no file");
+  program.Write("u.cdb", std::string("use \"p.cdb\"\n") + kScenario);
+  ExpectRefused(program, "check u.cdb", "it is a pipe, not a file");
+}
+
+TEST(Inputs, APipeInAFolderOfShardsIsNotWaitedFor) {
+  const Program program;
+  program.Write("s.cdb", kScenario);
+  const auto run_parts = [&] {
+    for (const char* part : {"1/2", "2/2"})
+      EXPECT_EQ(program.Shell(std::string("exec timeout 20 \"$CDB\" run s.cdb -q --shard ") + part)
+                    .status,
+                0);
+  };
+  run_parts();
+  const fs::path folder = program.folder() / "s.runs";
+  const auto to_pipe = [](const fs::path& path) {
+    fs::remove(path);
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  };
+  for (const std::string& name : FilesIn(folder))
+    if (name != "plan.yaml") to_pipe(folder / name);
+  ExpectRefused(program, "merge -o m.h5 s.runs", "is a pipe or a device");
+  run_parts();
+  to_pipe(folder / "plan.yaml");
+  ExpectRefused(program, "merge -o m.h5 s.runs", "it is a pipe, not a file");
+  ExpectRefused(program, "run s.cdb", "it is a pipe, not a file");
+}
+
+TEST(Outputs, AResultsFileCalledLikeAFolderOfShardsIsRefused) {
+  const Program program;
+  program.Write("s.cdb", kScenario);
+  ExpectRefused(program, "run s.cdb -o s.runs", "folders of shards");
+  EXPECT_FALSE(program.Exists("s.runs"));
+}
+
+TEST(Outputs, ALinkIsWrittenThroughAndADeviceIsRefused) {
+  const Program program;
+  program.Write("s.cdb", kScenario);
+  fs::create_directory(program.folder() / "disk");
+  fs::create_symlink("disk/real.h5", program.folder() / "s.h5");
+  EXPECT_EQ(program.Run({"run", "s.cdb", "-q"}).status, 0);
+  EXPECT_TRUE(fs::is_symlink(program.folder() / "s.h5"));
+  EXPECT_EQ(store::ResultFile(program.folder() / "disk" / "real.h5").benchmark(), "s");
+  fs::create_symlink("/dev/full", program.folder() / "full");
+  ASSERT_EQ(mkfifo((program.folder() / "p").c_str(), 0600), 0);
+  for (const char* command : {"plan s.cdb -o full", "report s.h5 -o full", "view s.cdb -o full",
+                              "merge -o full disk", "trace s.cdb -o full"})
+    ExpectRefused(program, command,
+                  std::string(command).starts_with("merge")   ? "plan.yaml"
+                  : std::string(command).starts_with("trace") ? "full"
+                                                              : "it is a device, not a file");
+  ExpectRefused(program, "plan s.cdb -o p", "it is a pipe, not a file");
+  EXPECT_TRUE(fs::is_character_file(program.folder() / "full"));
+}
+
+}  // namespace
+}  // namespace cdb::tests

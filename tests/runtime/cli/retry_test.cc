@@ -1,0 +1,114 @@
+// `cdb run --retry`, and `--only` into a file that is there: some runs again, the rest as it was.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "runtime/store/store.h"
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using store::ResultFile;
+using store::Status;
+
+/// The second of three runs fails each time.
+const char kFails[] =
+    "benchmark s { cycles 4; world.side 500; acceleration (0, sweep(0, -1e39, -1) as g, 0) }";
+
+class Retry : public testing::Test {
+ protected:
+  void SetUp() override {
+    program_.Write("s.cdb", kFails);
+    ASSERT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 3);
+    ASSERT_EQ(StatusOf(1), Status::kFailed);
+  }
+  ResultFile Open() const { return ResultFile(program_.folder() / "s.h5"); }
+  Status StatusOf(std::size_t i) const { return Open().ReadStatus({{i}, 0}); }
+  double StartOf(std::size_t i) const { return Open().ReadReal("started", {{i}, 0}); }
+  /// What no second run would make again.
+  std::vector<double> TimesOf(std::size_t i) const {
+    std::vector<double> times = Open().ReadDuration(measure::Phase::kStep, {{i}, 0});
+    times.push_back(StartOf(i));
+    times.push_back(Open().ReadReal("build_time", {{i}, 0}));
+    return times;
+  }
+
+  const Program program_;
+};
+
+TEST_F(Retry, RunsJustTheCellsThatEndedSoAgain) {
+  const auto first = TimesOf(0), last = TimesOf(2);
+  const double failed = StartOf(1);
+  const Finished again = program_.Run({"run", "s.cdb", "--retry", "crashed,failed"});
+  EXPECT_EQ(again.status, 3) << again.err;
+  EXPECT_EQ(TimesOf(0), first);
+  EXPECT_EQ(TimesOf(2), last);
+  EXPECT_EQ(StatusOf(1), Status::kFailed);
+  EXPECT_GT(StartOf(1), failed);
+  EXPECT_FALSE(program_.Exists("s.runs"));
+  const Finished none = program_.Run({"run", "s.cdb", "--retry", "crashed,timed_out"});
+  EXPECT_NE(none.err.find("no run of 's.h5' is crashed or timed_out"), std::string::npos)
+      << none.err;
+}
+
+TEST_F(Retry, OnlyRunsOneRunAgainInItsFile) {
+  const auto first = TimesOf(0);
+  const double started = StartOf(2);
+  const std::string id = Open().ReadText("run_id", {{2}, 0});
+  EXPECT_EQ(program_.Run({"run", "s.cdb", "--only", id, "-q", "-o", "s.h5"}).status, 3);
+  EXPECT_EQ(TimesOf(0), first);
+  EXPECT_GT(StartOf(2), started);
+  EXPECT_EQ(StatusOf(1), Status::kFailed);
+  // Without that file, as ever: the run by itself.
+  EXPECT_EQ(program_.Run({"run", "s.cdb", "--only", id, "-q"}).status, 0);
+  EXPECT_TRUE(program_.Exists(id + ".h5"));
+}
+
+TEST_F(Retry, GoesOnAfterAKill) {
+  const auto first = TimesOf(0);
+  const double failed = StartOf(1);
+  // What is left where it was killed right after it had begun: what it wants, and no shard.
+  fs::create_directory(program_.folder() / "s.runs");
+  program_.Write("s.runs/retry", "failed");
+  EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 3);
+  EXPECT_EQ(TimesOf(0), first);
+  EXPECT_GT(StartOf(1), failed);
+  EXPECT_FALSE(program_.Exists("s.runs"));
+}
+
+TEST_F(Retry, BeforeTheMergeRunsShardsAgain) {
+  fs::remove(program_.folder() / "s.h5");
+  for (const char* part : {"1/3", "2/3", "3/3"})
+    program_.Run({"run", "s.cdb", "-q", "--shard", part});
+  const auto count = [&] {
+    std::size_t shards = 0;
+    for (const std::string& name : FilesIn(program_.folder() / "s.runs"))
+      shards += name.ends_with(".h5");
+    return shards;
+  };
+  ASSERT_EQ(count(), 3u);
+  const Finished again = program_.Run({"run", "s.cdb", "--retry", "failed"});
+  EXPECT_EQ(again.status, 3);
+  EXPECT_NE(again.err.find("2"), std::string::npos) << again.err;
+  EXPECT_EQ(StatusOf(1), Status::kFailed);
+  EXPECT_EQ(StatusOf(2), Status::kDone);
+}
+
+TEST_F(Retry, RefusesWhatDoesNotGoTogether) {
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& part) {
+    arguments.insert(arguments.begin(), {"run", "s.cdb"});
+    const Finished finished = program_.Run(arguments);
+    EXPECT_EQ(finished.status, 2) << finished.err;
+    EXPECT_NE(finished.err.find(part), std::string::npos) << finished.err;
+  };
+  refused({"--retry", "fialed"}, "did you mean 'failed'?");
+  refused({"--retry", "failed", "--fresh"}, "--fresh forgets all");
+  refused({"--retry", "failed", "--shard", "1/2"}, "leave out --shard");
+}
+
+}  // namespace
+}  // namespace cdb::tests

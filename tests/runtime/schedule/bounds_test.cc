@@ -1,0 +1,66 @@
+#include "runtime/schedule/bounds.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "runtime/process/launcher.h"
+#include "tests/runtime/schedule/plans.h"
+
+namespace cdb::tests {
+namespace {
+
+using schedule::WhyTooLarge;
+
+plan::Plan PlanOf(std::uint64_t objects) {
+  PlanShape shape;
+  shape.quantities = {objects};
+  return MakePlan(shape);
+}
+
+TEST(Bounds, GrowWithThePlan) {
+  const schedule::Demand few = schedule::LeastDemand(PlanOf(10)),
+                         many = schedule::LeastDemand(PlanOf(2'000'000'000));
+  EXPECT_EQ(many.objects, 2e9);
+  EXPECT_GT(many.scene, 1e12);
+  EXPECT_GT(many.time, few.time);
+  EXPECT_GT(few.recorded, 0);
+  EXPECT_GT(few.disk, 0);
+  EXPECT_LT(few.recorded + few.scene, 1e6) << "a lower bound";
+  const schedule::Demand shared = schedule::LeastDemand(PlanOf(10), 2, 3);
+  EXPECT_DOUBLE_EQ(shared.time, few.time / 6);
+  EXPECT_DOUBLE_EQ(shared.disk, few.disk / 3);
+}
+
+TEST(Bounds, AreRefusedWithTheNumbers) {
+  schedule::Demand demand = {.objects = 5e6, .recorded = 1e9, .scene = 5e9};
+  EXPECT_EQ(WhyTooLarge(demand, {.memory = 7e9}), "");
+  EXPECT_EQ(
+      WhyTooLarge(demand, {.memory = 5e9}),
+      "one run records up to 1 GB, its 5e+06 objects take 5 GB or more, and there are 5 GB of "
+      "memory; take fewer cycles or objects, or record less");
+  demand.disk = 3e12;
+  EXPECT_EQ(WhyTooLarge(demand, {.disk = 4e12}), "");
+  EXPECT_EQ(WhyTooLarge(demand, {.disk = 1e12}),
+            "its results take 3e+03 GB of disk or more, and there are 1e+03 GB; record less, take "
+            "fewer runs or cycles, or another disk by -o");
+  demand.time = 3.15576e9;
+  EXPECT_EQ(WhyTooLarge(demand, {}),
+            "its runs take 100 years or more, at 10 ns for an object and cycle; take fewer runs, "
+            "objects or cycles, or set a timeout");
+}
+
+TEST(Bounds, AreHeldAgainstThisMachine) {
+  const schedule::Capacity now = schedule::FreeNow("/no/such/folder"),
+                           whole = schedule::WholeMachine();
+  EXPECT_GT(now.memory, 1e6);
+  EXPECT_LE(now.memory, whole.memory);
+  EXPECT_LT(whole.memory, 1e15);
+  EXPECT_GT(now.disk, 0);
+  EXPECT_LT(now.disk, 1e18);
+  EXPECT_NO_THROW(schedule::CheckFits(PlanOf(10), 1, 1, "."));
+  EXPECT_THROW(schedule::CheckFits(PlanOf(2'000'000'000), 1, 1, "."), process::ScheduleError);
+}
+
+}  // namespace
+}  // namespace cdb::tests
