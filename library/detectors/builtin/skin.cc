@@ -17,9 +17,15 @@ constexpr double kOccupancyCost = 0.1;             ///< of each other body in a 
 constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
 
 /// What reading a box takes if no more is done in a cycle.
-constexpr double kReadCost = 1.3;
+constexpr double kReadCost = 1;
+/// Of a body, in a cycle of a first list.
+constexpr double kMostOfGuess = 4.2;
 /// Of the work of a cycle, that building the next list may add to it without haste.
-constexpr double kBuildingShare = 1.3;
+constexpr double kBuildingShare = 1.15;
+/// Bodies from which several threads look for escaped ones sooner than one.
+constexpr std::size_t kWorthThreads = 16000;
+/// Escapes become more frequent as a list gets old.
+constexpr double kMoreStrays = 1.3;
 /// Escaped bodies that get larger boxes more often in one list are untracked.
 constexpr std::uint8_t kMostRegrowths = 2;
 /// Candidates that a larger box may have.
@@ -99,7 +105,7 @@ Skin::Skin(const Options& options, const kernels::Kernels& kernels)
 void Skin::Prepare(const Scene& scene) {
   bodies_.Learn(scene);
   is_built_ = sleeps_ = false;
-  list_->past.Resize(scene.size);
+  list_->Reserve(scene, bodies_.movers());
   builder_.Prepare(scene, bodies_.movers());
   last_cost_ = last_tried_ = 0;
 }
@@ -141,12 +147,12 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
 
 /// In how many cycles this list will be over, by its age or as boxes escape.
 double Skin::CyclesLeft() const {
-  double end = kMaxAge;
-  if (list_->goes_on) end = std::min(list_->horizon + 1, end);
-  if (list_->is_guess) end = std::min(list_->life, end);
+  double left = kMaxAge - static_cast<double>(age_);
+  if (list_->goes_on) left = std::min(list_->end + 1 - cycle_, left);
+  if (list_->is_guess) left = std::min(list_->life - age_, left);
   const double limit = kListCost * static_cast<double>(bodies_.movers());
-  if (last_stray_cost_ <= 0) return end - age_;
-  return std::min(end - age_, (limit - stray_cost_) / last_stray_cost_);
+  if (last_stray_cost_ <= 0) return left;
+  return std::min(left, (limit - stray_cost_) / (kMoreStrays * last_stray_cost_));
 }
 
 // As late as it can be done in time, as fat boxes have to last from when they are made.
@@ -154,9 +160,11 @@ void Skin::BuildAhead(const Scene& scene) {
   if (list_->is_guess && age_ < kSeen) return;
   if (list_->is_guess && age_ == kSeen) return builder_.Observe(scene, cycle_, *list_);
   const double left = CyclesLeft();
-  const double usual = kReadCost * static_cast<double>(bodies_.movers()) +
-                       kTestCost * static_cast<double>(list_->candidates.size()) +
-                       last_stray_cost_;
+  const double movers = static_cast<double>(bodies_.movers());
+  double usual = kReadCost * movers + kTestCost * static_cast<double>(list_->candidates.size()) +
+                 last_stray_cost_;
+  // The lists after a guess may have far fewer candidates: cycles should not be long for those.
+  if (list_->is_guess) usual = std::min(usual, kMostOfGuess * movers);
   if (!builder_.is_building()) {
     const double needed = std::ceil(builder_.WholeCost() / (kBuildingShare * usual));
     if (!list_->is_guess && left > needed) return;
@@ -174,32 +182,50 @@ void Skin::BuildAhead(const Scene& scene) {
   if (is_done && (cycle_ >= begin_ || left < 1)) UseNewList(scene);
 }
 
+/// Lists the bodies that have left their fat boxes, in order; each thread those of a part.
+std::size_t Skin::FindEscaped(const Scene& scene) {
+  const std::size_t movers = bodies_.movers();
+  const auto find = [&](std::size_t begin, std::size_t end) {
+    return kernels_.find_escaped(scene.boxes.data() + begin, list_->fat.data() + begin, end - begin,
+                                 escaped_.data() + begin);
+  };
+  if (movers < kWorthThreads || parts_.pool().size() == 1) return find(0, movers);
+  const unsigned parts = parts_.pool().size();
+  std::vector<std::size_t> found(parts);
+  const auto begin_of = [&](std::size_t part) { return movers * part / parts; };
+  parts_.pool().Run([&](unsigned part) { found[part] = find(begin_of(part), begin_of(part + 1)); });
+  std::size_t count = 0;
+  for (unsigned part = 0; part < parts; ++part)
+    for (std::size_t i = 0; i < found[part]; ++i)
+      escaped_[count++] = static_cast<Id>(escaped_[begin_of(part) + i] + begin_of(part));
+  return count;
+}
+
 /// Finds and follows the bodies that have left their fat boxes; false if a new list costs less.
 bool Skin::TrackEscaped(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
   const double limit = kListCost * static_cast<double>(movers);
-  const auto find = [&] {
-    return kernels_.find_escaped(scene.boxes.data(), list_->fat.data(), movers, escaped_.data());
-  };
   const auto is_too_much = [&](std::size_t escaped) {
     return stray_cost_ + CostOfEscaped(escaped, std::min(escaped, untracked_)) > limit;
   };
-  std::size_t escaped = find();
+  std::size_t escaped = FindEscaped(scene);
   if (is_too_much(escaped)) {
     if (!builder_.is_half_done()) return false;
     double budget = SkinListBuilder::kUnlimited;
     builder_.Advance(scene, bodies_, cycle_, budget);
     work_ += SkinListBuilder::kUnlimited - budget;
     UseNewList(scene);
-    escaped = find();
+    escaped = FindEscaped(scene);
     if (is_too_much(escaped)) return false;
   }
   untracked_ = RegrowEscaped(scene, escaped);
   const double cost = CostOfEscaped(escaped, untracked_);
   cost_ += cost;
   work_ += cost;
-  last_stray_cost_ = cost + kTestCost * static_cast<double>(list_->candidates.size() - made_);
-  stray_cost_ += last_stray_cost_;
+  const double stray = cost + kTestCost * static_cast<double>(list_->candidates.size() - made_);
+  stray_cost_ += stray;
+  // Those that turned round while the list was built are no sign of what is to come.
+  last_stray_cost_ = age_ > 0 ? stray : 0;
   return true;
 }
 

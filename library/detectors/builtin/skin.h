@@ -61,6 +61,7 @@ class Skin final : public Detector {
  private:
   void MakeList(const Scene& scene);
   void BuildAhead(const Scene& scene);
+  std::size_t FindEscaped(const Scene& scene);
   bool TrackEscaped(const Scene& scene);
   void LearnCost(double life);
   void UseNewList(const Scene& scene);

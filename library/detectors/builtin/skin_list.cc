@@ -9,9 +9,14 @@ namespace cdb::builtin {
 namespace {
 
 // In nanoseconds, measured once on one machine: of a mover; of a candidate.
-constexpr double kMarkCost = 3, kFattenCost = 22, kQueryCost = 40, kListedCost = 1.5;
-constexpr double kLearnCost = 15;  ///< of a mover in the sample
-constexpr double kFirstCost = 80;
+constexpr double kMarkCost = 3, kFattenCost = 22, kQueryCost = 45, kListedCost = 2;
+/// Of the cycles until a list is used, which fat boxes leave out: who turns round meanwhile is not
+/// where it was to be.
+constexpr double kHeadStart = 0.6;
+constexpr double kLearnCost = 50;  ///< of a mover in the sample
+constexpr double kFirstCost = 90;
+/// The next list may cost more than the last.
+constexpr double kSurplus = 1.15;
 /// Movers that are looked up at once, at most; and between two looks at the budget.
 constexpr std::size_t kChunk = 4096, kSlice = 256, kLeastSlice = 64;
 /// Of a mover, above which boxes get less fat; of those of a slice, where it is a crowd.
@@ -28,10 +33,14 @@ std::size_t StepOf(double budget, double cost, std::size_t left) {
 
 }  // namespace
 
+void SkinList::Reserve(const Scene& scene, std::size_t movers) {
+  fat.resize(movers);
+  past.Resize(scene.size);
+  grid.Reserve(movers);
+}
+
 void SkinListBuilder::Prepare(const Scene& scene, std::size_t movers) {
-  next_->fat.resize(movers);
-  next_->past.Resize(scene.size);
-  next_->grid.Reserve(movers);
+  next_->Reserve(scene, movers);
   movers_ = movers;
   stage_ = Stage::kIdle;
   motion_.Prepare(movers);
@@ -44,10 +53,11 @@ void SkinListBuilder::Start(const Scene& scene, const kernels::Bodies& bodies, c
   movers_ = bodies.movers();
   plan_ = plan;
   last_ = last;
-  next_->fat.resize(movers_);
-  next_->past.Resize(scene.size);
+  next_->Reserve(scene, movers_);
   next_->candidates.Clear();
+  if (last != nullptr) next_->candidates.Reserve(last->candidates.size() * 3 / 2);
   next_->horizon = plan.horizon;
+  next_->end = plan.begin + plan.horizon;
   next_->is_guess = last == nullptr;
   next_->life = kUnlimited;
   // Bodies that jump about would get boxes as large as the scene: less, then.
@@ -87,7 +97,7 @@ bool SkinListBuilder::Advance(const Scene& scene, const kernels::Bodies& bodies,
         break;
       case Stage::kLearn:
         motion_.Learn(scene, movers_, last_->past, cycle);
-        left -= kLearnCost * static_cast<double>(std::clamp<std::size_t>(movers_ / 8, 64, 512));
+        left -= kLearnCost * static_cast<double>(SkinMotion::SampleSize(movers_));
         stage_ = Stage::kFatten;
         break;
       case Stage::kFatten:
@@ -124,9 +134,9 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
   const std::size_t begin = cursor_, end = begin + StepOf(budget, kFattenCost, movers_ - begin);
   const kernels::Columns& room = next_->grid.Room(movers_);
   const double until_use = plan_.begin > cycle ? plan_.begin - cycle : 0;
-  const double cycles = until_use + plan_.horizon;
-  // A cycle more, as steps may be done sooner than foreseen.
-  const double until_begin = last_ == nullptr ? 0 : std::max(until_use - 1, 0.);
+  // Velocities are rounded: none should be at the end of its fat box in the last cycle.
+  const double cycles = until_use + plan_.horizon + 0.5;
+  const double until_begin = last_ == nullptr ? 0 : std::max(kHeadStart * until_use - 1, 0.);
   const std::uint32_t age =
       last_ != nullptr && begin < movers_ ? cycle - last_->past.CycleOf(begin) : 1;
   const SkinMotion::Span span = {until_begin, cycles, cycles / std::max(age, 1u), share_};
@@ -186,7 +196,7 @@ void SkinListBuilder::Shrink() {
 void SkinListBuilder::Take(std::unique_ptr<SkinList>& list) {
   share_ = std::max(share_, kLeastShare);
   next_->goes_on = motion_.goes_on();
-  whole_cost_ = spent_;
+  whole_cost_ = kSurplus * spent_;
   stage_ = Stage::kIdle;
   last_ = nullptr;
   std::swap(next_, list);

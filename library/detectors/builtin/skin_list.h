@@ -20,12 +20,16 @@ namespace cdb::builtin {
 /// The pairs of movers whose fat boxes overlap.
 struct SkinList {
   explicit SkinList(const kernels::Kernels& kernels) : grid(kernels) {}
+  /// Makes room for the bodies, as memory that is new would make a cycle long.
+  void Reserve(const Scene& scene, std::size_t movers);
+
   kernels::BoxGrid grid;             ///< of fat boxes
   std::vector<kernels::FatBox> fat;  ///< of movers
   PastBoxes past;                    ///< the boxes that were enlarged
   kernels::PairBuffer candidates;
-  bool goes_on = false;  ///< boxes keep their velocity: it is over after `horizon` cycles
-  double horizon = 0;
+  bool goes_on = false;   ///< boxes keep their velocity, until `end`
+  double horizon = 0;     ///< intended lifetime in cycles
+  double end = 0;         ///< the last cycle for which boxes are enlarged
   bool is_guess = false;  ///< made when nothing was known of the motion
   double life = 0;        ///< of a guess: cycles for which it will do
 };
@@ -43,7 +47,6 @@ class SkinListBuilder {
   /// A budget that is never used up.
   static constexpr double kUnlimited = 1e15;
 
-  /// Makes room for the bodies, as memory that is new would make a cycle long.
   void Prepare(const Scene& scene, std::size_t movers);
   /// When the list is to be used, in cycles, and for how many.
   struct Plan {

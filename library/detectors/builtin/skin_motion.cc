@@ -8,7 +8,7 @@ namespace cdb::builtin {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kLeastSample = 64, kMostSample = 512;
+constexpr std::size_t kLeastSample = 64, kMostSample = 256;
 /// Deviations of all but a quarter, times this, hold nearly all of what jitters evenly.
 constexpr double kMarginFactor = 1.6;
 /// The same of all but a half.
@@ -16,11 +16,11 @@ constexpr double kHalfMarginFactor = 2.7;
 /// Who deviated more than most gets so much of a margin of its own, up to a limit for those that
 /// bounced or were set elsewhere.
 constexpr double kOwnMarginFactor = 2;
-/// Candidates of a body that a first list may have, if boxes were spread evenly; in pairs, and
-/// more.
-constexpr double kGuessedFactor = 1.2, kGuessedMore = 4;
-/// Of a mean side: a larger margin would last no longer, as the first list is soon replaced.
-constexpr double kMostGuess = 0.5;
+/// Candidates of a body that a first list may have, if boxes were spread evenly; or so many times
+/// the pairs.
+constexpr double kGuessedMost = 6, kGuessedFactor = 1.25;
+/// Of a mean side: a larger margin is for lists with nearly no candidates.
+constexpr double kUsualGuess = 0.5, kMostGuess = 4, kFewCandidates = 0.2;
 
 Vec3 Shift(const Box& from, const Box& to) {
   return {(to.lower.x - from.lower.x + to.upper.x - from.upper.x) / 2,
@@ -43,11 +43,8 @@ float Above(double x) {
   return static_cast<float>(x > -kInfinity ? x + std::fabs(x) * 0x1p-23 : x);
 }
 
-std::size_t SampleSize(std::size_t movers) {
-  return std::min(movers, std::clamp(movers / 8, kLeastSample, kMostSample));
-}
 std::size_t SampledBody(std::size_t k, std::size_t movers) {
-  return SampleSize(movers) < movers ? kernels::SamplePlace(k, movers) : k;
+  return SkinMotion::SampleSize(movers) < movers ? kernels::SamplePlace(k, movers) : k;
 }
 
 /// A sample of the finite boxes: the mean of their sides, and twice the distance between their
@@ -86,6 +83,10 @@ void PastBoxes::Take(const Scene& scene, std::size_t begin, std::size_t end, std
   for (std::size_t block = begin / kBlock; block * kBlock < end; ++block) cycles[block] = cycle;
 }
 
+std::size_t SkinMotion::SampleSize(std::size_t movers) {
+  return std::min(movers, std::clamp(movers / 24, kLeastSample, kMostSample));
+}
+
 void SkinMotion::Prepare(std::size_t movers) {
   goes_on_ = has_marks_ = false;
   margin_ = most_margin_ = most_speed_ = 0;
@@ -110,9 +111,10 @@ void SkinMotion::Guess(const Scene& scene, std::size_t movers) {
   };
   const double side = Length(spread.side);
   if (spread.is_known && side > 0 && side < kInfinity) {
-    const double most = kGuessedFactor * candidates(0) + kGuessedMore;
+    const double most = std::max(kGuessedFactor * candidates(0), kGuessedMost);
     for (double margin = side / 64; margin <= kMostGuess * side; margin *= 1.25)
-      if (candidates(margin) <= most) margin_ = margin;
+      if (candidates(margin) <= (margin <= kUsualGuess * side ? most : kFewCandidates))
+        margin_ = margin;
   }
   most_margin_ = margin_;
   std::ranges::fill(margins_, margin_);
@@ -131,7 +133,7 @@ double SkinMotion::Observe(const Scene& scene, std::size_t movers, const PastBox
     if (std::isfinite(speed)) speeds.push_back(speed);
   }
   if (speeds.empty()) return kInfinity;
-  const auto most = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() * 9 / 10);
+  const auto most = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() * 19 / 20);
   std::nth_element(speeds.begin(), most, speeds.end());
   return *most > 0 ? margin_ / *most : kInfinity;
 }
@@ -194,8 +196,7 @@ void SkinMotion::LearnBodies(const Scene& scene, std::size_t begin, std::size_t 
     const Vec3 velocity = recent_age > 0 && recent_age < age && deviation > margin_
                               ? Scaled(Shift(marks_.boxes[i], scene.boxes[i]), 1. / recent_age)
                               : Scaled(way, 1. / age);
-    velocities_[i] =
-        std::isfinite(velocity.x + velocity.y + velocity.z) ? velocity : Vec3{0, 0, 0};
+    velocities_[i] = std::isfinite(velocity.x + velocity.y + velocity.z) ? velocity : Vec3{0, 0, 0};
   }
 }
 

@@ -32,6 +32,8 @@ struct PastBoxes {
 /// times in cycles. Errors: bad_alloc. Threads: Fatten may run on several at once.
 class SkinMotion {
  public:
+  /// The number of bodies that Observe and Learn look at.
+  static std::size_t SampleSize(std::size_t movers);
   /// Forgets all.
   void Prepare(std::size_t movers);
   /// The boxes keep their velocity.

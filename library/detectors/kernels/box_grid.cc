@@ -10,13 +10,16 @@ namespace {
 constexpr unsigned kMaxAge = 16;
 /// Each is tested with all boxes; so many more than foreseen cost as much as a new shape.
 constexpr std::size_t kMoreTooLong = 32;
+/// Boxes from which several threads sort them sooner than one.
+constexpr std::size_t kWorthThreads = 3000;
 /// Elements of a stage that are done at once at least; a multiple of what kernels do at once.
 constexpr std::size_t kLeast = 64;
 
 }  // namespace
 
 bool BoxGrid::Build(const Box* boxes, std::size_t count, ThreadPool* pool) {
-  (void)pool;
+  if (pool != nullptr && pool->size() > 1 && count >= kWorthThreads)
+    return BuildOnThreads(boxes, count, *pool);
   const bool is_exact = kernels_.narrow(boxes, count, Room(count));
   StartArranging(count);
   double budget = std::numeric_limits<double>::infinity();
@@ -106,15 +109,18 @@ double BoxGrid::CostOf(Stage stage) {
   }
 }
 
-BoxGrid::Stage BoxGrid::Next(Stage stage) {
-  if (stage == Stage::kCheck) {
-    const std::size_t too_long = starts_[shape_.cells() + 1];
-    if (!is_new_ && too_long > foreseen_ + kMoreTooLong) {
-      is_new_ = true;
-      return Stage::kSample;
-    }
-    if (is_new_) foreseen_ = too_long;
+/// True if so many oversized boxes ask for other cells.
+bool BoxGrid::NeedsShape(std::size_t too_long) {
+  if (!is_new_ && too_long > foreseen_ + kMoreTooLong) {
+    is_new_ = true;
+    return true;
   }
+  if (is_new_) foreseen_ = too_long;
+  return false;
+}
+
+BoxGrid::Stage BoxGrid::Next(Stage stage) {
+  if (stage == Stage::kCheck && NeedsShape(starts_[shape_.cells() + 1])) return Stage::kSample;
   return static_cast<Stage>(static_cast<int>(stage) + 1);
 }
 
@@ -159,12 +165,7 @@ void BoxGrid::Execute(std::size_t begin, std::size_t end) {
 }
 
 void BoxGrid::Bin(std::size_t begin, std::size_t end) {
-  Columns columns = loose_.get();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    columns.lower[axis] += begin;
-    columns.upper[axis] += begin;
-  }
-  kernels_.bin(columns, end - begin, shape_, cells_.data() + begin);
+  kernels_.bin(From(loose_.get(), begin), end - begin, shape_, cells_.data() + begin);
 }
 
 // starts_[c + 1] becomes where the next box of c goes, and so, once all are there, its end.

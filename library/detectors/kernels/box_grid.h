@@ -34,6 +34,15 @@ inline FatBox Around(const Box& box, const Kernels& kernels) {
   return around;
 }
 
+/// The columns from box `begin` on.
+inline Columns From(Columns columns, std::size_t begin) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    columns.lower[axis] += begin;
+    columns.upper[axis] += begin;
+  }
+  return columns;
+}
+
 class BoxGrid {
  public:
   explicit BoxGrid(const Kernels& kernels) : kernels_(kernels) {}
@@ -96,6 +105,7 @@ class BoxGrid {
   };
 
   Stage Next(Stage stage);
+  bool NeedsShape(std::size_t too_long);
   std::size_t SizeOf(Stage stage) const;
   static double CostOf(Stage stage);
   void Execute(std::size_t begin, std::size_t end);
@@ -104,6 +114,9 @@ class BoxGrid {
   void Place(std::size_t i);
   void Finish(std::size_t squares);
   bool BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& pool);
+  void BinOnThreads(ThreadPool& pool);
+  void SplitForThreads(ThreadPool& pool);
+  void SortBucket(unsigned bucket);
   std::uint32_t CellOf(float x, std::size_t axis) const;
   GridRows Rows() const;
 
@@ -124,6 +137,16 @@ class BoxGrid {
   std::size_t cursor_ = 0;  ///< of the stage
   bool is_new_ = false;     ///< the cells were chosen for these boxes
   Sums sums_;
+
+  /// Of several threads: each sorts the boxes of a range of cells, its bucket.
+  struct Bucket {
+    std::uint32_t first_cell, end_cell, first_box, end_box;
+    std::size_t squares;
+  };
+  std::vector<Bucket> buckets_;
+  std::vector<std::uint32_t> coarse_;  ///< of each part of the boxes: how many are in which cells
+  unsigned coarse_shift_ = 0;
+  std::vector<Id> order_;  ///< by bucket, in each by id
 };
 
 }  // namespace cdb::kernels

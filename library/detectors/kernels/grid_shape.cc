@@ -13,6 +13,7 @@ namespace {
 
 // In nanoseconds, measured once on one machine; only their ratios matter.
 constexpr double kScanCost = 5, kTestCost = 0.5;
+constexpr std::size_t kMinSample = 64;
 constexpr double kNoCost = std::numeric_limits<double>::infinity();
 /// Bins of lengths: one in a thousand boxes that is too long for the grid is missed by a sample,
 /// and costs as much as all the others.
@@ -38,7 +39,7 @@ void GridShapeChooser::Start(const Columns& boxes, std::size_t count) {
 
 void GridShapeChooser::TakeSample(std::size_t count) {
   sample_.size = 0;
-  const std::size_t size = std::min(count, kMaxSample);
+  const std::size_t size = std::min(count, std::clamp(count / 8, kMinSample, kMaxSample));
   for (std::size_t k = 0; k < size; ++k) {
     const std::size_t i = size < count ? SamplePlace(k, count) : k;
     bool is_finite = true;

@@ -41,6 +41,7 @@ class PairParts {
       run(from, std::min(to, end));
     });
   }
+  ThreadPool& pool() { return crew_; }
   PairBuffer& last() { return *buffers_.back(); }
   std::size_t size() const {
     std::size_t size = 0;
