@@ -157,7 +157,7 @@ struct Settings {
   Options options;
   std::size_t cycles = 0, block = 20, repeats = 3;
   std::vector<std::string> scenes, only, libraries;
-  bool walls = false, grows = false;
+  bool walls = false, grows = false, times_caller = false;
 };
 
 /// What one may take for a scene before it is left out.
@@ -294,7 +294,8 @@ struct GrowthPoint {
 
 void RunScene(const Settings& settings, std::string_view name, std::size_t objects,
               std::vector<GrowthPoint>& growth) {
-  const Timer timer = {settings.options.threads > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID};
+  const bool is_elapsed = settings.options.threads > 1 && !settings.times_caller;
+  const Timer timer = {is_elapsed ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID};
   // A box a frame is 48 bytes: no more than a block is kept.
   const std::size_t block = std::clamp<std::size_t>(4000000 / objects, 2, settings.block);
   const std::size_t usual = settings.grows ? std::clamp<std::size_t>(2000000 / objects, 8, 100)
@@ -374,7 +375,7 @@ void PrintGrowth(const std::vector<GrowthPoint>& growth) {
 int Main(int argc, char** argv) {
   Settings settings;
   std::string folder;
-  for (int option; (option = getopt(argc, argv, "t:c:b:r:s:o:d:wg")) != -1;) {
+  for (int option; (option = getopt(argc, argv, "t:c:b:r:s:o:d:wgp")) != -1;) {
     switch (option) {
       case 't':
         settings.options.threads = static_cast<unsigned>(std::atoi(optarg));
@@ -387,6 +388,9 @@ int Main(int argc, char** argv) {
         break;
       case 'r':
         settings.repeats = static_cast<std::size_t>(std::max(1, std::atoi(optarg)));
+        break;
+      case 'p':
+        settings.times_caller = true;
         break;
       case 'g':
         settings.grows = true;

@@ -11,7 +11,7 @@ constexpr unsigned kMaxAge = 16;
 /// Each is tested with all boxes; so many more than foreseen cost as much as a new shape.
 constexpr std::size_t kMoreTooLong = 32;
 /// Boxes from which several threads sort them sooner than one.
-constexpr std::size_t kWorthThreads = 3000;
+constexpr std::size_t kWorthThreads = 10000;
 /// Elements of a stage that are done at once at least; a multiple of what kernels do at once.
 constexpr std::size_t kLeast = 64;
 

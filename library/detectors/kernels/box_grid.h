@@ -114,7 +114,8 @@ class BoxGrid {
   void Place(std::size_t i);
   void Finish(std::size_t squares);
   bool BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& pool);
-  void BinOnThreads(ThreadPool& pool);
+  void PrepareThreads(unsigned parts);
+  void BinPart(unsigned part, unsigned parts);
   void SplitForThreads(ThreadPool& pool);
   void SortBucket(unsigned bucket);
   std::uint32_t CellOf(float x, std::size_t axis) const;

@@ -27,13 +27,19 @@ bool BoxGrid::BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& po
   StartArranging(count);
   order_.resize(count);
   std::atomic<bool> is_exact = true;
-  pool.Run([&](unsigned part) {
+  const auto narrow = [&](unsigned part) {
     const std::size_t begin = BeginOf(part, parts, count), end = BeginOf(part + 1, parts, count);
     if (!kernels_.narrow(boxes + begin, end - begin, From(room, begin))) is_exact = false;
-  });
-  for (;;) {
+  };
+  const bool has_shape = stage_ == Stage::kBin;
+  if (!has_shape) pool.Run(narrow);
+  for (bool is_first = true;; is_first = false) {
     for (; stage_ != Stage::kBin; stage_ = Next(stage_)) Execute(0, SizeOf(stage_));
-    BinOnThreads(pool);
+    PrepareThreads(parts);
+    pool.Run([&](unsigned part) {
+      if (has_shape && is_first) narrow(part);
+      BinPart(part, parts);
+    });
     SplitForThreads(pool);
     pool.Run([&](unsigned part) { SortBucket(part); });
     if (!NeedsShape(starts_[shape_.cells() + 1] - starts_[shape_.cells()])) break;
@@ -46,17 +52,17 @@ bool BoxGrid::BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& po
   return is_exact;
 }
 
-void BoxGrid::BinOnThreads(ThreadPool& pool) {
-  const unsigned parts = pool.size();
+void BoxGrid::PrepareThreads(unsigned parts) {
   starts_.resize(std::max(starts_.size(), SizeOf(Stage::kClear)));
   for (coarse_shift_ = 0; (shape_.cells() + 2) >> coarse_shift_ >= kRanges;) ++coarse_shift_;
   coarse_.assign(std::size_t{parts} * kRanges, 0);
-  pool.Run([&](unsigned part) {
-    const std::size_t begin = BeginOf(part, parts, boxes_), end = BeginOf(part + 1, parts, boxes_);
-    Bin(begin, end);
-    std::uint32_t* counts = coarse_.data() + std::size_t{part} * kRanges;
-    for (std::size_t i = begin; i < end; ++i) ++counts[cells_[i] >> coarse_shift_];
-  });
+}
+
+void BoxGrid::BinPart(unsigned part, unsigned parts) {
+  const std::size_t begin = BeginOf(part, parts, boxes_), end = BeginOf(part + 1, parts, boxes_);
+  Bin(begin, end);
+  std::uint32_t* counts = coarse_.data() + std::size_t{part} * kRanges;
+  for (std::size_t i = begin; i < end; ++i) ++counts[cells_[i] >> coarse_shift_];
 }
 
 /// Cuts the cells into buckets of as many boxes each, and moves the ids there.
