@@ -14,7 +14,7 @@
 // they turned round, at its end), or oscillate.
 //
 // A new list is built while the last one is in use, a part in each cycle, so that no cycle takes
-// much longer than the others (skin_list.h). If boxes move as nothing announced, all of it is built
+// much longer than the others (skin_list.h). If boxes move as nothing foretold, all of it is built
 // at once.
 //
 // Cost: reading the boxes and testing the candidates, and a part of a grid. Memory: about 480 bytes
