@@ -17,7 +17,7 @@
 // much longer than the others (skin_list.h). If boxes move as nothing foretold, all of it is built
 // at once.
 //
-// Cost: reading the boxes and testing the candidates, and a part of a grid. Memory: about 480 bytes
+// Cost: reading the boxes and testing the candidates, and a part of a grid. Memory: about 380 bytes
 // a body and 16 a candidate. Errors: bad_alloc. Threads: building a list and testing large lists
 // use Options::threads; the pairs do not depend on them. Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
