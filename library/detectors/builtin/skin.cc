@@ -17,7 +17,7 @@ constexpr double kOccupancyCost = 0.1;             ///< of each other body in a 
 constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
 
 /// What reading a box takes if no more is done in a cycle.
-constexpr double kReadCost = 1;
+constexpr double kReadCost = 1.4;
 /// Of a body, in a cycle of a first list.
 constexpr double kMostOfGuess = 4.2;
 /// Of the work of a cycle, that building the next list may add to it without haste.
