@@ -1,17 +1,28 @@
 // Broad phases compared on the same moving boxes: cdb's, Bullet's dbvt, and those in shared
-// libraries. All in one process, in blocks of cycles in turn. Means are processor time of the
-// calling thread (with -t elapsed time, as other threads work too); median and worst cycle and the
-// start are elapsed time. The start is Prepare and the first cycle, and not part of the rest. The
-// pairs of the last cycle are checked. Ratios are of means: dbvt's to that of each detector, and
-// that of the best detector that is not cdb's.
+// libraries. All in one process, in blocks of cycles in turn, several times over the same motion.
 //
-// Usage: bench_detectors [-t THREADS] [-c CYCLES] [-b BLOCK] [-s SCENE]... [-o NAME]... [-w]
-//                        [-d FOLDER WITH SHARED LIBRARIES] [N ...]
-// -w: six walls whose boxes are infinite. -o: only these detectors, and dbvt.
+// Each cycle is timed in processor time of the calling thread (with -t in elapsed time, as other
+// threads work too), less the time of the clock, and counts as the fastest of its repeats: a
+// detector does the same work in each, so that what interrupted one is no slow cycle. The start is
+// Prepare and the first cycle, and not part of the rest. "w/p50" is the worst cycle in medians,
+// "spread" how much the slowest repeat took longer than the fastest. The pairs of the last cycle
+// are checked, up to 200,000 bodies. Ratios are of means: dbvt's to that of each detector, and that
+// of the best detector that is not cdb's.
+//
+// Usage: bench_detectors [-t THREADS] [-c CYCLES] [-b BLOCK] [-r REPEATS] [-s SCENE]... [-o
+// NAME]...
+//                        [-w] [-g] [-p] [-d FOLDER WITH SHARED LIBRARIES] [N ...]
+// -w: six walls whose boxes are infinite. -o: only these detectors, and dbvt. -g: without dbvt,
+// with few cycles, 1000 to 10^6 bodies unless N is given, and at the end how the cost of a cycle
+// grows: the exponents of processor time, instructions (where the machine counts them) and the
+// worst cycle. -p: with -t, the processor time of the calling thread: its parts and all that only
+// it does, which is the elapsed time if every thread has an idle core.
 
 #include <btBulletCollisionCommon.h>
 #include <fmt/format.h>
+#include <linux/perf_event.h>
 #include <malloc.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -97,85 +108,210 @@ class Dbvt final : public Detector {
   std::vector<Box> boxes_;
 };
 
+/// What reading the clock takes, which would be much of a short cycle.
+double ClockSeconds(clockid_t clock) {
+  std::vector<double> times;
+  for (int i = 0; i < 1001; ++i) {
+    const double begin = Seconds(clock);
+    times.push_back(Seconds(clock) - begin);
+  }
+  return Median(times);
+}
+
+/// Instructions of this thread outside the kernel; zero where the machine does not count them.
+class InstructionCounter {
+ public:
+  InstructionCounter() {
+    perf_event_attr wanted = {};
+    wanted.size = sizeof wanted;
+    wanted.type = PERF_TYPE_HARDWARE;
+    wanted.config = PERF_COUNT_HW_INSTRUCTIONS;
+    wanted.exclude_kernel = wanted.exclude_hv = 1;
+    file_ = static_cast<int>(syscall(SYS_perf_event_open, &wanted, 0, -1, -1, 0));
+  }
+  ~InstructionCounter() {
+    if (file_ >= 0) close(file_);
+  }
+  InstructionCounter(const InstructionCounter&) = delete;
+  InstructionCounter& operator=(const InstructionCounter&) = delete;
+  double Read() const {
+    std::uint64_t count = 0;
+    if (file_ < 0 || read(file_, &count, sizeof count) != sizeof count) return 0;
+    return static_cast<double>(count);
+  }
+
+ private:
+  int file_ = -1;
+};
+
 struct Competitor {
   std::string name;
   bool is_builtin = false;
-  std::unique_ptr<Detector> detector;
+  std::vector<std::unique_ptr<Detector>> detectors;  ///< one for each repeat
   std::vector<Pair> pairs = {};
-  std::vector<double> cycles = {};  ///< seconds
+  std::vector<double> cycles = {};  ///< seconds, of the fastest repeat
+  std::vector<double> totals = {};  ///< of each repeat: seconds of all cycles but the first
   double start = 0, bytes = 0;
-  double total = 0;  ///< of all cycles but the first, on the chosen clock
+  double instructions = 0;  ///< of the first repeat
   std::string note = {};
+  double Mean() const {
+    double sum = 0;
+    for (const double cycle : cycles) sum += cycle;
+    return sum / static_cast<double>(std::max<std::size_t>(1, cycles.size()));
+  }
 };
 
 struct Settings {
   Options options;
-  std::size_t cycles = 0, block = 20;
+  std::size_t cycles = 0, block = 20, repeats = 3;
   std::vector<std::string> scenes, only, libraries;
-  bool walls = false;
+  bool walls = false, grows = false, times_caller = false;
 };
 
+/// Bodies up to which the pairs are checked, which takes longer than all detectors together.
+constexpr std::size_t kMostChecked = 200000;
 /// What one may take for a scene before it is left out.
 constexpr double kPatience = 20;
 
 std::vector<Competitor> MakeCompetitors(const Settings& settings, std::size_t bodies) {
   std::vector<Competitor> competitors;
-  const auto add = [&](const DetectorEntry& entry, bool is_builtin) {
+  const auto add = [&](const char* name, bool is_builtin, const auto& make) {
+    Competitor competitor;
+    competitor.name = name;
+    competitor.is_builtin = is_builtin;
+    for (std::size_t repeat = 0; repeat < settings.repeats; ++repeat)
+      competitor.detectors.push_back(make());
+    competitor.totals.resize(settings.repeats);
+    competitors.push_back(std::move(competitor));
+  };
+  const auto add_entry = [&](const DetectorEntry& entry, bool is_builtin) {
     const bool is_asked =
         settings.only.empty() || std::ranges::count(settings.only, entry.name) > 0;
     if (!is_asked || !HasAny(entry.phases, kBroad)) return;
     if (entry.max_bodies != 0 && bodies > entry.max_bodies) return;
-    competitors.push_back({.name = entry.name,
-                           .is_builtin = is_builtin,
-                           .detector = std::unique_ptr<Detector>(entry.make(settings.options))});
+    add(entry.name, is_builtin,
+        [&] { return std::unique_ptr<Detector>(entry.make(settings.options)); });
   };
-  competitors.push_back({.name = "dbvt", .detector = std::make_unique<Dbvt>(false)});
-  competitors.push_back({.name = "dbvt, listed", .detector = std::make_unique<Dbvt>(true)});
-  for (const DetectorEntry& entry : builtin::BuiltinDetectors()) add(entry, true);
+  if (!settings.grows) {
+    add("dbvt", false, [] { return std::make_unique<Dbvt>(false); });
+    add("dbvt, listed", false, [] { return std::make_unique<Dbvt>(true); });
+  }
+  for (const DetectorEntry& entry : builtin::BuiltinDetectors()) add_entry(entry, true);
   for (const std::string& path : settings.libraries) {
     const Plugin& plugin = detectors::LoadPlugin(path);
-    for (std::size_t i = 0; i < plugin.count; ++i) add(plugin.entries[i], false);
+    for (std::size_t i = 0; i < plugin.count; ++i) add_entry(plugin.entries[i], false);
   }
   return competitors;
 }
 
-/// The mean is of whole blocks by `clock`, which is a system call where it is the thread's own;
-/// each cycle is timed by the cheap clock of elapsed time.
-void RunBlock(Competitor& competitor, Scene scene, std::span<const std::vector<Box>> frames,
-              bool is_first, clockid_t clock) {
-  if (!competitor.note.empty()) return;
-  const double heap = HeapBytes();
-  try {
-    double begin = Seconds(clock);
-    for (const std::vector<Box>& frame : frames) {
-      scene.boxes = frame;
-      competitor.pairs.clear();
-      const double cycle_begin = Seconds(CLOCK_MONOTONIC);
-      if (is_first) competitor.detector->Prepare(scene);
-      competitor.detector->FindPairs(scene, competitor.pairs);
-      const double took = Seconds(CLOCK_MONOTONIC) - cycle_begin;
-      if (is_first) {
-        competitor.start = took;
-        begin = Seconds(clock);
-      } else {
-        competitor.cycles.push_back(took);
-      }
-      is_first = false;
+/// The clock of all cycles, and its own time.
+struct Timer {
+  clockid_t clock;
+  double own = ClockSeconds(clock);
+  InstructionCounter instructions = {};
+};
+
+void RunRepeat(Competitor& competitor, std::size_t repeat, Scene scene,
+               std::span<const std::vector<Box>> frames, std::size_t first, const Timer& timer) {
+  Detector& detector = *competitor.detectors[repeat];
+  std::size_t cycle = first;
+  for (const std::vector<Box>& frame : frames) {
+    scene.boxes = frame;
+    competitor.pairs.clear();
+    const bool is_first = cycle++ == 0;
+    const double counted = timer.instructions.Read(), begin = Seconds(timer.clock);
+    if (is_first) detector.Prepare(scene);
+    detector.FindPairs(scene, competitor.pairs);
+    const double took = std::max(Seconds(timer.clock) - begin - timer.own, 1e-9);
+    if (is_first) {
+      competitor.start = repeat == 0 ? took : std::min(competitor.start, took);
+      continue;
     }
-    competitor.total += Seconds(clock) - begin;
-  } catch (const std::exception& error) {
-    competitor.note = error.what();
+    if (repeat == 0) competitor.instructions += timer.instructions.Read() - counted;
+    competitor.totals[repeat] += took;
+    const std::size_t place = cycle - 2;
+    if (place == competitor.cycles.size())
+      competitor.cycles.push_back(took);
+    else
+      competitor.cycles[place] = std::min(competitor.cycles[place], took);
   }
-  competitor.bytes += HeapBytes() - heap;
-  if (competitor.start + competitor.total > kPatience) competitor.note = "gave up";
 }
 
-void RunScene(const Settings& settings, std::string_view name, std::size_t objects) {
-  const clockid_t clock = settings.options.threads > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
+void RunBlock(Competitor& competitor, const Scene& scene, std::span<const std::vector<Box>> frames,
+              std::size_t first, const Timer& timer) {
+  for (std::size_t repeat = 0; repeat < competitor.detectors.size(); ++repeat) {
+    if (!competitor.note.empty()) return;
+    const double heap = HeapBytes();
+    try {
+      RunRepeat(competitor, repeat, scene, frames, first, timer);
+    } catch (const std::exception& error) {
+      competitor.note = error.what();
+    }
+    if (repeat == 0) competitor.bytes += HeapBytes() - heap;
+    if (competitor.start + competitor.totals[repeat] > kPatience) competitor.note = "gave up";
+  }
+}
+
+std::string WrongPairs(Competitor& competitor, const Scene& last) {
+  if (competitor.name == "dbvt" || competitor.name == "null" || !competitor.note.empty()) return "";
+  if (last.size > kMostChecked) return "not checked";
+  const detectors::PairFaults faults = detectors::ComparePairs(last, std::move(competitor.pairs));
+  if (faults.missed + faults.false_positives + faults.duplicate == 0) return "";
+  return fmt::format("{} missed, {} false, {} twice", faults.missed, faults.false_positives,
+                     faults.duplicate);
+}
+
+void PrintRow(Competitor& competitor, const Scene& last, double dbvt, double best) {
+  if (competitor.cycles.empty()) competitor.cycles.push_back(competitor.start);
+  const std::size_t pairs = competitor.pairs.size();
+  const std::string wrong = WrongPairs(competitor, last);
+  std::vector<double> cycles = competitor.cycles;
+  std::ranges::sort(cycles);
+  const double mean = competitor.Mean(), median = Median(cycles);
+  const auto [least, most] = std::ranges::minmax(competitor.totals);
+  fmt::print(
+      "{:<17} {:>10.4f} {:>9.4f} {:>9.4f} {:>9.4f}{:>7.1f}{:>7.0f}% "
+      "{:>9.3f}{:>9}{:>8.1f}{:>8.1f}{:>9.1f}  {}{}\n",
+      competitor.name, 1e3 * mean, 1e3 * median, 1e3 * cycles[cycles.size() * 99 / 100],
+      1e3 * cycles.back(), cycles.back() / median, least > 0 ? 100 * (most / least - 1) : 0,
+      1e3 * competitor.start, pairs, dbvt / mean, best / mean, competitor.bytes / 1048576, wrong,
+      competitor.note);
+  std::fflush(stdout);
+}
+
+void PrintTable(std::vector<Competitor>& competitors, const Scene& last, const std::string& title) {
+  double dbvt = 0, best = 0;
+  std::string best_name;
+  for (const Competitor& competitor : competitors) {
+    if (!competitor.note.empty() || competitor.cycles.empty()) continue;
+    if (competitor.name == "dbvt") dbvt = competitor.Mean();
+    if (!competitor.is_builtin && (best_name.empty() || competitor.Mean() < best)) {
+      best = competitor.Mean();
+      best_name = competitor.name;
+    }
+  }
+  fmt::print("\n{}{}\n", title, best_name.empty() ? "" : "; best third-party " + best_name);
+  fmt::print("{:<17} {:>10} {:>9} {:>9} {:>9}{:>7}{:>8} {:>9}{:>9}{:>8}{:>8}{:>9}  {}\n", "",
+             "mean ms", "p50", "p99", "worst", "w/p50", "spread", "start", "pairs", "/dbvt",
+             "/best", "MiB", "wrong");
+  for (Competitor& competitor : competitors) PrintRow(competitor, last, dbvt, best);
+}
+
+/// A detector's cost at one size.
+struct GrowthPoint {
+  std::string scene, name;
+  double bodies, seconds, instructions, worst;  ///< seconds and instructions: of a cycle
+};
+
+void RunScene(const Settings& settings, std::string_view name, std::size_t objects,
+              std::vector<GrowthPoint>& growth) {
+  const bool is_elapsed = settings.options.threads > 1 && !settings.times_caller;
+  const Timer timer = {is_elapsed ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID};
   // A box a frame is 48 bytes: no more than a block is kept.
   const std::size_t block = std::clamp<std::size_t>(4000000 / objects, 2, settings.block);
-  const std::size_t cycles =
-      settings.cycles != 0 ? settings.cycles : std::clamp<std::size_t>(8000000 / objects, 8, 400);
+  const std::size_t usual = settings.grows ? std::clamp<std::size_t>(2000000 / objects, 8, 100)
+                                           : std::clamp<std::size_t>(8000000 / objects, 8, 400);
+  const std::size_t cycles = settings.cycles != 0 ? settings.cycles : usual;
   tests::BoxScene moving(name, objects, settings.walls);
   std::vector<Competitor> competitors = MakeCompetitors(settings, moving.View().size);
   std::mt19937 random(1);
@@ -190,55 +326,68 @@ void RunScene(const Settings& settings, std::string_view name, std::size_t objec
     }
     // Whoever comes first, or after one that needs much memory, finds the boxes further away.
     std::ranges::shuffle(turns, random);
-    for (const std::size_t turn : turns) {
-      RunBlock(competitors[turn], moving.View(), frames, cycle == 0, clock);
-    }
+    for (const std::size_t turn : turns)
+      RunBlock(competitors[turn], moving.View(), frames, cycle, timer);
+  }
+  for (const Competitor& competitor : competitors) {
+    if (!competitor.note.empty() || competitor.cycles.empty() || competitor.name == "null")
+      continue;
+    growth.push_back({std::string(name), competitor.name, static_cast<double>(objects),
+                      competitor.Mean(),
+                      competitor.instructions / static_cast<double>(competitor.cycles.size()),
+                      std::ranges::max(competitor.cycles)});
   }
   Scene last = moving.View();
   last.boxes = frames.back();
-  double dbvt = 0, best = 0;
-  std::string best_name;
-  const auto mean = [](const Competitor& competitor) {
-    return competitor.total /
-           static_cast<double>(std::max<std::size_t>(1, competitor.cycles.size()));
-  };
-  for (const Competitor& competitor : competitors) {
-    if (!competitor.note.empty() || competitor.cycles.empty()) continue;
-    if (competitor.name == "dbvt") dbvt = mean(competitor);
-    if (!competitor.is_builtin && (best_name.empty() || mean(competitor) < best)) {
-      best = mean(competitor);
-      best_name = competitor.name;
-    }
+  PrintTable(competitors, last,
+             fmt::format("{}, {} objects{}: {} cycles", name, objects,
+                         settings.walls ? " and 6 walls" : "", cycles));
+}
+
+/// The slope of the line through the logarithms; "-" of one point, or of what was not counted.
+std::string Exponent(const std::vector<const GrowthPoint*>& points, double GrowthPoint::*value) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  const auto n = static_cast<double>(points.size());
+  for (const GrowthPoint* point : points) {
+    const double a = std::log(point->bodies), b = std::log(point->*value);
+    x += a;
+    y += b;
+    xx += a * a;
+    xy += a * b;
   }
-  fmt::print("\n{}, {} objects{}: {} cycles; best third-party {}\n", name, objects,
-             settings.walls ? " and 6 walls" : "", cycles, best_name);
-  fmt::print("{:<17} {:>10} {:>10} {:>10} {:>10}{:>9}{:>8}{:>8}{:>9}  {}\n", "", "mean ms",
-             "median", "worst", "start", "pairs", "/dbvt", "/best", "MiB", "wrong");
-  for (Competitor& competitor : competitors) {
-    if (competitor.cycles.empty()) competitor.cycles.push_back(competitor.start);
-    const std::size_t pairs = competitor.pairs.size();
-    std::string wrong;
-    if (competitor.name != "dbvt" && competitor.name != "null" && competitor.note.empty()) {
-      const detectors::PairFaults faults =
-          detectors::ComparePairs(last, std::move(competitor.pairs));
-      if (faults.missed + faults.false_positives + faults.duplicate > 0)
-        wrong = fmt::format("{} missed, {} false, {} twice", faults.missed, faults.false_positives,
-                            faults.duplicate);
+  const double slope = (n * xy - x * y) / (n * xx - x * x);
+  return std::isfinite(slope) ? fmt::format("{:.2f}", slope) : "-";
+}
+
+void PrintGrowth(const std::vector<GrowthPoint>& growth) {
+  fmt::print(
+      "\nGrowth: exponents of processor time, instructions and the worst cycle; in brackets, "
+      "ns for each body and cycle at each N\n");
+  for (std::size_t i = 0; i < growth.size(); ++i) {
+    const auto is_same = [&](const GrowthPoint& other) {
+      return other.scene == growth[i].scene && other.name == growth[i].name;
+    };
+    if (std::find_if(growth.begin(), growth.end(), is_same) !=
+        growth.begin() + static_cast<std::ptrdiff_t>(i))
+      continue;
+    std::vector<const GrowthPoint*> points;
+    std::string costs;
+    for (const GrowthPoint& point : growth) {
+      if (!is_same(point)) continue;
+      points.push_back(&point);
+      costs += fmt::format(" {:.2f}", 1e9 * point.seconds / point.bodies);
     }
-    fmt::print(
-        "{:<17} {:>10.4f} {:>10.4f} {:>10.4f} {:>10.3f}{:>9}{:>8.1f}{:>8.1f}{:>9.1f}  {}{}\n",
-        competitor.name, 1e3 * mean(competitor), 1e3 * Median(competitor.cycles),
-        1e3 * std::ranges::max(competitor.cycles), 1e3 * competitor.start, pairs,
-        dbvt / mean(competitor), best / mean(competitor), competitor.bytes / 1048576, wrong,
-        competitor.note);
-    std::fflush(stdout);
+    fmt::print("{:<9}{:<19}{:>7}{:>7}{:>7}  ({} )\n", growth[i].scene, growth[i].name,
+               Exponent(points, &GrowthPoint::seconds),
+               Exponent(points, &GrowthPoint::instructions), Exponent(points, &GrowthPoint::worst),
+               costs);
   }
 }
 
 int Main(int argc, char** argv) {
   Settings settings;
   std::string folder;
-  for (int option; (option = getopt(argc, argv, "t:c:b:s:o:d:w")) != -1;) {
+  for (int option; (option = getopt(argc, argv, "t:c:b:r:s:o:d:wgp")) != -1;) {
     switch (option) {
       case 't':
         settings.options.threads = static_cast<unsigned>(std::atoi(optarg));
@@ -248,6 +397,15 @@ int Main(int argc, char** argv) {
         break;
       case 'b':
         settings.block = static_cast<std::size_t>(std::atoll(optarg));
+        break;
+      case 'r':
+        settings.repeats = static_cast<std::size_t>(std::max(1, std::atoi(optarg)));
+        break;
+      case 'p':
+        settings.times_caller = true;
+        break;
+      case 'g':
+        settings.grows = true;
         break;
       case 's':
         settings.scenes.push_back(optarg);
@@ -274,9 +432,12 @@ int Main(int argc, char** argv) {
   std::vector<std::size_t> sizes;
   for (; optind < argc; ++optind)
     sizes.push_back(static_cast<std::size_t>(std::atof(argv[optind])));
+  if (sizes.empty() && settings.grows) sizes = {1000, 10000, 100000, 1000000};
   if (sizes.empty()) sizes = {1000, 5000, 20000};
+  std::vector<GrowthPoint> growth;
   for (const std::string& scene : settings.scenes)
-    for (const std::size_t size : sizes) RunScene(settings, scene, size);
+    for (const std::size_t size : sizes) RunScene(settings, scene, size, growth);
+  if (settings.grows) PrintGrowth(growth);
   return 0;
 }
 

@@ -16,7 +16,7 @@ class Grid final : public Detector {
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
     bodies_.LearnOnce(scene);
-    const bool is_exact = grid_.Build(scene.boxes.data(), bodies_.movers());
+    const bool is_exact = grid_.Build(scene.boxes.data(), bodies_.movers(), &parts_.pool());
     parts_.Run(bodies_.movers(), [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
       grid_.QueryPart(part, parts, found.sink());
       bodies_.Sieve(scene, is_exact, found);

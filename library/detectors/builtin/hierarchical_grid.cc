@@ -6,7 +6,6 @@
 
 #include "library/detectors/kernels/bodies.h"
 #include "library/detectors/kernels/box_grid.h"
-#include "library/detectors/kernels/fat_boxes.h"
 #include "library/detectors/kernels/pair_buffer.h"
 
 namespace cdb::builtin {

@@ -1,11 +1,11 @@
 #include "library/detectors/builtin/skin.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace cdb::builtin {
 namespace {
@@ -16,44 +16,29 @@ constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body
 constexpr double kOccupancyCost = 0.1;             ///< of each other body in a cell, or too long
 constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
 
+/// What reading a box takes if no more is done in a cycle.
+constexpr double kReadCost = 1.4;
+/// Of a body, in a cycle of a first list.
+constexpr double kMostOfGuess = 4.2;
+/// Of the work of a cycle, that building the next list may add to it without haste.
+constexpr double kBuildingShare = 1.15;
+/// Bodies from which several threads look for escaped ones sooner than one.
+constexpr std::size_t kWorthThreads = 16000;
+/// Escapes become more frequent as a list gets old.
+constexpr double kMoreStrays = 1.3;
 /// Escaped bodies that get larger boxes more often in one list are untracked.
 constexpr std::uint8_t kMostRegrowths = 2;
+/// Candidates that a larger box may have.
+constexpr std::size_t kMostNear = 24;
 /// Of a fat box's longest side: who is so far out of it was set elsewhere.
 constexpr double kFarAway = 0.5;
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
 constexpr unsigned kMaxAge = 256;
+/// A first list is looked at in this cycle of it, and replaced as soon as the next is built.
+constexpr unsigned kSeen = 1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr std::size_t kSample = 512;
-/// Of a body, above which boxes get less fat; looked at after so many bodies.
-constexpr std::size_t kMostCandidates = 24, kSlice = 256;
-/// Boxes get less fat in quarters, down to this.
-constexpr double kLeastShare = 1. / 256;
-/// Of a list's cycles, after which boxes are remembered for their velocities.
-constexpr double kRecentShare = 0.75;
-/// Deviations of all but a quarter, times this, hold nearly all of what jitters evenly.
-constexpr double kMarginFactor = 1.6;
-/// The same of all but a half.
-constexpr double kHalfMarginFactor = 2.7;
-/// Who deviated more than most gets so much of a margin of its own, up to a limit for those that
-/// bounced or were set elsewhere.
-constexpr double kOwnMarginFactor = 2;
-
-Vec3 Shift(const Box& from, const Box& to) {
-  return {(to.lower.x - from.lower.x + to.upper.x - from.upper.x) / 2,
-          (to.lower.y - from.lower.y + to.upper.y - from.upper.y) / 2,
-          (to.lower.z - from.lower.z + to.upper.z - from.upper.z) / 2};
-}
-double Length(const Vec3& way) {
-  return std::max(std::max(std::fabs(way.x), std::fabs(way.y)), std::fabs(way.z));
-}
-/// What is left of a shift after so many cycles of a velocity.
-Vec3 Rest(const Vec3& shift, const Vec3& velocity, double cycles) {
-  return {shift.x - velocity.x * cycles, shift.y - velocity.y * cycles,
-          shift.z - velocity.z * cycles};
-}
-Vec3 Scaled(const Vec3& way, double by) { return {way.x * by, way.y * by, way.z * by}; }
 bool Overlap(const kernels::FatBox& a, const kernels::FatBox& b) {
   for (int axis = 0; axis < 3; ++axis)
     if (!(a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis])) return false;
@@ -111,63 +96,137 @@ std::optional<kernels::FatBox> Larger(const kernels::FatBox& fat, const Box& box
 }  // namespace
 
 Skin::Skin(const Options& options, const kernels::Kernels& kernels)
-    : kernels_(kernels), grid_(kernels), runner_grid_(kernels), parts_(options.threads) {}
+    : kernels_(kernels),
+      parts_(options.threads),
+      list_(std::make_unique<SkinList>(kernels)),
+      builder_(kernels, parts_),
+      untracked_grid_(kernels) {}
 
 void Skin::Prepare(const Scene& scene) {
   bodies_.Learn(scene);
   is_built_ = sleeps_ = false;
-  velocity_.assign(bodies_.movers(), {0, 0, 0});
-  recent_.assign(bodies_.movers(), {});
-  margins_.assign(bodies_.movers(), 0);
-  recent_age_ = 0;
-  goes_on_ = false;
-  share_ = 1;
-  margin_ = most_margin_ = 0;
+  list_->Reserve(scene, bodies_.movers());
+  builder_.Prepare(scene, bodies_.movers());
   last_cost_ = last_tried_ = 0;
 }
 
 void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
-  if (scene.size != built_.size()) Prepare(scene);
+  if (scene.size != list_->past.boxes.size()) Prepare(scene);
   bodies_.MeasureRoom(scene);
-  const std::size_t movers = bodies_.movers();
+  work_ = 0;
+  ++cycle_;
+  const bool still_sleeps = StillSleeps(scene);
   if (is_built_) {
     ++age_;
-    if (StillSleeps(scene) || (pairs_are_of_built_ && IsUnchanged(scene))) {
+    if (still_sleeps || (pairs_are_of_past_ && IsUnchanged(scene))) {
       parts_.AppendTo(pairs);
       return;
     }
+    BuildAhead(scene);
+    if (!TrackEscaped(scene)) MakeList(scene);
+  } else {
+    MakeList(scene);
   }
-  bool is_over = !is_built_ || age_ >= kMaxAge || (goes_on_ && age_ > horizon_) ||
-                 !AreSame(bodies_.room(), room_);
-  if (!is_over) {
-    const std::size_t escaped =
-        kernels_.find_escaped(scene.boxes.data(), fat_.data(), movers, escaped_.data());
-    if (goes_on_ && recent_age_ == 0 && age_ >= kRecentShare * horizon_) {
-      std::copy_n(scene.boxes.begin(), movers, recent_.begin());
-      recent_age_ = age_;
-    }
-    const double foreseen = CostOfEscaped(escaped, std::min(escaped, untracked_));
-    is_over = stray_cost_ + foreseen > kListCost * static_cast<double>(movers);
-    if (!is_over) {
-      untracked_ = RegrowEscaped(scene, escaped);
-      const double cost = CostOfEscaped(escaped, untracked_);
-      cost_ += cost;
-      stray_cost_ += cost + kTestCost * static_cast<double>(candidates_.size() - made_);
-    }
-  }
-  if (is_over) MakeList(scene);
-  const std::span<const Pair> all = candidates_.pairs();
-  cost_ += kCheckCost * static_cast<double>(movers) + kTestCost * static_cast<double>(all.size());
-  parts_.Run(all.size() / 16, [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
+  if (!AreSame(bodies_.room(), room_)) FindNearWalls();
+  const std::span<const Pair> all = list_->candidates.pairs();
+  const double cost = kCheckCost * static_cast<double>(bodies_.movers()) +
+                      kTestCost * static_cast<double>(all.size());
+  cost_ += cost;
+  work_ += cost;
+  pairs_are_of_past_ = age_ == 0 && IsUnchanged(scene);
+  parts_.Run(all.size() / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
     const std::size_t begin = all.size() * part / parts, end = all.size() * (part + 1) / parts;
     kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
   });
   if (untracked_ > 0) AppendUntracked(scene, untracked_, parts_.last());
   bodies_.MeetBounds(scene, near_walls_, parts_.last());
   bodies_.MeetOthers(scene, kernels_, parts_.last());
-  pairs_are_of_built_ = age_ == 0;
   last_room_ = bodies_.room();
   parts_.AppendTo(pairs);
+}
+
+/// In how many cycles this list will be over, by its age or as boxes escape.
+double Skin::CyclesLeft() const {
+  double left = kMaxAge - static_cast<double>(age_);
+  if (list_->goes_on) left = std::min(list_->end + 1 - cycle_, left);
+  if (list_->is_guess) left = std::min(list_->life - age_, left);
+  const double limit = kListCost * static_cast<double>(bodies_.movers());
+  if (last_stray_cost_ <= 0) return left;
+  return std::min(left, (limit - stray_cost_) / (kMoreStrays * last_stray_cost_));
+}
+
+// As late as it can be done in time, as fat boxes have to last from when they are made.
+void Skin::BuildAhead(const Scene& scene) {
+  if (list_->is_guess && age_ < kSeen) return;
+  if (list_->is_guess && age_ == kSeen) return builder_.Observe(scene, cycle_, *list_);
+  const double left = CyclesLeft();
+  const double movers = static_cast<double>(bodies_.movers());
+  double usual = kReadCost * movers + kTestCost * static_cast<double>(list_->candidates.size()) +
+                 last_stray_cost_;
+  // The lists after a guess may have far fewer candidates: cycles should not be long for those.
+  if (list_->is_guess) usual = std::min(usual, kMostOfGuess * movers);
+  if (!builder_.is_building()) {
+    const double needed = std::ceil(builder_.WholeCost() / (kBuildingShare * usual));
+    if (!list_->is_guess && left > needed) return;
+    const double wait = std::max(std::min(left, needed), 0.);
+    LearnCost(age_ + wait);
+    begin_ = cycle_ + static_cast<std::uint32_t>(wait);
+    builder_.Start(scene, bodies_, {begin_, horizon_}, list_.get());
+  }
+  double budget =
+      std::max(kBuildingShare * usual, builder_.CostLeft() / (std::floor(std::max(left, 0.)) + 1));
+  if (left < 1) budget = SkinListBuilder::kUnlimited;
+  const double before = budget;
+  const bool is_done = builder_.Advance(scene, bodies_, cycle_, budget);
+  work_ += before - budget;
+  if (is_done && (cycle_ >= begin_ || left < 1)) UseNewList(scene);
+}
+
+/// Lists the bodies that have left their fat boxes, in order; each thread those of a part.
+std::size_t Skin::FindEscaped(const Scene& scene) {
+  const std::size_t movers = bodies_.movers();
+  const auto find = [&](std::size_t begin, std::size_t end) {
+    return kernels_.find_escaped(scene.boxes.data() + begin, list_->fat.data() + begin, end - begin,
+                                 escaped_.data() + begin);
+  };
+  if (movers < kWorthThreads || parts_.pool().size() == 1) return find(0, movers);
+  const unsigned parts = parts_.pool().size();
+  std::vector<std::size_t> found(parts);
+  const auto begin_of = [&](std::size_t part) { return movers * part / parts; };
+  parts_.pool().Run([&](unsigned part) { found[part] = find(begin_of(part), begin_of(part + 1)); });
+  std::size_t count = 0;
+  for (unsigned part = 0; part < parts; ++part)
+    for (std::size_t i = 0; i < found[part]; ++i)
+      escaped_[count++] = static_cast<Id>(escaped_[begin_of(part) + i] + begin_of(part));
+  return count;
+}
+
+/// Finds and follows the bodies that have left their fat boxes; false if a new list costs less.
+bool Skin::TrackEscaped(const Scene& scene) {
+  const std::size_t movers = bodies_.movers();
+  const double limit = kListCost * static_cast<double>(movers);
+  const auto is_too_much = [&](std::size_t escaped) {
+    return stray_cost_ + CostOfEscaped(escaped, std::min(escaped, untracked_)) > limit;
+  };
+  std::size_t escaped = FindEscaped(scene);
+  if (is_too_much(escaped)) {
+    if (!builder_.is_half_done()) return false;
+    double budget = SkinListBuilder::kUnlimited;
+    builder_.Advance(scene, bodies_, cycle_, budget);
+    work_ += SkinListBuilder::kUnlimited - budget;
+    UseNewList(scene);
+    escaped = FindEscaped(scene);
+    if (is_too_much(escaped)) return false;
+  }
+  untracked_ = RegrowEscaped(scene, escaped);
+  const double cost = CostOfEscaped(escaped, untracked_);
+  cost_ += cost;
+  work_ += cost;
+  const double stray = cost + kTestCost * static_cast<double>(list_->candidates.size() - made_);
+  stray_cost_ += stray;
+  // Those that turned round while the list was built are no sign of what is to come.
+  last_stray_cost_ = age_ > 0 ? stray : 0;
+  return true;
 }
 
 /// All movers have been asleep since the last call, so that its pairs are those of this one.
@@ -178,44 +237,38 @@ bool Skin::StillSleeps(const Scene& scene) {
 }
 
 bool Skin::IsUnchanged(const Scene& scene) const {
-  return built_.empty() ||
-         std::memcmp(scene.boxes.data(), built_.data(), built_.size() * sizeof(Box)) == 0;
+  const std::vector<Box>& past = list_->past.boxes;
+  return past.empty() ||
+         std::memcmp(scene.boxes.data(), past.data(), past.size() * sizeof(Box)) == 0;
 }
 
 /// Pairs (id, other) with all whose fat boxes overlap `box`, until the next call.
 std::span<const Pair> Skin::Near(const kernels::FatBox& box, Id id) {
   raw_.Clear();
-  grid_.QueryOne(box, id, raw_.sink());
-  const std::size_t in_grid = raw_.size();
-  regrown_.QueryOne(box, id, kernels_, raw_.sink());
+  list_->grid.QueryOne(box, id, raw_.sink());
   const std::span<Pair> found = raw_.pairs();
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    // The grid has those that grew as they were.
-    const Id other = found[i].b;
-    if (other != id && (i >= in_grid || !regrown_.Has(other))) found[kept++] = found[i];
-  }
-  return found.first(kept);
+  const auto rest = std::ranges::remove(found, id, &Pair::b);
+  return found.first(found.size() - rest.size());
 }
 
-/// False where it is a runner, as it left for good or would meet too many.
+/// False where it becomes untracked, as it left for good or would meet too many.
 bool Skin::Regrow(const Scene& scene, Id id) {
   if (regrowths_[id] == kMostRegrowths) return false;
-  const kernels::FatBox old = fat_[id];
+  std::vector<kernels::FatBox>& fat = list_->fat;
+  const kernels::FatBox old = fat[id];
   const auto larger = Larger(old, scene.boxes[id]);
   const std::span<const Pair> near = larger ? Near(*larger, id) : std::span<const Pair>();
-  if (!larger || near.size() > kMostCandidates) {
+  if (!larger || near.size() > kMostNear || !list_->grid.Grow(id, *larger)) {
     regrowths_[id] = kMostRegrowths;
     return false;
   }
   ++regrowths_[id];
   if (LiesInside(old, room_) && !LiesInside(*larger, room_)) near_walls_.push_back(id);
-  fat_[id] = *larger;
-  regrown_.Put(id, *larger);
+  fat[id] = *larger;
   // Candidates are all pairs whose fat boxes overlap: those that overlap only now are to add.
   for (const auto& [self, other] : near)
-    if (!Overlap(old, fat_[other]) && scene.MayCollide(id, other))
-      candidates_.Add(Ordered(id, other));
+    if (!Overlap(old, fat[other]) && scene.MayCollide(id, other))
+      list_->candidates.Add(Ordered(id, other));
   return true;
 }
 
@@ -233,15 +286,16 @@ std::size_t Skin::RegrowEscaped(const Scene& scene, std::size_t count) {
 // What untracked bodies have to add are pairs whose fat boxes do not overlap. Other untracked
 // bodies are met apart: they are not where their fat boxes are.
 void Skin::AppendUntracked(const Scene& scene, std::size_t count, kernels::PairBuffer& pairs) {
+  const std::vector<kernels::FatBox>& fat = list_->fat;
   const auto put = [&](Id a, Id b) {
-    if (Overlap(scene.boxes[a], scene.boxes[b]) && !Overlap(fat_[a], fat_[b]) &&
+    if (Overlap(scene.boxes[a], scene.boxes[b]) && !Overlap(fat[a], fat[b]) &&
         scene.MayCollide(a, b))
       pairs.Add(Ordered(a, b));
   };
   untracked_boxes_.clear();
   for (std::size_t i = 0; i < count; ++i) is_untracked_[escaped_[i]] = 1;
   for (std::size_t i = 0; i < count; ++i)  // of the others it is known whether they are near
-    if (LiesInside(fat_[escaped_[i]], room_))
+    if (LiesInside(fat[escaped_[i]], room_))
       bodies_.MeetBounds(scene, std::span(escaped_).subspan(i, 1), pairs);
   for (std::size_t i = 0; i < count; ++i) {
     const Box& box = scene.boxes[escaped_[i]];
@@ -251,70 +305,49 @@ void Skin::AppendUntracked(const Scene& scene, std::size_t count, kernels::PairB
   }
   for (std::size_t i = 0; i < count; ++i) is_untracked_[escaped_[i]] = 0;
   raw_.Clear();
-  runner_grid_.Build(untracked_boxes_.data(), count);
-  runner_grid_.QueryPart(0, 1, raw_.sink());
+  untracked_grid_.Build(untracked_boxes_.data(), count);
+  untracked_grid_.QueryPart(0, 1, raw_.sink());
   for (const Pair& pair : raw_.pairs()) put(escaped_[pair.a], escaped_[pair.b]);
 }
 
+/// A whole list in this cycle.
 void Skin::MakeList(const Scene& scene) {
+  if (is_built_) LearnCost(std::max(age_, 1u));
+  builder_.Start(scene, bodies_, {cycle_, horizon_}, is_built_ ? list_.get() : nullptr);
+  double budget = SkinListBuilder::kUnlimited;
+  builder_.Advance(scene, bodies_, cycle_, budget);
+  work_ += SkinListBuilder::kUnlimited - budget;
+  UseNewList(scene);
+}
+
+void Skin::UseNewList(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
-  if (is_built_) {
-    LearnCost();
-    LearnMotion(scene);
-  } else {
-    built_.assign(scene.boxes.begin(), scene.boxes.end());
-    age_ = 1;
-  }
-  LearnBodies(scene);
-  fat_.resize(movers);
-  escaped_.resize(movers);
-  regrown_.Clear(movers);
-  regrowths_.assign(movers, 0);
-  untracked_ = 0;
-  is_untracked_.assign(movers, 0);
-  // Bodies that jump about would get boxes as large as the scene: less, then.
-  share_ = std::min(4 * share_, 1.);
-  for (Fatten(scene); !FindCandidates(scene, share_ > 0); Fatten(scene)) {
-    share_ = share_ > kLeastShare ? share_ / 4 : 0;
-    grid_.Reshape();
-  }
-  share_ = std::max(share_, kLeastShare);
-  FindNearWalls();
-  std::ranges::copy(scene.boxes, built_.begin());
-  candidates_.Clear();
-  parts_.AppendTo(candidates_);
-  made_ = candidates_.size();
+  if (is_built_ && age_ > 0) last_cost_ = cost_ / age_;
+  builder_.Take(list_);
+  std::copy(scene.boxes.begin() + static_cast<std::ptrdiff_t>(movers), scene.boxes.end(),
+            list_->past.boxes.begin() + static_cast<std::ptrdiff_t>(movers));
+  made_ = list_->candidates.size();
   age_ = 0;
   is_built_ = true;
-  stray_cost_ = 0;
-  cost_ = making_cost_ = (kListCost + kOccupancyCost * (grid_.MeanOccupancy() +
-                                                        static_cast<double>(grid_.TooLong()))) *
-                             static_cast<double>(movers) +
-                         kListedCost * static_cast<double>(candidates_.size());
+  stray_cost_ = last_stray_cost_ = 0;
+  untracked_ = 0;
+  escaped_.resize(movers);
+  regrowths_.assign(movers, 0);
+  is_untracked_.assign(movers, 0);
+  FindNearWalls();
+  cost_ = making_cost_ =
+      (kListCost + kOccupancyCost *
+                       (list_->grid.MeanOccupancy() + static_cast<double>(list_->grid.TooLong()))) *
+          static_cast<double>(movers) +
+      kListedCost * static_cast<double>(made_);
 }
 
 void Skin::FindNearWalls() {
   room_ = bodies_.room();
   near_walls_.clear();
+  if (!bodies_.has_bounds()) return;
   for (Id id = 0; id < bodies_.movers(); ++id)
-    if (!LiesInside(fat_[id], room_)) near_walls_.push_back(id);
-}
-
-/// False if it is limited and there are far too many.
-bool Skin::FindCandidates(const Scene& scene, bool is_limited) {
-  grid_.Arrange(bodies_.movers());
-  std::atomic<bool> is_too_much = false;
-  parts_.Run(bodies_.movers(), [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
-    const std::size_t begin = grid_.Size() * part / parts, end = grid_.Size() * (part + 1) / parts;
-    for (std::size_t at = begin; at < end && !is_too_much; at += kSlice) {
-      const std::size_t stop = std::min(at + kSlice, end);
-      grid_.Query(at, stop, found.sink());
-      if (is_limited && found.size() > kMostCandidates * (stop - begin + kSlice))
-        is_too_much = true;
-    }
-    bodies_.Sieve(scene, true, found);
-  });
-  return !is_too_much;
+    if (!LiesInside(list_->fat[id], room_)) near_walls_.push_back(id);
 }
 
 double Skin::Cost() const {
@@ -323,106 +356,37 @@ double Skin::Cost() const {
 }
 
 double Skin::GridCost() const {
-  const double occupancy = grid_.MeanOccupancy() + static_cast<double>(grid_.TooLong());
+  const kernels::BoxGrid& grid = list_->grid;
+  const double occupancy = grid.MeanOccupancy() + static_cast<double>(grid.TooLong());
   return kGridCost + kOccupancyCost * occupancy +
          kListedCost * static_cast<double>(parts_.size()) / static_cast<double>(bodies_.movers());
 }
 
 // A longer list costs less to make a cycle and more to test.
-void Skin::LearnCost() {
-  last_cost_ = cost_ / age_;
-  if (!goes_on_) {
+void Skin::LearnCost(double life) {
+  const double age = std::max(age_, 1u), movers = static_cast<double>(bodies_.movers());
+  const double each = (cost_ - making_cost_) / age;
+  const double cost = making_cost_ / life + each;
+  // What does not depend on how long a list lasts counts for nothing.
+  const double tests = life * (each - kCheckCost * movers);
+  if (!list_->goes_on) {
     last_tried_ = 0;
-  } else if (age_ < horizon_) {  // escaped bodies ended it
-    horizon_ = std::max(age_ / 1.25, 1.);
+    // Who has just begun to go on may do so for as long as this list lasted, if tests are few.
+    if (making_cost_ > 4 * tests || list_->is_guess) horizon_ = std::max(horizon_, life);
+  } else if (life < list_->horizon) {  // escaped bodies ended it
+    horizon_ = std::max(life / 1.25, 1.);
     step_ = 1.2;
     last_tried_ = 0;
   } else {
-    // What does not depend on how long a list lasts counts for nothing.
-    const double tests =
-        cost_ - making_cost_ - kCheckCost * age_ * static_cast<double>(bodies_.movers());
     if (making_cost_ > 4 * tests) {
       step_ = making_cost_ > 16 * tests ? 6 : 3;
     } else {
       if (step_ > 1.5) step_ = 1.5;
-      if (last_tried_ > 0 && last_cost_ > last_tried_) step_ = 1 / step_;
+      if (last_tried_ > 0 && cost > last_tried_) step_ = 1 / step_;
     }
-    last_tried_ = last_cost_;
+    last_tried_ = cost;
     horizon_ = std::clamp(horizon_ * step_, 1., static_cast<double>(kMaxAge));
   }
-}
-
-// Both ways to foresee where boxes go are judged by where some of them went.
-void Skin::LearnMotion(const Scene& scene) {
-  const std::size_t movers = bodies_.movers(), most = std::min(movers, kSample);
-  double resting[kSample], going[kSample], speed = 0;
-  std::size_t size = 0;
-  for (std::size_t k = 0; k < most; ++k) {
-    const std::size_t i = most < movers ? kernels::SamplePlace(k, movers) : k;
-    const Vec3 shift = Shift(built_[i], scene.boxes[i]);
-    const double stayed = Length(shift), went = Length(Rest(shift, velocity_[i], age_));
-    if (!std::isfinite(stayed + went)) continue;
-    resting[size] = stayed;
-    going[size++] = went;
-    speed += stayed / age_;
-  }
-  if (size == 0) return;
-  const auto at = [size](double* values, double share) {
-    const auto place = static_cast<std::size_t>(share * static_cast<double>(size));
-    std::nth_element(values, values + place, values + size);
-    return values[place];
-  };
-  goes_on_ = at(going, 0.75) < at(resting, 0.75) / 2 || at(going, 0.5) < at(resting, 0.5) / 2;
-  double* deviations = goes_on_ ? going : resting;
-  margin_ = kMarginFactor * at(deviations, 0.75);
-  // In a long list many were turned round; they must not decide for the others.
-  if (goes_on_) margin_ = std::min(margin_, kHalfMarginFactor * at(deviations, 0.5));
-  // Who goes on and yet deviated was turned round once; it will not be all the time.
-  most_margin_ = goes_on_ ? margin_ : kMarginFactor * at(deviations, 0.95);
-  most_speed_ = 16 * speed / static_cast<double>(size);
-}
-
-// The grid takes fat boxes as the floats that they are, so it finds their pairs exactly.
-void Skin::Fatten(const Scene& scene) {
-  const std::size_t movers = bodies_.movers();
-  const kernels::Columns& room = grid_.Room(movers);
-  const double time = goes_on_ ? share_ * horizon_ : 0, most_way = most_speed_ * time;
-  // What a velocity is off by adds up.
-  const double longer = goes_on_ ? std::max(horizon_ / age_, 1.) : 1;
-  for (std::size_t i = 0; i < movers; ++i) {
-    const Box& box = scene.boxes[i];
-    const double margin = longer * share_ * margins_[i];
-    const auto fatten = [&](std::size_t axis, double lower, double upper, double velocity) {
-      double way = velocity * time;
-      // In this order what is not a number is left out.
-      way = way < most_way ? way : most_way;
-      way = way > -most_way ? way : -most_way;
-      fat_[i].lower[axis] = room.lower[axis][i] = Below(lower + (way < 0 ? way : 0) - margin);
-      fat_[i].upper[axis] = room.upper[axis][i] = Above(upper + (way > 0 ? way : 0) + margin);
-    };
-    fatten(0, box.lower.x, box.upper.x, velocity_[i].x);
-    fatten(1, box.lower.y, box.upper.y, velocity_[i].y);
-    fatten(2, box.lower.z, box.upper.z, velocity_[i].z);
-  }
-}
-
-// Who was turned round goes on as it did at the end of the list. Of the others all cycles say more,
-// as boxes are rounded.
-void Skin::LearnBodies(const Scene& scene) {
-  const double cycles = goes_on_ ? age_ : 0;
-  const bool has_recent = recent_age_ > 0 && recent_age_ < age_;
-  const double each = 1. / age_, each_recent = has_recent ? 1. / (age_ - recent_age_) : 0;
-  for (std::size_t i = 0; i < bodies_.movers(); ++i) {
-    const Vec3 way = Shift(built_[i], scene.boxes[i]);
-    const double deviation = Length(Rest(way, velocity_[i], cycles));
-    const double own = kOwnMarginFactor * deviation;
-    // In this order what is not a number is left out.
-    margins_[i] = std::max(margin_, own < most_margin_ ? own : most_margin_);
-    velocity_[i] = has_recent && deviation > margin_
-                       ? Scaled(Shift(recent_[i], scene.boxes[i]), each_recent)
-                       : Scaled(way, each);
-  }
-  recent_age_ = 0;
 }
 
 std::unique_ptr<Detector> MakeSkin(const Options& options, const kernels::Kernels& kernels) {

@@ -13,10 +13,13 @@
 // The motion model is learnt as well: boxes keep the velocity they had since the last list (or, if
 // they turned round, at its end), or oscillate.
 //
-// Cost: reading the boxes and testing the candidates; occasionally a grid. Memory: about 310 bytes
-// a body and 8 a candidate. Errors: bad_alloc. Threads: building a list and testing large lists use
-// Options::threads; the pairs do not depend on them.
-// Source: Verlet, Phys. Rev. 159, 1967.
+// A new list is built while the last one is in use, a part in each cycle, so that no cycle takes
+// much longer than the others (skin_list.h). If boxes move as nothing foretold, all of it is built
+// at once.
+//
+// Cost: reading the boxes and testing the candidates, and a part of a grid. Memory: about 380 bytes
+// a body and 16 a candidate. Errors: bad_alloc. Threads: building a list and testing large lists
+// use Options::threads; the pairs do not depend on them. Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
 
 #include <cstdint>
@@ -24,10 +27,10 @@
 #include <span>
 #include <vector>
 
+#include "library/detectors/builtin/skin_list.h"
 #include "library/detectors/detector.h"
 #include "library/detectors/kernels/bodies.h"
 #include "library/detectors/kernels/box_grid.h"
-#include "library/detectors/kernels/fat_boxes.h"
 #include "library/detectors/kernels/kernels.h"
 #include "library/detectors/kernels/pair_parts.h"
 
@@ -44,21 +47,25 @@ class Skin final : public Detector {
   /// that is less; GridCost: its cost with `grid`. In nanoseconds of a typical machine.
   double Cost() const;
   double GridCost() const;
+  /// Work of the last cycle in the same unit, counted in boxes and pairs looked at.
+  double Work() const { return work_; }
   /// See BoxGrid.
-  double MeanOccupancy() const { return grid_.MeanOccupancy(); }
+  double MeanOccupancy() const { return list_->grid.MeanOccupancy(); }
   /// Discards the list, because boxes have moved since the last call.
   void Forget() {
     is_built_ = sleeps_ = false;
     last_cost_ = 0;
+    builder_.Cancel();
   }
 
  private:
   void MakeList(const Scene& scene);
-  void LearnMotion(const Scene& scene);
-  void LearnBodies(const Scene& scene);
-  void LearnCost();
-  void Fatten(const Scene& scene);
-  bool FindCandidates(const Scene& scene, bool is_limited);
+  void BuildAhead(const Scene& scene);
+  std::size_t FindEscaped(const Scene& scene);
+  bool TrackEscaped(const Scene& scene);
+  void LearnCost(double life);
+  void UseNewList(const Scene& scene);
+  double CyclesLeft() const;
   void FindNearWalls();
   bool Regrow(const Scene& scene, Id id);
   std::size_t RegrowEscaped(const Scene& scene, std::size_t count);
@@ -69,32 +76,22 @@ class Skin final : public Detector {
 
   const kernels::Kernels& kernels_;
   kernels::Bodies bodies_;
-  kernels::BoxGrid grid_, runner_grid_;
-  kernels::FatBoxes regrown_;  ///< the fat boxes of escaped bodies
   kernels::PairParts parts_;
+  std::unique_ptr<SkinList> list_;
+  SkinListBuilder builder_;
+  kernels::BoxGrid untracked_grid_;
 
   bool is_built_ = false;
-  bool pairs_are_of_built_ = false;   ///< parts_ holds the pairs of built_
-  bool sleeps_ = false;               ///< all movers were asleep in the last call
-  Box last_room_ = {};                ///< in the last call
-  std::vector<Box> built_;            ///< all boxes when the list was made
-  std::vector<kernels::FatBox> fat_;  ///< of movers, in the grid or regrown_
-  std::vector<Vec3> velocity_;        ///< of movers, per cycle, when the list was made
-  std::vector<Box> recent_;           ///< of movers, when the list was `recent_age_` cycles old
-  unsigned age_ = 0;                  ///< cycles of this list
-  unsigned recent_age_ = 0;           ///< 0 if there are none
+  bool pairs_are_of_past_ = false;  ///< parts_ holds the pairs of the boxes in list_->past
+  bool sleeps_ = false;             ///< all movers were asleep in the last call
+  Box last_room_ = {};              ///< in the last call
+  std::uint32_t cycle_ = 0;
+  unsigned age_ = 0;         ///< cycles of this list
+  std::uint32_t begin_ = 0;  ///< the cycle from which the next one is to be used
 
-  // The motion model, learnt when a list ends.
-  bool goes_on_ = false;         ///< boxes keep their velocity
-  double margin_ = 0;            ///< covers the remaining motion of most boxes
-  std::vector<double> margins_;  ///< of movers, in this list
-  double most_margin_ = 0, most_speed_ = 0;
-  double share_ = 1;  ///< of all that, in this list
-
-  Box room_ = {};               ///< between the walls, when the list was made
+  Box room_ = {};               ///< between the walls, when near_walls_ were found
   std::vector<Id> near_walls_;  ///< movers whose fat boxes do not lie inside it
 
-  kernels::PairBuffer candidates_;
   std::size_t made_ = 0;  ///< candidates when the list was made
   std::vector<Id> escaped_;
   std::vector<std::uint8_t> regrowths_, is_untracked_;  ///< of movers
@@ -104,8 +101,10 @@ class Skin final : public Detector {
 
   double horizon_ = 12, step_ = 1.5;  ///< intended lifetime in cycles; the factor tried next
   double making_cost_ = 0, cost_ = 0, stray_cost_ = 0;  ///< of this list; all of it
+  double last_stray_cost_ = 0;                          ///< of the last cycle
   double last_cost_ = 0;                                ///< of a cycle of the last list
   double last_tried_ = 0;                               ///< the same, with another horizon
+  double work_ = 0;                                     ///< of the last cycle
 };
 
 std::unique_ptr<Detector> MakeSkin(const Options& options,

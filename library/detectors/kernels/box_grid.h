@@ -17,32 +17,64 @@
 #include <cstdint>
 #include <vector>
 
+#include "library/detectors/kernels/grid_shape.h"
 #include "library/detectors/kernels/kernels.h"
 #include "library/detectors/kernels/pair_buffer.h"
 #include "library/detectors/kernels/soa_boxes.h"
+#include "library/detectors/kernels/thread_pool.h"
 
 namespace cdb::kernels {
+
+/// The box in floats, rounded outwards; unchanged if its coordinates are floats.
+inline FatBox Around(const Box& box, const Kernels& kernels) {
+  FatBox around;
+  kernels.narrow(&box, 1,
+                 {{around.lower, around.lower + 1, around.lower + 2},
+                  {around.upper, around.upper + 1, around.upper + 2}});
+  return around;
+}
+
+/// The columns from box `begin` on.
+inline Columns From(Columns columns, std::size_t begin) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    columns.lower[axis] += begin;
+    columns.upper[axis] += begin;
+  }
+  return columns;
+}
 
 class BoxGrid {
  public:
   explicit BoxGrid(const Kernels& kernels) : kernels_(kernels) {}
 
   /// Boxes with a NaN are left out. True if every coordinate is representable as float: then the
-  /// pairs are exact; otherwise there may be a few false positives.
-  bool Build(const Box* boxes, std::size_t count);
-  /// The same for boxes that the caller writes into the memory that Room returns: then Arrange.
+  /// pairs are exact; otherwise there may be a few false positives. On all threads of `pool`, if
+  /// any and if there are enough boxes; the result does not depend on them.
+  bool Build(const Box* boxes, std::size_t count, ThreadPool* pool = nullptr);
+
+  /// The same for boxes that the caller writes into the memory that Room returns, in steps of
+  /// bounded cost: StartArranging, then Arrange until it is true. `budget`, in nanoseconds of a
+  /// typical machine, is reduced by the cost; the grid cannot be queried before the end.
+  void Reserve(std::size_t count);
   const Columns& Room(std::size_t count);
-  void Arrange(std::size_t count);
+  void StartArranging(std::size_t count);
+  bool Arrange(double& budget);
+  /// Takes the cells of another grid, whose boxes are similar, instead of choosing them anew.
+  void TakeShape(const BoxGrid& other);
   /// Makes the next build choose the cells again, because the boxes are unrelated to the last ones.
   void Reshape() { shaped_for_ = 0; }
+
   /// The pairs of the boxes `begin` to `end` of Size() with those before or after them. The
-  /// concatenation of all ranges is the same list, whatever their number.
+  /// concatenation of all ranges is the same list, whatever their number. Not after Grow.
   void Query(std::size_t begin, std::size_t end, PairSink& sink) const;
   void QueryPart(unsigned part, unsigned parts, PairSink& sink) const {
     Query(count_ * part / parts, count_ * (part + 1) / parts, sink);
   }
   /// Pairs (id, other) of a box with all boxes of the grid.
   void QueryOne(const FatBox& box, Id id, PairSink& sink) const;
+  /// Replaces the box `id` by one that contains it, and leaves it in its place: QueryOne looks as
+  /// much farther as any box has grown. False if the box was left out.
+  bool Grow(Id id, const FatBox& box);
 
   /// Mean number of boxes that share the cell of a box; small if the grid suits the boxes.
   double MeanOccupancy() const { return mean_occupancy_; }
@@ -52,11 +84,46 @@ class BoxGrid {
   std::size_t Size() const { return count_; }
 
  private:
-  void ChooseShape(std::size_t count);
+  /// Of Arrange, in this order; those before kBin only if the cells are chosen anew.
+  enum class Stage {
+    kSample,
+    kLengths,
+    kLimit,
+    kReach,
+    kShape,
+    kBin,
+    kClear,
+    kCount,
+    kCheck,
+    kSum,
+    kPlace,
+    kDone
+  };
+  struct Sums {
+    std::uint32_t boxes = 0;
+    std::size_t squares = 0;  ///< of the numbers of boxes in cells
+  };
+
+  Stage Next(Stage stage);
+  bool NeedsShape(std::size_t too_long);
+  std::size_t SizeOf(Stage stage) const;
+  static double CostOf(Stage stage);
+  void Execute(std::size_t begin, std::size_t end);
+  void Bin(std::size_t begin, std::size_t end);
+  void Sum(std::size_t begin, std::size_t end, Sums& sums);
+  void Place(std::size_t i);
+  void Finish(std::size_t squares);
+  bool BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& pool);
+  void PrepareThreads(unsigned parts);
+  void BinPart(unsigned part, unsigned parts);
+  void SplitForThreads(ThreadPool& pool);
+  void SortBucket(unsigned bucket);
+  std::uint32_t CellOf(float x, std::size_t axis) const;
   GridRows Rows() const;
 
   const Kernels& kernels_;
   GridShape shape_ = {};
+  GridShapeChooser chooser_;
   SoaBoxes loose_, sorted_;  ///< by id, by cell
   std::vector<std::uint32_t> cells_, starts_;
   std::vector<Id> ids_;
@@ -65,6 +132,22 @@ class BoxGrid {
   std::size_t foreseen_ = 0;             ///< oversized boxes when the cells were chosen
   std::size_t shaped_for_ = 0;           ///< number of boxes at that time
   unsigned age_ = 0;                     ///< builds since that time
+
+  Stage stage_ = Stage::kDone;
+  std::size_t boxes_ = 0;   ///< to be arranged
+  std::size_t cursor_ = 0;  ///< of the stage
+  bool is_new_ = false;     ///< the cells were chosen for these boxes
+  Sums sums_;
+
+  /// Of several threads: each sorts the boxes of a range of cells, its bucket.
+  struct Bucket {
+    std::uint32_t first_cell, end_cell, first_box, end_box;
+    std::size_t squares;
+  };
+  std::vector<Bucket> buckets_;
+  std::vector<std::uint32_t> coarse_;  ///< of each part of the boxes: how many are in which cells
+  unsigned coarse_shift_ = 0;
+  std::vector<Id> order_;  ///< by bucket, in each by id
 };
 
 }  // namespace cdb::kernels

@@ -35,6 +35,9 @@ struct GridShape {
   float last[3];       ///< number of cells minus one
   float reach[3];      ///< maximum extent of the boxes in cells
   std::uint32_t n[3];  ///< number of cells
+  /// By how many cells boxes that grew reach beyond the cell of their lower corner when they were
+  /// sorted: downwards, and upwards from it. Zero while none grew.
+  std::uint32_t down[3], up[3];
   std::uint32_t cells() const { return n[0] * n[1] * n[2]; }
 };
 

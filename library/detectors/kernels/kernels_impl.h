@@ -235,6 +235,13 @@ void QueryOne(const GridRows& rows, const GridShape& shape, const float* lower, 
     from[axis] = CellAt(lower[axis] - shape.reach[axis], shape.origin[axis], shape.inverse[axis],
                         shape.last[axis]);
     to[axis] = CellAt(upper[axis], shape.origin[axis], shape.inverse[axis], shape.last[axis]);
+    // Boxes that grew are still where they were sorted.
+    const std::uint32_t own =
+        CellAt(lower[axis], shape.origin[axis], shape.inverse[axis], shape.last[axis]);
+    const std::uint32_t least = own > shape.up[axis] ? own - shape.up[axis] : 0;
+    from[axis] = least < from[axis] ? least : from[axis];
+    const std::uint32_t room = shape.n[axis] - 1 - to[axis];
+    to[axis] += shape.down[axis] < room ? shape.down[axis] : room;
   }
   for (std::size_t z = from[2]; z <= to[2]; ++z)
     for (std::size_t y = from[1]; y <= to[1]; ++y) {

@@ -22,6 +22,13 @@ class PairBuffer {
     sink_.owner = this;
     sink_.out = {pairs_.get(), pairs_.get() + capacity_, Grow};
   }
+  /// Makes room for `capacity` pairs; only while it is empty.
+  void Reserve(std::size_t capacity) {
+    if (capacity <= capacity_) return;
+    capacity_ = capacity;
+    pairs_ = std::make_unique_for_overwrite<Pair[]>(capacity_);
+    Clear();
+  }
   PairSink& sink() { return sink_.out; }
   std::size_t size() const { return static_cast<std::size_t>(sink_.out.at - pairs_.get()); }
   std::span<Pair> pairs() { return {pairs_.get(), size()}; }

@@ -29,6 +29,19 @@ class PairParts {
     else
       crew_.Run([&](unsigned part) { find(part, crew_.size(), *buffers_[part]); });
   }
+  /// Calls run(from, to) for ranges of `begin` to `end` that together are all of it, and begin at
+  /// multiples of `block` if `begin` is one: on all threads if there are enough bodies.
+  template <typename Work>
+  void ForEach(std::size_t begin, std::size_t end, std::size_t block, const Work& run) {
+    if (end - begin < kWorthWaking || crew_.size() == 1) return run(begin, end);
+    const std::size_t blocks = (end - begin + block - 1) / block;
+    crew_.Run([&](unsigned part) {
+      const std::size_t from = begin + blocks * part / crew_.size() * block;
+      const std::size_t to = begin + blocks * (part + 1) / crew_.size() * block;
+      run(from, std::min(to, end));
+    });
+  }
+  ThreadPool& pool() { return crew_; }
   PairBuffer& last() { return *buffers_.back(); }
   std::size_t size() const {
     std::size_t size = 0;

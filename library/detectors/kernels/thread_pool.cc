@@ -3,6 +3,21 @@
 #include <utility>
 
 namespace cdb::kernels {
+namespace {
+
+/// Waits a little while for what another thread is about to do; waking a thread that sleeps takes
+/// longer.
+template <typename Condition>
+void SpinUntil(const Condition& condition) {
+  constexpr int kSpins = 400;
+  for (int i = 0; i < kSpins && !condition(); ++i) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+  }
+}
+
+}  // namespace
 
 ThreadPool::ThreadPool(unsigned threads) {
   for (unsigned place = 1; place < threads; ++place)
@@ -33,6 +48,7 @@ void ThreadPool::Run(const std::function<void(unsigned)>& part) {
   } catch (...) {
     error = std::current_exception();
   }
+  SpinUntil([this] { return working_ == 0; });
   std::unique_lock lock(mutex_);
   end_.wait(lock, [this] { return working_ == 0; });
   std::exception_ptr theirs = std::exchange(error_, nullptr);
@@ -41,8 +57,9 @@ void ThreadPool::Run(const std::function<void(unsigned)>& part) {
 }
 
 void ThreadPool::Work(unsigned place) {
-  std::unique_lock lock(mutex_);
   for (std::uint64_t done = 0;;) {
+    SpinUntil([&] { return round_ != done; });
+    std::unique_lock lock(mutex_);
     begin_.wait(lock, [&] { return is_over_ || round_ != done; });
     if (is_over_) return;
     done = round_;

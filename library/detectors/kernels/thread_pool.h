@@ -1,6 +1,7 @@
 // A small pool of threads that execute the iterations of one loop.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
@@ -11,7 +12,8 @@
 
 namespace cdb::kernels {
 
-/// `threads` threads including the caller's. The others wait between two calls of Run and end with
+/// `threads` threads including the caller's. The others wait between two calls of Run, at first
+/// awake for some microseconds, as the parts of one cycle follow each other closely, and end with
 /// the pool. Errors: Run rethrows the exception of a part, that of the caller's part first.
 /// Threads: one caller.
 class ThreadPool {
@@ -31,8 +33,8 @@ class ThreadPool {
   std::mutex mutex_;
   std::condition_variable begin_, end_;
   const std::function<void(unsigned)>* part_ = nullptr;
-  std::uint64_t round_ = 0;
-  unsigned working_ = 0;
+  std::atomic<std::uint64_t> round_ = 0;  ///< changed with mutex_ held, as is working_
+  std::atomic<unsigned> working_ = 0;
   bool is_over_ = false;
   std::exception_ptr error_;
   std::vector<std::thread> threads_;

@@ -141,6 +141,22 @@ TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
   }
 }
 
+// More bodies than in the other tests, so that all is done on threads that is in large scenes.
+TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnThreadsInLargeScenes) {
+  BoxScene moving("dense", 17000, true, 7);
+  moving.CutWalls();
+  for (const auto make : {builtin::MakeSkin, builtin::MakeGrid}) {
+    std::vector<std::unique_ptr<Detector>> all;
+    for (const unsigned threads : {1u, 2u, 3u})
+      all.push_back(make({.threads = threads}, kernels::BestKernels()));
+    for (int cycle = 0; cycle < 6; ++cycle, moving.Move()) {
+      const std::vector<Pair> pairs = Listed(*all[0], moving.View());
+      EXPECT_EQ(Listed(*all[1], moving.View()), pairs);
+      EXPECT_EQ(Listed(*all[2], moving.View()), pairs);
+    }
+  }
+}
+
 TEST(BuiltinDetectors, AreExactOnFewAndOddBodies) {
   for (const std::size_t count : {0u, 1u, 2u, 7u, 8u, 9u, 25u, 33u, 100u}) {
     Boxes equal, points, far, farther, lines, tiny;

@@ -1,0 +1,205 @@
+#include "library/detectors/builtin/skin_list.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+namespace cdb::builtin {
+namespace {
+
+// In nanoseconds, measured once on one machine: of a mover; of a candidate.
+constexpr double kMarkCost = 3, kFattenCost = 22, kQueryCost = 45, kListedCost = 2;
+/// Of the cycles until a list is used, which fat boxes leave out: who turns round meanwhile is not
+/// where it was to be.
+constexpr double kHeadStart = 0.6;
+constexpr double kLearnCost = 50;  ///< of a mover in the sample
+constexpr double kFirstCost = 90;
+/// The next list may cost more than the last.
+constexpr double kSurplus = 1.15;
+/// Movers that are looked up at once, at most; and between two looks at the budget.
+constexpr std::size_t kChunk = 4096, kSlice = 256, kLeastSlice = 64;
+/// Of a mover, above which boxes get less fat; of those of a slice, where it is a crowd.
+constexpr std::size_t kMostCandidates = 24, kMostOfSlice = 8 * kMostCandidates * kSlice;
+/// Boxes get less fat in quarters, down to this.
+constexpr double kLeastShare = 1. / 256;
+
+std::size_t StepOf(double budget, double cost, std::size_t left) {
+  const double most = budget / cost;
+  if (most >= static_cast<double>(left)) return left;
+  constexpr std::size_t kBlock = PastBoxes::kBlock;
+  return std::min(left, (static_cast<std::size_t>(std::max(most, 0.)) / kBlock + 1) * kBlock);
+}
+
+}  // namespace
+
+void SkinList::Reserve(const Scene& scene, std::size_t movers) {
+  fat.resize(movers);
+  past.Resize(scene.size);
+  grid.Reserve(movers);
+}
+
+void SkinListBuilder::Prepare(const Scene& scene, std::size_t movers) {
+  next_->Reserve(scene, movers);
+  movers_ = movers;
+  stage_ = Stage::kIdle;
+  motion_.Prepare(movers);
+  share_ = 1;
+  whole_cost_ = kFirstCost * static_cast<double>(movers);
+}
+
+void SkinListBuilder::Start(const Scene& scene, const kernels::Bodies& bodies, const Plan& plan,
+                            const SkinList* last) {
+  movers_ = bodies.movers();
+  plan_ = plan;
+  last_ = last;
+  next_->Reserve(scene, movers_);
+  next_->candidates.Clear();
+  if (last != nullptr) next_->candidates.Reserve(last->candidates.size() * 3 / 2);
+  next_->horizon = plan.horizon;
+  next_->end = plan.begin + plan.horizon;
+  next_->is_guess = last == nullptr;
+  next_->life = kUnlimited;
+  // Bodies that jump about would get boxes as large as the scene: less, then.
+  share_ = std::min(4 * share_, 1.);
+  cursor_ = learnt_ = 0;
+  spent_ = 0;
+  motion_.ForgetMarks();
+  if (last == nullptr) {
+    motion_.Guess(scene, movers_);
+    learnt_ = movers_;
+    stage_ = Stage::kFatten;
+  } else {
+    next_->grid.TakeShape(last->grid);
+    stage_ = last->goes_on ? Stage::kMark : Stage::kLearn;
+  }
+}
+
+void SkinListBuilder::Observe(const Scene& scene, std::uint32_t cycle, SkinList& guess) {
+  guess.life = motion_.Observe(scene, movers_, guess.past, cycle);
+}
+
+double SkinListBuilder::CostLeft() const {
+  return std::max(whole_cost_ - spent_, kLeastShare * whole_cost_);
+}
+
+bool SkinListBuilder::Advance(const Scene& scene, const kernels::Bodies& bodies,
+                              std::uint32_t cycle, double& budget) {
+  const double before = budget;
+  double left = budget;
+  while (stage_ != Stage::kDone && left > 0) {
+    switch (stage_) {
+      case Stage::kIdle:
+      case Stage::kDone:
+        return false;
+      case Stage::kMark:
+        Mark(scene, cycle, left);
+        break;
+      case Stage::kLearn:
+        motion_.Learn(scene, movers_, last_->past, cycle);
+        left -= kLearnCost * static_cast<double>(SkinMotion::SampleSize(movers_));
+        stage_ = Stage::kFatten;
+        break;
+      case Stage::kFatten:
+        Fatten(scene, cycle, left);
+        break;
+      case Stage::kArrange:
+        if (next_->grid.Arrange(left)) {
+          stage_ = Stage::kQuery;
+          cursor_ = 0;
+        }
+        break;
+      case Stage::kQuery:
+        Query(scene, bodies, left);
+        if (stage_ == Stage::kQuery && cursor_ == next_->grid.Size()) stage_ = Stage::kDone;
+        break;
+    }
+  }
+  budget = left;
+  spent_ += before - left;
+  return stage_ == Stage::kDone;
+}
+
+void SkinListBuilder::Mark(const Scene& scene, std::uint32_t cycle, double& budget) {
+  const std::size_t step = StepOf(budget, kMarkCost, movers_ - cursor_);
+  motion_.Mark(scene, cursor_, cursor_ + step, cycle);
+  cursor_ += step;
+  budget -= kMarkCost * static_cast<double>(step);
+  if (cursor_ < movers_) return;
+  cursor_ = 0;
+  stage_ = Stage::kLearn;
+}
+
+void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& budget) {
+  const std::size_t begin = cursor_, end = begin + StepOf(budget, kFattenCost, movers_ - begin);
+  const kernels::Columns& room = next_->grid.Room(movers_);
+  const double until_use = plan_.begin > cycle ? plan_.begin - cycle : 0;
+  // Velocities are rounded: none should be at the end of its fat box in the last cycle.
+  const double cycles = until_use + plan_.horizon + 0.5;
+  const double until_begin = last_ == nullptr ? 0 : std::max(kHeadStart * until_use - 1, 0.);
+  const std::uint32_t age =
+      last_ != nullptr && begin < movers_ ? cycle - last_->past.CycleOf(begin) : 1;
+  const SkinMotion::Span span = {until_begin, cycles, cycles / std::max(age, 1u), share_};
+  parts_.ForEach(begin, end, PastBoxes::kBlock, [&](std::size_t from, std::size_t to) {
+    if (learnt_ <= from) motion_.LearnBodies(scene, from, to, last_->past, cycle);
+    motion_.Fatten(scene, from, to, span, next_->fat.data(), room);
+    next_->past.Take(scene, from, to, cycle);
+  });
+  learnt_ = std::max(learnt_, end);
+  budget -= kFattenCost * static_cast<double>(end - begin);
+  cursor_ = end;
+  if (cursor_ < movers_) return;
+  next_->grid.StartArranging(movers_);
+  stage_ = Stage::kArrange;
+}
+
+void SkinListBuilder::Query(const Scene& scene, const kernels::Bodies& bodies, double& budget) {
+  const double each = kQueryCost + kListedCost * static_cast<double>(next_->candidates.size()) /
+                                       static_cast<double>(std::max<std::size_t>(cursor_, kSlice));
+  const std::size_t step = std::min({StepOf(budget, each, next_->grid.Size() - cursor_), kChunk});
+  const std::size_t before = next_->candidates.size();
+  if (!FindCandidates(scene, bodies, cursor_ + step)) return Shrink();
+  cursor_ += step;
+  budget -= kQueryCost * static_cast<double>(step) +
+            kListedCost * static_cast<double>(next_->candidates.size() - before);
+}
+
+/// The candidates of the boxes from the cursor on; false if boxes are too fat.
+bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& bodies,
+                                     std::size_t end) {
+  const std::size_t begin = cursor_;
+  std::atomic<bool> is_crowd = false;
+  parts_.Run(end - begin, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
+    // Slices are the same for any number of parts.
+    const std::size_t slices = (end - begin + kSlice - 1) / kSlice;
+    for (std::size_t i = slices * part / parts; i < slices * (part + 1) / parts; ++i) {
+      const std::size_t from = begin + i * kSlice, size = found.size();
+      if (is_crowd) return;
+      next_->grid.Query(from, std::min(from + kSlice, end), found.sink());
+      if (share_ > 0 && found.size() - size > kMostOfSlice) is_crowd = true;
+    }
+    bodies.Sieve(scene, true, found);
+  });
+  if (is_crowd) return false;
+  parts_.AppendTo(next_->candidates);
+  return share_ == 0 || next_->candidates.size() <= kMostCandidates * (end + kSlice);
+}
+
+void SkinListBuilder::Shrink() {
+  share_ = share_ > kLeastShare ? share_ / 4 : 0;
+  next_->grid.Reshape();
+  next_->candidates.Clear();
+  cursor_ = 0;
+  stage_ = Stage::kFatten;
+}
+
+void SkinListBuilder::Take(std::unique_ptr<SkinList>& list) {
+  share_ = std::max(share_, kLeastShare);
+  next_->goes_on = motion_.goes_on();
+  whole_cost_ = kSurplus * spent_;
+  stage_ = Stage::kIdle;
+  last_ = nullptr;
+  std::swap(next_, list);
+}
+
+}  // namespace cdb::builtin

@@ -1,0 +1,96 @@
+// The candidate pairs of `skin`, and how a new list of them is built over several cycles while the
+// last one is in use.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "library/detectors/builtin/skin_motion.h"
+#include "library/detectors/detector.h"
+#include "library/detectors/kernels/bodies.h"
+#include "library/detectors/kernels/box_grid.h"
+#include "library/detectors/kernels/kernels.h"
+#include "library/detectors/kernels/pair_buffer.h"
+#include "library/detectors/kernels/pair_parts.h"
+
+namespace cdb::builtin {
+
+/// The pairs of movers whose fat boxes overlap.
+struct SkinList {
+  explicit SkinList(const kernels::Kernels& kernels) : grid(kernels) {}
+  /// Makes room for the bodies, as memory that is new would make a cycle long.
+  void Reserve(const Scene& scene, std::size_t movers);
+
+  kernels::BoxGrid grid;             ///< of fat boxes
+  std::vector<kernels::FatBox> fat;  ///< of movers
+  PastBoxes past;                    ///< the boxes that were enlarged
+  kernels::PairBuffer candidates;
+  bool goes_on = false;   ///< boxes keep their velocity, until `end`
+  double horizon = 0;     ///< intended lifetime in cycles
+  double end = 0;         ///< the last cycle for which boxes are enlarged
+  bool is_guess = false;  ///< made when nothing was known of the motion
+  double life = 0;        ///< of a guess: cycles for which it will do
+};
+
+/// Builds a list in steps of bounded cost. Each step enlarges the boxes of some movers as they are
+/// in that cycle, or works on the grid of all fat boxes; in no cycle all boxes are copied. A box
+/// may leave its fat box before the list is used, as it may afterwards. Costs are in nanoseconds of
+/// a typical machine and depend on numbers of boxes and pairs only, so that the same motion yields
+/// the same list. Errors: bad_alloc. Threads: one caller; large steps use those of `parts`.
+class SkinListBuilder {
+ public:
+  SkinListBuilder(const kernels::Kernels& kernels, kernels::PairParts& parts)
+      : next_(std::make_unique<SkinList>(kernels)), parts_(parts) {}
+
+  /// A budget that is never used up.
+  static constexpr double kUnlimited = 1e15;
+
+  void Prepare(const Scene& scene, std::size_t movers);
+  /// When the list is to be used, in cycles, and for how many.
+  struct Plan {
+    std::uint32_t begin;
+    double horizon;
+  };
+  /// `last` is null if boxes have not been seen before. It must stay as it is until the end.
+  void Start(const Scene& scene, const kernels::Bodies& bodies, const Plan& plan,
+             const SkinList* last);
+  /// In a cycle after a first list was made: for how many cycles it will do.
+  void Observe(const Scene& scene, std::uint32_t cycle, SkinList& guess);
+  void Cancel() { stage_ = Stage::kIdle; }
+  bool is_building() const { return stage_ != Stage::kIdle; }
+  /// All boxes are enlarged: it can be finished in one cycle for less than a new list costs.
+  bool is_half_done() const { return stage_ > Stage::kFatten; }
+  /// Works for `budget`, which is reduced by the cost. True if the list is done: Take it, from the
+  /// planned cycle on.
+  bool Advance(const Scene& scene, const kernels::Bodies& bodies, std::uint32_t cycle,
+               double& budget);
+  /// Exchanges the new list for another, whose memory the next one uses.
+  void Take(std::unique_ptr<SkinList>& list);
+
+  /// Cost of a whole list, foreseen from the last one, and what of it is left.
+  double WholeCost() const { return whole_cost_; }
+  double CostLeft() const;
+
+ private:
+  enum class Stage { kIdle, kMark, kLearn, kFatten, kArrange, kQuery, kDone };
+
+  void Mark(const Scene& scene, std::uint32_t cycle, double& budget);
+  void Fatten(const Scene& scene, std::uint32_t cycle, double& budget);
+  void Query(const Scene& scene, const kernels::Bodies& bodies, double& budget);
+  bool FindCandidates(const Scene& scene, const kernels::Bodies& bodies, std::size_t end);
+  void Shrink();
+
+  std::unique_ptr<SkinList> next_;
+  kernels::PairParts& parts_;
+  SkinMotion motion_;
+  const SkinList* last_ = nullptr;
+  Plan plan_ = {};
+  Stage stage_ = Stage::kIdle;
+  std::size_t movers_ = 0, cursor_ = 0, learnt_ = 0;
+  double share_ = 1;  ///< of the expected motion, in this list
+  double spent_ = 0, whole_cost_ = 0;
+};
+
+}  // namespace cdb::builtin

@@ -1,0 +1,228 @@
+#include "library/detectors/builtin/skin_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cdb::builtin {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kLeastSample = 64, kMostSample = 256;
+/// Deviations of all but a quarter, times this, hold nearly all of what jitters evenly.
+constexpr double kMarginFactor = 1.6;
+/// The same of all but a half.
+constexpr double kHalfMarginFactor = 2.7;
+/// Who deviated more than most gets so much of a margin of its own, up to a limit for those that
+/// bounced or were set elsewhere.
+constexpr double kOwnMarginFactor = 2;
+/// Candidates of a body that a first list may have, if boxes were spread evenly; or so many times
+/// the pairs.
+constexpr double kGuessedMost = 6, kGuessedFactor = 1.25;
+/// Of a mean side: a larger margin is for lists with nearly no candidates.
+constexpr double kUsualGuess = 0.5, kMostGuess = 4, kFewCandidates = 0.2;
+
+Vec3 Shift(const Box& from, const Box& to) {
+  return {(to.lower.x - from.lower.x + to.upper.x - from.upper.x) / 2,
+          (to.lower.y - from.lower.y + to.upper.y - from.upper.y) / 2,
+          (to.lower.z - from.lower.z + to.upper.z - from.upper.z) / 2};
+}
+double Length(const Vec3& way) {
+  return std::max(std::max(std::fabs(way.x), std::fabs(way.y)), std::fabs(way.z));
+}
+/// What is left of a shift after so many cycles of a velocity.
+Vec3 Rest(const Vec3& shift, const Vec3& velocity, double cycles) {
+  return {shift.x - velocity.x * cycles, shift.y - velocity.y * cycles,
+          shift.z - velocity.z * cycles};
+}
+Vec3 Scaled(const Vec3& way, double by) { return {way.x * by, way.y * by, way.z * by}; }
+
+/// A float is off by less than the last term. Infinity stays what it is.
+float Below(double x) { return static_cast<float>(x < kInfinity ? x - std::fabs(x) * 0x1p-23 : x); }
+float Above(double x) {
+  return static_cast<float>(x > -kInfinity ? x + std::fabs(x) * 0x1p-23 : x);
+}
+
+std::size_t SampledBody(std::size_t k, std::size_t movers) {
+  return SkinMotion::SampleSize(movers) < movers ? kernels::SamplePlace(k, movers) : k;
+}
+
+/// A sample of the finite boxes: the mean of their sides, and twice the distance between their
+/// quartiles.
+struct Spread {
+  Vec3 side = {}, width = {};
+  bool is_known = false;
+};
+Spread SpreadOf(const Scene& scene, std::size_t movers) {
+  Spread spread;
+  for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    std::vector<double> corners;
+    const std::size_t size = std::min(movers, kMostSample);
+    for (std::size_t k = 0; k < size; ++k) {
+      const Box& box = scene.boxes[size < movers ? kernels::SamplePlace(k, movers) : k];
+      const double side = box.upper.*axis - box.lower.*axis;
+      if (!std::isfinite(side)) continue;
+      corners.push_back(box.lower.*axis);
+      spread.side.*axis += side;
+    }
+    if (corners.size() < 4) return {};
+    std::ranges::sort(corners);
+    spread.side.*axis /= static_cast<double>(corners.size());
+    spread.width.*axis = 2 * (corners[corners.size() * 3 / 4] - corners[corners.size() / 4]);
+  }
+  spread.is_known = true;
+  return spread;
+}
+
+}  // namespace
+
+void PastBoxes::Take(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle) {
+  std::copy(scene.boxes.begin() + static_cast<std::ptrdiff_t>(begin),
+            scene.boxes.begin() + static_cast<std::ptrdiff_t>(end),
+            boxes.begin() + static_cast<std::ptrdiff_t>(begin));
+  for (std::size_t block = begin / kBlock; block * kBlock < end; ++block) cycles[block] = cycle;
+}
+
+std::size_t SkinMotion::SampleSize(std::size_t movers) {
+  return std::min(movers, std::clamp(movers / 24, kLeastSample, kMostSample));
+}
+
+void SkinMotion::Prepare(std::size_t movers) {
+  goes_on_ = has_marks_ = false;
+  margin_ = most_margin_ = most_speed_ = 0;
+  velocities_.assign(movers, {0, 0, 0});
+  margins_.assign(movers, 0);
+  marks_.Resize(movers);
+}
+
+void SkinMotion::Guess(const Scene& scene, std::size_t movers) {
+  std::ranges::fill(velocities_, Vec3{0, 0, 0});
+  goes_on_ = has_marks_ = false;
+  margin_ = 0;
+  observed_.clear();
+  const Spread spread = SpreadOf(scene, movers);
+  const auto candidates = [&](double margin) {
+    double share = static_cast<double>(movers) / 2;
+    for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+      const double reach = 2 * (spread.side.*axis + 2 * margin);
+      share *= std::min(1., reach / std::max(spread.width.*axis, 1e-300));
+    }
+    return share;
+  };
+  const double side = Length(spread.side);
+  if (spread.is_known && side > 0 && side < kInfinity) {
+    const double most = std::max(kGuessedFactor * candidates(0), kGuessedMost);
+    for (double margin = side / 64; margin <= kMostGuess * side; margin *= 1.25)
+      if (candidates(margin) <= (margin <= kUsualGuess * side ? most : kFewCandidates))
+        margin_ = margin;
+  }
+  most_margin_ = margin_;
+  std::ranges::fill(margins_, margin_);
+}
+
+double SkinMotion::Observe(const Scene& scene, std::size_t movers, const PastBoxes& past,
+                           std::uint32_t cycle) {
+  observed_.clear();
+  observed_in_ = cycle;
+  std::vector<double> speeds;
+  for (std::size_t k = 0; k < SampleSize(movers); ++k) {
+    const std::size_t i = SampledBody(k, movers);
+    observed_.push_back(scene.boxes[i]);
+    const double speed =
+        Length(Shift(past.boxes[i], scene.boxes[i])) / std::max(cycle - past.CycleOf(i), 1u);
+    if (std::isfinite(speed)) speeds.push_back(speed);
+  }
+  if (speeds.empty()) return kInfinity;
+  const auto most = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() * 19 / 20);
+  std::nth_element(speeds.begin(), most, speeds.end());
+  return *most > 0 ? margin_ / *most : kInfinity;
+}
+
+// Both ways to foresee where boxes go are judged by where some of them went.
+void SkinMotion::Learn(const Scene& scene, std::size_t movers, const PastBoxes& past,
+                       std::uint32_t cycle) {
+  double resting[kMostSample], going[kMostSample], speed = 0;
+  std::size_t size = 0;
+  for (std::size_t k = 0; k < SampleSize(movers); ++k) {
+    const std::size_t i = SampledBody(k, movers);
+    const double cycles = cycle - past.CycleOf(i);
+    if (cycles == 0) continue;
+    const Vec3 shift = Shift(past.boxes[i], scene.boxes[i]);
+    const std::uint32_t observed = observed_in_ - past.CycleOf(i);
+    const Vec3 velocity = observed_.empty() || observed == 0
+                              ? velocities_[i]
+                              : Scaled(Shift(past.boxes[i], observed_[k]), 1. / observed);
+    const double stayed = Length(shift), went = Length(Rest(shift, velocity, cycles));
+    if (!std::isfinite(stayed + went)) continue;
+    resting[size] = stayed;
+    going[size++] = went;
+    speed += stayed / cycles;
+  }
+  observed_.clear();
+  if (size == 0) return;
+  const auto at = [size](double* values, double share) {
+    const auto place = static_cast<std::size_t>(share * static_cast<double>(size));
+    std::nth_element(values, values + place, values + size);
+    return values[place];
+  };
+  goes_on_ = at(going, 0.75) < at(resting, 0.75) / 2 || at(going, 0.5) < at(resting, 0.5) / 2;
+  double* deviations = goes_on_ ? going : resting;
+  margin_ = kMarginFactor * at(deviations, 0.75);
+  // In a long list many were turned round; they must not decide for the others.
+  if (goes_on_) margin_ = std::min(margin_, kHalfMarginFactor * at(deviations, 0.5));
+  // Who goes on and yet deviated was turned round once; it will not be all the time.
+  most_margin_ = goes_on_ ? margin_ : kMarginFactor * at(deviations, 0.95);
+  most_speed_ = 16 * speed / static_cast<double>(size);
+}
+
+void SkinMotion::Mark(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle) {
+  marks_.Take(scene, begin, end, cycle);
+  has_marks_ = true;
+}
+
+// Who was turned round goes on as it did at the end of the list. Of the others all cycles say more,
+// as boxes are rounded.
+void SkinMotion::LearnBodies(const Scene& scene, std::size_t begin, std::size_t end,
+                             const PastBoxes& past, std::uint32_t cycle) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint32_t age = cycle - past.CycleOf(i);
+    if (age == 0) continue;  // nothing was seen
+    const std::uint32_t recent_age = has_marks_ ? cycle - marks_.CycleOf(i) : 0;
+    const Vec3 way = Shift(past.boxes[i], scene.boxes[i]);
+    const double deviation = Length(Rest(way, velocities_[i], goes_on_ ? age : 0));
+    const double own = kOwnMarginFactor * deviation;
+    // In this order what is not a number is left out.
+    margins_[i] = std::max(margin_, own < most_margin_ ? own : most_margin_);
+    const Vec3 velocity = recent_age > 0 && recent_age < age && deviation > margin_
+                              ? Scaled(Shift(marks_.boxes[i], scene.boxes[i]), 1. / recent_age)
+                              : Scaled(way, 1. / age);
+    velocities_[i] = std::isfinite(velocity.x + velocity.y + velocity.z) ? velocity : Vec3{0, 0, 0};
+  }
+}
+
+// The grid takes fat boxes as the floats that they are, so it finds their pairs exactly.
+void SkinMotion::Fatten(const Scene& scene, std::size_t begin, std::size_t end, const Span& span,
+                        kernels::FatBox* fat, const kernels::Columns& columns) const {
+  const double share = goes_on_ ? span.share : 0;
+  const double from = share * span.from, to = share * span.to;
+  const double most_way = std::isfinite(most_speed_) ? most_speed_ * to : 0;
+  const double factor = (goes_on_ ? std::max(span.longer, 1.) : 1) * span.share;
+  const auto held = [&](double way) {
+    const double within = std::clamp(way, -most_way, most_way);
+    return std::isfinite(within) ? within : 0;
+  };
+  for (std::size_t i = begin; i < end; ++i) {
+    const Box& box = scene.boxes[i];
+    const double margin = factor * margins_[i];
+    const auto fatten = [&](std::size_t axis, double lower, double upper, double velocity) {
+      const double first = held(velocity * from), last = held(velocity * to);
+      fat[i].lower[axis] = columns.lower[axis][i] = Below(lower + std::min(first, last) - margin);
+      fat[i].upper[axis] = columns.upper[axis][i] = Above(upper + std::max(first, last) + margin);
+    };
+    fatten(0, box.lower.x, box.upper.x, velocities_[i].x);
+    fatten(1, box.lower.y, box.upper.y, velocities_[i].y);
+    fatten(2, box.lower.z, box.upper.z, velocities_[i].z);
+  }
+}
+
+}  // namespace cdb::builtin

@@ -1,0 +1,52 @@
+// The work of skin in a cycle, counted in boxes and pairs looked at.
+#include "library/detectors/builtin/skin.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string_view>
+#include <vector>
+
+#include "tests/library/detectors/box_scenes.h"
+
+namespace cdb::tests {
+namespace {
+
+/// Of each cycle but the first, which has to make a list.
+std::vector<double> WorkOf(std::string_view scene, std::size_t bodies, int cycles) {
+  BoxScene moving(scene, bodies);
+  builtin::Skin skin({});
+  std::vector<double> work;
+  for (int cycle = 0; cycle < cycles; ++cycle, moving.Move()) {
+    Listed(skin, moving.View());
+    if (cycle > 0) work.push_back(skin.Work());
+  }
+  std::ranges::sort(work);
+  return work;
+}
+
+TEST(SkinWork, IsSpreadOverCyclesSoThatNoneTakesMuchLongerThanOthers) {
+  for (const std::string_view scene : kBoxScenes) {
+    if (scene == "asleep") continue;  // no work at all
+    for (const std::size_t bodies : {1000u, 3000u}) {
+      const std::vector<double> work = WorkOf(scene, bodies, 400);
+      EXPECT_LE(work.back(), 3.1 * work[work.size() / 2]) << scene << ", " << bodies;
+      EXPECT_LE(work[work.size() * 99 / 100], 3 * work[work.size() / 2]) << scene << ", " << bodies;
+    }
+  }
+}
+
+TEST(SkinWork, GrowsWithTheBodies) {
+  for (const std::string_view scene : {"sparse", "dense", "cluster"}) {
+    const auto sum = [&](std::size_t bodies) {
+      const std::vector<double> work = WorkOf(scene, bodies, 60);
+      return std::accumulate(work.begin(), work.end(), 0.);
+    };
+    EXPECT_LE(std::log(sum(16000) / sum(1000)) / std::log(16.), 1.05) << scene;
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests
