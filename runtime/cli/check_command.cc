@@ -1,16 +1,20 @@
-// `cdb check`: the errors of scenario files, without running them.
+// `cdb check`: the errors of scenario files, without running them; whether results files, shards
+// and traces are whole.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "runtime/cli/check_stored.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/diagnostics_json.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
+#include "runtime/store/store.h"
 
 namespace cdb::cli {
 namespace {
@@ -32,12 +36,19 @@ compiler::Compilation CompileToJson(const std::string& file,
 ExitStatus Check(const CheckArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
+    if (name != "-" && store::IsStored(name)) {
+      if (arguments.json)
+        throw CommandError(fmt::format(
+            "--json is for scenario files, and '{}' is none; check it without --json", name));
+      status = std::max(status, CheckStored(name));
+      continue;
+    }
     const std::string file = FileOrStandardInput(name);
     const auto result = arguments.json ? CompileToJson(file, arguments.plugins)
                                        : CompileAndReport(file, std::nullopt, LintText::kWhole,
                                                           arguments.plugins, /*lists_runs=*/false);
     if (result.diagnostics.has_errors()) {
-      status = ExitStatus::kScenario;
+      status = std::max(status, ExitStatus::kScenario);
       continue;
     }
     if (arguments.json) continue;
@@ -52,8 +63,11 @@ ExitStatus Check(const CheckArguments& arguments) {
 
 void AddCheckCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<CheckArguments>();
-  Subcommand command(app, "check", "report every error and warning in scenario files");
-  command.Required("FILE", arguments->files, "scenario files; - for standard input");
+  Subcommand command(
+      app, "check",
+      "report every error and warning in scenario files; say whether results are whole");
+  command.Required("FILE", arguments->files,
+                   "scenario files, - for standard input; results files, shards, traces");
   command.Flag("--json", arguments->json,
                "print a JSON object a line for each, with the fields of rustc");
   command.Plugins(arguments->plugins);
