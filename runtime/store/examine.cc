@@ -116,7 +116,6 @@ void ReadGroup(const hdf5::Group& group, const std::string& prefix, int depth, s
   if (arrays > kMostArrays) throw hdf5::Error("it has more arrays than a results file");
   for (const std::string& name : names.datasets) {
     const hdf5::Dataset dataset = group.OpenDataset(name);
-    dataset.Texts();
     try {
       ReadArray(prefix + name, dataset, visit);
     } catch (const hdf5::Error& error) {
