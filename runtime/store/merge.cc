@@ -242,6 +242,27 @@ class Merger {
     return shard;
   }
 
+  struct ShardContacts {
+    bool are_recorded = false;
+    std::uint64_t rows = 0;
+  };
+  static ShardContacts ContactsOf(const hdf5::File& shard, const fs::path& path) {
+    try {
+      const std::vector<double> first = shard.OpenDataset("contact_first").Read();
+      const hdf5::Shape rows = shard.OpenDataset("contact_distance").shape();
+      if (first.size() != 1 || rows.size() != 1 ||
+          shard.OpenDataset("contact_body").shape() != hdf5::Shape{rows[0], 2} ||
+          shard.OpenDataset("contact_point").shape() != hdf5::Shape{rows[0], 3} ||
+          shard.OpenDataset("contact_normal").shape() != hdf5::Shape{rows[0], 3})
+        throw hdf5::Error("its contacts have arrays of several lengths");
+      return {first[0] == first[0], rows[0]};
+    } catch (const hdf5::Error& error) {
+      throw StoreError(
+          fmt::format("{}: is damaged: {}; nothing was merged: remove it and its run is done again",
+                      path.string(), error.what()));
+    }
+  }
+
   /// Rows of contacts in grid order; a run that fills two cells stands there twice.
   void PlaceContacts(std::size_t cells) {
     if (!facts_.contacts) return;
@@ -252,10 +273,10 @@ class Merger {
       const auto path = FindShard(run.run_id);
       if (!path) continue;
       const hdf5::File shard = OpenOf(run.run_id, *path, ReadSealed(*path));
-      const double first = shard.OpenDataset("contact_first").Read().at(0);
+      const ShardContacts contacts = ContactsOf(shard, *path);
       for (const std::size_t cell : run.cells) {
-        recorded[cell] = first == first;
-        rows[cell] = shard.OpenDataset("contact_distance").shape().at(0);
+        recorded[cell] = contacts.are_recorded;
+        rows[cell] = contacts.rows;
       }
     }
     for (std::size_t cell = 0; cell < cells; ++cell) {

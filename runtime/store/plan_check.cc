@@ -36,6 +36,15 @@ void CheckCoordinates(const hdf5::File& file, const plan::Axis& axis) {
     throw hdf5::Error(fmt::format("the axis {} has other values than its plan", axis.name));
 }
 
+/// Versions of before had fewer arrays.
+void CheckIsAs(const hdf5::File& file, const std::string& name, hdf5::Type type,
+               const hdf5::Shape& shape) {
+  if (!file.Has(name)) return;
+  const hdf5::Dataset dataset = file.OpenDataset(name);
+  if (dataset.type() != type || dataset.shape() != shape)
+    throw hdf5::Error(fmt::format("{} has another type or shape than its plan has", name));
+}
+
 std::uint64_t RowsOfContacts(const hdf5::File& file) {
   return file.Has("contact_row") ? hdf5::Product(file.OpenDataset("contact_row").shape()) : 0;
 }
@@ -54,16 +63,13 @@ void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
   if (layout.grid != extents.grid || facts.cycles != extents.cycles)
     throw hdf5::Error("its axes are not as long as its plan has them");
   for (const plan::Axis& axis : plan->axes) CheckCoordinates(file, axis);
-  for (const Array& array : layout.arrays) {
-    if (!file.Has(array.name)) {
-      // Versions of before had fewer arrays.
-      if (array.name != "duration") continue;
-      throw hdf5::Error("it lacks the durations that its plan records");
-    }
-    const hdf5::Dataset dataset = file.OpenDataset(array.name);
-    if (dataset.type() != array.type || dataset.shape() != array.shape)
-      throw hdf5::Error(fmt::format("{} has another type or shape than its plan has", array.name));
-  }
+  for (const Dimension& dimension : layout.dimensions)
+    CheckIsAs(file, dimension.name, dimension.type, {dimension.size});
+  for (const Array& array : layout.arrays) CheckIsAs(file, array.name, array.type, array.shape);
+  const bool has_durations =
+      std::ranges::find(layout.arrays, "duration", &Array::name) != layout.arrays.end();
+  if (has_durations && !file.Has("duration"))
+    throw hdf5::Error("it lacks the durations that its plan records");
 }
 
 }  // namespace cdb::store

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/store/seal.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -100,6 +101,26 @@ TEST(Explain, ShowsBothExamplesAndTheMessage) {
   const Finished unknown = program.Run({"explain", "unknown-nme"});
   EXPECT_EQ(unknown.status, 2);
   EXPECT_NE(unknown.err.find("did you mean 'unknown-name'?"), std::string::npos) << unknown.err;
+}
+
+TEST(Check, AResultsFileOfAnotherPlanThanItHoldsIsDamaged) {
+  const Program program;
+  program.Write("a.cdb", "benchmark b {\n  cycles 5\n  repeats 2\n  objects.quantity 0\n}\n");
+  ASSERT_EQ(program.Run({"run", "a.cdb", "-q", "-o", "a.h5"}).status, 0);
+  std::string bytes = program.Read("a.h5");
+  bytes.resize(bytes.size() - sizeof(store::Seal));
+  const std::size_t place = bytes.find("\nrepeats: 2\n");
+  ASSERT_NE(place, std::string::npos);
+  bytes[place + 10] = '3';
+  program.Write("a.h5", bytes);
+  store::AppendSeal(program.folder() / "a.h5", "a.h5");
+  for (const char* command : {"check", "show"}) {
+    const Finished other = program.Run({command, "a.h5"});
+    EXPECT_EQ(other.status, 2);
+    EXPECT_NE(other.err.find("its plan is not the one that its plan_sha256 names"),
+              std::string::npos)
+        << other.err;
+  }
 }
 
 TEST(Check, AResultsFileIsKnownByItsContents) {
