@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <optional>
@@ -93,11 +94,20 @@ std::string ToBytes(ConvexDecomposition form) {
   return writer.Take();
 }
 
+bool HasFacesOfItsVertices(const ConvexPiece& piece) {
+  return std::ranges::all_of(piece.faces, [&](const meshes::Triangle& face) {
+    return std::ranges::all_of(
+        face, [&](std::uint32_t vertex) { return vertex < piece.vertices.size(); });
+  });
+}
+
 std::optional<ConvexDecomposition> FromBytes(std::string_view bytes) {
   Reader reader(bytes);
   ConvexDecomposition form;
   Visit(reader, form);
-  return reader.IsDone() && !form.pieces.empty() ? std::optional(std::move(form)) : std::nullopt;
+  const bool is_whole = reader.IsDone() && !form.pieces.empty() &&
+                        std::ranges::all_of(form.pieces, HasFacesOfItsVertices);
+  return is_whole ? std::optional(std::move(form)) : std::nullopt;
 }
 
 }  // namespace

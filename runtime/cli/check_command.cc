@@ -1,4 +1,5 @@
-// `cdb check`: the errors of scenario files, without running them.
+// `cdb check`: the errors of scenario files, without running them; whether results files, shards
+// and traces are whole.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +9,14 @@
 #include <vector>
 
 #include "compiler/grid/part.h"
+#include "runtime/cli/check_stored.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/diagnostics_json.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
 #include "runtime/schedule/bounds.h"
+#include "runtime/store/store.h"
 
 namespace cdb::cli {
 namespace {
@@ -47,12 +50,19 @@ bool FitsHere(const grid::Grid& grid, const std::string& file) {
 ExitStatus Check(const CheckArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
+    if (name != "-" && store::IsStored(name)) {
+      if (arguments.json)
+        throw CommandError(fmt::format(
+            "--json is for scenario files, and '{}' is none; check it without --json", name));
+      status = std::max(status, CheckStored(name));
+      continue;
+    }
     const std::string file = FileOrStandardInput(name);
     const auto result = arguments.json ? CompileToJson(file, arguments.plugins)
                                        : CompileAndReport(file, std::nullopt, LintText::kWhole,
                                                           arguments.plugins, /*lists_runs=*/false);
     if (result.diagnostics.has_errors()) {
-      status = ExitStatus::kScenario;
+      status = std::max(status, ExitStatus::kScenario);
       continue;
     }
     for (const grid::Grid& grid : result.grids)
@@ -69,8 +79,11 @@ ExitStatus Check(const CheckArguments& arguments) {
 
 void AddCheckCommand(CLI::App& app, ExitStatus& status) {
   const auto arguments = std::make_shared<CheckArguments>();
-  Subcommand command(app, "check", "report every error and warning in scenario files");
-  command.Required("FILE", arguments->files, "scenario files; - for standard input");
+  Subcommand command(
+      app, "check",
+      "report every error and warning in scenario files; say whether results are whole");
+  command.Required("FILE", arguments->files,
+                   "scenario files, - for standard input; results files, shards, traces");
   command.Flag("--json", arguments->json,
                "print a JSON object a line for each, with the fields of rustc");
   command.Plugins(arguments->plugins);

@@ -61,10 +61,26 @@ SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   return sized;
 }
 
+/// Empty where it cannot be read.
+std::string PlanOf(const std::string& results) {
+  try {
+    return store::ResultFile(results, store::ProofOf::kStructure).plan_sha256();
+  } catch (const store::StoreError&) {
+    return {};
+  }
+}
+
 /// Throws CommandError where `out` holds the results of another plan.
 void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {
   std::error_code error;
-  if (!fs::exists(out, error) || store::ResultFile(out).plan_sha256() == plan.Sha256()) return;
+  if (!fs::exists(out, error)) return;
+  const std::string sha256 = PlanOf(out);
+  if (sha256 == plan.Sha256()) return;
+  if (sha256.empty())
+    throw CommandError(
+        fmt::format("'{}' is there, and is no results file or a damaged one; it is left as it is: "
+                    "remove it, or name another file (-o)",
+                    out));
   throw CommandError(fmt::format(
       "'{}' holds the results of another plan and is left as it is; name another file", out));
 }

@@ -39,7 +39,10 @@ constexpr std::size_t kGltfBudget = 1'000'000'000;
 using report::AxisSelection;
 using view::SceneRecording;
 
-bool IsResults(const std::string& file) { return file.ends_with(".h5") || file.ends_with(".nc"); }
+/// By its contents; a missing or an empty file is known by its name.
+bool IsResults(const std::string& file) {
+  return file.ends_with(".h5") || file.ends_with(".nc") || store::IsStored(file);
+}
 
 std::vector<AxisSelection> ParseAll(const std::vector<std::string>& words) {
   std::vector<AxisSelection> selections;

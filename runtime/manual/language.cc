@@ -464,6 +464,19 @@ marks cycles that did not run and runs that do not exist. The arrays are as long
 the rest of a shorter one is padding with fill values. It is compressed, and `cdb show` states its
 share.
 
+The last 24 bytes of the file are a seal, behind the end of the HDF5 file: `cdb seal`, the number of
+bytes before it, and a 64-bit checksum of them. Every command compares a file with its seal before
+HDF5 reads it, and `cdb check out.h5` also reads every value, and compares runs, shapes and axes
+with the plan in the file:
+  out.h5: whole: 24 of 24 runs, of plan 0123456789ab; every byte is as it was written
+Every chunk has a Fletcher-32 checksum too, which HDF5 verifies in every language; data sets without
+chunks have the seal only. The attribute `digest` says that there is a seal: a file without it is of
+an earlier version and is read. Remove it from a copy that another program made (h5repack, ncks).
+A file that cdb did not write is first read in a process with limits of time and memory; links,
+views, values in other files, and filters other than shuffle, deflate and fletcher32 are refused.
+All values of files up to 64 MiB are read before any is shown; those of longer files are checked as
+they are read.
+
 An axis keeps the name that the scenario gives it. `cdb check` refuses a name that is taken: those of
 the variables and groups in the root, of the facts in /run, and, if the scenario asks for errors, of
 the arrays in /accuracy.
@@ -530,7 +543,9 @@ The file is HDF5, and also valid netCDF-4:
   poses(cycle, object, pose)      centre of mass and orientation quaternion after the cycle
   scenario_text, run_text         the scenario, and all settings of the run, as YAML
   attributes                      schema, schema_version, benchmark, point, run_id, state_hash, sha256,
-                                  precision, timestep (s), bodies, objects, cycles
+                                  precision, timestep (s), bodies, objects, cycles, digest
+
+A trace ends with a seal, as results do; `cdb check t.h5` verifies it.
 
   import h5py
   boxes = h5py.File("dense.trace.h5")["boxes"][:]

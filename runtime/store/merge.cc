@@ -14,12 +14,16 @@
 #include <utility>
 
 #include "compiler/plan/plan_yaml.h"
+#include "runtime/store/examine.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/layout_file.h"
+#include "runtime/store/limited_process.h"
 #include "runtime/store/merge_base.h"
 #include "runtime/store/merged_provenance.h"
+#include "runtime/store/proof.h"
 #include "runtime/store/reference_shard.h"
 #include "runtime/store/safe_file.h"
+#include "runtime/store/seal.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/shard_index.h"
 #include "runtime/store/store.h"
@@ -128,6 +132,7 @@ class Merger {
     CreateArrays(file, layout_);
     const std::size_t merged = CopyShards(file);
     WriteHead(file, plan_, facts_, fmt::format("merged {} of {} runs", merged, runs_.size()));
+    file.SetText(kDigestAttribute, kDigestText);
     for (std::size_t i = 0; i < numbers_.size(); ++i)
       file.OpenDataset(facts_.numbers[i].name).Write(numbers_[i]);
     for (std::size_t i = 0; i < texts_.size(); ++i)
@@ -174,6 +179,16 @@ class Merger {
       if (file.OpenDataset(name).ReadText() != texts_[i])
         throw hdf5::Error(fmt::format("{} did not come back as it was written", name));
     }
+  }
+
+  /// Chunks are copied unseen: that those of `path` can be read, and hold what is possible, where
+  /// they are not too many.
+  void Prove(const fs::path& path) const {
+    const std::uintmax_t bytes = fs::file_size(path);
+    if (bytes > kMostProven) return;
+    const std::string why = RunLimited([&] { CheckAllValues(hdf5::File::Open(path), extents()); },
+                                       LimitsForFile(bytes));
+    if (!why.empty()) throw hdf5::Error(why);
   }
 
  private:
@@ -234,6 +249,27 @@ class Merger {
     return shard;
   }
 
+  struct ShardContacts {
+    bool are_recorded = false;
+    std::uint64_t rows = 0;
+  };
+  static ShardContacts ContactsOf(const hdf5::File& shard, const fs::path& path) {
+    try {
+      const std::vector<double> first = shard.OpenDataset("contact_first").Read();
+      const hdf5::Shape rows = shard.OpenDataset("contact_distance").shape();
+      if (first.size() != 1 || rows.size() != 1 ||
+          shard.OpenDataset("contact_body").shape() != hdf5::Shape{rows[0], 2} ||
+          shard.OpenDataset("contact_point").shape() != hdf5::Shape{rows[0], 3} ||
+          shard.OpenDataset("contact_normal").shape() != hdf5::Shape{rows[0], 3})
+        throw hdf5::Error("its contacts have arrays of several lengths");
+      return {first[0] == first[0], rows[0]};
+    } catch (const hdf5::Error& error) {
+      throw StoreError(
+          fmt::format("{}: is damaged: {}; nothing was merged: remove it and its run is done again",
+                      path.string(), error.what()));
+    }
+  }
+
   /// Rows of contacts in grid order; a run that fills two cells stands there twice.
   void PlaceContacts(std::size_t cells) {
     if (!facts_.contacts) return;
@@ -250,10 +286,10 @@ class Merger {
           }
       if (!path) continue;
       const hdf5::File shard = OpenOf(run.run_id, *path, ReadSealed(*path));
-      const double first = shard.OpenDataset("contact_first").Read().at(0);
+      const ShardContacts contacts = ContactsOf(shard, *path);
       for (const std::size_t cell : run.cells) {
-        recorded[cell] = first == first;
-        rows[cell] = shard.OpenDataset("contact_distance").shape().at(0);
+        recorded[cell] = contacts.are_recorded;
+        rows[cell] = contacts.rows;
       }
     }
     for (std::size_t cell = 0; cell < cells; ++cell) {
@@ -261,6 +297,8 @@ class Merger {
       contact_rows_ += rows[cell];
     }
   }
+
+  FileExtents extents() const { return {kSchemaVersion, layout_.grid, facts_.cycles}; }
 
   /// Returns how many there were.
   std::size_t CopyShards(hdf5::File& file) {
@@ -277,13 +315,13 @@ class Merger {
         ++merged;
       }
       if (!path) continue;
-      const std::vector<std::byte> bytes = ReadSealed(*path);
-      const auto index = FindIndex(bytes);
-      if (index && IsUsable(*index)) {
-        CheckIsOf(run.run_id, *path, index->info.plan_sha256, index->info.run_id);
-        CopyIndexed(*index, bytes, run, series);
-      } else {
-        CopyFile(run, *path, OpenOf(run.run_id, *path, bytes), series, contacts);
+      try {
+        CopyShard(run, *path, series, contacts);
+      } catch (const hdf5::Error& error) {
+        throw StoreError(
+            fmt::format("{}: is damaged: {}; nothing was merged: remove it and its run is done "
+                        "again",
+                        path->string(), error.what()));
       }
       file.CheckWritten();
       ++merged;
@@ -340,6 +378,17 @@ class Merger {
     copied_rows_.push_back({name, to, count, Checksum(std::as_bytes(std::span(values)))});
   }
 
+  void CopyShard(const Cells& run, const fs::path& path, std::vector<hdf5::Dataset>& series,
+                 std::vector<hdf5::Dataset>& contacts) {
+    const std::vector<std::byte> bytes = ReadSealed(path);
+    const auto index = FindIndex(bytes);
+    if (index && IsUsable(*index)) {
+      CheckIsOf(run.run_id, path, index->info.plan_sha256, index->info.run_id);
+      return CopyIndexed(*index, bytes, run, series);
+    }
+    CopyFile(run, path, OpenOf(run.run_id, path, bytes), series, contacts);
+  }
+
   bool IsUsable(const ShardIndex& index) const {
     const auto is_known = [this](const IndexedChunk& chunk) {
       return chunk.series < series_.size() &&
@@ -369,6 +418,8 @@ class Merger {
   /// The same by the index of a shard, without HDF5.
   void CopyIndexed(const ShardIndex& index, std::span<const std::byte> bytes, const Cells& run,
                    std::vector<hdf5::Dataset>& series) {
+    for (std::size_t i = 0; i < numbers_.size(); ++i)
+      CheckValues(facts_.numbers[i].name, std::span(&index.numbers[i], 1), extents());
     for (const IndexedChunk& chunk : index.chunks)
       CopyChunk(chunk.series, chunk.chunk, chunk.filter_mask,
                 bytes.subspan(chunk.begin, chunk.bytes), run.cells, series[chunk.series]);
@@ -403,13 +454,15 @@ class Merger {
     is_cut_known_[index] = true;
     if (source.type() != array.type || source.shape() != shape || !is_cut_alike)
       throw hdf5::Error(fmt::format("{} of a shard has another shape", array.name));
+    const bool has_checksums = source.HasChecksums();
     const hdf5::Shape origin(layout_.grid.size(), 0);
     const std::uint64_t chunks = ChunksOfCell(array, origin.size());
     hdf5::RawChunk chunk;
     for (std::uint32_t i = 0; i < chunks; ++i) {
       if (!source.ReadChunk(ChunkStart(array, origin, i), chunk)) continue;  // no cycle of it ran
-      CopyChunk(static_cast<std::uint32_t>(index), i, chunk.filter_mask, chunk.bytes, cells,
-                target);
+      // Shards of before have chunks without checksums.
+      const std::uint32_t mask = chunk.filter_mask | (has_checksums ? 0 : hdf5::kNoChecksum);
+      CopyChunk(static_cast<std::uint32_t>(index), i, mask, chunk.bytes, cells, target);
     }
   }
 
@@ -498,12 +551,14 @@ void Merge(const plan::Plan& plan, const Provenance& provenance,
     Merger merger(plan, provenance, shards, base);
     merger.Write(temporary.path());
     merger.Verify(temporary.path());
+    merger.Prove(temporary.path());
   } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: cannot merge the shards: {}; they are all kept in {}: make "
                     "room or mend it, and merge again",
                     out.string(), error.what(), shards.empty() ? "" : shards.front().string()));
   }
+  AppendSeal(temporary.path(), out);
   temporary.Publish();
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "runtime/store/merged_provenance.h"
+#include "runtime/store/seal.h"
 #include "runtime/store/store.h"
 #include "runtime/store/versions.h"
 
@@ -13,6 +14,11 @@ namespace cdb::store {
 
 MergeBase::MergeBase(const std::filesystem::path& path, const PlanFacts& facts)
     : file_(hdf5::File::Open(path)) {
+  if (CheckSeal(path) == SealState::kBroken)
+    throw StoreError(
+        fmt::format("{}: is damaged, and nothing was taken from it; nothing was changed: "
+                    "--fresh runs all again",
+                    path.string()));
   if (file_.Text("plan_sha256") != facts.sha256)
     throw StoreError(
         fmt::format("{}: holds the results of another plan; nothing was changed", path.string()));

@@ -9,6 +9,7 @@
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/safe_file.h"
+#include "runtime/store/seal.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/versions.h"
 

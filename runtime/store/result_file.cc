@@ -9,18 +9,29 @@
 
 #include "dsl/check.h"
 #include "runtime/store/dimensions.h"
+#include "runtime/store/examine.h"
 #include "runtime/store/hdf5/file.h"
+#include "runtime/store/plan_check.h"
+#include "runtime/store/proof.h"
 #include "runtime/store/run_facts.h"
-#include "runtime/store/safe_file.h"
-#include "runtime/store/shard.h"
 #include "runtime/store/store.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
 
-hdf5::File OpenAny(const std::filesystem::path& path) {
-  return IsSealed(path) ? OpenShard(path) : hdf5::File::Open(path);
+/// Of a damaged file.
+constexpr std::string_view kResultRemedy =
+    "merge it again from its shards, restore a copy, or run it again";
+
+constexpr std::size_t kMostPlanText = 256 << 10;
+
+/// Empty where there is none, as in shards.
+std::string PlanText(const hdf5::File& file) {
+  const std::string path = "provenance/plan_text";
+  if (!file.Has("provenance") || !file.Has(path)) return {};
+  const std::vector<std::string> texts = file.OpenDataset(path).ReadText();
+  return texts.size() == 1 ? texts[0] : std::string();
 }
 
 std::vector<std::string> Words(const std::string& text) {
@@ -35,6 +46,7 @@ std::vector<std::string> Words(const std::string& text) {
 struct ResultFile::Impl {
   Impl(const std::filesystem::path& path, hdf5::File opened)
       : name(path.string()), file(std::move(opened)), version(ReadVersion(file, name)) {
+    RequireSeal(file, path);
     sha256 = file.Text("plan_sha256");
     title = file.Text("title");
     benchmark = file.Text("benchmark");
@@ -59,7 +71,10 @@ struct ResultFile::Impl {
     cycles = Extent("cycle");
     if (file.OpenDataset("status").shape() != grid)
       throw hdf5::Error("its axes do not fit its arrays");
+    CheckArrays(file, extents());
   }
+
+  FileExtents extents() const { return {version, grid, cycles}; }
 
   /// Where the file holds what callers name `dataset`: facts of a run go without their group, and
   /// the time step of a run is not called like a possible axis.
@@ -98,18 +113,28 @@ struct ResultFile::Impl {
   }
 
   double Number(std::string_view dataset, const Cell& cell) {
-    return AtCell(numbers, dataset, cell, [](const hdf5::Dataset& array) { return array.Read(); });
+    return AtCell(numbers, dataset, cell, [&](const hdf5::Dataset& array) {
+      std::vector<double> values = array.Read();
+      CheckValues(IsRunFact(dataset) ? std::string(kRunGroup) + std::string(dataset) : dataset,
+                  values, extents());
+      return values;
+    });
   }
 
   /// All values of a cell in a series, kept until the next: chunks hold whole cells, and each is
-  /// unpacked once. `inner` is what the series has beside the grid.
-  const std::vector<double>& Block(std::string_view dataset, const Cell& cell, std::size_t inner) {
+  /// unpacked once. `inner` is what the series has beside the grid; 0 for any extent.
+  const std::vector<double>& Block(std::string_view dataset, const Cell& cell,
+                                   const hdf5::Shape& inner) {
     const std::size_t index = FlatIndex(cell);
     auto found = series.find(dataset);
     if (found == series.end()) {
       hdf5::Dataset array = file.OpenDataset(std::string(dataset));
-      if (array.shape().size() != grid.size() + inner ||
-          !std::equal(grid.begin(), grid.end(), array.shape().begin()))
+      hdf5::Shape shape = grid;
+      shape.insert(shape.end(), inner.begin(), inner.end());
+      const auto fits = [](std::uint64_t is, std::uint64_t wanted) {
+        return wanted == 0 || is == wanted;
+      };
+      if (!std::ranges::equal(array.shape(), shape, fits))
         throw hdf5::Error(fmt::format("{} is not a series of that kind", dataset));
       found = series.emplace(dataset, Series{std::move(array), {}, {}}).first;
     }
@@ -123,6 +148,7 @@ struct ResultFile::Impl {
         count.push_back(array.shape()[d]);
       start.resize(count.size(), 0);
       values = array.Read(start, count);
+      CheckValues(dataset, values, extents());
       at = index;
     }
     return values;
@@ -149,6 +175,11 @@ struct ResultFile::Impl {
     } catch (const hdf5::Error& error) {
       throw StoreError(
           fmt::format("{}: cannot be read: {}; it was left as it is", name, error.what()));
+    } catch (const std::bad_alloc&) {
+      throw StoreError(
+          fmt::format("{}: cannot be read: it needs more memory than there is; it was left as it "
+                      "is: show a part of it (--select), or use another machine",
+                      name));
     }
   }
 
@@ -161,6 +192,7 @@ struct ResultFile::Impl {
   std::string name;
   hdf5::File file;
   int version;
+  bool has_digest = false;
   std::string sha256, title, benchmark, source;
   std::vector<plan::Axis> axes;
   hdf5::Shape grid;                            ///< of the whole file
@@ -172,7 +204,7 @@ struct ResultFile::Impl {
   std::map<std::string, hdf5::Dataset, std::less<>> opened_arrays;
 };
 
-ResultFile::ResultFile(const std::filesystem::path& file) {
+ResultFile::ResultFile(const std::filesystem::path& file, ProofOf of) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status))
@@ -180,19 +212,30 @@ ResultFile::ResultFile(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(status))
     throw StoreError(
         fmt::format("{}: is a folder, not a result; name the .h5 file", file.string()));
+  const auto open = [&] { return std::make_unique<Impl>(file, hdf5::File::Open(file)); };
+  const bool has_digest = ProveFile(file, kResultRemedy, of, [&](bool reads_values) {
+    const auto opened = open();
+    if (!reads_values) return;
+    CheckAllValues(opened->file, opened->extents());
+    // Reading a long plan takes longer than showing its results.
+    const std::string text = PlanText(opened->file);
+    if (of == ProofOf::kEveryValue || text.size() <= kMostPlanText)
+      CheckAgainstPlan(opened->file, opened->extents(), text);
+  });
   try {
-    impl_ = std::make_unique<Impl>(file, OpenAny(file));
+    impl_ = open();
+    impl_->has_digest = has_digest;
   } catch (const hdf5::Error& failed) {
-    throw StoreError(
-        fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: merge "
-                    "it again from its shards",
-                    file.string(), failed.what()));
+    throw StoreError(fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: {}",
+                                 file.string(), failed.what(), kResultRemedy));
   }
 }
 
 ResultFile::ResultFile(ResultFile&&) noexcept = default;
 ResultFile::~ResultFile() = default;
 
+bool ResultFile::has_digest() const { return impl_->has_digest; }
+bool ResultFile::is_shard() const { return !impl_->file.Text("run_id").empty(); }
 const std::string& ResultFile::plan_sha256() const { return impl_->sha256; }
 const std::string& ResultFile::title() const { return impl_->title; }
 const std::string& ResultFile::benchmark() const { return impl_->benchmark; }
@@ -268,7 +311,7 @@ double ResultFile::ReadReal(std::string_view dataset, const Cell& cell) const {
 
 std::vector<double> ResultFile::ReadSeries(std::string_view dataset, const Cell& cell) const {
   return impl_->Reading([&] {
-    const std::vector<double>& block = impl_->Block(dataset, cell, 1);
+    const std::vector<double>& block = impl_->Block(dataset, cell, {impl_->cycles});
     return std::vector(block.begin(), block.begin() + static_cast<long>(impl_->CyclesOf(cell)));
   });
 }
@@ -276,14 +319,15 @@ std::vector<double> ResultFile::ReadSeries(std::string_view dataset, const Cell&
 std::vector<double> ResultFile::ReadDuration(measure::Phase phase, const Cell& cell) const {
   CDB_CHECK(measure::IndexOf(phase) < measure::kPhaseCount);
   return impl_->Reading([&] {
-    const std::vector<double>& block = impl_->Block("duration", cell, 2);
+    const std::vector<double>& block =
+        impl_->Block("duration", cell, {measure::kPhaseCount, impl_->cycles});
     const auto begin = block.begin() + static_cast<long>(measure::IndexOf(phase) * impl_->cycles);
     return std::vector(begin, begin + static_cast<long>(impl_->CyclesOf(cell)));
   });
 }
 
 std::vector<double> ResultFile::ReadSamples(std::string_view dataset, const Cell& cell) const {
-  return impl_->Reading([&] { return impl_->Block(dataset, cell, 1); });
+  return impl_->Reading([&] { return impl_->Block(dataset, cell, {0}); });
 }
 
 std::vector<double> ResultFile::ReadCycle(std::string_view dataset, const Cell& cell,
@@ -304,22 +348,29 @@ std::vector<double> ResultFile::ReadCycle(std::string_view dataset, const Cell& 
 
 std::vector<measure::ContactRecord> ResultFile::ReadContacts(const Cell& cell, std::uint64_t first,
                                                              std::uint64_t count) const {
-  std::vector<measure::ContactRecord> contacts(count);
-  if (count == 0) return contacts;
+  if (count == 0) return {};
   return impl_->Reading([&] {
     const double begin = impl_->Number("contact_first", cell);
     if (!(begin >= 0)) throw hdf5::Error("contact_first has no row for a run with contacts");
+    constexpr std::uint64_t kMostRows = std::uint64_t{1} << 53;
+    if (!(begin < static_cast<double>(kMostRows)) || first > kMostRows)
+      throw hdf5::Error("contact_first is beyond the rows of contacts");
     const auto row = static_cast<std::uint64_t>(begin) + first;
-    const auto rows = [&](std::string_view dataset) {
+    const auto rows = [&](std::string_view dataset, std::uint64_t width) {
       hdf5::Dataset& array = impl_->Opened(dataset);
-      hdf5::Shape start(array.shape().size(), 0), extent = array.shape();
-      start[0] = row;
-      extent[0] = count;
+      hdf5::Shape start = {row}, extent = {count};
+      if (width > 1) {
+        start.push_back(0);
+        extent.push_back(width);
+      }
+      if (array.shape().size() != start.size() || (width > 1 && array.shape()[1] != width))
+        throw hdf5::Error(fmt::format("{} has another shape than contacts have", dataset));
       return array.Read(start, extent);
     };
-    const std::vector<double> bodies = rows("contact_body"), points = rows("contact_point"),
-                              normals = rows("contact_normal"),
-                              distances = rows("contact_distance");
+    const std::vector<double> bodies = rows("contact_body", 2), points = rows("contact_point", 3),
+                              normals = rows("contact_normal", 3),
+                              distances = rows("contact_distance", 1);
+    std::vector<measure::ContactRecord> contacts(count);
     for (std::size_t i = 0; i < count; ++i) {
       contacts[i].body_a = bodies[2 * i];
       contacts[i].body_b = bodies[2 * i + 1];
@@ -343,11 +394,15 @@ std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
     const std::vector<std::string> ids = text(reference), roles = text(kReferenceGroup + "role"),
                                    messages = text(kReferenceGroup + "message");
     const std::vector<double> statuses = file.OpenDataset(kReferenceGroup + "status").Read();
+    if (roles.size() != ids.size() || messages.size() != ids.size() ||
+        statuses.size() != ids.size())
+      throw hdf5::Error("the arrays of its reference runs have several lengths");
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      const auto status = static_cast<Status>(statuses.at(i));
+      CheckValues("status", std::span(&statuses[i], 1), impl_->extents());
+      const auto status = static_cast<Status>(statuses[i]);
       if (status == Status::kDone || status == Status::kMissing) continue;
-      troubles.push_back(fmt::format("{} {}: {}{}{}", roles.at(i), ids[i], StatusName(status),
-                                     messages.at(i).empty() ? "" : ": ", messages.at(i)));
+      troubles.push_back(fmt::format("{} {}: {}{}{}", roles[i], ids[i], StatusName(status),
+                                     messages[i].empty() ? "" : ": ", messages[i]));
     }
     return troubles;
   });

@@ -6,8 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <limits>
@@ -15,6 +13,7 @@
 #include <utility>
 
 #include "runtime/measure/file_descriptor_io.h"
+#include "runtime/store/seal.h"
 #include "runtime/store/store.h"
 #include "runtime/store/temporary_file.h"
 
@@ -22,15 +21,6 @@ namespace cdb::store {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Stands after the last byte of a shard, where HDF5 and its readers do not look.
-struct Seal {
-  std::array<char, 8> magic;
-  std::uint64_t bytes;  ///< before the seal
-  std::uint64_t checksum;
-};
-static_assert(sizeof(Seal) == 24 && std::endian::native == std::endian::little);
-constexpr std::array<char, 8> kMagic = {'c', 'd', 'b', ' ', 's', 'e', 'a', 'l'};
 
 std::string ErrorText(int error) { return std::generic_category().message(error); }
 
@@ -70,21 +60,6 @@ std::size_t ReadAll(int fd, std::span<std::byte> bytes) {
 
 }  // namespace
 
-std::uint64_t Checksum(std::span<const std::byte> bytes) {
-  // Each step is a bijection of the state for a given word and of the word for a given state, so a
-  // change within one word never cancels out.
-  constexpr std::uint64_t kPrime = 0x9e3779b97f4a7c15;
-  std::uint64_t hash = bytes.size() * kPrime;
-  while (!bytes.empty()) {
-    std::uint64_t word = 0;
-    const std::size_t n = std::min(bytes.size(), sizeof(word));
-    std::memcpy(&word, bytes.data(), n);
-    hash = std::rotl((hash ^ word) * kPrime, 29);
-    bytes = bytes.subspan(n);
-  }
-  return hash ^ (hash >> 32);
-}
-
 void RequireFolder(const fs::path& folder, std::string_view use) {
   struct stat status = {};
   const int error = stat(folder.c_str(), &status) != 0 ? errno
@@ -113,7 +88,7 @@ void WritePieces(const std::function<void(const std::function<void(std::string_v
 }
 
 void WriteSealed(std::span<const std::byte> bytes, const fs::path& final_name) {
-  const Seal seal = {kMagic, bytes.size(), Checksum(bytes)};
+  const Seal seal = {kSealMagic, bytes.size(), Checksum(bytes)};
   TemporaryFile file(final_name);
   for (const auto part : {bytes, std::as_bytes(std::span(&seal, 1))})
     if (!measure::TryWriteAll(file.fd(), part)) file.Fail("write it", errno);
@@ -141,21 +116,11 @@ std::vector<std::byte> ReadSealed(const fs::path& path) {
     FailRead(path, "is not the result of a run (not HDF5, or damaged)");
   Seal seal = {};
   if (got >= sizeof(seal)) std::memcpy(&seal, &bytes[got - sizeof(seal)], sizeof(seal));
-  if (got < sizeof(seal) || seal.magic != kMagic || seal.bytes != got - sizeof(seal))
+  if (got < sizeof(seal) || seal.magic != kSealMagic || seal.bytes != got - sizeof(seal))
     FailRead(path, "is cut short, damaged, or not the result of a run (it has no seal)");
   bytes.resize(got - sizeof(seal));
   if (seal.checksum != Checksum(bytes)) FailRead(path, "is damaged (its checksum differs)");
   return bytes;
-}
-
-bool IsSealed(const fs::path& path) {
-  Descriptor file(path, O_RDONLY | O_NONBLOCK);
-  Seal seal = {};
-  const off_t end = file.get() < 0 ? -1 : lseek(file.get(), 0, SEEK_END);
-  if (end < static_cast<off_t>(sizeof(seal))) return false;
-  const off_t begin = end - static_cast<off_t>(sizeof(seal));
-  return pread(file.get(), &seal, sizeof(seal), begin) == ssize_t{sizeof(seal)} &&
-         seal.magic == kMagic;
 }
 
 }  // namespace cdb::store

@@ -1,6 +1,5 @@
 // Atomic files: written under a temporary name, synced and renamed, so that they exist completely
-// or not at all; and a seal at the end of a file that distinguishes it from a damaged one. Knows
-// nothing of HDF5.
+// or not at all; and sealed ones (seal.h) that are read at once. Knows nothing of HDF5.
 #pragma once
 
 #include <cstddef>
@@ -31,11 +30,5 @@ void WriteSealed(std::span<const std::byte> bytes, const std::filesystem::path& 
 /// What `WriteSealed` wrote, without the seal. Throws StoreError for a file that cannot be read or
 /// that is not byte for byte what was written.
 std::vector<std::byte> ReadSealed(const std::filesystem::path& file);
-
-/// The file ends with a seal; says nothing about what stands before it.
-bool IsSealed(const std::filesystem::path& file);
-
-/// A 64-bit checksum that any change of a single byte changes. Not against malice.
-std::uint64_t Checksum(std::span<const std::byte> bytes);
 
 }  // namespace cdb::store

@@ -16,6 +16,7 @@
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
+#include "runtime/store/proof.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard_index.h"
 #include "runtime/store/shard_template.h"
@@ -219,6 +220,7 @@ void WriteShard(const plan::Plan& plan, const plan::Run& run, const RunResult& r
 
 hdf5::File OpenShard(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   try {
+    ProveShard(path, bytes);
     hdf5::File file = hdf5::File::OpenImage(bytes);
     ReadVersion(file, path.string());
     return file;

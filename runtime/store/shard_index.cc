@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "runtime/store/safe_file.h"
+#include "runtime/store/seal.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
@@ -125,7 +126,7 @@ bool ReadChunks(IndexReader& reader, std::uint64_t end, std::vector<IndexedChunk
 }  // namespace
 
 std::uint64_t LayoutChecksum(const Layout& layout, const PlanFacts& facts) {
-  std::string text = fmt::format("schema {}\n", kSchemaVersion);
+  std::string text = fmt::format("schema {}, chunks with checksums\n", kSchemaVersion);
   for (const Array& array : layout.arrays) {
     if (array.series == nullptr) continue;
     const auto inner = std::span(array.shape).subspan(layout.grid.size());

@@ -126,14 +126,31 @@ void Merge(const plan::Plan& plan, const Provenance& provenance,
 void Merge(const plan::Plan& plan, const Provenance& provenance,
            const std::filesystem::path& folder, const std::filesystem::path& out);
 
+/// How much of a file is read, in a process with limits of time and memory, before it is used;
+/// beside its digest and its structure.
+enum class ProofOf {
+  kStructure,  ///< no values
+  kFewValues,  ///< all, in files of at most 64 MiB
+  kEveryValue,
+};
+
+/// The file is HDF5, or ends as the files of cdb do.
+bool IsStored(const std::filesystem::path& file);
+/// Its attribute `schema`: `cdb-results`, `cdb-trace`; empty where it has none. Throws StoreError.
+std::string ReadSchema(const std::filesystem::path& file);
+
 /// A results file or a shard opened for reading. Not for several threads.
 class ResultFile {
  public:
-  /// Throws StoreError.
-  explicit ResultFile(const std::filesystem::path& file);
+  /// Throws StoreError where it is not as it was written, or cannot be read.
+  explicit ResultFile(const std::filesystem::path& file, ProofOf of = ProofOf::kFewValues);
   ResultFile(ResultFile&&) noexcept;
   ~ResultFile();
 
+  /// False for files of versions of cdb that wrote none.
+  bool has_digest() const;
+  /// It holds one run, and is to be merged.
+  bool is_shard() const;
   const std::string& plan_sha256() const;
   const std::string& title() const;
   const std::string& benchmark() const;

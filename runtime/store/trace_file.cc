@@ -12,8 +12,11 @@
 
 #include "runtime/measure/series.h"
 #include "runtime/store/dimensions.h"
+#include "runtime/store/examine.h"
 #include "runtime/store/hdf5/chunks.h"
 #include "runtime/store/hdf5/file.h"
+#include "runtime/store/proof.h"
+#include "runtime/store/seal.h"
 #include "runtime/store/temporary_file.h"
 #include "runtime/store/versions.h"
 
@@ -134,13 +137,9 @@ StoreError Useless(const fs::path& file, std::string_view why) {
 }
 
 hdf5::File OpenTrace(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error))
-    throw StoreError(
-        fmt::format("{}: {}", path.string(),
-                    fs::exists(path, error) ? "it is no file" : "there is no such file"));
   try {
     hdf5::File file = hdf5::File::Open(path);
+    RequireSeal(file, path);
     const std::string schema = file.Text("schema");
     if (schema != kTraceSchema)
       throw StoreError(fmt::format("{}: it is HDF5, but no trace{}", path.string(),
@@ -169,7 +168,8 @@ auto Undamaged(const fs::path& path, Read read) {
 plan::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
   const auto count = [&](const char* name) {
     const double value = file.Number(name);
-    if (!(value >= 1) || value != std::floor(value))
+    if (!(value >= 1 && value <= std::numeric_limits<std::int32_t>::max()) ||
+        value != std::floor(value))
       throw Useless(path, fmt::format("its head says nothing of {}", name));
     return static_cast<std::uint64_t>(value);
   };
@@ -184,14 +184,20 @@ plan::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
   return facts;
 }
 
+/// Its arrays are as its head says.
+void CheckHead(const hdf5::File& file, const plan::TraceFacts& facts, const fs::path& path) {
+  const hdf5::Dataset boxes = file.OpenDataset("boxes");
+  if (boxes.shape() != hdf5::Shape{facts.cycles, facts.bodies, measure::kBoxSize} ||
+      file.OpenDataset("filters").shape() != hdf5::Shape{facts.bodies, measure::kFilterSize})
+    throw Useless(path, "its arrays are not as its head says");
+  boxes.CheckCount(hdf5::Product(boxes.shape()));
+}
+
 measure::TraceMemory ReadMemory(const hdf5::File& file, const plan::TraceFacts& facts,
                                 const fs::path& path) {
   const hdf5::Dataset boxes = file.OpenDataset("boxes");
-  const hdf5::Dataset kept_filters = file.OpenDataset("filters");
-  if (boxes.shape() != hdf5::Shape{facts.cycles, facts.bodies, measure::kBoxSize} ||
-      kept_filters.shape() != hdf5::Shape{facts.bodies, measure::kFilterSize})
-    throw Useless(path, "its arrays are not as its head says");
-  const std::vector<double> filters = kept_filters.Read();
+  CheckHead(file, facts, path);
+  const std::vector<double> filters = file.OpenDataset("filters").Read();
   measure::TraceMemory trace =
       measure::TraceMemory::Create({facts.bodies, facts.cycles, facts.is_double});
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
@@ -206,6 +212,30 @@ measure::TraceMemory ReadMemory(const hdf5::File& file, const plan::TraceFacts& 
   return trace;
 }
 
+constexpr std::string_view kTraceRemedy = "`cdb trace` makes it anew";
+
+/// Throws StoreError where it is not as it was written, or HDF5 does not survive it. True where it
+/// has a seal.
+bool ProveTrace(const fs::path& path, ProofOf of) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
+    throw StoreError(
+        fmt::format("{}: {}", path.string(),
+                    fs::exists(path, error) ? "it is no file" : "there is no such file"));
+  return ProveFile(path, kTraceRemedy, of, [&](bool reads_values) {
+    const hdf5::File file = OpenTrace(path);
+    Undamaged(path, [&] {
+      CheckHead(file, FactsOf(file, path), path);
+      if (reads_values) ReadEverything(file, [](const std::string&, std::span<const double>) {});
+    });
+  });
+}
+
+hdf5::File OpenProvenTrace(const fs::path& path, ProofOf of) {
+  ProveTrace(path, of);
+  return OpenTrace(path);
+}
+
 }  // namespace
 
 void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
@@ -218,16 +248,18 @@ void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, st
     WriteArrays(file, trace, objects, poses);
     AddText(file, "scenario_text", origin.scenario_text, "the scenario that was recorded");
     AddText(file, "run_text", origin.run_text, "all that decides the run, as YAML");
+    file.SetText(kDigestAttribute, kDigestText);
     file.Close();
   } catch (const hdf5::Error& error) {
     throw StoreError(fmt::format("{}: cannot be written: {}; make room, or name another place (-o)",
                                  path.string(), error.what()));
   }
+  AppendSeal(temporary.path(), path);
   temporary.Publish();
 }
 
 plan::TraceFacts ReadTraceFacts(const fs::path& path) {
-  const hdf5::File file = OpenTrace(path);
+  const hdf5::File file = OpenProvenTrace(path, ProofOf::kStructure);
   return Undamaged(path, [&] { return FactsOf(file, path); });
 }
 
@@ -235,15 +267,26 @@ std::optional<std::string> TracedRun(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return std::nullopt;
   try {
-    const hdf5::File file = OpenTrace(path);
+    const hdf5::File file = OpenProvenTrace(path, ProofOf::kStructure);
     return Undamaged(path, [&] { return file.Text("run_id"); });
   } catch (const StoreError&) {
     return std::nullopt;
   }
 }
 
-measure::TraceMemory LoadTrace(const fs::path& path, const std::string& sha256) {
+TraceCheck CheckTrace(const fs::path& path) {
+  TraceCheck check;
+  check.has_digest = ProveTrace(path, ProofOf::kEveryValue);
   const hdf5::File file = OpenTrace(path);
+  check.facts = Undamaged(path, [&] { return FactsOf(file, path); });
+  check.run_id = file.Text("run_id");
+  if (ReadMemory(file, check.facts, path).Sha256() != check.facts.sha256)
+    throw Useless(path, "it is damaged");
+  return check;
+}
+
+measure::TraceMemory LoadTrace(const fs::path& path, const std::string& sha256) {
+  const hdf5::File file = OpenProvenTrace(path, ProofOf::kFewValues);
   const plan::TraceFacts facts = Undamaged(path, [&] { return FactsOf(file, path); });
   if (facts.sha256 != sha256)
     throw StoreError(

@@ -40,6 +40,15 @@ plan::TraceFacts ReadTraceFacts(const std::filesystem::path& file);
 /// The run that `file` is a trace of; nullopt where it is none that can be read.
 std::optional<std::string> TracedRun(const std::filesystem::path& file);
 
+/// What `cdb check` says of a trace whose every byte was read.
+struct TraceCheck {
+  bool has_digest = false;
+  plan::TraceFacts facts;
+  std::string run_id;
+};
+/// Throws StoreError for a damaged one.
+TraceCheck CheckTrace(const std::filesystem::path& file);
+
 /// All of it. Throws StoreError, also where it does not hold what its hash says, or another trace
 /// than `sha256`.
 measure::TraceMemory LoadTrace(const std::filesystem::path& file, const std::string& sha256);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "runtime/store/hdf5/calls.h"
+#include "runtime/store/hdf5/foreign.h"
 
 namespace cdb::hdf5 {
 namespace {
@@ -45,6 +46,13 @@ void Select(const Id& space, const Shape& start, const Shape& count) {
       "find a part of an array");
 }
 
+void CheckPart(const Shape& shape, const Shape& start, const Shape& count) {
+  bool is_within = start.size() == shape.size() && count.size() == shape.size();
+  for (std::size_t d = 0; is_within && d < shape.size(); ++d)
+    is_within = start[d] <= shape[d] && count[d] <= shape[d] - start[d];
+  if (!is_within) throw Error("it is smaller than it should be");
+}
+
 /// The space of an array with a part of it selected.
 Id Part(const Id& dataset, const Shape& start, const Shape& count) {
   Id space(H5Dget_space(dataset.get()), H5Sclose, "read an array's shape");
@@ -54,7 +62,9 @@ Id Part(const Id& dataset, const Shape& start, const Shape& count) {
 
 }  // namespace
 
-Dataset::Dataset(Id id) : Object(std::move(id)) {
+Dataset::Dataset(Id id, std::uint64_t foreign_bytes)
+    : Object(std::move(id)), foreign_bytes_(foreign_bytes) {
+  if (foreign_bytes_ > 0) CheckStorage(id_, foreign_bytes_);
   type_ = TypeOf({H5Dget_type(id_.get()), H5Tclose, "read an array's type"});
   shape_ = ShapeOf({H5Dget_space(id_.get()), H5Sclose, "read an array's shape"});
 }
@@ -67,6 +77,22 @@ Shape Dataset::ChunkShape() const {
                      reinterpret_cast<hsize_t*>(chunk.data())),
         "read an array's layout");
   return chunk;
+}
+
+bool Dataset::HasChecksums() const {
+  const Id creation(H5Dget_create_plist(id_.get()), H5Pclose, "read an array's layout");
+  for (int i = 0; i < H5Pget_nfilters(creation.get()); ++i) {
+    unsigned flags = 0;
+    std::size_t count = 0;
+    if (H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &count, nullptr, 0,
+                       nullptr, nullptr) == H5Z_FILTER_FLETCHER32)
+      return true;
+  }
+  return false;
+}
+
+void Dataset::CheckCount(std::uint64_t values) const {
+  if (foreign_bytes_ > 0) CheckReadable(id_, values, ItemBytes(type_), foreign_bytes_);
 }
 
 void Dataset::Write(std::span<const double> values) {
@@ -88,6 +114,7 @@ void Dataset::WriteText(std::span<const std::string> values) {
 
 std::vector<double> Dataset::Read() const {
   if (type_ == Type::kText) throw Error("it holds text where numbers should be");
+  CheckCount(Product(shape_));
   std::vector<double> values(Product(shape_));
   if (values.empty()) return values;
   Check(H5Dread(id_.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, Transfer(values.size()).get(),
@@ -98,6 +125,7 @@ std::vector<double> Dataset::Read() const {
 
 std::vector<std::string> Dataset::ReadText() const {
   if (type_ != Type::kText) throw Error("it holds numbers where text should be");
+  CheckCount(Product(shape_));
   std::vector<char*> pointers(Product(shape_));
   if (pointers.empty()) return {};
   const Id type = NewText(H5T_VARIABLE);
@@ -113,6 +141,8 @@ std::vector<std::string> Dataset::ReadText() const {
 
 std::vector<double> Dataset::Read(const Shape& start, const Shape& count) const {
   if (type_ == Type::kText) throw Error("it holds text where numbers should be");
+  CheckPart(shape_, start, count);
+  CheckCount(Product(count));
   std::vector<double> values(Product(count));
   if (values.empty()) return values;
   const Id file_space = Part(id_, start, count);
@@ -143,6 +173,12 @@ void Dataset::Write(const Shape& start, const Shape& count, const std::byte* dat
   Check(H5Dwrite(id_.get(), FileType(type_).get(), memory_space.get(), file_space.get(),
                  H5P_DEFAULT, data),
         "write an array");
+}
+
+bool Dataset::HasChunk(const Shape& start) const {
+  hsize_t bytes = 0;
+  // Fails where there is no such chunk.
+  return H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes) >= 0 && bytes > 0;
 }
 
 bool Dataset::ReadChunk(const Shape& start, RawChunk& chunk) const {

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <atomic>
+#include <fstream>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "compiler/plan/input_file.h"
 #include "runtime/store/hdf5/calls.h"
+#include "runtime/store/hdf5/foreign.h"
 #include "runtime/store/hdf5/sink.h"
 
 namespace cdb::hdf5 {
@@ -67,8 +71,13 @@ std::vector<std::string> Group::MemberNames() const {
 }
 
 Dataset Group::OpenDataset(const std::string& name) const {
-  return Dataset(Id(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Dclose,
-                    fmt::format("open the array {}", name)));
+  Id id(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Dclose,
+        fmt::format("open the array {}", name));
+  try {
+    return Dataset(std::move(id), foreign_bytes_);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", name, error.what()));
+  }
 }
 
 Dataset Group::CreateDataset(const DatasetSpec& spec) {
@@ -80,6 +89,7 @@ Dataset Group::CreateDataset(const DatasetSpec& spec) {
           "set up chunks");
     Check(H5Pset_shuffle(creation.get()), "set up compression");
     Check(H5Pset_deflate(creation.get(), kCompression), "set up compression");
+    Check(H5Pset_fletcher32(creation.get()), "set up checksums");
   }
   if (spec.type != Type::kText)
     Check(H5Pset_fill_value(creation.get(), H5T_NATIVE_DOUBLE, &spec.fill), "set the fill value");
@@ -91,7 +101,8 @@ Dataset Group::CreateDataset(const DatasetSpec& spec) {
 
 Group Group::OpenGroup(const std::string& name) const {
   return Group(Id(H5Gopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Gclose,
-                  fmt::format("open the group {}", name)));
+                  fmt::format("open the group {}", name)),
+               foreign_bytes_);
 }
 
 Group Group::CreateGroup(const std::string& name) {
@@ -144,10 +155,40 @@ void Group::AttachScales(const std::vector<Attachment>& attachments) {
     attach(scale, "REFERENCE_LIST", back_type, references.size(), references.data());
 }
 
-File::File(Id file, std::shared_ptr<Sink> sink)
-    : Group(Id(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose, "open the root of the file")),
+Group::Names Group::List() const {
+  if (foreign_bytes_ > 0) CheckLinks(id_);
+  Names names;
+  const auto visit = [](hid_t group, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    try {
+      const Id object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose, "open what is in a group");
+      const H5I_type_t type = H5Iget_type(object.get());
+      if (type != H5I_DATASET && type != H5I_GROUP) return -1;
+      Names& all = *static_cast<Names*>(out);
+      (type == H5I_DATASET ? all.datasets : all.groups).emplace_back(name);
+      return 0;
+    } catch (const std::exception&) {
+      return -1;  // nothing may be thrown through HDF5
+    }
+  };
+  Check(H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &names),
+        "read what is in a group");
+  return names;
+}
+
+File::File(Id file, std::shared_ptr<Sink> sink, std::uint64_t foreign_bytes)
+    : Group(Id(H5Gopen2(file.get(), "/", H5P_DEFAULT), H5Gclose, "open the root of the file"),
+            foreign_bytes),
       sink_(std::move(sink)),
       file_(std::move(file)) {}
+
+bool IsHdf5(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  constexpr std::string_view kBegin = "\x89HDF\r\n\x1a\n";
+  char begin[kBegin.size()] = {};
+  std::ifstream(path, std::ios::binary).read(begin, sizeof(begin));
+  return std::string_view(begin, sizeof(begin)) == kBegin;
+}
 
 File::~File() { id_.Reset(); }
 
@@ -176,8 +217,12 @@ File File::Create(const std::filesystem::path& path) {
 
 File File::Open(const std::filesystem::path& path) {
   BeQuiet();
+  CloseBackdoors();
   if (const std::string why = plan::WhyNotReadable(path); !why.empty()) throw Error(why);
-  return File(Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open it"));
+  Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open it");
+  hsize_t bytes = 0;
+  Check(H5Fget_filesize(file.get(), &bytes), "read the length of the file");
+  return File(std::move(file), nullptr, std::max<std::uint64_t>(bytes, 1));
 }
 
 File File::OpenImage(std::span<const std::byte> image) { return OpenCopy(image, H5F_ACC_RDONLY); }
@@ -192,7 +237,10 @@ File File::OpenCopy(std::span<const std::byte> image, unsigned mode) {
   // HDF5 copies the image and does not change this one.
   Check(H5Pset_file_image(access.get(), const_cast<std::byte*>(image.data()), image.size()),
         "set up HDF5");
-  return File(Id(H5Fopen(UniqueName().c_str(), mode, access.get()), H5Fclose, "open it"));
+  const bool is_foreign = mode == H5F_ACC_RDONLY;
+  if (is_foreign) CloseBackdoors();
+  return File(Id(H5Fopen(UniqueName().c_str(), mode, access.get()), H5Fclose, "open it"), nullptr,
+              is_foreign ? std::max<std::uint64_t>(image.size(), 1) : 0);
 }
 
 void File::Flush() { Check(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), "write the file"); }

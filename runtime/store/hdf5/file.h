@@ -19,7 +19,9 @@ class Sink;
 
 class Group : public Object {
  public:
-  explicit Group(Id id) : Object(std::move(id)) {}
+  /// `foreign_bytes`: as of Dataset.
+  explicit Group(Id id, std::uint64_t foreign_bytes = 0)
+      : Object(std::move(id)), foreign_bytes_(foreign_bytes) {}
   bool Has(const std::string& name) const;
   /// Of the datasets and groups in it, sorted.
   std::vector<std::string> MemberNames() const;
@@ -36,7 +38,19 @@ class Group : public Object {
     std::vector<std::string> scales;
   };
   void AttachScales(const std::vector<Attachment>& attachments);
+
+  /// The names of everything in it. Throws Error where one leads out of the group.
+  struct Names {
+    std::vector<std::string> datasets, groups;
+  };
+  Names List() const;
+
+ protected:
+  std::uint64_t foreign_bytes_;
 };
+
+/// The file begins as HDF5 does.
+bool IsHdf5(const std::filesystem::path& path);
 
 /// An open file; also its root group.
 class File : public Group {
@@ -48,6 +62,7 @@ class File : public Group {
   /// HDF5 cannot close a file that it cannot write, and then crashes when the process ends. So a
   /// write that fails is taken note of, HDF5 is told that all is well, and CheckWritten throws.
   static File Create(const std::filesystem::path& path);
+  /// This and OpenImage take a file for foreign: anybody may have written it.
   static File Open(const std::filesystem::path& path);
   /// Reads from a copy of `image`.
   static File OpenImage(std::span<const std::byte> image);
@@ -67,7 +82,7 @@ class File : public Group {
   void Close();
 
  private:
-  explicit File(Id file, std::shared_ptr<Sink> sink = nullptr);
+  explicit File(Id file, std::shared_ptr<Sink> sink = nullptr, std::uint64_t foreign_bytes = 0);
   static File OpenCopy(std::span<const std::byte> image, unsigned mode);
   std::shared_ptr<Sink> sink_;
   Id file_;

@@ -12,14 +12,18 @@ namespace cdb::hdf5 {
 namespace {
 
 constexpr std::size_t kLongestText = 32 << 10;
+/// HDF5's own limit of an attribute in an object's header.
+constexpr std::size_t kLongestStored = 64 << 10;
 
 /// Nothing where it is not text of fixed length.
 std::string ReadTextAttribute(const Id& attribute) {
   const Id type(H5Aget_type(attribute.get()), H5Tclose, "read an attribute");
   if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0) return {};
   const Id space(H5Aget_space(attribute.get()), H5Sclose, "read an attribute");
-  if (Product(ShapeOf(space)) != 1) return {};
-  std::string text(H5Tget_size(type.get()), '\0');
+  if (H5Sget_simple_extent_npoints(space.get()) != 1) return {};
+  const std::size_t bytes = H5Tget_size(type.get());
+  if (bytes > kLongestStored) throw Error("an attribute is longer than attributes can be");
+  std::string text(bytes, '\0');
   Check(H5Aread(attribute.get(), type.get(), text.data()), "read an attribute");
   text.resize(std::min(text.find('\0'), text.size()));
   return text;
@@ -113,7 +117,10 @@ double Object::Number(const char* name) const {
   const std::string doing = fmt::format("read the attribute {}", name);
   const Id attribute(H5Aopen(id_.get(), name, H5P_DEFAULT), H5Aclose, doing);
   const Id space(H5Aget_space(attribute.get()), H5Sclose, doing);
-  if (Product(ShapeOf(space)) != 1) return value;
+  const Id type(H5Aget_type(attribute.get()), H5Tclose, doing);
+  const H5T_class_t kind = H5Tget_class(type.get());
+  if (H5Sget_simple_extent_npoints(space.get()) != 1 || (kind != H5T_INTEGER && kind != H5T_FLOAT))
+    return value;
   Check(H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value), doing);
   return value;
 }

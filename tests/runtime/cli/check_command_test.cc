@@ -1,11 +1,13 @@
 // `cdb check --json`, `cdb explain`, and standard input.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "runtime/store/seal.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -99,6 +101,61 @@ TEST(Explain, ShowsBothExamplesAndTheMessage) {
   const Finished unknown = program.Run({"explain", "unknown-nme"});
   EXPECT_EQ(unknown.status, 2);
   EXPECT_NE(unknown.err.find("did you mean 'unknown-name'?"), std::string::npos) << unknown.err;
+}
+
+TEST(Check, AResultsFileOfAnotherPlanThanItHoldsIsDamaged) {
+  const Program program;
+  program.Write("a.cdb", "benchmark b {\n  cycles 5\n  repeats 2\n  objects.quantity 0\n}\n");
+  ASSERT_EQ(program.Run({"run", "a.cdb", "-q", "-o", "a.h5"}).status, 0);
+  std::string bytes = program.Read("a.h5");
+  bytes.resize(bytes.size() - sizeof(store::Seal));
+  const std::size_t place = bytes.find("\nrepeats: 2\n");
+  ASSERT_NE(place, std::string::npos);
+  bytes[place + 10] = '3';
+  program.Write("a.h5", bytes);
+  store::AppendSeal(program.folder() / "a.h5", "a.h5");
+  for (const char* command : {"check", "show"}) {
+    const Finished other = program.Run({command, "a.h5"});
+    EXPECT_EQ(other.status, 2);
+    EXPECT_NE(other.err.find("its plan is not the one that its plan_sha256 names"),
+              std::string::npos)
+        << other.err;
+  }
+}
+
+TEST(Check, AResultsFileIsKnownByItsContents) {
+  const Program program;
+  program.Write(
+      "a.cdb",
+      "benchmark b {\n  cycles 5\n  repeats 2\n  objects.quantity 2\n  world.side 500\n}\n");
+  ASSERT_EQ(program.Run({"run", "a.cdb", "-q", "-o", "results"}).status, 0);
+  const Finished whole = program.Run({"check", "a.cdb", "results"});
+  EXPECT_EQ(whole.status, 0) << whole.err;
+  EXPECT_NE(whole.out.find("results: whole: 2 of 2 runs, of plan "), std::string::npos)
+      << whole.out;
+  EXPECT_NE(whole.out.find("; every byte is as it was written\n"), std::string::npos);
+  EXPECT_EQ(program.Run({"check", "--json", "results"}).status, 2);
+
+  const std::string bytes = program.Read("results");
+  for (const std::size_t place : {std::size_t{0}, bytes.size() / 2, bytes.size() - 24}) {
+    std::string bent = bytes;
+    bent[place] = static_cast<char>(bent[place] ^ 1);
+    program.Write("results", bent);
+    for (const char* command : {"check", "show", "report", "view"}) {
+      const Finished damaged = program.Run({command, "results"});
+      EXPECT_EQ(damaged.status, 2) << command << place;
+      EXPECT_EQ(damaged.out, "") << command;
+      EXPECT_NE(damaged.err.find("results"), std::string::npos) << damaged.err;
+      EXPECT_NE(damaged.err.find("restore a copy"), std::string::npos) << damaged.err;
+      EXPECT_EQ(std::ranges::count(damaged.err, '\n'), 1) << damaged.err;
+    }
+  }
+
+  ASSERT_EQ(program.Run({"run", "a.cdb", "-q", "-o", "part.h5", "--shard", "1/2"}).status, 0);
+  ASSERT_EQ(program.Run({"merge", "-o", "part.h5", "part.runs"}).status, 0);
+  const Finished part = program.Run({"check", "part.h5"});
+  EXPECT_EQ(part.status, 3) << part.err;
+  EXPECT_NE(part.out.find("part.h5: incomplete: 1 of 2 runs"), std::string::npos) << part.out;
 }
 
 }  // namespace

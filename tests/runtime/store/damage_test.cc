@@ -9,6 +9,7 @@
 
 #include "runtime/store/hdf5/file.h"
 #include "runtime/store/safe_file.h"
+#include "runtime/store/seal.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 

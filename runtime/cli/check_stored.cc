@@ -1,0 +1,135 @@
+#include "runtime/cli/check_stored.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "compiler/plan/plan_yaml.h"
+#include "runtime/cli/sized_plan.h"
+#include "runtime/report/console.h"
+#include "runtime/store/store.h"
+#include "runtime/store/trace_file.h"
+
+namespace cdb::cli {
+namespace {
+
+std::string Proof(bool has_digest) {
+  return has_digest ? "every byte is as it was written"
+                    : "it carries no digest that would show changed bytes, as it is from an "
+                      "earlier version of cdb";
+}
+
+const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
+
+[[noreturn]] void RefuseContents(const std::string& file, const std::string& why) {
+  throw store::StoreError(
+      fmt::format("{}: is damaged: {}; it was left as it is: merge it again from its shards, "
+                  "restore a copy, or run it again",
+                  file, why));
+}
+
+/// Nullopt for a file of an earlier version, without a plan or with one that this cdb cannot read.
+std::optional<SizedPlan> PlanIn(const store::ResultFile& results, const std::string& file) {
+  const std::string text = results.ReadProvenance("plan_text");
+  if (text.empty()) return std::nullopt;
+  try {
+    return ReadSizedPlan(text, file);
+  } catch (const plan::PlanError&) {
+    return std::nullopt;
+  } catch (const CommandError&) {
+    return std::nullopt;
+  }
+}
+
+/// How many cells there are of each status.
+struct StatusCounts {
+  std::array<std::uint64_t, std::size(store::kStatusNames)> of = {};
+  std::uint64_t runs = 0;
+
+  std::uint64_t Of(store::Status status) const { return of[static_cast<std::size_t>(status)]; }
+  void Add(store::Status status) {
+    ++of[static_cast<std::size_t>(status)];
+    runs += status != store::Status::kSkipped;
+  }
+};
+
+StatusCounts CountCells(const store::ResultFile& results) {
+  StatusCounts counts;
+  store::ResultFile::Cell cell{std::vector<std::size_t>(results.axes().size(), 0), 0};
+  for (;;) {
+    for (cell.rep = 0; cell.rep < results.repeats(); ++cell.rep)
+      counts.Add(results.ReadStatus(cell));
+    std::size_t d = cell.at.size();
+    while (d > 0 && ++cell.at[d - 1] == results.axes()[d - 1].values.size()) cell.at[--d] = 0;
+    if (d == 0) return counts;
+  }
+}
+
+/// Throws StoreError where the file is not of the plan that it holds.
+void CompareWithPlan(const store::ResultFile& results, const plan::Plan& plan,
+                     const std::string& file) {
+  if (plan.Sha256() != results.plan_sha256())
+    RefuseContents(file, "its plan is not the one that its plan_sha256 names");
+  bool is_alike = plan.axes.size() == results.axes().size() && plan.repeats == results.repeats();
+  for (std::size_t i = 0; is_alike && i < plan.axes.size(); ++i)
+    is_alike = plan.axes[i].name == results.axes()[i].name &&
+               plan.axes[i].values == results.axes()[i].values;
+  if (!is_alike) RefuseContents(file, "its axes are not those of its plan");
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    const store::ResultFile::Cell cell{at, rep};
+    if (results.ReadStatus(cell) == store::Status::kSkipped)
+      RefuseContents(file, fmt::format("the run {} of its plan is marked as skipped", id));
+    const std::string holds = results.ReadText("run_id", cell);
+    if (holds != id)
+      RefuseContents(file, fmt::format("it holds the run {} where its plan has {}", holds, id));
+  });
+}
+
+ExitStatus CheckResults(const std::string& file) {
+  const store::ResultFile results(file, store::ProofOf::kEveryValue);
+  const std::string plan_name = results.plan_sha256().substr(0, 12);
+  if (results.is_shard()) {
+    report::Print(fmt::format("{}: {}: the shard of a run of plan {}; {}\n", file,
+                              State(results.has_digest()), plan_name, Proof(results.has_digest())));
+    return ExitStatus::kGood;
+  }
+  const auto sized = PlanIn(results, file);
+  if (sized) CompareWithPlan(results, sized->plan, file);
+  const StatusCounts counts = CountCells(results);
+  const std::uint64_t missing = counts.Of(store::Status::kMissing);
+  std::string text = fmt::format("{}: {}: {} of {} runs", file,
+                                 missing > 0 ? "incomplete" : State(results.has_digest()),
+                                 counts.runs - missing, counts.runs);
+  for (const store::Status status :
+       {store::Status::kFailed, store::Status::kCrashed, store::Status::kTimedOut})
+    if (counts.Of(status) > 0)
+      text += fmt::format(", {} {}", counts.Of(status), store::StatusName(status));
+  text += sized ? fmt::format(", of plan {}", plan_name)
+                : fmt::format(", of plan {}, which this cdb cannot read", plan_name);
+  report::Print(fmt::format("{}; {}\n", text, Proof(results.has_digest())));
+  return missing > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
+}
+
+ExitStatus CheckTraceFile(const std::string& file) {
+  const store::TraceCheck trace = store::CheckTrace(file);
+  report::Print(fmt::format("{}: {}: a trace of {} cycles of {} bodies, run {}; {}\n", file,
+                            State(trace.has_digest), trace.facts.cycles, trace.facts.bodies,
+                            trace.run_id, Proof(trace.has_digest)));
+  return ExitStatus::kGood;
+}
+
+}  // namespace
+
+ExitStatus CheckStored(const std::string& file) {
+  try {
+    return store::ReadSchema(file) == store::kTraceSchema ? CheckTraceFile(file)
+                                                          : CheckResults(file);
+  } catch (const store::StoreError& error) {
+    report::Say(fmt::format("cdb: {}\n", error.what()));
+    return ExitStatus::kWorld;
+  }
+}
+
+}  // namespace cdb::cli

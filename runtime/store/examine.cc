@@ -1,0 +1,172 @@
+#include "runtime/store/examine.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "runtime/measure/series.h"
+#include "runtime/store/run_facts.h"
+#include "runtime/store/versions.h"
+
+namespace cdb::store {
+namespace {
+
+/// Of a results file with references: its root, accuracy, accuracy/reference.
+constexpr int kDeepestGroup = 3;
+constexpr std::size_t kMostArrays = 10'000;
+/// 300 years in ns, 9 EB in bytes.
+constexpr double kMostMeasured = 9.3e18;
+
+std::uint64_t ExtentOf(measure::Dimension dimension, const hdf5::File& file,
+                       const FileExtents& extents) {
+  const measure::DimensionInfo& info = measure::InfoOf(dimension);
+  if (!info.labels.empty()) return info.labels.size();
+  if (dimension == measure::Dimension::kCycle) return extents.cycles;
+  return hdf5::Product(file.OpenDataset(std::string(info.name)).shape());
+}
+
+void ExpectArray(const hdf5::File& file, const std::string& path, hdf5::Type type,
+                 const hdf5::Shape& shape) {
+  if (!file.Has(path)) return;
+  const hdf5::Dataset dataset = file.OpenDataset(path);
+  if (dataset.shape() != shape)
+    throw hdf5::Error(fmt::format("{} has the shape [{}] where its axes have [{}]", path,
+                                  fmt::join(dataset.shape(), " "), fmt::join(shape, " ")));
+  if (dataset.type() != type)
+    throw hdf5::Error(fmt::format("{} holds values of another type than it should", path));
+}
+
+[[noreturn]] void RefuseValue(std::string_view array, double value, std::string_view why) {
+  throw hdf5::Error(fmt::format("{} holds {}, {}", array, value, why));
+}
+
+void CheckSeriesValues(const measure::Series& series, std::span<const double> values) {
+  if (series.type == measure::SeriesType::kInt32) {
+    for (const double value : values)
+      if (value < -1) RefuseValue(series.name, value, "which is no count");
+  } else if (series.name == "duration") {
+    for (const double value : values)
+      if (value < 0 || value > kMostMeasured)
+        RefuseValue(series.name, value, "which is no duration");
+  }
+}
+
+void CheckNumberValues(const RunNumber& number, std::span<const double> values,
+                       const FileExtents& extents) {
+  double low = -HUGE_VAL, high = HUGE_VAL;
+  // Counters of virtual machines have been seen to go backwards.
+  const bool is_measured = number.unit == "ns" || number.unit == "bytes";
+  if (is_measured && number.name != "run/steal") low = 0;
+  if (is_measured) high = kMostMeasured;
+  if (number.type == hdf5::Type::kInt32) low = -1;
+  if (number.name == "n_cycles" || number.name == "first_bad_cycle")
+    high = static_cast<double>(extents.cycles);
+  if (number.flags != nullptr) {
+    low = 0;
+    high = static_cast<double>(std::ranges::count(number.flags(), ' '));
+  }
+  for (const double value : values)
+    if (value < low || value > high)
+      RefuseValue(number.name, value, fmt::format("and has values from {} to {}", low, high));
+}
+
+/// Calls `visit(start, count)` for every chunk.
+void ForEachChunk(const hdf5::Shape& shape, const hdf5::Shape& chunk,
+                  const std::function<void(const hdf5::Shape&, const hdf5::Shape&)>& visit) {
+  hdf5::Shape start(shape.size(), 0), count(shape.size());
+  for (;;) {
+    for (std::size_t d = 0; d < shape.size(); ++d)
+      count[d] = std::min(chunk[d], shape[d] - start[d]);
+    visit(start, count);
+    std::size_t d = shape.size();
+    while (d > 0) {
+      start[d - 1] += chunk[d - 1];
+      if (start[d - 1] < shape[d - 1]) break;
+      start[--d] = 0;
+    }
+    if (d == 0) return;
+  }
+}
+
+using VisitPiece = std::function<void(const std::string&, std::span<const double>)>;
+
+void ReadArray(const std::string& path, const hdf5::Dataset& dataset, const VisitPiece& visit) {
+  if (dataset.type() == hdf5::Type::kText) {
+    dataset.ReadText();
+    return;
+  }
+  const hdf5::Shape chunk = dataset.ChunkShape();
+  if (chunk.empty() || hdf5::Product(dataset.shape()) == 0) return visit(path, dataset.Read());
+  ForEachChunk(dataset.shape(), chunk, [&](const hdf5::Shape& start, const hdf5::Shape& count) {
+    // What was never written is fill values, of which a small file can claim any number.
+    if (dataset.HasChunk(start)) visit(path, dataset.Read(start, count));
+  });
+}
+
+void ReadGroup(const hdf5::Group& group, const std::string& prefix, int depth, std::size_t& arrays,
+               const VisitPiece& visit) {
+  if (depth > kDeepestGroup) throw hdf5::Error("its groups are nested too deeply");
+  group.Texts();
+  const hdf5::Group::Names names = group.List();
+  arrays += names.datasets.size();
+  if (arrays > kMostArrays) throw hdf5::Error("it has more arrays than a results file");
+  for (const std::string& name : names.datasets) {
+    const hdf5::Dataset dataset = group.OpenDataset(name);
+    try {
+      ReadArray(prefix + name, dataset, visit);
+    } catch (const hdf5::Error& error) {
+      const std::string_view why = error.what();
+      const bool is_named = why.starts_with(prefix + name);
+      throw hdf5::Error(is_named ? std::string(why) : fmt::format("{}{}: {}", prefix, name, why));
+    }
+  }
+  for (const std::string& name : names.groups)
+    ReadGroup(group.OpenGroup(name), prefix + name + "/", depth + 1, arrays, visit);
+}
+
+}  // namespace
+
+void CheckArrays(const hdf5::File& file, const FileExtents& extents) {
+  for (const measure::Series& series : measure::AllSeries()) {
+    const std::string name(series.name);
+    if (!file.Has(name)) continue;
+    hdf5::Shape shape = extents.grid;
+    for (const measure::Dimension dimension : measure::DimensionsOf(series.shape))
+      shape.push_back(ExtentOf(dimension, file, extents));
+    const bool is_int = series.type == measure::SeriesType::kInt32;
+    ExpectArray(file, name, is_int ? hdf5::Type::kInt32 : hdf5::Type::kFloat64, shape);
+  }
+  for (const RunNumber& number : RunNumbers())
+    ExpectArray(file, PathIn(extents.version, number.name), number.type, extents.grid);
+  for (const RunText& text : RunTexts())
+    ExpectArray(file, PathIn(extents.version, text.name), hdf5::Type::kText, extents.grid);
+}
+
+void CheckValues(std::string_view array, std::span<const double> values,
+                 const FileExtents& extents) {
+  if (const measure::Series* series = measure::FindSeries(array))
+    return CheckSeriesValues(*series, values);
+  const auto number = std::ranges::find(RunNumbers(), array, &RunNumber::name);
+  if (number != RunNumbers().end()) CheckNumberValues(*number, values, extents);
+}
+
+void ReadEverything(const hdf5::File& file, const VisitPiece& visit) {
+  std::size_t arrays = 0;
+  ReadGroup(file, "", 1, arrays, visit);
+}
+
+void CheckAllValues(const hdf5::File& file, const FileExtents& extents) {
+  std::map<std::string, std::string> names;
+  for (const RunNumber& number : RunNumbers())
+    names.emplace(PathIn(extents.version, number.name), number.name);
+  ReadEverything(file, [&](const std::string& path, std::span<const double> values) {
+    const auto found = names.find(path);
+    CheckValues(found == names.end() ? path : found->second, values, extents);
+  });
+}
+
+}  // namespace cdb::store

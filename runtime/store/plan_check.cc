@@ -1,0 +1,75 @@
+#include "runtime/store/plan_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/short_plan.h"
+#include "runtime/store/layout.h"
+#include "runtime/store/run_facts.h"
+#include "runtime/store/versions.h"
+
+namespace cdb::store {
+namespace {
+
+std::optional<plan::Plan> ReadListedPlan(const std::string& text) {
+  try {
+    if (plan::FindShortPlan(text, "plan_text")) return std::nullopt;
+    return plan::FromYaml(text, "plan_text");
+  } catch (const plan::PlanError&) {
+    return std::nullopt;
+  }
+}
+
+void CheckCoordinates(const hdf5::File& file, const plan::Axis& axis) {
+  const hdf5::Dataset dataset = file.OpenDataset(axis.name);
+  std::vector<plan::Coordinate> values;
+  if (dataset.type() == hdf5::Type::kText) {
+    for (std::string& text : dataset.ReadText()) values.emplace_back(std::move(text));
+  } else {
+    for (const double value : dataset.Read()) values.emplace_back(value);
+  }
+  if (values != axis.values)
+    throw hdf5::Error(fmt::format("the axis {} has other values than its plan", axis.name));
+}
+
+/// Versions of before had fewer arrays.
+void CheckIsAs(const hdf5::File& file, const std::string& name, hdf5::Type type,
+               const hdf5::Shape& shape) {
+  if (!file.Has(name)) return;
+  const hdf5::Dataset dataset = file.OpenDataset(name);
+  if (dataset.type() != type || dataset.shape() != shape)
+    throw hdf5::Error(fmt::format("{} has another type or shape than its plan has", name));
+}
+
+std::uint64_t RowsOfContacts(const hdf5::File& file) {
+  return file.Has("contact_row") ? hdf5::Product(file.OpenDataset("contact_row").shape()) : 0;
+}
+
+}  // namespace
+
+void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
+                      const std::string& plan_text) {
+  if (extents.version != kSchemaVersion) return;
+  const auto plan = ReadListedPlan(plan_text);
+  if (!plan) return;
+  const PlanFacts facts(*plan);
+  if (facts.sha256 != file.Text("plan_sha256"))
+    throw hdf5::Error("its plan is not the one that its plan_sha256 names");
+  const Layout layout = MakeLayout(*plan, facts, nullptr, RowsOfContacts(file));
+  if (layout.grid != extents.grid || facts.cycles != extents.cycles)
+    throw hdf5::Error("its axes are not as long as its plan has them");
+  for (const plan::Axis& axis : plan->axes) CheckCoordinates(file, axis);
+  for (const Dimension& dimension : layout.dimensions)
+    CheckIsAs(file, dimension.name, dimension.type, {dimension.size});
+  for (const Array& array : layout.arrays) CheckIsAs(file, array.name, array.type, array.shape);
+  const bool has_durations =
+      std::ranges::find(layout.arrays, "duration", &Array::name) != layout.arrays.end();
+  if (has_durations && !file.Has("duration"))
+    throw hdf5::Error("it lacks the durations that its plan records");
+}
+
+}  // namespace cdb::store

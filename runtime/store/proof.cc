@@ -1,0 +1,89 @@
+#include "runtime/store/proof.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <string>
+
+#include "runtime/store/examine.h"
+#include "runtime/store/limited_process.h"
+#include "runtime/store/seal.h"
+#include "runtime/store/store.h"
+#include "runtime/store/versions.h"
+
+namespace cdb::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of a measured run, or of a reference, which has no series.
+void ReadShard(const hdf5::File& file, const std::string& name) {
+  FileExtents extents;
+  extents.version = ReadVersion(file, name);
+  extents.grid = file.OpenDataset("status").shape();
+  if (hdf5::Product(extents.grid) != 1) throw hdf5::Error("it does not hold one run");
+  if (file.Has("cycle")) {
+    extents.cycles = hdf5::Product(file.OpenDataset("cycle").shape());
+    CheckArrays(file, extents);
+  }
+  CheckAllValues(file, extents);
+}
+
+}  // namespace
+
+bool ProveFile(const fs::path& path, std::string_view remedy, ProofOf of,
+               const std::function<void(bool reads_values)>& read) {
+  const SealState seal = CheckSeal(path);
+  if (seal == SealState::kBroken)
+    throw StoreError(
+        fmt::format("{}: is damaged: its digest differs, so that some of its bytes are not as they "
+                    "were written; it was left as it is: {}",
+                    path.string(), remedy));
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  const bool reads_values =
+      of == ProofOf::kEveryValue || (of == ProofOf::kFewValues && bytes <= kMostProven);
+  const std::string why = RunLimited([&] { read(reads_values); }, LimitsForFile(error ? 0 : bytes));
+  if (why.empty()) return seal == SealState::kGood;
+  if (why.starts_with(path.string() + ": ")) throw StoreError(why);
+  throw StoreError(fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: {}",
+                               path.string(), why, remedy));
+}
+
+void RequireSeal(const hdf5::File& file, const fs::path& path) {
+  if (!file.Text(kDigestAttribute).empty() && !IsSealed(path))
+    throw hdf5::Error("its digest is missing, as its end was cut off or changed");
+}
+
+bool IsStored(const fs::path& path) { return hdf5::IsHdf5(path) || IsSealed(path); }
+
+std::string ReadSchema(const fs::path& path) {
+  if (!hdf5::IsHdf5(path))
+    throw StoreError(
+        fmt::format("{}: is damaged: it ends as a file of cdb does, but does not begin as HDF5; it "
+                    "was left as it is: restore a copy, or run it again",
+                    path.string()));
+  const auto read = [&] { return hdf5::File::Open(path).Text("schema"); };
+  const std::string why = RunLimited([&] { read(); }, LimitsForFile(0));
+  if (!why.empty())
+    throw StoreError(
+        fmt::format("{}: is damaged: {}; it was left as it is: restore a copy, or run "
+                    "it again",
+                    path.string(), why));
+  return read();
+}
+
+void ProveShard(const fs::path& path, std::span<const std::byte> image) {
+  static std::set<std::uint64_t> proven;
+  const std::uint64_t checksum = Checksum(image);
+  if (proven.contains(checksum)) return;
+  const std::string why = RunLimited(
+      [&] { ReadShard(hdf5::File::OpenImage(image), path.string()); }, LimitsForFile(image.size()));
+  if (!why.empty()) {
+    if (why.starts_with(path.string() + ": ")) throw StoreError(why);
+    throw hdf5::Error(why);
+  }
+  proven.insert(checksum);
+}
+
+}  // namespace cdb::store

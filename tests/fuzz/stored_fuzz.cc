@@ -1,0 +1,108 @@
+// Results files, shards and traces with some of their bytes changed, and the right digest: an error
+// that names the file, or values that are possible. The input is the changes, as HDF5 files are too
+// long for a corpus: which file, then place (3 bytes), count (1 byte) and bytes of each.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "dsl/check.h"
+#include "runtime/measure/trace_memory.h"
+#include "runtime/store/safe_file.h"
+#include "runtime/store/seal.h"
+#include "runtime/store/store.h"
+#include "runtime/store/trace_file.h"
+#include "tests/runtime/store/store_fixture.h"
+#include "tests/support/files.h"
+
+namespace {
+
+using namespace cdb;
+namespace fs = std::filesystem;
+
+/// The files that are changed, without their seals.
+struct Bases {
+  Bases() {
+    tests::FakeResult(plan.runs[0]);
+    for (const plan::Run& run : plan.runs)
+      store::WriteShard(plan, run, tests::FakeResult(run).result, tests::TestProvenance(),
+                        folder.path());
+    store::Merge(plan, tests::TestProvenance(), folder.path(), folder / "out.h5");
+    const plan::Run& run = contacts.runs[0];
+    store::WriteShard(contacts, run, tests::FakeResult(run).result, {}, folder.path());
+    measure::TraceMemory trace = measure::TraceMemory::Create({3, 4, false});
+    for (std::uint64_t cycle = 0; cycle < 4; ++cycle)
+      trace.SetBoxes(cycle, std::vector<double>(3 * measure::kBoxSize, 1.5));
+    store::WriteTrace(trace, {"b", "", std::string(16, '0'), std::string(16, '0'), 0.01, "", ""}, 0,
+                      {}, folder / "trace.h5");
+    for (const fs::path& file : {folder / "out.h5", folder / (plan.runs[0].id + ".h5"),
+                                 folder / (run.id + ".h5"), folder / "trace.h5"}) {
+      const std::string bytes = tests::ReadFile(file);
+      images.push_back(bytes.substr(0, bytes.size() - sizeof(store::Seal)));
+    }
+  }
+
+  const tests::TemporaryFolder folder;
+  const plan::Plan plan = tests::MakePlan({tests::NumberAxis("n", {1, 2})}, 1, {.cycles = 6});
+  /// Its shards have no index, so that a merge reads them as HDF5.
+  const plan::Plan contacts = tests::MakePlan(
+      {}, 1, {.cycles = 3, .objects = 2, .record = {"timing", "counts", "contacts"}});
+  std::vector<std::string> images;
+};
+
+void Change(std::string& image, std::span<const std::uint8_t> changes) {
+  while (changes.size() > 4) {
+    const std::size_t place = (changes[0] | changes[1] << 8 | changes[2] << 16) % image.size();
+    const std::size_t count =
+        std::min<std::size_t>({changes[3] % 9u, changes.size() - 4, image.size() - place});
+    std::copy_n(changes.begin() + 4, count, image.begin() + static_cast<long>(place));
+    changes = changes.subspan(4 + count);
+  }
+}
+
+void ReadResults(const fs::path& path) {
+  const store::ResultFile file(path);
+  for (std::size_t at = 0; !file.axes().empty() && at < file.axes()[0].values.size(); ++at) {
+    const store::ResultFile::Cell cell = {{at}, 0};
+    CDB_CHECK(store::StatusName(file.ReadStatus(cell)).size() > 0);
+    file.ReadText("message", cell);
+    if (file.Has("duration"))
+      for (const double ns : file.ReadDuration(measure::Phase::kStep, cell)) CDB_CHECK(!(ns < 0));
+    if (file.Has("energy")) file.ReadSeries("energy", cell);
+  }
+  file.ReadProvenance("plan_text");
+  file.ReadReferenceTroubles();
+}
+
+void MergeShard(const plan::Plan& plan, const fs::path& shard, const fs::path& out) {
+  store::ReadShardInfo(shard);
+  store::Merge(plan, {}, {shard}, out);
+  store::ResultFile file(out, store::ProofOf::kEveryValue);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const Bases bases;
+  if (size == 0) return 0;
+  const std::size_t which = data[0] % 4;
+  std::string image = bases.images[which];
+  Change(image, {data + 1, size - 1});
+  const tests::TemporaryFolder folder;
+  const plan::Plan& plan = which == 2 ? bases.contacts : bases.plan;
+  const fs::path file = folder / (plan.runs[0].id + ".h5");
+  tests::WriteFile(file, image);
+  try {
+    store::AppendSeal(file, file);
+    if (which == 0) ReadResults(file);
+    if (which == 1 || which == 2) MergeShard(plan, file, folder / "merged.h5");
+    if (which == 3) store::LoadTrace(file, store::ReadTraceFacts(file).sha256);
+  } catch (const store::StoreError& error) {
+    CDB_CHECK(std::string(error.what()).find(folder.path().string()) != std::string::npos);
+  }
+  return 0;
+}
