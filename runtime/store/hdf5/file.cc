@@ -14,7 +14,8 @@ namespace cdb::hdf5 {
 namespace {
 
 constexpr unsigned kCompression = 1;
-/// All attributes of an object stand in its header: quicker and smaller than HDF5's dense form.
+/// Links and attributes of an object stand in its header: quicker and smaller than HDF5's dense
+/// form.
 constexpr unsigned kMostCompact = 1 << 12;
 
 /// HDF5 prints every error to stderr unless told not to, thread by thread.
@@ -25,10 +26,17 @@ void SetBounds(const Id& access) {
   Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "set up HDF5");
 }
 
+/// Links and attributes of a group, in the order in which they were made.
+void SetUpGroup(const Id& creation) {
+  Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  Check(H5Pset_link_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
+  Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  Check(H5Pset_attr_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
+}
+
 Id FileCreation() {
   Id creation = NewProperties(H5P_FILE_CREATE);
-  Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
-  Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  SetUpGroup(creation);
   return creation;
 }
 
@@ -78,8 +86,7 @@ Group Group::OpenGroup(const std::string& name) const {
 
 Group Group::CreateGroup(const std::string& name) {
   const Id creation = NewProperties(H5P_GROUP_CREATE);
-  Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
-  Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  SetUpGroup(creation);
   return Group(Id(H5Gcreate2(id_.get(), name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
                   H5Gclose, fmt::format("make the group {}", name)));
 }
