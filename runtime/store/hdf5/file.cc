@@ -26,6 +26,13 @@ void SetBounds(const Id& access) {
   Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "set up HDF5");
 }
 
+/// In memory. HDF5 would make room in blocks of 2 kB, and leave what is left of them in the file.
+void KeepInMemory(const Id& access, std::size_t increment) {
+  Check(H5Pset_fapl_core(access.get(), increment, false), "set up HDF5");
+  Check(H5Pset_meta_block_size(access.get(), 0), "set up HDF5");
+  Check(H5Pset_small_data_block_size(access.get(), 0), "set up HDF5");
+}
+
 /// Links and attributes of a group, in the order in which they were made.
 void SetUpGroup(const Id& creation) {
   Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
@@ -144,7 +151,7 @@ File File::CreateInMemory() {
   BeQuiet();
   const Id access = NewProperties(H5P_FILE_ACCESS);
   SetBounds(access);
-  Check(H5Pset_fapl_core(access.get(), 1 << 18, false), "set up HDF5");
+  KeepInMemory(access, 1 << 18);
   const Id creation = FileCreation();
   Check(H5Pset_istore_k(creation.get(), kSmallChunkIndex), "set up HDF5");
   return File(Id(H5Fcreate(UniqueName().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()),
@@ -176,7 +183,7 @@ File File::OpenCopy(std::span<const std::byte> image, unsigned mode) {
   BeQuiet();
   const Id access = NewProperties(H5P_FILE_ACCESS);
   SetBounds(access);
-  Check(H5Pset_fapl_core(access.get(), 1 << 16, false), "set up HDF5");
+  KeepInMemory(access, 1 << 16);
   // HDF5 copies the image and does not change this one.
   Check(H5Pset_file_image(access.get(), const_cast<std::byte*>(image.data()), image.size()),
         "set up HDF5");
