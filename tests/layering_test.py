@@ -23,6 +23,7 @@ CONTRACT = ("compiler/schema", "compiler/plan")
 # A pattern of headers, and the files or folders that may include them.
 EXTERNAL = [
     (r"(hdf5|H5.*)\.h$", ("runtime/store/hdf5/",)),
+    (r"^zlib", ("runtime/store/hdf5/",)),
     (r"yaml-cpp/", ("compiler/plan/plan_yaml",)),
     (r"(^|/)(bt|Bullet|LinearMath)", ("runtime/engine/", "library/detectors/bullet/")),
     (r"^fcl/", ("library/detectors/third_party/fcl/",)),

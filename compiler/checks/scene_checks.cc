@@ -228,7 +228,7 @@ bool SceneChecks::CheckLinks(evaluate::Configuration& configuration, const plan:
 
 // A component that `omit` names must not be one that the scene needs.
 bool SceneChecks::CheckOmit(evaluate::Configuration& configuration, const plan::Scene& scene) {
-  if (scene.world.Lists("omit", "auto") || scene.world.Lists("omit", "none")) return true;
+  if (scene.world.Lists("omit", "none")) return true;
   bool good = true;
   for (const plan::PruningDecision& part : plan::AnalysePruning(scene)) {
     if (part.decision != plan::Decision::kKept ||

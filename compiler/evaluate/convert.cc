@@ -331,7 +331,9 @@ std::optional<Value> ConvertList(const std::vector<std::pair<Value, dsl::Span>>&
     if (!parameter.StandsAlone(words[i])) continue;
     // Of two words that both want to stand alone, the second is the odd one.
     for (std::size_t j = 0; j < words.size(); ++j) {
-      if (words[j] == words[i] || (parameter.StandsAlone(words[j]) && i < j)) continue;
+      if (words[j] == words[i] || (parameter.StandsAlone(words[j]) && i < j) ||
+          parameter.StandsBeside(words[i], words[j]))
+        continue;
       diagnostics.Report(scenario::kContradiction, spans[i],
                          fmt::format("'{}' cannot stand beside '{}'", words[i], words[j]),
                          fmt::format("'{}' speaks of all of them: write it alone, or only the "

@@ -78,6 +78,8 @@ class Analysis {
         return StaticBoxes();
       case Component::kPools:
         return {Decision::kOpen, "how many contacts there can be is known when all are placed"};
+      case Component::kWallPairs:
+        return WallPairs();
     }
     CDB_CHECK(false);
   }
@@ -97,6 +99,19 @@ class Analysis {
     if (ccd_) return {Decision::kKept, Sweeps()};
     if (linked_) return {Decision::kKept, Pull()};
     return {Decision::kOpen, "where each object can get to is known when all are placed"};
+  }
+
+  // A pair without a contact has no effect if contacts are solved in the order of their bodies.
+  Answer WallPairs() const {
+    if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
+    if (scene_.world.WordOr("world.wall_shape") != "plane")
+      return {Decision::kAbsent, "walls are boxes, and their pairs are those that reach them"};
+    if (scene_.world.WordOr("pair_order") != "sorted")
+      return {Decision::kKept,
+              "with pair_order listed, contacts are solved in an order that depends on all pairs; "
+              "pair_order sorted does without"};
+    if (ccd_) return {Decision::kKept, Sweeps()};
+    return {Decision::kOpen, "whether an object has several pieces is known when all are placed"};
   }
 
   Answer RaycastTree() const {
@@ -171,20 +186,24 @@ class Analysis {
 }  // namespace
 
 PruningRequest RequestFor(const Scene& scene, Component component) {
-  if (scene.world.Lists("omit", "auto")) return PruningRequest::kAuto;
-  return scene.world.Lists("omit", InfoOf(component).name) ? PruningRequest::kByName
-                                                           : PruningRequest::kNo;
+  const ComponentInfo& info = InfoOf(component);
+  if (scene.world.Lists("omit", info.name)) return PruningRequest::kByName;
+  const bool is_auto = info.is_in_auto && scene.world.Lists("omit", "auto");
+  return is_auto ? PruningRequest::kAuto : PruningRequest::kNo;
 }
 
 std::vector<PruningDecision> AnalysePruning(const Scene& scene) {
   const Analysis analysis(scene);
   const bool is_none = scene.world.Lists("omit", "none");
+  const bool is_auto = scene.world.Lists("omit", "auto");
   std::vector<PruningDecision> decisions;
   decisions.reserve(Components().size());
   for (const ComponentInfo& info : Components()) {
     const PruningRequest asked = RequestFor(scene, info.component);
     Answer answer = asked == PruningRequest::kNo
-                        ? Answer{Decision::kKept, is_none ? "omit none" : "omit does not list it"}
+                        ? Answer{Decision::kKept, is_none   ? "omit none"
+                                                  : is_auto ? "left out only if omit names it"
+                                                            : "omit does not list it"}
                         : analysis.Of(info.component, asked);
     decisions.push_back({info.component, answer.decision, std::move(answer.why)});
   }

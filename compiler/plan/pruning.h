@@ -31,7 +31,8 @@ struct PruningDecision {
 /// does not name.
 std::vector<PruningDecision> AnalysePruning(const Scene& scene);
 
-/// How `omit` asks for a component: by its name, by `auto`, or not at all.
+/// How `omit` asks for a component: by its name, by `auto`, which not all are part of, or not at
+/// all.
 enum class PruningRequest { kNo, kAuto, kByName };
 PruningRequest RequestFor(const Scene& scene, schema::Component component);
 

@@ -38,6 +38,9 @@ constexpr ComponentInfo kTable[] = {
      "recomputing the boxes of walls and fixed objects in each cycle", ""},
     {Component::kPools, "pools",
      "memory for more contacts than the scene can have", ""},
+    {Component::kWallPairs, "wall_pairs",
+     "pairs of an object and a plane whose half-space its box does not reach; only if named",
+     "pairs and the broad phase are without them", false},
 };
 // clang-format on
 

@@ -21,6 +21,7 @@ enum class Component {
   kMotionStates,
   kStaticBoxes,
   kPools,
+  kWallPairs,
 };
 
 /// One row of THE table of components.
@@ -29,6 +30,7 @@ struct ComponentInfo {
   std::string_view name;     ///< the word that `omit` takes
   std::string_view doc;      ///< what it is, one line
   std::string_view changes;  ///< what of the measurement changes without it; empty: nothing does
+  bool is_in_auto = true;    ///< `omit auto` leaves it out where it can; otherwise `omit` names it
   /// Every summary names it where it is left out.
   bool IsVisible() const { return !changes.empty(); }
 };

@@ -107,6 +107,12 @@ bool Parameter::StandsAlone(std::string_view word) const {
   return type == kWords && word_source != kOwn && ListsWord(words, word);
 }
 
+bool Parameter::StandsBeside(std::string_view word, std::string_view other) const {
+  if (word_source != kComponents || word != "auto") return false;
+  const ComponentInfo* component = FindComponent(other);
+  return component != nullptr && !component->is_in_auto;
+}
+
 std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
   std::string text;
   switch (type) {

@@ -76,8 +76,11 @@ struct Parameter {
   /// Its words with arguments are things to choose from, as models are, and may stand in any( ). A
   /// schedule is not: it goes on for the whole run; density( ) takes the choices itself.
   bool ChoosesCalls() const { return type == ParameterType::kWord; }
-  /// `word` speaks of all the others of a list: no list holds it and another.
+  /// `word` speaks of all the others of a list: no list holds it and another, except those that it
+  /// says nothing about.
   bool StandsAlone(std::string_view word) const;
+  /// A list may hold `word`, which stands alone, and `other`: `omit auto, wall_pairs`.
+  bool StandsBeside(std::string_view word, std::string_view other) const;
   /// `a length more than 0, or a distribution`: for messages and the reference. Words that need
   /// arguments are shown as `at( )`.
   std::string Takes(std::span<const PluginDetector> plugins = {}) const;

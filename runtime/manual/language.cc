@@ -232,6 +232,7 @@ every object has the same state in every cycle, to the last bit, and the run is 
   omit auto                   omits all that the scene does not need; the default
   omit none                   omits nothing: everything is timed
   omit walls, raycast_tree    omits exactly these parts; it is an error if a scene needs one of them
+  omit auto, wall_pairs       the same as auto, and the pairs of planes that no box reaches
   omit sweep(none, auto)      an axis; `cases { }` can make an axis whose values are lists
 
 Some decisions follow from the settings alone: if the acceleration is 0, gravity need not be
@@ -250,6 +251,12 @@ of more than 100,000 runs, only those of the same part, about 10,000 runs.)
   `cdb show` names every omission that affects a measurement. The results state for each run what
 became of each part, and why (/run/omitted, /run/needs). `cdb plan FILE` shows what follows from the
 settings, before any run; `cdb plan --why FILE` places the objects and explains every decision.
+  Bullet pairs every object with every plane, as its planes have infinite boxes. `wall_pairs` gives
+a plane the box of its half-space, so that only objects that reach it are in a pair with it. This
+needs `pair_order sorted`, and objects of one convex piece without ccd; otherwise it is an error.
+cdb's own detectors list no other pairs wherever this holds, whether `omit` names it or not. As most
+pairs of a gas in a cube are those of planes, it changes what a detector is measured at, so `auto`
+does not do it by itself.
   After `omit`, `sleeping` is the part of that name; elsewhere it is the switch.
 
 )reference";

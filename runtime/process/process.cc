@@ -66,7 +66,15 @@ void SpawnPlan::Give(int from, int to) {
   sources_.emplace_back(fcntl(from, F_DUPFD_CLOEXEC, kAboveAllTargets));
   if (sources_.back().get() < 0) FailToStart("no descriptor to start a run", errno);
   Check(posix_spawn_file_actions_adddup2(&actions_, sources_.back().get(), to));
+  targets_.push_back(to);
   last_ = std::max(last_, to);
+}
+
+std::vector<std::pair<int, int>> SpawnPlan::Given() const {
+  std::vector<std::pair<int, int>> given;
+  for (std::size_t i = 0; i < sources_.size(); ++i)
+    given.emplace_back(sources_[i].get(), targets_[i]);
+  return given;
 }
 
 pid_t SpawnPlan::Start(const std::filesystem::path& program, std::vector<std::string> arguments) {
@@ -83,9 +91,14 @@ pid_t SpawnPlan::Start(const std::filesystem::path& program, std::vector<std::st
   std::vector<char*> words;
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
+  std::vector<char*> environment;
+  for (std::string& variable : variables_) environment.push_back(variable.data());
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    environment.push_back(*variable);
+  environment.push_back(nullptr);
   pid_t pid = -1;
   const int error =
-      posix_spawn(&pid, program.c_str(), &actions_, &attributes_, words.data(), environ);
+      posix_spawn(&pid, program.c_str(), &actions_, &attributes_, words.data(), environment.data());
   if (error != 0) FailToStart(fmt::format("cannot start {}", program.string()), error);
   return pid;
 }

@@ -46,6 +46,10 @@ class SpawnPlan {
 
   /// A copy of `from`, as `to` over there.
   void Give(int from, int to);
+  /// A variable of its environment beside ours: `NAME=value`.
+  void SetVariable(std::string variable) { variables_.push_back(std::move(variable)); }
+  /// What was given.
+  std::vector<std::pair<int, int>> Given() const;
   /// Nothing beside what was given is open over there.
   pid_t Start(const std::filesystem::path& program, std::vector<std::string> arguments = {});
 
@@ -53,6 +57,8 @@ class SpawnPlan {
   posix_spawn_file_actions_t actions_;
   posix_spawnattr_t attributes_;
   std::vector<Descriptor> sources_;
+  std::vector<int> targets_;  ///< of each source
+  std::vector<std::string> variables_;
   int last_ = 2;  ///< the highest that is given, or standard error
 };
 

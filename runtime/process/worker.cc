@@ -204,8 +204,12 @@ struct ProcessLauncher::Worker {
     while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
     }
   }
-  /// Safe while it is not reaped: its id cannot have been given to another.
-  void Kill() const { kill(-pid, SIGKILL); }
+  /// Safe while it is not reaped: its id cannot have been given to another. A worker that has only
+  /// just been forked may not lead its group yet.
+  void Kill() const {
+    kill(-pid, SIGKILL);
+    kill(pid, SIGKILL);
+  }
 };
 
 ProcessLauncher::ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop)
@@ -230,6 +234,24 @@ void ProcessLauncher::StopAll() {
   for (const auto& worker : workers_)
     if (worker) worker->Kill();  // all at once, then wait for each
   for (auto& worker : workers_) worker.reset();
+  servers_.clear();
+}
+
+pid_t ProcessLauncher::StartProcess(const fs::path& program, SpawnPlan& spawn, int cpu,
+                                    std::vector<std::string> arguments) {
+  const auto [server, is_new] = servers_.try_emplace(program);
+  try {
+    if (is_new) server->second = std::make_unique<ForkServer>(program);
+  } catch (const ScheduleError&) {
+    // Starting the worker itself says why, in the words of the run.
+  }
+  if (server->second != nullptr) {
+    if (const auto pid = server->second->Start({spawn.Given(), arguments, cpu})) return *pid;
+    server->second.reset();
+  }
+  std::optional<OnCpu> pinned;
+  if (cpu >= 0) pinned.emplace(cpu);
+  return spawn.Start(program, std::move(arguments));
 }
 
 void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::string& kept) {
@@ -272,14 +294,11 @@ void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::s
   worker->start = Clock::now();
   worker->deadline = Deadline(run.scene, worker->start);
   const bool is_single = run.scene.world.WordOr("precision") == "single";
-  {
-    std::optional<OnCpu> pinned;
-    if (!cpus_.empty()) pinned.emplace(cpus_[slot]);
-    std::vector<std::string> arguments;
-    if (!kept.empty())
-      arguments = {measure::kKeepOption, kept, "a run that it is compared with keeps it"};
-    worker->pid = spawn.Start(is_single ? programs_.single : programs_.double_, arguments);
-  }
+  std::vector<std::string> arguments;
+  if (!kept.empty())
+    arguments = {measure::kKeepOption, kept, "a run that it is compared with keeps it"};
+  worker->pid = StartProcess(is_single ? programs_.single : programs_.double_, spawn,
+                             cpus_.empty() ? -1 : cpus_[slot], std::move(arguments));
   worker->pidfd = WatchProcess(worker->pid);
   workers_[slot] = std::move(worker);
 }

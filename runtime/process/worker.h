@@ -6,12 +6,14 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "runtime/process/fork_server.h"
 #include "runtime/process/launcher.h"
 #include "runtime/process/stop.h"
 #include "runtime/process/trace_cache.h"
@@ -43,10 +45,11 @@ class TextTail {
   std::string text_;
 };
 
-/// Runs workers as processes: standard input empty, standard output dropped, standard error kept
-/// for the message, each in a process group of its own so that Ctrl-C reaches only us. A run's
-/// timeout ends its worker with SIGKILL. With several slots and as many processors, each slot's
-/// worker stays on a processor of its own.
+/// Runs workers as processes, forked from one of their program that is loaded already, or started
+/// if that cannot be: standard input empty, standard output dropped, standard error kept for the
+/// message, each in a process group of its own so that Ctrl-C reaches only us. A run's timeout ends
+/// its worker with SIGKILL. With several slots and as many processors, each slot's worker stays on
+/// a processor of its own.
 class ProcessLauncher : public Launcher {
  public:
   /// `stop` may be null.
@@ -60,6 +63,8 @@ class ProcessLauncher : public Launcher {
 
  private:
   struct Worker;
+  pid_t StartProcess(const std::filesystem::path& program, SpawnPlan& spawn, int cpu,
+                     std::vector<std::string> arguments);
   void DrainErrors(Worker& worker);
   Ending Reap(Worker& worker);
 
@@ -67,6 +72,8 @@ class ProcessLauncher : public Launcher {
   const StopFlag* stop_;
   TraceCache traces_;
   std::vector<int> cpus_;  // of each slot; empty where workers go where they like
+  /// Of each program that was started; null if it cannot serve.
+  std::map<std::filesystem::path, std::unique_ptr<ForkServer>> servers_;
   std::vector<std::unique_ptr<Worker>> workers_;
 };
 

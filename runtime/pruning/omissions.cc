@@ -38,6 +38,10 @@ class Settlement {
       kept_ += static_cast<std::size_t>(std::popcount(forecast_.walls[i]));
     }
     pool_size_ = PoolSize();
+    const auto in_pieces = std::ranges::find_if(state.objects, [](const auto& object) {
+      return !object.solid.IsSurface() && object.solid.PieceCount() > 1;
+    });
+    if (in_pieces != state.objects.end()) in_pieces_ = in_pieces - state.objects.begin() + 1;
   }
 
   PruningDecision Settle(Component component) const {
@@ -69,6 +73,12 @@ class Settlement {
                         fmt::format("more than {} pairs can be there at once", kBulletsPool));
         return decide(
             true, fmt::format("room for {} pairs at once instead of {}", pool_size_, kBulletsPool));
+      case Component::kWallPairs:
+        if (in_pieces_ > 0)
+          return decide(false, fmt::format("object {} has several convex pieces, and its contacts "
+                                           "are solved in an order that depends on all pairs",
+                                           in_pieces_));
+        return decide(true, "a pair without a contact has no effect in sorted order");
       default:
         CDB_CHECK(false);  // the numbers alone settle the rest
     }
@@ -118,6 +128,7 @@ class Settlement {
   double moving_ = 0, fixed_ = 0;   ///< objects
   std::size_t all_ = 0, kept_ = 0;  ///< pairs of a moving object and a wall
   int pool_size_ = 0;
+  std::ptrdiff_t in_pieces_ = 0;  ///< the first object of several convex pieces, from 1; 0: none
 };
 
 }  // namespace

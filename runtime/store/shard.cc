@@ -16,6 +16,7 @@
 #include "compiler/plan/plan_yaml.h"
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
+#include "runtime/store/prepared_shard.h"
 #include "runtime/store/proof.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/shard_index.h"
@@ -93,17 +94,6 @@ void WriteContacts(hdf5::File& file, const RunResult& result, std::uint64_t rows
   write("contact_distance", distances, {n});
 }
 
-/// A number as an array of `type` holds it.
-double AsStored(double value, hdf5::Type type) {
-  if (type == hdf5::Type::kFloat64) return value;
-  const bool is_byte = type == hdf5::Type::kInt8;
-  const double least =
-      is_byte ? std::numeric_limits<std::int8_t>::min() : std::numeric_limits<std::int32_t>::min();
-  const double most =
-      is_byte ? std::numeric_limits<std::int8_t>::max() : std::numeric_limits<std::int32_t>::max();
-  return std::isnan(value) ? 0 : std::trunc(std::clamp(value, least, most));
-}
-
 /// Chunks of a series whose places are looked up one by one, each through all of them.
 constexpr std::uint64_t kMostIndexedChunks = 64;
 
@@ -125,39 +115,33 @@ std::optional<std::vector<IndexedChunk>> FindChunks(const hdf5::File& file, cons
   return chunks;
 }
 
-/// Empty where the merge needs the HDF5 file: contacts are copied by rows.
-std::vector<std::byte> MakeIndex(const hdf5::File& file, const Layout& layout,
+std::vector<std::byte> MakeIndex(std::vector<IndexedChunk> chunks, const Layout& layout,
                                  const PlanFacts& facts, const plan::Run& run,
                                  const RunResult& result, const Provenance& provenance) {
-  if (facts.contacts) return {};
-  auto chunks = FindChunks(file, layout);
-  if (!chunks) return {};
   ShardIndex index;
   index.layout = LayoutChecksum(layout, facts);
   index.info = {run.id, facts.sha256, result.outcome(), result.omitted, result.decisions};
   for (const RunNumber& number : facts.numbers)
-    index.numbers.push_back(AsStored(number.get(result), number.type));
+    index.numbers.push_back(hdf5::AsStored(number.get(result), number.type));
   // HDF5 ends a text at its first NUL.
   for (const RunText& text : facts.texts) index.texts.emplace_back(text.get(run, result).c_str());
   for (const auto& [name, text] : provenance)
     if (!text.empty()) index.provenance.emplace(name, hdf5::AttributeText(text));
   if (!result.models.empty())
     index.provenance.insert_or_assign("models", std::string(hdf5::AttributeText(result.models)));
-  index.chunks = *std::move(chunks);
+  index.chunks = std::move(chunks);
   return IndexBytes(index);
 }
 
-std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
-                                 const ShardTemplates& templates, const plan::Run& run,
-                                 const RunResult& result, const Provenance& provenance) {
-  const std::uint64_t rows = ContactRows(run, result);
-  const auto from = templates.Get(run, rows);
-  const Layout& layout = from->layout;
-  hdf5::File file = hdf5::File::CopyImage(from->image);
+/// A copy of a template with the values of the run.
+std::vector<std::byte> MakeImage(hdf5::File file, const plan::Plan& plan, const PlanFacts& facts,
+                                 const Layout& layout, const plan::Run& run,
+                                 const RunResult& result, const std::string& run_text,
+                                 std::optional<std::vector<IndexedChunk>>& chunks) {
   WritePlace(file, plan, facts, run);
   WriteSeries(file, layout, run, result);
   if (facts.contacts) {
-    WriteContacts(file, result, rows);
+    WriteContacts(file, result, ContactRows(run, result));
     if (run.scene.world.Lists("record", "contacts"))
       file.OpenDataset("contact_first").Write({{0.0}});
   }
@@ -166,11 +150,11 @@ std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
     file.OpenDataset(number.name).Write({{number.get(result)}});
   for (const RunText& text : facts.texts)
     file.OpenDataset(text.name).WriteText({{text.get(run, result)}});
-  file.OpenDataset("provenance/run_text").WriteText({{plan::RunToYaml(run)}});
+  file.OpenDataset("provenance/run_text").WriteText({{run_text}});
   if (!result.models.empty()) file.OpenGroup("provenance").SetText("models", result.models);
   std::vector<std::byte> image = file.Image();
-  const std::vector<std::byte> index = MakeIndex(file, layout, facts, run, result, provenance);
-  image.insert(image.end(), index.begin(), index.end());
+  // The merge copies contacts by rows, and needs the HDF5 file for it.
+  if (!facts.contacts) chunks = FindChunks(file, layout);
   return image;
 }
 
@@ -185,12 +169,36 @@ std::vector<std::byte> MakeImage(const plan::Plan& plan, const PlanFacts& facts,
 
 struct ShardWriter::Impl {
   Impl(const plan::Plan& of, const Provenance& with)
-      : plan(of), provenance(with), facts(of), templates(plan, facts, provenance) {}
+      : plan(of),
+        provenance(with),
+        facts(of),
+        templates(plan, facts, provenance),
+        prepared(plan, facts) {}
+
+  std::vector<std::byte> Make(const plan::Run& run, const RunResult& result) const {
+    const auto from = templates.Get(run, ContactRows(run, result));
+    const std::string run_text = plan::RunToYaml(run);
+    std::vector<std::byte> image;
+    std::optional<std::vector<IndexedChunk>> chunks;
+    if (auto shard = prepared.Write(from, run, result, run_text)) {
+      image = std::move(shard->image);
+      chunks = std::move(shard->chunks);
+    } else {
+      image = MakeImage(hdf5::File::CopyImage(from->image), plan, facts, from->layout, run, result,
+                        run_text, chunks);
+    }
+    if (!chunks) return image;
+    const std::vector<std::byte> index =
+        MakeIndex(*std::move(chunks), from->layout, facts, run, result, provenance);
+    image.insert(image.end(), index.begin(), index.end());
+    return image;
+  }
 
   const plan::Plan& plan;
   const Provenance& provenance;
   const PlanFacts facts;
   const ShardTemplates templates;
+  mutable PreparedShards prepared;
 };
 
 ShardWriter::ShardWriter(const plan::Plan& plan, const Provenance& provenance)
@@ -204,9 +212,7 @@ void ShardWriter::Write(const plan::Run& run, const RunResult& result,
   RequireFolder(folder, "shards");
   const std::filesystem::path file = folder / (run.id + ".h5");
   try {
-    WriteSealed(
-        MakeImage(impl_->plan, impl_->facts, impl_->templates, run, result, impl_->provenance),
-        file);
+    WriteSealed(impl_->Make(run, result), file);
   } catch (const hdf5::Error& error) {
     throw StoreError(
         fmt::format("{}: cannot be made: {}; nothing was written", file.string(), error.what()));

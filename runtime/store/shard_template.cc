@@ -45,10 +45,14 @@ std::shared_ptr<const ShardTemplate> ShardTemplates::Get(const plan::Run& run,
   return templates_[std::move(key)] = std::move(made);
 }
 
-void WritePlace(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
-                const plan::Run& run) {
+void WriteHeadOfRun(hdf5::File& file, const plan::Run& run) {
   RenewHead(file, HistoryOf(run));
   file.ReplaceText("run_id", run.id);
+}
+
+void WritePlace(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
+                const plan::Run& run) {
+  WriteHeadOfRun(file, run);
   std::vector<std::string> groups = {"", std::string(kRunGroup)};
   if (facts.samples > 0) groups.emplace_back(kAccuracyGroup);
   for (const std::string& group : groups) {

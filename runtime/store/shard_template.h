@@ -40,6 +40,9 @@ class ShardTemplates {
   mutable std::map<std::vector<std::size_t>, std::shared_ptr<const ShardTemplate>> templates_;
 };
 
+/// Writes into a copy of a template the attributes that tell the shard of `run` from others of it.
+/// Throws hdf5::Error.
+void WriteHeadOfRun(hdf5::File& file, const plan::Run& run);
 /// Writes into a copy of a template what tells the shard of `run` from others of it, but for the
 /// run's values: its id, its coordinates that are numbers, and the date. Throws hdf5::Error.
 void WritePlace(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,

@@ -145,7 +145,8 @@ class Maker {
   bool CanBeOmitted(std::string_view component) const {
     const auto sets = [&](std::string_view parameter) { return Sets(parameter); };
     // The defaults need these.
-    if (component == "gravity" || component == "static_boxes") return false;
+    if (component == "gravity" || component == "static_boxes" || component == "wall_pairs")
+      return false;
     if (component == "damping") return !sets("linear_damping") && !sets("angular_damping");
     for (const char* of_links : {"walls", "detection", "solver", "sleeping", "rotation"})
       if (component == of_links && sets("links.type")) return false;

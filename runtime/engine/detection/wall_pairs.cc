@@ -47,6 +47,22 @@ std::string WhyAllWallPairs(const plan::Scene& scene, Bodies objects) {
   return "";
 }
 
+void HalfSpaceShape::SetBox(const Box& box) {
+  // Bullet has no infinity: this is the side of its planes' boxes.
+  const auto side = [](double x) {
+    constexpr auto kFar = static_cast<double>(BT_LARGE_FLOAT);
+    return static_cast<btScalar>(std::clamp(x, -kFar, kFar));
+  };
+  lower_ = {side(box.lower.x), side(box.lower.y), side(box.lower.z)};
+  upper_ = {side(box.upper.x), side(box.upper.y), side(box.upper.z)};
+}
+
+void HalfSpaceShape::getAabb(const btTransform& /*pose*/, btVector3& lower,
+                             btVector3& upper) const {
+  lower = lower_;
+  upper = upper_;
+}
+
 Box HalfSpaceBox(const btRigidBody& plane, Bodies objects) {
   Box box = {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
   const auto& shape = static_cast<const btStaticPlaneShape&>(*plane.getCollisionShape());

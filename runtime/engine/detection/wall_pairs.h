@@ -21,6 +21,17 @@ using Bodies = std::span<const std::unique_ptr<btRigidBody>>;
 /// that there are.
 std::string WhyAllWallPairs(const plan::Scene& scene, Bodies objects);
 
+/// A plane with a box of our own in place of Bullet's infinite one.
+class HalfSpaceShape final : public btStaticPlaneShape {
+ public:
+  using btStaticPlaneShape::btStaticPlaneShape;
+  void SetBox(const Box& box);
+  void getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const override;
+
+ private:
+  btVector3 lower_ = {0, 0, 0}, upper_ = {0, 0, 0};
+};
+
 /// The box that stands for the half-space behind a plane, for broad phases: what it does not
 /// overlap is too far from the plane for a contact with it, new or old. It reaches before the plane
 /// by the distance up to which Bullet keeps contacts, less what the boxes of objects have around

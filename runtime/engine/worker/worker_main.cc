@@ -1,5 +1,6 @@
 // The worker: one process for one run. `cdb run` starts it with three descriptors
-// (runtime/measure/recording.h); it reads the run, writes the recording and ends.
+// (runtime/measure/recording.h), or has it forked by one that waits for that
+// (runtime/measure/fork_server.h); it reads the run, writes the recording and ends.
 // Exit status: 0 when the recording says how the run ended, 2 when that was not possible.
 
 #include <LinearMath/btScalar.h>
@@ -16,6 +17,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/trace.h"
@@ -27,11 +29,15 @@
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/precision.h"
 #include "runtime/measure/file_descriptor_io.h"
+#include "runtime/measure/fork_server.h"
 
 namespace cdb::worker {
 namespace {
 
 constexpr int kCannotReport = 2;
+
+/// The name that this program was started by.
+const char* g_program = "";
 
 /// The poses that came with the run; from the start each time, as another process of it may have
 /// read them.
@@ -54,18 +60,18 @@ bool HasDescriptors() {
 }
 
 /// The same run from the start in a process that has done nothing yet, with all walls.
-[[noreturn]] void StartAgain(const char* program, measure::Recording& recording,
+[[noreturn]] void StartAgain(measure::Recording& recording,
                              const world::OmissionGuardTripped& tripped, const Kept& kept) {
   recording.Clear();
   if (lseek(measure::kRunFd, 0, SEEK_SET) != 0 || ftruncate(measure::kContactsFd, 0) != 0 ||
       lseek(measure::kContactsFd, 0, SEEK_SET) != 0)
     throw std::system_error(errno, std::generic_category(), "cannot start again");
   const std::string names = "walls " + kept.names;
-  execl("/proc/self/exe", program, measure::kKeepOption, names.c_str(), tripped.what(), nullptr);
+  execl("/proc/self/exe", g_program, measure::kKeepOption, names.c_str(), tripped.what(), nullptr);
   throw std::system_error(errno, std::generic_category(), "cannot start again");
 }
 
-void RunWorker(const char* program, const Kept& kept) {
+void RunWorker(const Kept& kept) {
   const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
   measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
   const detection::NotesPluginCalls notes(recording.header().plugin_call);
@@ -84,7 +90,7 @@ void RunWorker(const char* program, const Kept& kept) {
         RunScene(run, recording, measure::kContactsFd, kept).release();  // the system takes it down
       }
     } catch (const world::OmissionGuardTripped& tripped) {
-      StartAgain(program, recording, tripped, kept);
+      StartAgain(recording, tripped, kept);
     }
   }
   // Where the run did not get that far.
@@ -92,24 +98,16 @@ void RunWorker(const char* program, const Kept& kept) {
     recording.header().scalars.peak_rss_bytes = probes::PeakRssBytes();
 }
 
-}  // namespace
-}  // namespace cdb::worker
-
-int main(int argc, char** argv) {
-  using namespace cdb;
-  using namespace cdb::worker;
-  if (argc == 2 && std::string_view(argv[1]) == "--version") {
-    fmt::print("cdb {}, Bullet {}.{}, {} precision\n", CDB_VERSION, btGetVersion() / 100,
-               btGetVersion() % 100, world::EnginePrecision());
-    return 0;
-  }
-  const bool settles = argc == 2 && std::string_view(argv[1]) == kSettleOption;
-  const bool keeps = argc == 4 && std::string_view(argv[1]) == measure::kKeepOption;
-  if (!settles && ((argc != 1 && !keeps) || !HasDescriptors())) {
+/// What `arguments`, without the program, ask for; the exit status.
+int Execute(const std::vector<std::string>& arguments) {
+  const std::string option = arguments.empty() ? "" : arguments[0];
+  const bool settles = arguments.size() == 1 && option == kSettleOption;
+  const bool keeps = arguments.size() == 3 && option == measure::kKeepOption;
+  if (!settles && ((!arguments.empty() && !keeps) || !HasDescriptors())) {
     fmt::print(stderr,
                "{}: this program runs one run of a plan for `cdb run` and is not started by hand; "
                "use `cdb run FILE.cdb`\n",
-               argv[0]);
+               g_program);
     return kCannotReport;
   }
   try {
@@ -120,12 +118,29 @@ int main(int argc, char** argv) {
     if (settles) {
       SettleForAnother(plan::RunFromYaml(measure::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
     } else {
-      RunWorker(argv[0], keeps ? Kept{argv[2], argv[3]} : Kept{});
+      RunWorker(keeps ? Kept{arguments[1], arguments[2]} : Kept{});
     }
     std::fflush(nullptr);
     _exit(0);  // nothing left to take down that the system does not
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", argv[0], error.what());
+    fmt::print(stderr, "{}: {}\n", g_program, error.what());
     return kCannotReport;
   }
+}
+
+}  // namespace
+}  // namespace cdb::worker
+
+int main(int argc, char** argv) {
+  using namespace cdb;
+  worker::g_program = argv[0];
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments == std::vector<std::string>{"--version"}) {
+    fmt::print("cdb {}, Bullet {}.{}, {} precision\n", CDB_VERSION, btGetVersion() / 100,
+               btGetVersion() % 100, world::EnginePrecision());
+    return 0;
+  }
+  const bool serves = arguments == std::vector<std::string>{measure::kServeOption};
+  if (serves && fcntl(measure::kServerFd, F_GETFD) >= 0) measure::ServeForks(worker::Execute);
+  return worker::Execute(arguments);
 }

@@ -158,6 +158,7 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state, pruning::O
   for (int wall = 0; wall < pruning::kWallCount; ++wall)
     if ((standing_ & 1 << wall) != 0 && IsKept(wall)) MakeWall(wall);
   SettleRotation();
+  CutPlanes();
   MakeDetection(detectors);
   links_ = std::make_unique<Links>(scene_, state_, objects_, *world_);
 }
@@ -184,7 +185,7 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
     detection::CheckHolds(detector->name, detector->max_bodies, bodies);
   scene_view_ = std::make_unique<detection::SceneView>(objects_, walls_, state_);
   // Bullet's own list all, as they do alone.
-  if (!detection::IsBullets(detectors.broad.name) &&
+  if ((omissions_.Omits(Component::kWallPairs) || !detection::IsBullets(detectors.broad.name)) &&
       detection::WhyAllWallPairs(scene_, objects_).empty())
     scene_view_->CutPlanes();
   auto broad_phase = std::make_unique<detection::AdapterBroadPhase>(detectors.broad, *scene_view_);
@@ -281,8 +282,12 @@ void Engine::MakeWall(int wall) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   if (scene_.world.WordOr("world.wall_shape") == "plane") {
     centre[axis] = sign * side_ / 2;
-    wall_shapes_.push_back(std::make_unique<btStaticPlaneShape>(
-        ToBullet(-sign * Eigen::Vector3d::Unit(axis)), btScalar(0)));
+    const btVector3 normal = ToBullet(-sign * Eigen::Vector3d::Unit(axis));
+    if (omissions_.Omits(Component::kWallPairs)) {
+      wall_shapes_.push_back(std::make_unique<detection::HalfSpaceShape>(normal, btScalar(0)));
+    } else {
+      wall_shapes_.push_back(std::make_unique<btStaticPlaneShape>(normal, btScalar(0)));
+    }
   } else {
     const double thickness = pruning::kWallThickness * side_;
     Eigen::Vector3d half = Eigen::Vector3d::Constant(side_ / 2 + thickness);
@@ -310,6 +315,15 @@ void Engine::SettleRotation() {
   if (plan::RequestFor(scene_, Component::kRotation) == plan::PruningRequest::kByName)
     throw SceneError(fmt::format("omit rotation: this scene needs it: {}", why));
   omissions_.Keep(Component::kRotation, why);
+}
+
+void Engine::CutPlanes() {
+  if (!omissions_.Omits(Component::kWallPairs)) return;
+  CDB_CHECK(detection::WhyAllWallPairs(scene_, objects_).empty());
+  for (const auto& wall : walls_) {
+    auto& plane = static_cast<detection::HalfSpaceShape&>(*wall->getCollisionShape());
+    plane.SetBox(detection::HalfSpaceBox(*wall, objects_));
+  }
 }
 
 void Engine::MakeWorld() {

@@ -88,6 +88,7 @@ class Engine {
   void MakeObject(const layouts::ObjectState& object);
   void MakeWall(int wall);
   void SettleRotation();
+  void CutPlanes();
   void MakeWorld();
   void AddBodies();
   void AddFilteredBodies();

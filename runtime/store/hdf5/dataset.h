@@ -67,6 +67,9 @@ class Dataset : public Object {
   /// through all chunks of the dataset: for datasets of few.
   std::optional<ChunkPlace> FindChunk(const Shape& start) const;
 
+  /// Where its values stand in the file; nullopt where they are chunked or have no place yet.
+  std::optional<std::uint64_t> FindValues() const;
+
   /// Makes it a dimension scale of that name.
   void MakeScale(const std::string& name);
 

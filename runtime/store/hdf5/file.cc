@@ -19,7 +19,8 @@ namespace cdb::hdf5 {
 namespace {
 
 constexpr unsigned kCompression = 1;
-/// All attributes of an object stand in its header: quicker and smaller than HDF5's dense form.
+/// Links and attributes of an object stand in its header: quicker and smaller than HDF5's dense
+/// form.
 constexpr unsigned kMostCompact = 1 << 12;
 
 /// HDF5 prints every error to stderr unless told not to, thread by thread.
@@ -30,10 +31,24 @@ void SetBounds(const Id& access) {
   Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "set up HDF5");
 }
 
+/// In memory. HDF5 would make room in blocks of 2 kB, and leave what is left of them in the file.
+void KeepInMemory(const Id& access, std::size_t increment) {
+  Check(H5Pset_fapl_core(access.get(), increment, false), "set up HDF5");
+  Check(H5Pset_meta_block_size(access.get(), 0), "set up HDF5");
+  Check(H5Pset_small_data_block_size(access.get(), 0), "set up HDF5");
+}
+
+/// Links and attributes of a group, in the order in which they were made.
+void SetUpGroup(const Id& creation) {
+  Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  Check(H5Pset_link_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
+  Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  Check(H5Pset_attr_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
+}
+
 Id FileCreation() {
   Id creation = NewProperties(H5P_FILE_CREATE);
-  Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
-  Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  SetUpGroup(creation);
   return creation;
 }
 
@@ -107,8 +122,7 @@ Group Group::OpenGroup(const std::string& name) const {
 
 Group Group::CreateGroup(const std::string& name) {
   const Id creation = NewProperties(H5P_GROUP_CREATE);
-  Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
-  Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  SetUpGroup(creation);
   return Group(Id(H5Gcreate2(id_.get(), name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
                   H5Gclose, fmt::format("make the group {}", name)));
 }
@@ -196,7 +210,7 @@ File File::CreateInMemory() {
   BeQuiet();
   const Id access = NewProperties(H5P_FILE_ACCESS);
   SetBounds(access);
-  Check(H5Pset_fapl_core(access.get(), 1 << 18, false), "set up HDF5");
+  KeepInMemory(access, 1 << 18);
   const Id creation = FileCreation();
   Check(H5Pset_istore_k(creation.get(), kSmallChunkIndex), "set up HDF5");
   return File(Id(H5Fcreate(UniqueName().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()),
@@ -233,7 +247,7 @@ File File::OpenCopy(std::span<const std::byte> image, unsigned mode) {
   BeQuiet();
   const Id access = NewProperties(H5P_FILE_ACCESS);
   SetBounds(access);
-  Check(H5Pset_fapl_core(access.get(), 1 << 16, false), "set up HDF5");
+  KeepInMemory(access, 1 << 16);
   // HDF5 copies the image and does not change this one.
   Check(H5Pset_file_image(access.get(), const_cast<std::byte*>(image.data()), image.size()),
         "set up HDF5");

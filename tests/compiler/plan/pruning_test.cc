@@ -40,7 +40,7 @@ TEST(Components, AreOneRowEachInTheOrderOfTheEnum) {
     EXPECT_EQ(info.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), std::string_view::npos);
     EXPECT_TRUE(info.name != "auto" && info.name != "none");
   }
-  EXPECT_EQ(index, static_cast<int>(schema::Component::kPools) + 1);
+  EXPECT_EQ(index, static_cast<int>(schema::Component::kWallPairs) + 1);
   EXPECT_EQ(schema::FindComponent("gyro"), nullptr);
   EXPECT_EQ(schema::FindComponent(""), nullptr);
 }
@@ -143,6 +143,14 @@ const Row kRows[] = {
      "dbvt finds other pairs"},
 
     {schema::Component::kPools, "", plan::Decision::kOpen, "how many contacts"},
+
+    {schema::Component::kWallPairs, "pair_order sorted", plan::Decision::kKept, "if omit names it"},
+    {schema::Component::kWallPairs, "omit auto, wall_pairs; pair_order sorted",
+     plan::Decision::kOpen, "several pieces"},
+    {schema::Component::kWallPairs, "omit wall_pairs; world.wall_shape box",
+     plan::Decision::kAbsent, "walls are boxes"},
+    {schema::Component::kWallPairs, "omit wall_pairs; world.walls none", plan::Decision::kAbsent,
+     "none stand"},
 };
 
 TEST(AnalysePruning, DecidesByTheNumbers) {
@@ -187,12 +195,22 @@ TEST(AnalysePruning, AListKeepsWhatItDoesNotName) {
 
 TEST(RequestFor, IsByAutoByNameOrNotAtAll) {
   for (const schema::ComponentInfo& info : schema::Components()) {
-    EXPECT_EQ(plan::RequestFor(SceneOf(""), info.component), plan::PruningRequest::kAuto);
+    EXPECT_EQ(plan::RequestFor(SceneOf(""), info.component),
+              info.is_in_auto ? plan::PruningRequest::kAuto : plan::PruningRequest::kNo);
     EXPECT_EQ(plan::RequestFor(SceneOf("omit none"), info.component), plan::PruningRequest::kNo);
     EXPECT_EQ(plan::RequestFor(SceneOf("omit pools"), info.component),
               info.component == schema::Component::kPools ? plan::PruningRequest::kByName
                                                           : plan::PruningRequest::kNo);
   }
+}
+
+TEST(RequestFor, TakesNamesBesideAuto) {
+  const plan::Scene scene = SceneOf("omit auto, wall_pairs; pair_order sorted");
+  using schema::Component;
+  EXPECT_EQ(plan::RequestFor(scene, Component::kWallPairs), plan::PruningRequest::kByName);
+  EXPECT_EQ(plan::RequestFor(scene, Component::kWalls), plan::PruningRequest::kAuto);
+  EXPECT_FALSE(schema::InfoOf(Component::kWallPairs).is_in_auto);
+  EXPECT_TRUE(schema::InfoOf(Component::kWallPairs).IsVisible());
 }
 
 TEST(DecisionsText, SaysEveryFate) {

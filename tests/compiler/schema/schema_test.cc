@@ -72,6 +72,13 @@ TEST(Schema, OmitTakesEveryComponent) {
     EXPECT_FALSE(omit.StandsAlone(info.name)) << info.name;
   }
   EXPECT_TRUE(omit.StandsAlone("auto") && omit.StandsAlone("none"));
+  EXPECT_TRUE(omit.StandsBeside("auto", "wall_pairs"));
+  for (const auto& [word, other] : {std::pair{"auto", "walls"},
+                                    {"auto", "none"},
+                                    {"auto", "wall"},
+                                    {"none", "wall_pairs"},
+                                    {"wall_pairs", "auto"}})
+    EXPECT_FALSE(omit.StandsBeside(word, other)) << word << " " << other;
   EXPECT_EQ(omit.Takes().find("auto, none, or a list of walls, raycast_tree, "), 0u)
       << omit.Takes();
   EXPECT_FALSE((*schema::WorldParameter("timeout")).StandsAlone("none"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/personality.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,6 +14,8 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
+#include <set>
 #include <string>
 
 #include "tests/runtime/schedule/plans.h"
@@ -274,6 +277,65 @@ TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
   EXPECT_EQ(told[2], 0) << "signals blocked or ignored";
   EXPECT_EQ(told[3], 6) << "descriptors 0 to 5";
   EXPECT_EQ(told[4], 1) << "a process group of its own";
+}
+
+/// What a worker tells of its place, in runs by one launcher.
+std::vector<std::vector<std::int32_t>> Places(const fs::path& program, std::size_t runs) {
+  const auto plan = MakeBehaviourPlan({kTellsPlace});
+  process::ProcessLauncher launcher({program, program}, 1, nullptr);
+  std::vector<std::vector<std::int32_t>> places;
+  for (std::size_t i = 0; i < runs; ++i) {
+    launcher.Start(0, plan.runs[0], "");
+    places.push_back(Values<std::int32_t>(launcher.Wait(kForever).value(), "pairs"));
+  }
+  return places;
+}
+
+TEST(WorkerTest, WorkersAreForkedFromOneThatIsLoaded) {
+  for (const auto& told : Places(TestWorker().single, 2)) {
+    EXPECT_EQ(told.at(5), 1);
+    EXPECT_EQ(told.at(2), 0) << "signals blocked or ignored";
+    EXPECT_EQ(told.at(3), 6) << "descriptors 0 to 5";
+    EXPECT_EQ(told.at(4), 1) << "a process group of its own";
+  }
+}
+
+TEST(WorkerTest, AWorkerThatCannotBeForkedIsStarted) {
+  TemporaryFolder folder;
+  const fs::path program = folder.path() / "another_name";
+  fs::create_symlink(TestWorker().single, program);
+  for (const auto& told : Places(program, 2)) {
+    EXPECT_EQ(told.at(5), 0);
+    EXPECT_EQ(told.at(3), 6) << "descriptors 0 to 5";
+  }
+}
+
+TEST(WorkerTest, ForkedWorkersHaveAddressesOfTheirOwn) {
+  if (kAddressSanitizer) GTEST_SKIP() << "the sanitizer has a heap of its own";
+  if ((personality(0xffffffff) & ADDR_NO_RANDOMIZE) != 0) GTEST_SKIP() << "addresses are fixed";
+  const auto places = Places(TestWorker().single, 8);
+  for (const std::size_t what : {6, 7, 8}) {
+    std::set<std::int32_t> addresses;
+    for (const auto& told : places) addresses.insert(told.at(what));
+    EXPECT_GT(addresses.size(), 4u) << what;
+  }
+}
+
+TEST(WorkerTest, AServerThatWasKilledIsDoneWithout) {
+  const auto plan = MakeBehaviourPlan({kTellsPlace});
+  process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
+  launcher.Start(0, plan.runs[0], "");
+  launcher.Wait(kForever);
+  // The worker has ended: the server is the only child.
+  std::ifstream children("/proc/self/task/" + std::to_string(gettid()) + "/children");
+  pid_t server = -1;
+  children >> server;
+  ASSERT_GT(server, 0);
+  kill(server, SIGKILL);
+  launcher.Start(0, plan.runs[0], "");
+  const process::Ending ending = launcher.Wait(kForever).value();
+  EXPECT_EQ(ending.result.status, store::Status::kDone) << ending.result.message;
+  EXPECT_EQ(Values<std::int32_t>(ending, "pairs").at(5), 0);
 }
 
 TEST(WorkerTest, SlotsHaveProcessorsOfTheirOwn) {

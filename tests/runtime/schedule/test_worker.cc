@@ -2,16 +2,19 @@
 #include <dirent.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compiler/plan/plan_yaml.h"
 #include "runtime/measure/file_descriptor_io.h"
+#include "runtime/measure/fork_server.h"
 #include "runtime/measure/recording.h"
 #include "tests/runtime/schedule/plans.h"
 
@@ -102,7 +105,10 @@ class Worker {
   bool with_contacts_;
 };
 
-/// Processors, the first of them, blocked or ignored signals, open descriptors, leads its group.
+bool g_is_forked = false;
+
+/// Processors, the first of them, blocked or ignored signals, open descriptors, leads its group,
+/// was forked by a server; and where its stack, its heap and a new mapping are, as far as it fits.
 void TellPlace(std::span<std::int32_t> told) {
   cpu_set_t cpus;
   sched_getaffinity(0, sizeof cpus, &cpus);
@@ -124,6 +130,13 @@ void TellPlace(std::span<std::int32_t> told) {
   --told[3];  // the folder itself
   closedir(folder);
   told[4] = getpgrp() == getpid();
+  told[5] = g_is_forked;
+  const auto place = [](const void* address) {
+    return static_cast<std::int32_t>(reinterpret_cast<std::uintptr_t>(address) >> 4 & 0x7fffffff);
+  };
+  told[6] = place(&cpus);
+  told[7] = place(sbrk(0));
+  told[8] = place(mmap(nullptr, 1 << 20, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
 }
 
 int Behave(const plan::Run& run, measure::Recording& recording) {
@@ -183,16 +196,25 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
   return worker.Report(measure::WorkerOutcome::kDone);
 }
 
+int Execute(const std::vector<std::string>& /*arguments*/) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() == 1) return 96;  // the driver was gone before
+  const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "the run");
+  auto recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
+  return Behave(run, recording);
+}
+
 }  // namespace
 }  // namespace cdb::tests
 
 using namespace cdb;
 using namespace cdb::tests;
 
-int main() {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() == 1) return 96;  // the driver was gone before
-  const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "the run");
-  auto recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
-  return Behave(run, recording);
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  // By another name it is one that cannot serve.
+  g_is_forked = std::string_view(argv[0]).ends_with("schedule_test_worker") &&
+                arguments == std::vector<std::string>{measure::kServeOption};
+  if (g_is_forked) measure::ServeForks(Execute);
+  return arguments.empty() ? Execute(arguments) : 2;
 }

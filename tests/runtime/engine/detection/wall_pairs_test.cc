@@ -120,5 +120,69 @@ TEST(WallPairs, HalfSpacesReachAsFarAsContacts) {
   EXPECT_EQ(static_cast<double>(static_cast<btScalar>(left.upper.x)), left.upper.x);
 }
 
+/// With `omit wall_pairs` and nothing else.
+plan::Scene Omitting(plan::Scene scene, const char* detector) {
+  scene = Sorted(scene, detector);
+  SetWorld(scene, "omit", schema::WordList{"wall_pairs"});
+  return scene;
+}
+
+constexpr const char* kBullets[] = {"simple", "sap", "sap32", "dbvt"};
+
+TEST(OmitWallPairs, LeavesTheMotionAsItIs) {
+  for (const char* detector : kBullets) {
+    SCOPED_TRACE(detector);
+    for (const double fall : {0.0, 50.0}) {
+      const PairedRun paired = RunPaired(Omitting(Large(fall), detector));
+      EXPECT_EQ(paired.names(), "wall_pairs");
+    }
+  }
+}
+
+TEST(OmitWallPairs, LeavesTheMotionOfRandomScenesAsItIs) {
+  std::size_t omitted = 0, next = 0;
+  for (const RandomScene& random : RandomScenes(40, 16)) {
+    SCOPED_TRACE(std::string(random.theme));
+    const plan::Scene scene = Omitting(random.scene, kBullets[next++ % std::size(kBullets)]);
+    try {
+      const layouts::InitialState state = layouts::MakeInitialState(scene);
+      omitted += RunPaired(scene, state).Omits(schema::Component::kWallPairs) ? 1 : 0;
+    } catch (const library::SceneError&) {
+      continue;  // some do not fit
+    }
+  }
+  EXPECT_GT(omitted, 15u);
+}
+
+TEST(OmitWallPairs, LeavesThePairsThatReachTheHalfSpace) {
+  const auto pairs = [](const plan::Scene& scene) {
+    const layouts::InitialState state = layouts::MakeInitialState(scene);
+    world::Engine engine(scene, state, pruning::DecideOmissions(scene, state));
+    engine.Step();
+    return engine.world().getPairCache()->getNumOverlappingPairs();
+  };
+  for (const char* detector : kBullets) {
+    plan::Scene scene = Omitting(EngineScene(50, 1000), detector);
+    EXPECT_LT(pairs(scene), 10) << detector;
+    SetWorld(scene, "omit", schema::WordList{"none"});
+    EXPECT_EQ(pairs(scene), 300) << detector;
+  }
+}
+
+TEST(OmitWallPairs, IsRefusedForObjectsInPieces) {
+  plan::Scene scene = Omitting(EngineScene(2, 1000), "dbvt");
+  SetGroup(scene, "type", Word("torus"));
+  try {
+    pruning::DecideOmissions(scene, layouts::MakeInitialState(scene));
+    ADD_FAILURE() << "not refused";
+  } catch (const library::SceneError& error) {
+    EXPECT_EQ(std::string(error.what())
+                  .find("omit wall_pairs: this scene needs it: object 1 has "
+                        "several convex pieces"),
+              0u)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace cdb::tests

@@ -1,0 +1,198 @@
+#include "runtime/measure/fork_server.h"
+
+#include <alloca.h>
+#include <fcntl.h>
+#include <linux/sched.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/personality.h>
+#include <sys/prctl.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
+
+namespace cdb::measure {
+namespace {
+
+constexpr std::size_t kMostDescriptors = 8, kMostText = 32 << 10;
+/// Descriptors stand here until they get their numbers.
+constexpr int kAboveAllTargets = 16;
+
+struct RequestHead {
+  std::int32_t cpu;
+  std::uint32_t descriptors;
+  std::array<std::int32_t, kMostDescriptors> targets;
+};
+
+/// A request as it comes, in memory that no request changes the layout of.
+struct Received {
+  RequestHead head;
+  std::array<char, kMostText> text;  ///< arguments, each with a NUL behind it
+  std::size_t text_size;
+  std::array<int, kMostDescriptors> descriptors;
+};
+
+/// Ancillary data of a message: descriptors.
+union Ancillary {
+  cmsghdr align;
+  char bytes[CMSG_SPACE(sizeof(int) * kMostDescriptors)];
+};
+
+/// False at the end of the connection, and for what AskForWorker does not send.
+bool Receive(int server, Received& request) {
+  std::array<iovec, 2> parts = {
+      {{&request.head, sizeof request.head}, {request.text.data(), request.text.size()}}};
+  Ancillary ancillary;
+  msghdr message = {};
+  message.msg_iov = parts.data();
+  message.msg_iovlen = parts.size();
+  message.msg_control = ancillary.bytes;
+  message.msg_controllen = sizeof ancillary.bytes;
+  ssize_t got = -1;
+  do {
+    got = recvmsg(server, &message, MSG_CMSG_CLOEXEC);
+  } while (got < 0 && errno == EINTR);
+  if (got < static_cast<ssize_t>(sizeof request.head)) return false;
+  request.text_size = static_cast<std::size_t>(got) - sizeof request.head;
+  const cmsghdr* rights = CMSG_FIRSTHDR(&message);
+  const std::size_t bytes = request.head.descriptors * sizeof(int);
+  if (request.head.descriptors > kMostDescriptors || rights == nullptr ||
+      rights->cmsg_type != SCM_RIGHTS || rights->cmsg_len != CMSG_LEN(bytes))
+    return false;
+  std::memcpy(request.descriptors.data(), CMSG_DATA(rights), bytes);
+  return true;
+}
+
+/// A child of our parent, with one thread and a copy of all that we have, as fork would make a
+/// child of ours; a negative number if that cannot be. `tid` is where the C library keeps its
+/// number of the thread, which fork would set.
+pid_t ForkSibling(void* tid) {
+  clone_args how = {};
+  how.flags = CLONE_PARENT | CLONE_CHILD_SETTID | CLONE_CHILD_CLEARTID;
+  how.child_tid = reinterpret_cast<std::uintptr_t>(tid);
+  return static_cast<pid_t>(syscall(SYS_clone3, &how, sizeof how));
+}
+
+/// Gives the descriptors their numbers and closes all others.
+bool TakeDescriptors(const Received& request) {
+  int last = STDERR_FILENO;
+  std::array<int, kMostDescriptors> raised = {};
+  for (std::size_t i = 0; i < request.head.descriptors; ++i)
+    raised[i] = fcntl(request.descriptors[i], F_DUPFD_CLOEXEC, kAboveAllTargets);
+  for (std::size_t i = 0; i < request.head.descriptors; ++i) {
+    const int target = request.head.targets[i];
+    if (raised[i] < 0 || dup2(raised[i], target) != target) return false;
+    last = std::max(last, target);
+  }
+  return syscall(SYS_close_range, static_cast<unsigned>(last) + 1, ~0U, 0) == 0;
+}
+
+/// Moves what is allocated from now on. Returns by how much the stack is to be moved.
+std::size_t ShiftAddresses() {
+  const int persona = personality(0xffffffff);
+  std::array<std::uint32_t, 3> random = {};
+  if ((persona != -1 && (persona & ADDR_NO_RANDOMIZE) != 0) ||
+      getrandom(random.data(), sizeof random, 0) != sizeof random)
+    return 0;
+  // Nothing of it is touched, so it costs no memory; a process that may not have it goes without.
+  constexpr std::size_t kPage = 4096, kHeapPages = 1 << 10, kMappedPages = 1 << 14;
+  constexpr std::size_t kStackBytes = 1 << 14, kStackStep = 16;
+  [[maybe_unused]] const void* heap =
+      sbrk(static_cast<std::intptr_t>(random[0] % kHeapPages * kPage));
+  [[maybe_unused]] const void* mapped =
+      mmap(nullptr, (1 + random[1] % kMappedPages) * kPage, PROT_NONE,
+           MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  return random[2] % kStackBytes / kStackStep * kStackStep;
+}
+
+std::vector<std::string> ArgumentsOf(const Received& request) {
+  std::vector<std::string> arguments;
+  std::string_view rest(request.text.data(), request.text_size);
+  for (std::size_t end; (end = rest.find('\0')) != std::string_view::npos;
+       rest.remove_prefix(end + 1))
+    arguments.emplace_back(rest.substr(0, end));
+  return arguments;
+}
+
+[[noreturn]] void BeWorker(const Received& request, pid_t runner,
+                           int (*run)(const std::vector<std::string>& arguments)) {
+  constexpr int kCannotBegin = 125;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != runner || setpgid(0, 0) != 0 || !TakeDescriptors(request)) _exit(kCannotBegin);
+  auto* room = static_cast<volatile char*>(alloca(ShiftAddresses() + 1));
+  *room = 0;
+  exit(run(ArgumentsOf(request)));
+}
+
+}  // namespace
+
+std::optional<pid_t> AskForWorker(int server, const ForkRequest& request) {
+  RequestHead head = {request.cpu, static_cast<std::uint32_t>(request.descriptors.size()), {}};
+  std::string text;
+  for (const std::string& argument : request.arguments) text.append(argument).push_back('\0');
+  if (request.descriptors.size() > kMostDescriptors || text.size() > kMostText) return std::nullopt;
+  std::array<iovec, 2> parts = {{{&head, sizeof head}, {text.data(), text.size()}}};
+  Ancillary ancillary = {};
+  msghdr message = {};
+  message.msg_iov = parts.data();
+  message.msg_iovlen = parts.size();
+  message.msg_control = ancillary.bytes;
+  message.msg_controllen = CMSG_SPACE(sizeof(int) * request.descriptors.size());
+  cmsghdr* rights = CMSG_FIRSTHDR(&message);
+  rights->cmsg_level = SOL_SOCKET;
+  rights->cmsg_type = SCM_RIGHTS;
+  rights->cmsg_len = CMSG_LEN(sizeof(int) * request.descriptors.size());
+  for (std::size_t i = 0; i < request.descriptors.size(); ++i) {
+    head.targets[i] = request.descriptors[i].second;
+    std::memcpy(CMSG_DATA(rights) + i * sizeof(int), &request.descriptors[i].first, sizeof(int));
+  }
+  ssize_t done = -1;
+  do {
+    done = sendmsg(server, &message, MSG_NOSIGNAL);
+  } while (done < 0 && errno == EINTR);
+  if (done < 0) return std::nullopt;
+  std::int32_t answer = -1;
+  do {
+    done = recv(server, &answer, sizeof answer, 0);
+  } while (done < 0 && errno == EINTR);
+  if (done != sizeof answer || answer <= 0) return std::nullopt;
+  return answer;
+}
+
+void ServeForks(int (*run)(const std::vector<std::string>& arguments)) {
+  static Received request;
+  const pid_t runner = getppid();
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const int server = fcntl(kServerFd, F_DUPFD_CLOEXEC, kAboveAllTargets);
+  void* tid = nullptr;
+  const bool can_fork = prctl(PR_GET_TID_ADDRESS, &tid) == 0 && tid != nullptr;
+  close(kServerFd);
+  unsetenv(kBindNow);  // programs that a worker starts are none of our business
+  while (Receive(server, request)) {
+    if (request.head.cpu >= 0) {
+      cpu_set_t only;
+      CPU_ZERO(&only);
+      CPU_SET(static_cast<unsigned>(request.head.cpu), &only);
+      sched_setaffinity(0, sizeof only, &only);  // so that the worker never runs elsewhere
+    }
+    const pid_t worker = can_fork ? ForkSibling(tid) : -1;
+    if (worker == 0) BeWorker(request, runner, run);
+    for (std::size_t i = 0; i < request.head.descriptors; ++i) close(request.descriptors[i]);
+    const std::int32_t answer = worker;
+    if (send(server, &answer, sizeof answer, MSG_NOSIGNAL) != sizeof answer) break;
+  }
+  _exit(0);
+}
+
+}  // namespace cdb::measure
