@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/plan/input_file.h"
 #include "runtime/measure/file_descriptor_io.h"
 #include "runtime/store/store.h"
 
@@ -35,8 +36,8 @@ class SealedFile {
     if (fd_ < 0 || fstat(fd_, &status) != 0) Fail(path, errno);
     if (!S_ISREG(status.st_mode)) {
       close(std::exchange(fd_, -1));
-      throw StoreError(fmt::format("{}: is no regular file, and was not read; name the .h5 file",
-                                   path.string()));
+      throw StoreError(fmt::format("{}: {}; name the .h5 file", path.string(),
+                                   plan::WhyNotReadable(path)));
     }
     bytes_ = static_cast<std::uint64_t>(status.st_size);
   }

@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto read = [&](const std::string&, std::string&) -> std::optional<std::string> {
     return text;
   };
-  const auto describe = [](const std::string&, std::string&) {
+  const auto describe = [](const std::string&, const std::string&, std::string&) {
     return std::vector<cdb::schema::PluginDetector>{{"mine", "broad narrow", 100, "", ""},
                                                     {"touch", "narrow", 0, "", ""}};
   };

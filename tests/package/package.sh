@@ -19,4 +19,5 @@ cdb=$folder/root/usr/bin/cdb
 "$cdb" show first.h5
 "$cdb" check "$share"/cdb/scenarios/*/*.cdb >checked 2>&1
 # A model is there, or the message says how this copy gets it.
-"$cdb" run -q - <<<'benchmark b { cycles 2; objects { quantity 2; type bunny } }' 2>said || grep "run: '$share/cdb/fetch-models' '$share/cdb/models' bunny" said
+echo 'benchmark b { cycles 2; world.side 100; objects { quantity 5; type bunny; size 10 } }' >b.cdb
+"$cdb" run b.cdb >said 2>&1 || grep "run: '$share/cdb/fetch-models' '$share/cdb/models' bunny" said || { cat said; exit 1; }
