@@ -36,8 +36,8 @@ class SealedFile {
     if (fd_ < 0 || fstat(fd_, &status) != 0) Fail(path, errno);
     if (!S_ISREG(status.st_mode)) {
       close(std::exchange(fd_, -1));
-      throw StoreError(fmt::format("{}: {}; name the .h5 file", path.string(),
-                                   plan::WhyNotReadable(path)));
+      throw StoreError(
+          fmt::format("{}: {}; name the .h5 file", path.string(), plan::WhyNotReadable(path)));
     }
     bytes_ = static_cast<std::uint64_t>(status.st_size);
   }
