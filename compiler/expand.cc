@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "compiler/block_maker.h"
+#include "compiler/compile.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/dependencies.h"
 #include "compiler/grid/survey.h"
@@ -225,6 +226,12 @@ class Expander {
         return false;
       }
       value = n;
+      if (n <= kMostListed) continue;
+      diagnostics_.Report(
+          scenario::kTooManyRuns, span,
+          fmt::format("a point has {} repeats, and the limit is {}", n, kMostListed),
+          "repeat less, or sweep the seed");
+      return false;
     }
     grid_.head.repeats = *value;
     return true;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "compiler/plan/expectation.h"
 #include "compiler/plan/kinematic.h"
 #include "compiler/plan/poses.h"
@@ -42,16 +44,20 @@ void IdleSettings::Add(evaluate::Configuration& configuration, const plan::Scene
     if (plan::HasKinematic(group))
       Look(configuration, {group.name, schema::GroupParameter("mass").get()}, IsStill(group),
            fmt::format("'{}' is kinematic, and nothing moves it", group.name),
-           "give it a linear_velocity, an angular_velocity or location path(\"motion.csv\"), or "
-           "write "
-           "mass fixed");
+           "give it a velocity that is not 0, or location path(\"motion.csv\"); or write mass "
+           "fixed");
   }
+  // What is said of these is enough.
+  if (std::ranges::any_of(scene.groups, [](const plan::Group& group) {
+        return plan::HasKinematic(group) && IsStill(group);
+      }))
+    return;
   const std::string_view said = scene.world.WordOr("expect");
   if (said == "rest" || said == "energy")
     Look(configuration, {"", schema::WorldParameter("expect").get()},
          plan::ExpectationOf(scene) == plan::Expectation::kDriven,
          fmt::format("'expect {}' judges nothing here: a schedule or kinematic objects drive the "
-                     "scene, so that its energy may change at any time",
+                     "scene, so that it need not rest, and its energy may change at any time",
                      said),
          "leave it out");
 }

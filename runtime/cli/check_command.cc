@@ -50,7 +50,7 @@ bool FitsHere(const grid::Grid& grid, const std::string& file) {
 ExitStatus Check(const CheckArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
-    if (name != "-" && store::IsStored(name)) {
+    if (name != "-" && (store::IsStored(name) || name.ends_with(".h5"))) {
       if (arguments.json)
         throw CommandError(fmt::format(
             "--json is for scenario files, and '{}' is none; check it without --json", name));

@@ -26,7 +26,7 @@ const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
 [[noreturn]] void RefuseContents(const std::string& file, const std::string& why) {
   throw store::StoreError(
       fmt::format("{}: is damaged: {}; it was left as it is: merge it again from its shards, "
-                  "restore a copy, or run it again",
+                  "restore a copy, or run it again with --fresh",
                   file, why));
 }
 

@@ -112,8 +112,27 @@ RetryChoice FindStartedRetry(const fs::path& folder) {
       plan::ReadInputFile(folder / schedule::kRetryMarkName, why).value_or(""));
 }
 
+/// Stands in a folder of shards while `--fresh` is at work for the plan with that hash: what is
+/// there is newer than the result, and the next run goes on with it.
+fs::path FreshMark(const fs::path& folder) { return folder / "fresh"; }
+
+bool IsMadeAnew(const plan::Plan& plan, const fs::path& folder) {
+  std::string why;
+  return plan::ReadInputFile(FreshMark(folder), why) == plan.Sha256();
+}
+
+bool HasShards(const fs::path& folder) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (entry->path().extension() == ".h5") return true;
+  return false;
+}
+
 /// Removes the shards that `Merge` has verified, and nothing else.
 void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
+  std::error_code unmarked;
+  fs::remove(FreshMark(folder), unmarked);
   if (plan.whole) return schedule::RemoveWholePlan(folder);
   std::error_code ignored;
   for (const auto* runs : {&plan.runs, &plan.references})
@@ -123,13 +142,19 @@ void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
   fs::remove(folder, ignored);
 }
 
-/// Shards without a mark are of a runner that was killed right after its merge.
-void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder) {
+/// Shards beside a complete result are of a runner that was killed right after its merge.
+void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder, bool is_complete) {
   std::error_code error;
   if (!fs::exists(folder, error)) return;
-  if (!FolderLock(folder).TakeForMyself())
+  FolderLock lock(folder);
+  if (!lock.TakeForMyself())
     throw CommandError(
         fmt::format("another cdb is at work in '{}'; retry when it has ended", folder.string()));
+  if ((!is_complete || IsMadeAnew(plan, folder)) && HasShards(folder))
+    throw CommandError(
+        fmt::format("'{}' holds finished runs that are not in the results yet; let `cdb run` "
+                    "without --retry end first",
+                    folder.string()));
   RemoveShards(plan, folder);
 }
 
@@ -203,7 +228,6 @@ schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan,
                                           schedule::ExecuteOptions execute) const {
   execute.jobs = options_.jobs;
   execute.shard = options_.shard;
-  execute.fresh = options_.fresh;
   execute.provenance = provenance_;
   execute.stop = &stop_;
   schedule::ProgressListener silent;
@@ -236,17 +260,27 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
       report::Say(fmt::format("goes on with what `--retry` began in '{}'\n", out.string()));
     return Retry(sized, out, retry);
   }
-  if (!options_.fresh && IsThereAlready(out, plan)) {
+  const bool goes_on_anew = options_.shard.count == 1 && IsMadeAnew(plan, folder);
+  if (!options_.fresh && !goes_on_anew && IsThereAlready(out, plan)) {
     // Shards are still there where the last runner was killed right after it had merged them.
-    if (fs::exists(folder, error) && FolderLock(folder).TakeForMyself()) RemoveShards(plan, folder);
+    if (fs::exists(folder, error)) {
+      FolderLock leftovers(folder);
+      if (leftovers.TakeForMyself()) RemoveShards(plan, folder);
+    }
     if (!options_.is_quiet)
       report::Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
     return {{}, folder, true};
   }
+  if (!options_.retry.is_empty() && !options_.is_quiet && !fs::exists(folder, error))
+    report::Say(
+        fmt::format("'{}' is not there: nothing to retry, and every run is done\n", out.string()));
   FolderLock lock(folder);
   WarnOfLoad(plan);
   schedule::ExecuteOptions execute;
   execute.folder = folder;
+  execute.fresh = options_.fresh && !goes_on_anew;
+  if (execute.fresh && options_.shard.count == 1)
+    store::WriteWhole(plan.Sha256(), FreshMark(folder));
   if (!options_.retry.is_empty())
     execute.is_repeated = [this](const plan::Run& run, const fs::path& shard) {
       const store::ResultFile file(shard);
@@ -260,7 +294,11 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   }
   if (options_.shard.count > 1) return end;
   // Another runner may have been faster with the same plan.
-  if (options_.fresh || !IsThereAlready(out, plan)) store::Merge(plan, provenance_, folder, out);
+  const bool is_anew = options_.fresh || goes_on_anew;
+  if (is_anew || !options_.retry.is_empty() || !IsThereAlready(out, plan))
+    store::Merge(
+        plan, provenance_, {folder}, out,
+        !is_anew && !options_.retry.is_empty() && fs::exists(out, error) ? out : fs::path());
   if (lock.TakeForMyself()) RemoveShards(plan, folder);
   end.is_merged = true;
   return end;
@@ -272,10 +310,10 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   const fs::path folder = ShardFolder(out), mark = folder / schedule::kRetryMarkName;
   if (options_.shard.count > 1)
     throw CommandError("--retry runs a few runs again, all of them here; leave out --shard");
-  IsThereAlready(out, plan);  // refuses another plan
+  const bool is_complete = IsThereAlready(out, plan);  // refuses another plan
   std::error_code error;
   const bool is_started = fs::exists(mark, error);
-  if (!is_started) RemoveLeftovers(plan, folder);
+  if (!is_started) RemoveLeftovers(plan, folder, is_complete);
   const KeptRuns kept(out, retry);
   if (!is_started && kept.CountOthers(plan) == 0) {
     if (!options_.is_quiet)

@@ -172,8 +172,13 @@ std::optional<pid_t> AskForWorker(int server, const ForkRequest& request) {
 
 void ServeForks(int (*run)(const std::vector<std::string>& arguments)) {
   static Received request;
-  const pid_t runner = getppid();
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // Who made the socket: it may have died before this program was loaded.
+  ucred maker = {};
+  socklen_t size = sizeof maker;
+  const pid_t runner =
+      getsockopt(kServerFd, SOL_SOCKET, SO_PEERCRED, &maker, &size) == 0 ? maker.pid : getppid();
+  if (getppid() != runner) _exit(0);
   const int server = fcntl(kServerFd, F_DUPFD_CLOEXEC, kAboveAllTargets);
   void* tid = nullptr;
   const bool can_fork = prctl(PR_GET_TID_ADDRESS, &tid) == 0 && tid != nullptr;

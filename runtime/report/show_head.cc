@@ -107,8 +107,13 @@ class Head {
     }
     const auto stable = groups_.verdicts.find(measure::Verdict::kStable);
     const std::size_t sound = stable == groups_.verdicts.end() ? 0 : stable->second.size();
-    if (doubts.empty())
-      return sound == 0 ? "" : fmt::format("  Verdict: {}stable.\n", sound > 1 ? "all " : "");
+    if (doubts.empty()) {
+      if (sound == 0) return "";
+      const std::size_t runs = groups_.NotSkipped();
+      return sound < runs
+                 ? fmt::format("  Verdict: {} of {} stable; no other was judged.\n", sound, runs)
+                 : fmt::format("  Verdict: {}stable.\n", sound > 1 ? "all " : "");
+    }
     return fmt::format("  {} stable; in the figures below, but not sound (cdb doc verdicts):\n{}",
                        sound, doubts);
   }

@@ -64,8 +64,8 @@ Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const Execute
   if (!options.fresh)
     for (std::uint64_t part = 0; part < parts; ++part)
       if (const auto there = ReadMark(mark_of(part), plan.whole->sha256)) marked += there->ended();
-  const bool heeds_marks =
-      !options.is_repeated && marked > 0 && CountShards(options.folder) >= marked;
+  const bool heeds_marks = !options.is_repeated && !options.find_elsewhere && marked > 0 &&
+                           CountShards(options.folder) >= marked;
   ExecuteOptions one = options;
   one.shard = {};
   Summary all;

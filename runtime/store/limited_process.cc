@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -56,8 +57,11 @@ void SetLimit(decltype(RLIMIT_CPU) resource, std::uint64_t value) {
 
 /// In the copy. No destructor and no exit handler of this process may run twice.
 [[noreturn]] void Work(const std::function<void()>& work, const WorkLimits& limits, int answer) {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU, SIGINT, SIGTERM})
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU})
     std::signal(signal, SIG_DFL);
+  // Who stops this program stops it between two files; it takes the copy with it.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
   // What libraries print when they die is no message for a user.
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere >= 0) dup2(nowhere, STDERR_FILENO);
@@ -103,7 +107,12 @@ bool ReadAnswer(int fd, std::chrono::seconds time, std::string& answer) {
 std::string Ending(int status, const WorkLimits& limits, const std::string& answer) {
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
   if (!answer.empty()) return answer;
-  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL))
+  // From outside, or by this process on a machine that is too busy: no word of the file.
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
+    throw CannotRead(
+        "the process that reads a file with limits was ended by the system or took too long; close "
+        "other programs and try again");
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
     return fmt::format("reading it takes longer than the {} s that such a file needs at most",
                        limits.cpu_s);
   return fmt::format("HDF5 crashes on it ({})",
@@ -111,7 +120,7 @@ std::string Ending(int status, const WorkLimits& limits, const std::string& answ
 }
 
 [[noreturn]] void FailToStart(int error) {
-  throw StoreError(
+  throw CannotRead(
       fmt::format("cannot start a process that reads a file with limits: {}; close other programs "
                   "and try again",
                   std::generic_category().message(error)));

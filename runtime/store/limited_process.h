@@ -17,8 +17,8 @@ struct WorkLimits {
 WorkLimits LimitsForFile(std::uint64_t bytes);
 
 /// Empty where `work` ended well in the copy; else why it did not: what it threw, how it crashed,
-/// or the limit that it met. Nothing else comes back. Throws StoreError where no process can be
-/// started. Not while another thread is in HDF5 or allocates memory.
+/// or the limit that it met. Nothing else comes back. Throws CannotRead where no process can be
+/// started, or the system ends it. Not while another thread is in HDF5 or allocates memory.
 std::string RunLimited(const std::function<void()>& work, const WorkLimits& limits);
 
 }  // namespace cdb::store

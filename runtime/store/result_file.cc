@@ -22,7 +22,7 @@ namespace {
 
 /// Of a damaged file.
 constexpr std::string_view kResultRemedy =
-    "merge it again from its shards, restore a copy, or run it again";
+    "merge it again from its shards, restore a copy, or run it again with --fresh";
 
 constexpr std::size_t kMostPlanText = 256 << 10;
 

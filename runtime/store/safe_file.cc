@@ -106,7 +106,7 @@ std::vector<std::byte> ReadSealed(const fs::path& path) {
   std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
   const std::size_t got = ReadAll(file.get(), bytes);
   if (got != bytes.size() && errno != 0)
-    throw StoreError(fmt::format("{}: cannot be read: {}; nothing was changed", path.string(),
+    throw CannotRead(fmt::format("{}: cannot be read: {}; nothing was changed", path.string(),
                                  ErrorText(errno)));
   bytes.resize(got);
 

@@ -32,6 +32,13 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The system cannot read a file now, or prove that it is whole: this says nothing of the file. No
+/// StoreError, so that nobody takes it for damage.
+class CannotRead : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// `flag_values` of `status`, in this order.
 enum class Status : std::int8_t { kMissing, kDone, kSkipped, kFailed, kCrashed, kTimedOut };
 inline constexpr std::string_view kStatusNames[] = {"missing", "done",    "skipped",

@@ -18,7 +18,7 @@ constexpr double kFirstCost = 90;
 /// The next list may cost more than the last.
 constexpr double kSurplus = 1.15;
 /// Movers that are looked up at once, at most; and between two looks at the budget.
-constexpr std::size_t kChunk = 4096, kSlice = 256, kLeastSlice = 64;
+constexpr std::size_t kChunk = 4096, kSlice = 256;
 /// Of a mover, above which boxes get less fat; of those of a slice, where it is a crowd.
 constexpr std::size_t kMostCandidates = 24, kMostOfSlice = 8 * kMostCandidates * kSlice;
 /// Boxes get less fat in quarters, down to this.
