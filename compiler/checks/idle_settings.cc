@@ -57,8 +57,9 @@ void IdleSettings::Add(evaluate::Configuration& configuration, const plan::Scene
     Look(configuration, {"", schema::WorldParameter("expect").get()},
          plan::ExpectationOf(scene) == plan::Expectation::kDriven,
          fmt::format("'expect {}' judges nothing here: a schedule or kinematic objects drive the "
-                     "scene, so that it need not rest, and its energy may change at any time",
-                     said),
+                     "scene, so that {}",
+                     said,
+                     said == "rest" ? "it need not rest" : "its energy may change at any time"),
          "leave it out");
 }
 

@@ -98,6 +98,38 @@ TEST_F(Retry, BeforeTheMergeRunsShardsAgain) {
   EXPECT_EQ(StatusOf(2), Status::kDone);
 }
 
+TEST_F(Retry, LeavesFinishedRunsThatTheResultsLack) {
+  fs::remove(program_.folder() / "s.h5");
+  const auto run_part = [&](const char* part) {
+    program_.Run({"run", "s.cdb", "-q", "--shard", part});
+  };
+  run_part("1/3");
+  ASSERT_EQ(program_.Run({"merge", "-o", "s.h5", "s.runs"}).status, 0);
+  run_part("3/3");
+  const auto files = FilesIn(program_.folder() / "s.runs");
+  const Finished retry = program_.Run({"run", "s.cdb", "--retry", "failed"});
+  EXPECT_EQ(retry.status, 2);
+  EXPECT_NE(retry.err.find("holds finished runs that are not in the results"), std::string::npos)
+      << retry.err;
+  EXPECT_EQ(FilesIn(program_.folder() / "s.runs"), files);
+}
+
+/// What --fresh has run when it is stopped is newer than the results beside it.
+TEST_F(Retry, AnInterruptedFreshGoesOn) {
+  const double before = StartOf(0);
+  program_.Run({"run", "s.cdb", "-q", "--fresh", "--shard", "1/3"});
+  program_.Write("s.runs/fresh", Open().plan_sha256());
+  double begun = 0;
+  for (const std::string& name : FilesIn(program_.folder() / "s.runs"))
+    if (name.ends_with(".h5"))
+      begun = ResultFile(program_.folder() / "s.runs" / name).ReadReal("started", {{0}, 0});
+  ASSERT_GT(begun, before);
+  EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 3);
+  EXPECT_EQ(StartOf(0), begun);
+  EXPECT_GT(StartOf(2), begun);
+  EXPECT_FALSE(program_.Exists("s.runs"));
+}
+
 TEST_F(Retry, RefusesWhatDoesNotGoTogether) {
   const auto refused = [&](std::vector<std::string> arguments, const std::string& part) {
     arguments.insert(arguments.begin(), {"run", "s.cdb"});
