@@ -110,9 +110,8 @@ class Head {
     if (doubts.empty()) {
       if (sound == 0) return "";
       const std::size_t runs = groups_.NotSkipped();
-      return sound < runs
-                 ? fmt::format("  Verdict: {} of {} stable; no other was judged.\n", sound, runs)
-                 : fmt::format("  Verdict: {}stable.\n", sound > 1 ? "all " : "");
+      return sound < runs ? fmt::format("  Verdict: {} of {} stable.\n", sound, runs)
+                          : fmt::format("  Verdict: {}stable.\n", sound > 1 ? "all " : "");
     }
     return fmt::format("  {} stable; in the figures below, but not sound (cdb doc verdicts):\n{}",
                        sound, doubts);
