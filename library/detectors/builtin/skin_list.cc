@@ -141,7 +141,8 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
       last_ != nullptr && begin < movers_ ? cycle - last_->past.CycleOf(begin) : 1;
   const SkinMotion::Span span = {until_begin, cycles, cycles / std::max(age, 1u), share_};
   parts_.ForEach(begin, end, PastBoxes::kBlock, [&](std::size_t from, std::size_t to) {
-    if (learnt_ <= from) motion_.LearnBodies(scene, from, to, last_->past, cycle);
+    if (last_ != nullptr && learnt_ <= from)
+      motion_.LearnBodies(scene, from, to, last_->past, cycle);
     motion_.Fatten(scene, from, to, span, next_->fat.data(), room);
     next_->past.Take(scene, from, to, cycle);
   });
