@@ -18,6 +18,9 @@ constexpr Unit Time(double factor, int tens = 0) {
   return {.factor = factor, .tens = tens, .time = 1};
 }
 constexpr Unit Frequency(int tens) { return {.tens = tens, .time = -1}; }
+constexpr Unit Memory(double factor, int tens = 0) {
+  return {.factor = factor, .tens = tens, .memory = 1};
+}
 constexpr Unit Force(int tens) { return {.tens = tens, .length = 1, .mass = 1, .time = -2}; }
 constexpr Unit Pressure(int tens) { return {.tens = tens, .length = -1, .mass = 1, .time = -2}; }
 
@@ -47,6 +50,15 @@ constexpr auto kUnitRows = std::to_array<UnitRow>({
     {"Pa", Pressure(0)},
     {"kPa", Pressure(3)},
     {"MPa", Pressure(6)},
+    {"B", Memory(1)},
+    {"kB", Memory(1, 3)},
+    {"MB", Memory(1, 6)},
+    {"GB", Memory(1, 9)},
+    {"TB", Memory(1, 12)},
+    {"KiB", Memory(1024)},
+    {"MiB", Memory(1024.0 * 1024)},
+    {"GiB", Memory(1024.0 * 1024 * 1024)},
+    {"TiB", Memory(1024.0 * 1024 * 1024 * 1024)},
 });
 
 const UnitRow* FindRow(std::string_view name) {
@@ -68,7 +80,9 @@ std::string_view UnitCalled(std::string_view word) {
       {"rads", "rad"},    {"kilo", "kg"},  {"kgs", "kg"},     {"gram", "g"},
       {"grams", "g"},     {"hz", "Hz"},    {"newton", "N"},   {"micron", "um"},
       {"microns", "um"},  {"tonne", "t"},  {"tonnes", "t"},   {"usec", "us"},
-      {"KG", "kg"},       {"CM", "cm"},    {"MM", "mm"},      {"Kg", "kg"}};
+      {"KG", "kg"},       {"CM", "cm"},    {"MM", "mm"},      {"Kg", "kg"},
+      {"byte", "B"},      {"bytes", "B"},  {"KB", "kB"},      {"mb", "MB"},
+      {"gb", "GB"},       {"Gb", "GB"},    {"kiB", "KiB"},    {"gib", "GiB"}};
   for (const auto& [word_written, unit] : kMeant)
     if (word_written == word) return unit;
   return {};
@@ -94,6 +108,7 @@ Unit Multiplied(Unit a, const Unit& b, int power) {
   a.mass += power * b.mass;
   a.time += power * b.time;
   a.angle += power * b.angle;
+  a.memory += power * b.memory;
   return a;
 }
 

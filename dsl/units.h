@@ -8,16 +8,17 @@
 namespace cdb::dsl {
 
 /// A unit as a factor to SI, `factor / divisor * 10^tens * pi^pis`, and the powers of the SI base
-/// units in it. The factor and the divisor are whole; they are exact up to 2^53.
+/// units and of the byte in it. The factor and the divisor are whole; they are exact up to 2^53.
 struct Unit {
   double factor = 1, divisor = 1;
   int tens = 0, pis = 0;
   int length = 0, mass = 0, time = 0, angle = 0;
+  int memory = 0;  ///< bytes
 
-  bool IsPure() const { return length == 0 && mass == 0 && time == 0 && angle == 0; }
+  bool IsPure() const { return HasDimensionOf({}); }
   bool HasDimensionOf(const Unit& other) const {
     return length == other.length && mass == other.mass && time == other.time &&
-           angle == other.angle;
+           angle == other.angle && memory == other.memory;
   }
 };
 

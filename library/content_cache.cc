@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdlib>
 
+#include "compiler/plan/descriptor.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/plan/sha256.h"
 
@@ -28,20 +29,6 @@ fs::path FileOf(const fs::path& folder, std::string_view kind, std::string_view 
 std::string HeadOf(std::string_view kind, std::string_view key) {
   return fmt::format("cdb {} 3\n{}", kind, key);
 }
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 bool IsOfUserAlone(const struct stat& status) {
   return status.st_uid == geteuid() && (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
@@ -64,7 +51,7 @@ bool MakeFolder(const fs::path& folder) {
 
 /// The bytes of a file that is the user's own; nullopt for any other.
 std::optional<std::string> ReadOwn(const fs::path& path) {
-  const Descriptor file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  const plan::Descriptor file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status = {};
   if (file.get() < 0 || fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) ||
       !IsOfUserAlone(status))
@@ -83,24 +70,18 @@ bool WriteAllTo(int fd, std::string_view bytes) {
   return true;
 }
 
-bool IsAt(int fd, const fs::path& path) {
-  struct stat ours = {}, there = {};
-  return fstat(fd, &ours) == 0 && stat(path.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
-         ours.st_dev == there.st_dev;
-}
-
 enum class Replace { kYes, kNo };
 
 /// Writes a file under a temporary name and gives it its own. What a killed process left under that
 /// name is written over; while another process writes it, there is nothing to do.
 bool WriteOwn(const fs::path& path, std::string_view bytes, Replace replace) {
   const fs::path temporary = path.string() + ".tmp";
-  const Descriptor file(
+  const plan::Descriptor file(
       open(temporary.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
   if (file.get() < 0) return false;
   // Where the file system knows no locks, a mixture of two does not have its digest.
   if (flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
-  if (!IsAt(file.get(), temporary)) return false;
+  if (!plan::IsAt(file.get(), temporary)) return false;
   const bool is_written = ftruncate(file.get(), 0) == 0 && WriteAllTo(file.get(), bytes);
   if (is_written && replace == Replace::kYes && rename(temporary.c_str(), path.c_str()) == 0)
     return true;
@@ -214,7 +195,7 @@ bool CacheLock::TakeOrForget(const std::function<void()>& on_wait) {
     while (!(is_locked = flock(fd_, LOCK_EX) == 0) && errno == EINTR) {
     }
   }
-  if (is_locked && IsAt(fd_, file_)) return true;
+  if (is_locked && plan::IsAt(fd_, file_)) return true;
   close(fd_);
   fd_ = -1;
   return !is_locked;  // no locks here

@@ -10,8 +10,8 @@
 namespace cdb::checks {
 namespace {
 
-constexpr schema::WorldParameter kMeaningful[] = {"trace",  "detector", "threads", "repeats",
-                                                  "warmup", "cycles",   "timeout", "record"};
+constexpr schema::WorldParameter kMeaningful[] = {
+    "trace", "detector", "threads", "repeats", "warmup", "cycles", "timeout", "memory", "record"};
 constexpr std::string_view kRecorded[] = {"timing", "counts", "memory", "pairs"};
 
 bool IsMeaningful(const schema::Parameter& parameter) {

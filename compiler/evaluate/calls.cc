@@ -117,6 +117,11 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
     return evaluator.Error(scenario::kMisplacedSweep, expr.span,
                            "zip( ) gives several values, and stands in a let only",
                            "write: let a, b = zip(sweep(1, 2), sweep(10, 20)), and use a and b");
+  if (expr.text == "until")
+    return evaluator.Error(scenario::kUnknownName, expr.span,
+                           "the number of repeats does not depend on what they measure",
+                           "write a number, such as repeats 20; `cdb show` prints how wide the "
+                           "intervals are, and --retry-noisy repeats what was disturbed");
   return evaluator.Error(scenario::kUnknownName, expr.span,
                          fmt::format("no function is called '{}'", expr.text),
                          near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))

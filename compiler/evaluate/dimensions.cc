@@ -33,12 +33,16 @@ constexpr std::pair<std::string_view, std::string_view> kNamedDimensions[] = {
     {"N", "a force"},
     {"N/m", "a stiffness"},
     {"N s/m", "a damping"},
-    {"Pa", "a pressure"}};
+    {"Pa", "a pressure"},
+    {"B", "a number of bytes"}};
 
 /// `kg m/s^2`.
 std::string BaseUnits(const Unit& unit) {
-  const std::pair<const char*, int> powers[] = {
-      {"kg", unit.mass}, {"m", unit.length}, {"rad", unit.angle}, {"s", unit.time}};
+  const std::pair<const char*, int> powers[] = {{"kg", unit.mass},
+                                                {"m", unit.length},
+                                                {"rad", unit.angle},
+                                                {"s", unit.time},
+                                                {"B", unit.memory}};
   std::string above, below;
   for (const auto& [name, power] : powers) {
     if (power == 0) continue;
@@ -320,7 +324,8 @@ Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario:
     const Unit root = {.length = unit.length / 2,
                        .mass = unit.mass / 2,
                        .time = unit.time / 2,
-                       .angle = unit.angle / 2};
+                       .angle = unit.angle / 2,
+                       .memory = unit.memory / 2};
     if (dsl::Multiplied({}, root, 2).HasDimensionOf(unit)) return Of(root);
     return Report(parts[0].span, fmt::format("{} has no root in whole units", DimensionName(unit)));
   }

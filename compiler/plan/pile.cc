@@ -13,7 +13,7 @@ namespace {
 
 /// They decide how long a run is, what it shows and what it is compared with.
 bool IsOfTheRun(const schema::Parameter& parameter) {
-  constexpr std::string_view kNames = "cycles warmup timeout repeats expect seed timestep";
+  constexpr std::string_view kNames = "cycles warmup timeout memory repeats expect seed timestep";
   return schema::ListsWord(kNames, parameter.name) || parameter.name.starts_with("accuracy.");
 }
 

@@ -161,7 +161,7 @@ bool RunText::Update(const Settings& settings, std::string_view indent, Lines& l
     if (IsLeftOutOfPlans(name, value)) continue;
     if (i == lines.size()) lines.emplace_back();
     Line& line = lines[i++];
-    if (line.name == name && line.value == value && !line.yaml.empty()) continue;
+    if (line.name == name && schema::IsIdentical(line.value, value) && !line.yaml.empty()) continue;
     const std::string yaml = SettingYaml(name, value);
     line = {name, value, fmt::format("{} {}\n", name, schema::ToText(value)), {}};
     AppendIndented(yaml, indent_ + std::string(indent), line.yaml);
@@ -236,6 +236,13 @@ std::string RunText::AppendYaml(const std::vector<std::size_t>& at, std::uint64_
   return id;
 }
 
+std::string RunText::YamlOf(const Run& run) {
+  Set(run.scene);
+  std::string out;
+  AppendYaml(run.at, run.rep, out);
+  return out;
+}
+
 PlanWriter::PlanWriter(const Plan& head, std::function<void(std::string_view)> write)
     : head_(head), write_(std::move(write)) {
   YAML::Emitter out;
@@ -287,13 +294,7 @@ void PlanWriter::Finish() {
   Flush(0);
 }
 
-std::string RunToYaml(const Run& run) {
-  RunText text("");
-  text.Set(run.scene);
-  std::string out;
-  text.AppendYaml(run.at, run.rep, out);
-  return out;
-}
+std::string RunToYaml(const Run& run) { return RunText("").YamlOf(run); }
 
 std::string ToYaml(const Plan& plan) {
   std::string text;

@@ -13,7 +13,8 @@
 
 namespace cdb::plan {
 
-/// The texts of one run after the other. Not for several threads.
+/// The texts of one run after the other: only what differs from the last run is written anew. Not
+/// for several threads.
 class RunText {
  public:
   /// `indent`: before each line of an entry but the first.
@@ -26,6 +27,8 @@ class RunText {
   /// Appends the entry of the plan's `runs`; returns the id.
   std::string AppendYaml(const std::vector<std::size_t>& at, std::uint64_t rep,
                          std::string& out) const;
+  /// As RunToYaml, without an indent. What follows is of its scene.
+  std::string YamlOf(const Run& run);
 
  private:
   /// A setting as it was written last.

@@ -166,6 +166,7 @@ Scene ReferenceOf(const Scene& scene) {
   set("record", schema::WordList{});
   set("repeats", std::uint64_t{1});
   set("timeout", schema::Word{"none"});
+  set("memory", schema::Word{"none"});
   bool whole = StretchSchedules(reference.world, world.Real("timestep"), timestep);
   for (Group& group : reference.groups)
     whole = StretchSchedules(group.settings, world.Real("timestep"), timestep) && whole;

@@ -27,12 +27,13 @@ inline constexpr DetectorInfo kDetectorTable[] = {
      "Verlet list"},
     {"grid", "a uniform grid, rebuilt every cycle; tests eight boxes at once", "cdb", "broad",
      "uniform grid", 0,
-     "slow if many boxes share a few cells: dense clusters far apart, slanted lines, boxes of very "
-     "unequal size"},
+     "slow if boxes are of very unequal size: the largest are tested with all others"},
     {"hierarchical_grid", "a uniform grid for each size of box, rebuilt every cycle", "cdb",
      "broad", "hierarchical grid"},
     {"sweep", "sweep and prune along one axis; tests eight boxes at once", "cdb", "broad",
-     "sweep and prune"},
+     "sweep and prune", 0,
+     "where bodies fill a plane or a space, its time grows faster than their number N, as more of "
+     "them overlap along the axis: with N^1.5 or N^1.67"},
     {"octree", "a loose octree, rebuilt every cycle", "cdb", "broad", "octrees"},
     {"kd_tree", "a k-d tree of boxes, rebuilt every cycle", "cdb", "broad", "k-d trees"},
     {"fcl_dyntree", "a dynamic tree of boxes (DynamicAABBTreeCollisionManager)", "FCL", "broad",

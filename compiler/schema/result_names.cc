@@ -23,8 +23,8 @@ constexpr ResultNames kNames[] = {
      "contact_body contact_point contact_normal contact_distance contact_first"},
     {"a fact of each run in the results",
      "status verdict first_bad_cycle n_cycles started load_average noise noise_cause cycles_time "
-     "cpu_time preemptions page_faults steal "
-     "processors peak_rss place_time build_time harness fill_fraction state_hash run_id "
+     "cpu_time preemptions page_faults steal other_time "
+     "processors attempts peak_rss place_time build_time harness fill_fraction state_hash run_id "
      "host message omitted needs"},
     {"a group of the results", "run accuracy provenance"},
     {"an array of /accuracy in the results", "sample horizon step_size truth", kOnlyWithErrors},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "compiler/schema/formula.h"
@@ -147,6 +148,37 @@ bool Call::operator==(const Call& other) const {
 
 bool Formula::operator==(const Formula& other) const {
   return op == other.op && setting == other.setting && arguments == other.arguments;
+}
+
+bool IsIdentical(const Value& a, const Value& b) {
+  if (!(a == b)) return false;
+  const auto have_same_signs = [](const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
+    return x.array()
+        .binaryExpr(y.array(),
+                    [](double p, double q) {
+                      return static_cast<double>(std::signbit(p) == std::signbit(q));
+                    })
+        .all();
+  };
+  const auto are_identical = [](const std::vector<Value>& x, const std::vector<Value>& y) {
+    return std::ranges::equal(x, y, IsIdentical);
+  };
+  if (const Number* number = AsNumber(a))
+    return std::signbit(number->AsReal()) == std::signbit(AsNumber(b)->AsReal());
+  if (const Eigen::Vector3d* vector = AsVector(a)) return have_same_signs(*vector, *AsVector(b));
+  if (const Ratio* ratio = AsRatio(a)) return have_same_signs(ratio->parts, AsRatio(b)->parts);
+  if (const Call* call = AsCall(a)) return are_identical(call->arguments, AsCall(b)->arguments);
+  if (const Formula* formula = AsFormula(a))
+    return are_identical(formula->arguments, AsFormula(b)->arguments);
+  if (const Distribution* drawn = AsDistribution(a)) {
+    const Distribution& other = *AsDistribution(b);
+    const auto ends = [](const std::optional<Limits>& limits) {
+      return limits ? Eigen::Vector3d(limits->least, limits->most, 0) : Eigen::Vector3d(0, 0, 0);
+    };
+    return are_identical(drawn->arguments, other.arguments) &&
+           have_same_signs(ends(drawn->limits), ends(other.limits));
+  }
+  return true;
 }
 
 std::string ToText(const Value& value) { return TextOf{.is_label = false}.Of(value); }

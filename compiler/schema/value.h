@@ -101,6 +101,9 @@ class Value : public std::variant<bool, Number, Word, Eigen::Vector3d, Ratio, Wo
   bool operator==(const Value&) const = default;
 };
 
+/// Equal, with zeros of the same sign, which == does not tell apart and texts do.
+bool IsIdentical(const Value& a, const Value& b);
+
 /// Null if the value is of another kind.
 inline const Number* AsNumber(const Value& value) { return std::get_if<Number>(&value); }
 inline const Word* AsWord(const Value& value) { return std::get_if<Word>(&value); }

@@ -8,6 +8,7 @@
 
 #include "compiler/plan/plan_yaml.h"
 #include "runtime/cli/sized_plan.h"
+#include "runtime/report/cells.h"
 #include "runtime/report/console.h"
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
@@ -25,9 +26,7 @@ const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
 
 [[noreturn]] void RefuseContents(const std::string& file, const std::string& why) {
   throw store::StoreError(
-      fmt::format("{}: is damaged: {}; it was left as it is: merge it again from its shards, "
-                  "restore a copy, or run it again with --fresh",
-                  file, why));
+      fmt::format("{}: is damaged: {}; it was left as it is: {}", file, why, store::kResultRemedy));
 }
 
 /// Nullopt for a file of an earlier version, without a plan or with one that this cdb cannot read.
@@ -57,14 +56,9 @@ struct StatusCounts {
 
 StatusCounts CountCells(const store::ResultFile& results) {
   StatusCounts counts;
-  store::ResultFile::Cell cell{std::vector<std::size_t>(results.axes().size(), 0), 0};
-  for (;;) {
-    for (cell.rep = 0; cell.rep < results.repeats(); ++cell.rep)
-      counts.Add(results.ReadStatus(cell));
-    std::size_t d = cell.at.size();
-    while (d > 0 && ++cell.at[d - 1] == results.axes()[d - 1].values.size()) cell.at[--d] = 0;
-    if (d == 0) return counts;
-  }
+  for (const store::ResultFile::Cell& cell : report::AllCells(results))
+    counts.Add(results.ReadStatus(cell));
+  return counts;
 }
 
 /// Throws StoreError where the file is not of the plan that it holds.

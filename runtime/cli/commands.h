@@ -30,6 +30,9 @@ void AddStabilityCommand(CLI::App& app, ExitStatus& status);
 void AddVerifyCommand(CLI::App& app, ExitStatus& status);
 /// A page with the bodies of a run in 3-D, or those of a scenario at its start.
 void AddViewCommand(CLI::App& app, ExitStatus& status);
+/// Job arrays of a Slurm cluster, and a merge after each. Exit status 2 if runs are missing at the
+/// end.
+void AddSubmitCommand(CLI::App& app, ExitStatus& status);
 void AddMergeCommand(CLI::App& app, ExitStatus& status);
 /// A kind of diagnostic, with a wrong and a right example.
 void AddExplainCommand(CLI::App& app, ExitStatus& status);

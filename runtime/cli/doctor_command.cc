@@ -8,6 +8,7 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/measure/machine.h"
+#include "runtime/measure/noise.h"
 #include "runtime/measure/noise_floor.h"
 #include "runtime/report/console.h"
 
@@ -27,10 +28,19 @@ std::vector<measure::MachineFact> FactsOf(const measure::NoiseFloor& floor) {
                                                  "source above"
                                                : ""});
   facts.push_back({"off the processor", Percent(floor.off_processor),
-                   floor.off_processor > 0.02 ? "other programs take turns with this one" : ""});
+                   floor.off_processor > measure::kMostOffProcessor
+                       ? "other programs take turns with this one"
+                       : ""});
   if (!std::isnan(floor.stolen))
-    facts.push_back({"stolen time", Percent(floor.stolen),
-                     floor.stolen > 0.01 ? "another virtual machine took the processors" : ""});
+    facts.push_back(
+        {"stolen time", Percent(floor.stolen),
+         floor.stolen > measure::kMostStolen ? "another virtual machine took the processors" : ""});
+  if (!std::isnan(floor.others))
+    facts.push_back({"other programs", fmt::format("on {:.2f} processors meanwhile", floor.others),
+                     floor.others > measure::kMostOthers
+                         ? "they share caches, memory and frequency with a run; end them, or wait: "
+                           "`top` lists them"
+                         : ""});
   facts.push_back(
       {"a fixed loop",
        fmt::format("{:.3g} us; half of {} within {} of the median, 99 % up to +{}, worst x {:.2f}",

@@ -20,28 +20,13 @@ namespace {
 using cdb::cli::CommandError;
 using cdb::cli::ExitStatus;
 
-/// Planned commands: refused by name, and not listed in --help.
-struct PlannedCommand {
-  const char* name;
-  const char* help;
-};
-constexpr PlannedCommand kPlannedCommands[] = {
-    {"submit", "a sweep on a cluster"},
-};
-
-void AddPlannedCommand(CLI::App& app, const PlannedCommand& planned) {
-  auto* command = app.add_subcommand(planned.name, fmt::format("{} (not yet)", planned.help));
-  command->group("")->allow_extras()->callback([&planned] {
-    throw CommandError(fmt::format("`cdb {}` is not part of this version yet", planned.name));
-  });
-}
-
 void AddCommands(CLI::App& app, ExitStatus& status) {
   using namespace cdb::cli;
   AddCheckCommand(app, status);
   AddExplainCommand(app, status);
   AddPlanCommand(app, status);
   AddRunCommand(app, status);
+  AddSubmitCommand(app, status);
   AddTraceCommand(app, status);
   AddShowCommand(app, status);
   AddReportCommand(app, status);
@@ -56,7 +41,6 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddDocCommand(app, status);
   AddListCommand(app, status);
   AddGenerateCommand(app, status);
-  for (const PlannedCommand& planned : kPlannedCommands) AddPlannedCommand(app, planned);
 }
 
 /// Throws CommandError where there is no command `name`.

@@ -2,20 +2,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
-#include "runtime/cli/provenance.h"
+#include "runtime/cli/shard_files.h"
 #include "runtime/cli/sized_plan.h"
 #include "runtime/cli/subcommand.h"
+#include "runtime/report/cells.h"
 #include "runtime/report/console.h"
+#include "runtime/report/processors.h"
+#include "runtime/schedule/folder.h"
 #include "runtime/store/store.h"
 
 namespace cdb::cli {
@@ -26,6 +32,8 @@ namespace fs = std::filesystem;
 struct MergeArguments {
   std::string out;
   std::vector<std::string> shards;  ///< shards, or folders of them
+  std::uint64_t wait_s = 0;         ///< for shards that are missing
+  bool removes = false;             ///< the shards, once all are merged
 };
 
 /// The plans that lie beside the shards of runs, the same file once.
@@ -35,7 +43,8 @@ std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
   for (const std::string& place : shards) {
     const fs::path folder =
         fs::is_directory(place, error) ? fs::path(place) : fs::path(place).parent_path();
-    const std::string beside = (folder / "plan.yaml").string();
+    const std::string quick = (folder / schedule::kShortPlanName).string();
+    const std::string beside = fs::exists(quick, error) ? quick : (folder / "plan.yaml").string();
     if (fs::exists(beside, error) && std::ranges::find(plans, beside) == plans.end())
       plans.push_back(beside);
   }
@@ -61,36 +70,21 @@ SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   return sized;
 }
 
-/// Empty where it cannot be read.
-std::string PlanOf(const std::string& results) {
-  try {
-    return store::ResultFile(results, store::ProofOf::kStructure).plan_sha256();
-  } catch (const store::StoreError&) {
-    return {};
+/// Until no run is missing, or `seconds` have passed. A network file system may show what another
+/// node wrote only after a while, and sooner if the folder is read.
+void WaitForShards(const plan::Plan& plan, const std::vector<fs::path>& places, double seconds) {
+  constexpr auto kPause = std::chrono::milliseconds(500);
+  const auto begin = std::chrono::steady_clock::now();
+  while (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() <
+         seconds) {
+    if (store::HasAllShards(plan, places)) return;
+    std::this_thread::sleep_for(kPause);
   }
 }
 
-/// Throws CommandError where `out` holds the results of another plan.
-void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {
-  std::error_code error;
-  if (!fs::exists(out, error)) return;
-  const std::string sha256 = PlanOf(out);
-  if (sha256 == plan.Sha256()) return;
-  if (sha256.empty())
-    throw CommandError(
-        fmt::format("'{}' is there, and is no results file or a damaged one; it is left as it is: "
-                    "remove it, or name another file (-o)",
-                    out));
-  throw CommandError(fmt::format(
-      "'{}' holds the results of another plan and is left as it is; name another file", out));
-}
-
-std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) {
-  std::size_t missing = 0;
-  plan.ForEachRun([&](const std::string&, const auto& at, std::uint64_t rep) {
-    missing += file.ReadStatus({at, rep}) == store::Status::kMissing;
-  });
-  return missing;
+/// What a reader of the results has to know of the machines.
+void SayProcessors(const store::ResultFile& file) {
+  report::Say(report::ProcessorText(file, report::AllCells(file)));
 }
 
 ExitStatus Merge(const MergeArguments& arguments) {
@@ -98,10 +92,21 @@ ExitStatus Merge(const MergeArguments& arguments) {
   const plan::Plan& plan = sized.plan;
   CheckIsOfPlan(arguments.out, plan);
   const std::vector<fs::path> places(arguments.shards.begin(), arguments.shards.end());
-  store::Merge(plan, CollectProvenance(), places, arguments.out);
-  const std::size_t missing = CountMissing(store::ResultFile(arguments.out), plan);
-  report::Say(fmt::format("{} of {} runs in '{}'; the shards are left where they are\n",
-                          plan.RunCount() - missing, plan.RunCount(), arguments.out));
+  std::error_code error;
+  if (arguments.removes && (places.size() != 1 || !fs::is_directory(places[0], error)))
+    throw CommandError("--remove goes with one folder of shards");
+  std::optional<FolderLock> lock;
+  if (arguments.removes) lock.emplace(places[0]);
+  if (!std::ranges::all_of(places, store::IsOnLocalDisk))
+    WaitForShards(plan, places, static_cast<double>(arguments.wait_s));
+  MergeOnto(plan, places, arguments.out);
+  const store::ResultFile file(arguments.out);
+  const std::size_t missing = CountMissing(file, plan);
+  const bool removes = lock && missing == 0;
+  report::Say(fmt::format("{} of {} runs in '{}'{}\n", plan.RunCount() - missing, plan.RunCount(),
+                          arguments.out, removes ? "" : "; the shards are left where they are"));
+  SayProcessors(file);
+  if (removes) RemoveMergedShards(plan, places[0], *lock, /*is_quiet=*/false);
   return ExitStatus::kGood;
 }
 
@@ -112,6 +117,9 @@ void AddMergeCommand(CLI::App& app, ExitStatus& status) {
   Subcommand command(app, "merge", "merge shards into a results file, all of them or not");
   command.Required("-o,--out", arguments->out, "results file");
   command.Required("SHARDS", arguments->shards, "folders of shards, or shards");
+  command.Count("--wait", arguments->wait_s,
+                "seconds to wait for missing shards, which a network file system may show late");
+  command.Flag("--remove", arguments->removes, "remove the folder of shards once it is all merged");
   command.Action(status, [arguments] { return Merge(*arguments); });
 }
 

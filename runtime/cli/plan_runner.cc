@@ -1,10 +1,7 @@
 #include "runtime/cli/plan_runner.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -20,6 +18,8 @@
 #include "library/content_cache.h"
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
+#include "runtime/cli/shard_files.h"
+#include "runtime/cluster/submission.h"
 #include "runtime/measure/host.h"
 #include "runtime/report/console.h"
 #include "runtime/schedule/folder.h"
@@ -33,113 +33,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The shards of `out.h5` lie in `out.runs`. Throws CommandError for a file of that name.
-fs::path ShardFolder(const fs::path& out) {
-  fs::path folder = out;
-  folder.replace_extension(".runs");
-  if (folder == out)
-    throw CommandError(fmt::format(
-        "'{}' is the name of the folder for its own shards; name another file by -o ({}.h5)",
-        out.string(), out.stem().string()));
-  return folder;
-}
-
-bool IsComplete(const store::ResultFile& file, const plan::Plan& plan) {
-  bool is_complete = true;
-  plan.ForEachRun([&](const std::string&, const auto& at, std::uint64_t rep) {
-    is_complete = is_complete && file.ReadStatus({at, rep}) != store::Status::kMissing;
-  });
-  return is_complete;
-}
-
-/// The result that stands there already. Empty where there is none or it has to be made anew.
-bool IsThereAlready(const fs::path& out, const plan::Plan& plan) {
-  std::error_code error;
-  if (!fs::exists(out, error)) return false;
-  const store::ResultFile file(out);
-  if (file.plan_sha256() != plan.Sha256())
-    throw CommandError(fmt::format(
-        "'{}' holds the results of another plan and is left as it is; name another file "
-        "by -o, or say --fresh to write over it",
-        out.string()));
-  return IsComplete(file, plan);
-}
-
-/// Says to other runners that somebody works in a folder of shards. Shared while runs are
-/// executed; the last one out gets it for itself, and only then may shards be removed.
-class FolderLock {
- public:
-  /// Makes the folder where there is none.
-  explicit FolderLock(const fs::path& folder) : folder_(folder) {
-    for (;;) {
-      std::error_code error;
-      fs::create_directories(folder, error);
-      fd_ = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-      if (fd_ < 0)
-        throw CommandError(fmt::format(
-            "cannot make the folder '{}' for the shards: {}; nothing was changed: choose another "
-            "place by -o",
-            folder.string(), error ? error.message() : std::strerror(errno)));
-      // Where the file system knows no locks, two runners on one result are the user's to avoid.
-      flock(fd_, LOCK_SH);
-      struct stat here = {}, there = {};
-      if (fstat(fd_, &here) == 0 && stat(folder.c_str(), &there) == 0 &&
-          here.st_ino == there.st_ino && here.st_dev == there.st_dev)
-        return;
-      close(fd_);  // removed by the runner that held it
-    }
-  }
-  /// A folder that nothing came into goes again.
-  ~FolderLock() {
-    if (TakeForMyself()) rmdir(folder_.c_str());
-    close(fd_);
-  }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
-  /// False where another runner is at work.
-  bool TakeForMyself() { return flock(fd_, LOCK_EX | LOCK_NB) == 0; }
-
- private:
-  fs::path folder_;
-  int fd_ = -1;
-};
-
 /// What a retry that was stopped wanted; empty where there was none.
 RetryChoice FindStartedRetry(const fs::path& folder) {
   std::string why;
   return RetryChoice::FromText(
       plan::ReadInputFile(folder / schedule::kRetryMarkName, why).value_or(""));
-}
-
-/// Stands in a folder of shards while `--fresh` is at work for the plan with that hash: what is
-/// there is newer than the result, and the next run goes on with it.
-fs::path FreshMark(const fs::path& folder) { return folder / "fresh"; }
-
-bool IsMadeAnew(const plan::Plan& plan, const fs::path& folder) {
-  std::string why;
-  return plan::ReadInputFile(FreshMark(folder), why) == plan.Sha256();
-}
-
-bool HasShards(const fs::path& folder) {
-  std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error))
-    if (entry->path().extension() == ".h5") return true;
-  return false;
-}
-
-/// Removes the shards that `Merge` has verified, and nothing else.
-void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
-  std::error_code unmarked;
-  fs::remove(FreshMark(folder), unmarked);
-  if (plan.whole) return schedule::RemoveWholePlan(folder);
-  std::error_code ignored;
-  for (const auto* runs : {&plan.runs, &plan.references})
-    for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
-  fs::remove(folder / "plan.yaml", ignored);
-  fs::remove(folder / schedule::kRetryMarkName, ignored);
-  fs::remove(folder, ignored);
 }
 
 /// Shards beside a complete result are of a runner that was killed right after its merge.
@@ -228,6 +126,7 @@ schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan,
                                           schedule::ExecuteOptions execute) const {
   execute.jobs = options_.jobs;
   execute.shard = options_.shard;
+  execute.noisy_retries = options_.noisy_retries;
   execute.provenance = provenance_;
   execute.stop = &stop_;
   schedule::ProgressListener silent;
@@ -251,7 +150,7 @@ void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) cons
 
 ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) const {
   const plan::Plan& plan = sized.plan;
-  const fs::path folder = ShardFolder(out);
+  const fs::path folder = ShardFolderOf(out);
   std::error_code error;
   store::RemoveStaleTemporariesBeside(out);
   const RetryChoice retry = options_.retry.With(FindStartedRetry(folder));
@@ -279,6 +178,8 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   schedule::ExecuteOptions execute;
   execute.folder = folder;
   execute.fresh = options_.fresh && !goes_on_anew;
+  if (const auto submitted = cluster::ReadSubmission(folder); submitted && !execute.fresh)
+    execute.has_plan = submitted->plan_sha256 == plan.Sha256();
   if (execute.fresh && options_.shard.count == 1)
     store::WriteWhole(plan.Sha256(), FreshMark(folder));
   if (!options_.retry.is_empty())
@@ -299,7 +200,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     store::Merge(
         plan, provenance_, {folder}, out,
         !is_anew && !options_.retry.is_empty() && fs::exists(out, error) ? out : fs::path());
-  if (lock.TakeForMyself()) RemoveShards(plan, folder);
+  RemoveMergedShards(plan, folder, lock, options_.is_quiet);
   end.is_merged = true;
   return end;
 }
@@ -307,10 +208,13 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
 ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
                                const RetryChoice& retry) const {
   const plan::Plan& plan = sized.plan;
-  const fs::path folder = ShardFolder(out), mark = folder / schedule::kRetryMarkName;
+  const fs::path folder = ShardFolderOf(out), mark = folder / schedule::kRetryMarkName;
   if (options_.shard.count > 1)
     throw CommandError("--retry runs a few runs again, all of them here; leave out --shard");
-  const bool is_complete = IsThereAlready(out, plan);  // refuses another plan
+  const bool is_complete =  // refuses another plan
+      IsThereAlready(out, plan,
+                     ". --retry runs the runs of that plan: a changed `timeout` or `memory` makes "
+                     "another one, as any setting does");
   std::error_code error;
   const bool is_started = fs::exists(mark, error);
   if (!is_started) RemoveLeftovers(plan, folder, is_complete);

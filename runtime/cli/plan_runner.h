@@ -23,6 +23,7 @@ struct PlanRunnerOptions {
   schedule::ShardChoice shard = {};       ///< the part of each plan that is run
   std::vector<std::string> plugins = {};  ///< libraries that the scenario file does not name
   RetryChoice retry = {};                 ///< finished runs that are run again
+  std::size_t noisy_retries = 0;          ///< schedule::ExecuteOptions
 };
 
 struct ExecutedPlan {

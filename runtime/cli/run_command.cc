@@ -17,10 +17,10 @@
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/plan_runner.h"
 #include "runtime/cli/provenance.h"
+#include "runtime/cli/result_path.h"
 #include "runtime/cli/sized_plan.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/report/console.h"
-#include "runtime/report/show.h"
 #include "runtime/store/store.h"
 
 namespace cdb::cli {
@@ -33,6 +33,8 @@ struct RunArguments {
   std::optional<std::string> benchmark;
   std::string out;  ///< empty: `<benchmark>.h5` in the current folder
   std::uint64_t jobs = 1;
+  bool shares_timings = false;  ///< several jobs although times are recorded
+  std::uint64_t noisy_retries = 0;
   std::string shard;                 ///< `K/N`, or empty
   std::string only;                  ///< the id of one run, or empty
   std::vector<std::string> retry;    ///< how runs ended that are run again
@@ -53,26 +55,6 @@ schedule::ShardChoice ParseShard(const std::string& text) {
   }
   throw CommandError(
       fmt::format("--shard {} is not K/N: the K-th of N parts, from 1/N to N/N", text));
-}
-
-fs::path ResultPath(const RunArguments& arguments, const plan::Plan& plan, std::size_t plan_count) {
-  std::error_code error;
-  const std::string file = (arguments.only.empty() ? plan.benchmark : arguments.only) + ".h5";
-  if (arguments.out.empty()) return file;
-  if (fs::path(arguments.out).extension() == ".runs")
-    throw CommandError(
-        fmt::format("'{}': names that end in .runs are folders of shards; name another file by -o",
-                    arguments.out));
-  if (fs::is_directory(arguments.out, error)) return fs::path(arguments.out) / file;
-  if (plan_count > 1)
-    throw CommandError(fmt::format(
-        "{} has {} benchmarks and '{}' holds one: name a folder, or choose a benchmark by -b",
-        arguments.file, plan_count, arguments.out));
-  const fs::path folder = fs::path(arguments.out).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, error))
-    throw CommandError(fmt::format("there is no folder '{}' for '{}'; make it first",
-                                   folder.string(), arguments.out));
-  return arguments.out;
 }
 
 /// A run as a plan of its own, called like the run.
@@ -145,17 +127,6 @@ std::vector<SizedPlan> PlanOfExisting(const RunArguments& arguments) {
   return {};
 }
 
-ExitStatus ShowResult(const fs::path& out, bool quiet) {
-  const report::ShowText shown = report::Show(store::ResultFile(out));
-  if (!quiet) {
-    report::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
-  } else if (shown.bad_cells > 0) {
-    report::Say(fmt::format("not every run ended well: `cdb show {}` names those that did not\n",
-                            report::ShellWord(out.string())));
-  }
-  return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
-}
-
 ExitStatus RunPlan(const SizedPlan& plan, const fs::path& out, const PlanRunner& runner,
                    bool is_quiet) {
   const ExecutedPlan end = runner.Execute(plan, out);
@@ -165,6 +136,18 @@ ExitStatus RunPlan(const SizedPlan& plan, const fs::path& out, const PlanRunner&
     report::Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n",
                               schedule::Describe(end.summary), out.string(), end.shards.string()));
   return end.summary.HasBadRuns() ? ExitStatus::kRuns : ExitStatus::kGood;
+}
+
+/// Runs side by side are slower than each alone, by what the others do then.
+void CheckJobs(const RunArguments& arguments, const std::vector<SizedPlan>& plans) {
+  if (arguments.jobs == 1 || arguments.shares_timings) return;
+  for (const SizedPlan& sized : plans)
+    if (sized.plan.Records("timing"))
+      throw CommandError(fmt::format(
+          "--jobs {}: '{}' records times, and runs side by side disturb one another's; leave "
+          "--jobs out, leave timing out of `record`, or say --shared-timings too if these times do "
+          "not matter; nothing was started",
+          arguments.jobs, sized.plan.benchmark));
 }
 
 ExitStatus Run(const RunArguments& arguments) {
@@ -185,14 +168,17 @@ ExitStatus Run(const RunArguments& arguments) {
                                  arguments.plugins);
   }
   if (plans.empty()) return ExitStatus::kScenario;
+  CheckJobs(arguments, plans);
   std::vector<fs::path> outs;
   for (const SizedPlan& plan : plans)
-    outs.push_back(ResultPath(arguments, plan.plan, plans.size()));
+    outs.push_back(ResultPath(arguments.out,
+                              arguments.only.empty() ? plan.plan.benchmark : arguments.only,
+                              arguments.file, plans.size()));
   if (BuildType() != "Release" && !arguments.quiet)
     report::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
                             BuildType()));
-  const PlanRunner runner(
-      {arguments.jobs, arguments.fresh, arguments.quiet, shard, arguments.plugins, retry});
+  const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet, shard,
+                           arguments.plugins, retry, arguments.noisy_retries});
   ExitStatus status = ExitStatus::kGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
@@ -210,13 +196,19 @@ void AddRunCommand(CLI::App& app, ExitStatus& status) {
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "results file, or a folder for them (default: BENCHMARK.h5)");
-  command.Jobs(arguments->jobs, "runs at a time; timings want 1 (default)");
+  command.Jobs(arguments->jobs, "runs at a time (default: 1), where no times are recorded");
+  command.Flag("--shared-timings", arguments->shares_timings,
+               "with --jobs: record times although runs side by side disturb them");
   command.Optional("--shard", arguments->shard, "K/N: only the K-th of N parts; merge them later");
   command.Optional("--only", arguments->only,
                    "run this one run by itself, into RUN.h5, or again into -o if that has the "
                    "results of FILE (ids: cdb plan)");
   command.ShortList("--retry", arguments->retry,
                     "run these again, in the same file: failed, crashed, timed_out, noisy");
+  command.Count(
+      "--retry-noisy", arguments->noisy_retries,
+      "measure a run that the machine disturbed again at once, up to N times, and keep the "
+      "quietest");
   command.Fresh(arguments->fresh, "forget results and shards and start over");
   command.Quiet(arguments->quiet, "print nothing but errors");
   command.Plugins(arguments->plugins);

@@ -29,7 +29,16 @@ scenario::ReadFile NoteFiles(Files& files) {
 }
 
 /// `form`: what is known of it; its hash and number of runs are filled in.
-SizedPlan MakeLong(grid::Grid made, plan::ShortPlan form) {
+std::string ShortText(plan::ShortPlan form, const plan::Plan& head, const std::string& sha256,
+                      std::uint64_t runs) {
+  form.benchmark = head.benchmark;
+  form.source = head.source;
+  form.sha256 = sha256;
+  form.runs = runs;
+  return plan::ToYaml(form);
+}
+
+SizedPlan MakeLong(grid::Grid made, const plan::ShortPlan& form) {
   SizedPlan sized;
   sized.grid = std::make_shared<const grid::Grid>(std::move(made));
   auto whole = std::make_shared<plan::WholePlan>(grid::MakeWhole(sized.grid));
@@ -39,13 +48,18 @@ SizedPlan MakeLong(grid::Grid made, plan::ShortPlan form) {
         fmt::format("{}: {} runs are too many to be compared with reference runs, which takes a "
                     "list of at most {}; split the benchmark, or leave `accuracy` out",
                     sized.grid->head.benchmark, whole->run_count, compiler::kMostListed));
-  form.benchmark = sized.grid->head.benchmark;
-  form.source = sized.grid->head.source;
-  form.sha256 = whole->sha256;
-  form.runs = whole->run_count;
-  whole->short_text = plan::ToYaml(form);
+  whole->short_text = ShortText(form, sized.grid->head, whole->sha256, whole->run_count);
+  sized.short_text = whole->short_text;
   sized.plan = sized.grid->head;
   sized.plan.whole = std::move(whole);
+  return sized;
+}
+
+/// Lists the runs where they are not too many.
+SizedPlan Make(grid::Grid made, const plan::ShortPlan& form) {
+  if (made.run_count() > compiler::kMostListed) return MakeLong(std::move(made), form);
+  SizedPlan sized = {grid::ListRuns(made), nullptr, {}};
+  sized.short_text = ShortText(form, sized.plan, sized.plan.Sha256(), sized.plan.runs.size());
   return sized;
 }
 
@@ -60,7 +74,7 @@ SizedPlan Expand(const plan::ShortPlan& form, const std::string& name) {
       form.file, read, OptionsOf(form.library, form.benchmark, form.plugins, false));
   if (!made.diagnostics.has_errors() && made.grids.size() == 1) {
     made.grids[0].head.source = form.source;
-    SizedPlan sized = MakeLong(std::move(made.grids[0]), form);
+    SizedPlan sized = Make(std::move(made.grids[0]), form);
     if (sized.plan.Sha256() == form.sha256) return sized;
   }
   throw CommandError(
@@ -77,7 +91,7 @@ plan::Plan SizedPlan::ListPart(std::uint64_t index, std::uint64_t count) const {
 
 SizedPlan ReadSizedPlan(const std::string& text, const std::string& name) {
   if (const auto form = plan::FindShortPlan(text, name)) return Expand(*form, name);
-  return {plan::FromYaml(text, name), nullptr};
+  return {plan::FromYaml(text, name), nullptr, {}};
 }
 
 std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
@@ -88,7 +102,7 @@ std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
     const auto form = plan::FindShortPlan(ReadText(file), file);
     if (!form) {
       for (plan::Plan& plan : LoadPlans(file, benchmark, lints, plugins))
-        all.push_back({std::move(plan), nullptr});
+        all.push_back({std::move(plan), nullptr, {}});
       return all;
     }
     CheckPlanFile(file, benchmark, plugins, form->benchmark);
@@ -97,18 +111,13 @@ std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
   }
   Files files;
   auto grids = LoadGrids(file, benchmark, lints, plugins, NoteFiles(files));
-  for (grid::Grid& grid : grids) {
-    if (grid.run_count() <= compiler::kMostListed) {
-      all.push_back({grid::ListRuns(grid), nullptr});
-      continue;
-    }
-    plan::ShortPlan form;
-    form.file = FindScenario(file);
-    form.library = ScenarioLibrary();
-    form.plugins = plugins;
-    form.files = files;
-    all.push_back(MakeLong(std::move(grid), std::move(form)));
-  }
+  if (grids.empty()) return all;
+  plan::ShortPlan form;
+  form.file = FindScenario(file);
+  form.library = ScenarioLibrary();
+  form.plugins = plugins;
+  form.files = files;
+  for (grid::Grid& grid : grids) all.push_back(Make(std::move(grid), form));
   return all;
 }
 

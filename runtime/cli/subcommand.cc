@@ -41,6 +41,11 @@ void Subcommand::ShortList(const std::string& name, std::vector<std::string>& va
   command_.add_option(name, values, help)->delimiter(',')->allow_extra_args(false);
 }
 
+void Subcommand::Count(const std::string& name, std::uint64_t& value, const std::string& help,
+                       int least) {
+  command_.add_option(name, value, help)->check(CLI::Range(least, 2147483647));
+}
+
 void Subcommand::Flag(const std::string& name, bool& value, const std::string& help) {
   command_.add_flag(name, value, help);
 }

@@ -34,6 +34,8 @@ class Subcommand {
   /// `a,b,c` in one argument: what follows it may be files. May be there several times.
   void ShortList(const std::string& name, std::vector<std::string>& values,
                  const std::string& help);
+  /// A whole number, from `least` to 2147483647.
+  void Count(const std::string& name, std::uint64_t& value, const std::string& help, int least = 1);
   void Flag(const std::string& name, bool& value, const std::string& help);
 
   // Options of several commands.

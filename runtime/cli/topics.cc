@@ -20,9 +20,11 @@
 #include "compiler/schema/schema.h"
 #include "dsl/parser.h"
 #include "runtime/cli/inputs.h"
+#include "runtime/manual/cluster.h"
 #include "runtime/manual/detector.h"
 #include "runtime/manual/document.h"
 #include "runtime/manual/language.h"
+#include "runtime/manual/limits.h"
 #include "runtime/manual/statistics.h"
 #include "runtime/manual/word.h"
 #include "runtime/measure/series.h"
@@ -190,6 +192,10 @@ constexpr Topic kTopics[] = {
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},
     {"noise", "whether a run had the machine to itself",
      [] { return std::string(manual::kNoiseReference); }},
+    {"limits", "what a run may use, and what ends it",
+     [] { return std::string(manual::kLimitsReference); }},
+    {"cluster", "a sweep on many machines: Slurm, GNU parallel, ssh",
+     [] { return std::string(manual::kClusterReference); }},
     {"objects", "what can be placed", manual::ObjectReference},
     {"detectors", "what can be timed, and how", manual::DetectorReference},
     {"layouts", "how objects can be placed", manual::LayoutReference},

@@ -107,7 +107,7 @@ ExitStatus TracePlans(const TraceArguments& arguments) {
   ExitStatus status = ExitStatus::kGood;
   for (plan::Plan& plan : plans) {
     plan = MakeTracePlan(std::move(plan));
-    schedule::CheckFits(plan, 1, 1, arguments.out);
+    schedule::CheckFits(plan.benchmark, schedule::LeastDemand(plan), arguments.out);
     const std::vector<fs::path> files = TraceFiles(plan, arguments.out, plans.size());
     Tracer tracer(plan, arguments, stop);
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {

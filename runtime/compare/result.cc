@@ -49,14 +49,14 @@ class ResultText {
     const TimeComparison& times = of_.times;
     if (times.groups.empty()) {
       lines.push_back("Times: nothing to compare");
-      return;
+    } else {
+      AddCommonShift(lines);
+      AddVerdict(lines, ChangeVerdict::kSlower, "SLOWER");
+      AddVerdict(lines, ChangeVerdict::kFaster, "FASTER");
+      AddSame(lines);
+      AddUnknown(lines);
+      AddPointCounts(lines);
     }
-    AddCommonShift(lines);
-    AddVerdict(lines, ChangeVerdict::kSlower, "SLOWER");
-    AddVerdict(lines, ChangeVerdict::kFaster, "FASTER");
-    AddSame(lines);
-    AddUnknown(lines);
-    AddPointCounts(lines);
     if (!times.left_out.empty()) {
       std::vector<std::string> places;
       for (const auto& [point, why] : times.left_out)

@@ -38,9 +38,9 @@ constexpr std::pair<const char*, const char*> kFacts[] = {
 
 /// Parameters that say how a scene is run and measured, not what is in it. A name that ends with a
 /// dot is a block.
-constexpr std::string_view kNotOfTheScene[] = {"detector",  "narrow_phase", "pair_order", "threads",
-                                               "precision", "solver.",      "repeats",    "timeout",
-                                               "record",    "omit",         "accuracy."};
+constexpr std::string_view kNotOfTheScene[] = {
+    "detector", "narrow_phase", "pair_order", "threads", "precision", "solver.",
+    "repeats",  "timeout",      "memory",     "record",  "omit",      "accuracy."};
 
 bool IsOfTheScene(std::string_view parameter) {
   return std::ranges::none_of(kNotOfTheScene, [&](std::string_view name) {

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 
 #include "runtime/report/cells.h"
 #include "runtime/report/detector_ratios.h"
+#include "runtime/report/processors.h"
 #include "runtime/report/show_noise.h"
 
 namespace cdb::document {
@@ -27,6 +29,7 @@ class WarningList {
     AddBadRuns();
     AddVerdicts();
     AddNoise();
+    AddProcessors();
     AddUnlike();
     AddMissing();
     AddRepeats();
@@ -91,6 +94,15 @@ class WarningList {
                       jobs));
     if (const std::string noise = Sentence(report::NoiseText(file_, groups_.good)); !noise.empty())
       Add("noise", noise);
+  }
+
+  void AddProcessors() {
+    const std::string text = report::ProcessorText(file_, groups_.good);
+    if (text.empty()) return;
+    std::vector<std::string> lines;
+    std::istringstream all(text);
+    for (std::string line; std::getline(all, line);) lines.push_back(Sentence(line));
+    Add("processors", fmt::format("{}", fmt::join(lines, " ")));
   }
 
   /// Detectors that are compared did not leave out the same.

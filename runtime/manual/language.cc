@@ -75,7 +75,7 @@ VALUES
                               belongs to the product before it: 1/60 s, (0, -981, 0) cm/s^2, and
                               uniform(1, 5) cm. A name needs brackets: (n) ms. Units are km m cm mm
                               um, t kg g mg, h min s ms us ns, rad deg rpm, Hz kHz, N kN, Pa kPa MPa,
-                              with powers and quotients: kg/m^3. The dimension has to be that of the
+                              B kB MB GB TB KiB MiB GiB TiB, with powers and quotients: kg/m^3. The dimension has to be that of the
                               parameter. A number without a unit is in the SI unit of `cdb doc
                               parameters`; the metres of a scene are a convention, as in MJCF and
                               Scenic, whose only unit is the degree.
@@ -264,17 +264,28 @@ does not do it by itself.
 const std::string_view kNoiseReference = R"reference(WHETHER A RUN HAD THE MACHINE TO ITSELF
 
 Every run measures what the machine did to it while its recorded cycles ran; in the group /run of the
-results: `cycles_time`, `cpu_time`, `preemptions`, `page_faults`, `steal`, `processors`, and
+results: `cycles_time`, `cpu_time`, `preemptions`, `page_faults`, `steal`, `other_time`, `processors`, and
 `load_average` of when it began. From them it is judged quiet or noisy (`noise`, and `noise_cause` in
 words). It is noisy if
   - more than 2 % of the time was not spent on a processor (runs with one thread),
   - other virtual machines stole more than 1 % of the time,
+  - other programs used more than a tenth of a processor meanwhile (and more than 30 ms), on any
+    processor: they share caches, memory and frequency with the run,
   - the load average of the minute before was above the number of processors, or
   - a few long pauses make the mean step more than twice the median, while nine in ten steps are
     within 1.5 medians.
 `cdb show` says first how many runs were noisy, and why. Their times stay in the figures: repeats make
-up for pauses, as each cycle counts with its median over the repeats. `cdb run FILE --retry noisy` runs
-the noisy runs again and replaces them in the results; all others stay as they are.
+up for pauses, as each cycle counts with its median over the repeats.
+  `cdb run FILE --retry-noisy 3` measures a noisy run again at once, up to three times, and keeps the
+quietest. If none is quiet, it keeps the one that lost the least time to other programs. `attempts`
+says how often a run was measured. `cdb run FILE --retry noisy` runs the noisy runs of finished results again
+and replaces them; all others stay as they are.
+
+A run with one thread stays on one processor, of those that `cdb` may use (taskset, cpuset); with
+--jobs, each of the runs side by side on its own. Several `cdb run` on one machine choose different
+ones. Where none is free, and for detectors with several threads, the system chooses. Runs side by side
+disturb one another even so, by caches, memory and frequency: `--jobs` is refused for a plan that
+records timing, unless --shared-timings says that its times do not matter.
 )reference";
 
 const std::string_view kVerdictsReference = R"reference(HOW A RUN CAN END
@@ -305,8 +316,8 @@ bounces; `contact faithful` does not.
   An object has passed through another (passed) if its centre of mass ran through it, or a ball about
 the centre with half the inner radius did within one cycle; through a surface, if its centre crossed
 it. A contact is pressed in (pressed) if it was shallow for three cycles and is then deep for six, or
-if an impact leaves it deep for half a second. An object sleeps unheld (unheld) in the air, or if it moved before and no forces of its
-contacts, within friction, balance its weight and its turning.
+if an impact leaves it deep for half a second. An object sleeps unheld (unheld) in the air, or if it
+moved before and no forces of its contacts, within friction, balance its weight and its turning.
 
 )reference";
 
@@ -351,7 +362,7 @@ A plug-in needs only the installed header cdb/detector.h; examples/my_detector i
 CMake package `cdb` has the target cdb::detector. The names of a plug-in's detectors become words of
 `detector` and `narrow_phase`. Before the run `cdb` reads these names from the file and runs no code of
 it, so that `check` and `plan` are safe with a library of unknown origin; `run`, `trace` and `verify`
-run its code with your rights. One that was built for another version of the interface is refused by
+run its code, confined (`cdb doc limits`). One that was built for another version of the interface is refused by
 name. Only the processes of its runs load a plug-in: if it crashes or hangs on loading, or a detector
 throws, crashes, hangs (`timeout` ends it) or returns an invalid result, such as an unknown body or a
 normal that is not a unit vector, only its own runs fail. The plan stores the file name and its
@@ -530,8 +541,8 @@ trace, all detectors are timed on the same motion, without the physics.
     record    timing, counts, memory, pairs
   }
 
-Such a benchmark may also set detector, threads, repeats, warmup, cycles, timeout and record (timing,
-counts, memory, pairs). All other parameters describe a world and are refused by name. The default of
+Such a benchmark may also set detector, threads, repeats, warmup, cycles, timeout, memory and record
+(timing, counts, memory, pairs). All other parameters describe a world and are refused by name. The default of
 cycles is the length of the trace. The plan stores the hash of the boxes, so that another trace makes
 another run.
   A cycle is one call of the detector: broad, detect and step are its time, and the other phases have

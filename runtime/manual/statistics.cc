@@ -53,7 +53,7 @@ COMPARING FILES: cdb compare
 plug-in. Points are matched by the names and values of their axes. What differs between the files
 is said first. Parameters that make another scene must not differ; those of how it is run may:
 detector, narrow_phase, pair_order, threads, precision, solver, omit, record, repeats, timeout,
-accuracy. A point whose runs were void, or omitted a part in one file alone, has no times to
+memory, accuracy. A point whose runs were void, or omitted a part in one file alone, has no times to
 compare.
 
 Facts. The last state, verdicts, errors, counts of pairs and the heap are the same in every repeat,

@@ -9,6 +9,7 @@
 #include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/random.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
@@ -30,6 +31,7 @@ constexpr std::size_t kMostDescriptors = 8, kMostText = 32 << 10;
 constexpr int kAboveAllTargets = 16;
 
 struct RequestHead {
+  std::uint64_t memory;
   std::int32_t cpu;
   std::uint32_t descriptors;
   std::array<std::int32_t, kMostDescriptors> targets;
@@ -98,22 +100,27 @@ bool TakeDescriptors(const Received& request) {
   return syscall(SYS_close_range, static_cast<unsigned>(last) + 1, ~0U, 0) == 0;
 }
 
-/// Moves what is allocated from now on. Returns by how much the stack is to be moved.
-std::size_t ShiftAddresses() {
+/// By how many bytes addresses are moved.
+struct Shift {
+  std::size_t heap = 0, stack = 0;
+};
+
+/// Moves what is allocated from now on. The stack is to be moved by the caller.
+Shift ShiftAddresses() {
   const int persona = personality(0xffffffff);
   std::array<std::uint32_t, 3> random = {};
   if ((persona != -1 && (persona & ADDR_NO_RANDOMIZE) != 0) ||
       getrandom(random.data(), sizeof random, 0) != sizeof random)
-    return 0;
+    return {};
   // Nothing of it is touched, so it costs no memory; a process that may not have it goes without.
   constexpr std::size_t kPage = 4096, kHeapPages = 1 << 10, kMappedPages = 1 << 14;
   constexpr std::size_t kStackBytes = 1 << 14, kStackStep = 16;
-  [[maybe_unused]] const void* heap =
-      sbrk(static_cast<std::intptr_t>(random[0] % kHeapPages * kPage));
+  const std::size_t heap = random[0] % kHeapPages * kPage;
+  const bool is_moved = sbrk(static_cast<std::intptr_t>(heap)) != reinterpret_cast<void*>(-1);
   [[maybe_unused]] const void* mapped =
       mmap(nullptr, (1 + random[1] % kMappedPages) * kPage, PROT_NONE,
            MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  return random[2] % kStackBytes / kStackStep * kStackStep;
+  return {is_moved ? heap : 0, random[2] % kStackBytes / kStackStep * kStackStep};
 }
 
 std::vector<std::string> ArgumentsOf(const Received& request) {
@@ -125,23 +132,46 @@ std::vector<std::string> ArgumentsOf(const Received& request) {
   return arguments;
 }
 
+/// The heap, anonymous mappings and stacks of threads. False if it cannot be set.
+bool LimitMemory(std::uint64_t bytes) {
+  rlimit limit = {};
+  if (getrlimit(RLIMIT_DATA, &limit) != 0) return false;
+  limit.rlim_cur = limit.rlim_max = std::min<rlim_t>(limit.rlim_max, bytes);
+  return setrlimit(RLIMIT_DATA, &limit) == 0;
+}
+
 [[noreturn]] void BeWorker(const Received& request, pid_t runner,
                            int (*run)(const std::vector<std::string>& arguments)) {
   constexpr int kCannotBegin = 125;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != runner || setpgid(0, 0) != 0 || !TakeDescriptors(request)) _exit(kCannotBegin);
-  auto* room = static_cast<volatile char*>(alloca(ShiftAddresses() + 1));
+  const Shift shift = ShiftAddresses();
+  auto* room = static_cast<volatile char*>(alloca(shift.stack + 1));
   *room = 0;
+  // What a run may allocate must not depend on chance.
+  if (request.head.memory > 0 && !LimitMemory(request.head.memory + shift.heap))
+    _exit(kCannotBegin);
   exit(run(ArgumentsOf(request)));
 }
 
 }  // namespace
 
-std::optional<pid_t> AskForWorker(int server, const ForkRequest& request) {
-  RequestHead head = {request.cpu, static_cast<std::uint32_t>(request.descriptors.size()), {}};
+void BindToRunner() {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const char* runner = getenv(kRunnerVariable);
+  if (runner != nullptr && std::strtol(runner, nullptr, 10) != getppid()) _exit(0);
+  unsetenv(kRunnerVariable);  // what this process starts has it for a parent
+  const char* memory = getenv(kMemoryVariable);
+  if (memory != nullptr && !LimitMemory(std::strtoull(memory, nullptr, 10))) _exit(0);
+  unsetenv(kMemoryVariable);
+}
+
+ForkAnswer AskForWorker(int server, const ForkRequest& request) {
+  RequestHead head = {
+      request.memory, request.cpu, static_cast<std::uint32_t>(request.descriptors.size()), {}};
   std::string text;
   for (const std::string& argument : request.arguments) text.append(argument).push_back('\0');
-  if (request.descriptors.size() > kMostDescriptors || text.size() > kMostText) return std::nullopt;
+  if (request.descriptors.size() > kMostDescriptors || text.size() > kMostText) return {};
   std::array<iovec, 2> parts = {{{&head, sizeof head}, {text.data(), text.size()}}};
   Ancillary ancillary = {};
   msghdr message = {};
@@ -161,13 +191,13 @@ std::optional<pid_t> AskForWorker(int server, const ForkRequest& request) {
   do {
     done = sendmsg(server, &message, MSG_NOSIGNAL);
   } while (done < 0 && errno == EINTR);
-  if (done < 0) return std::nullopt;
+  if (done < 0) return {};
   std::int32_t answer = -1;
   do {
     done = recv(server, &answer, sizeof answer, 0);
   } while (done < 0 && errno == EINTR);
-  if (done != sizeof answer || answer <= 0) return std::nullopt;
-  return answer;
+  if (done != sizeof answer) return {-1, true};
+  return {answer > 0 ? answer : -1, false};
 }
 
 void ServeForks(int (*run)(const std::vector<std::string>& arguments)) {
@@ -184,13 +214,16 @@ void ServeForks(int (*run)(const std::vector<std::string>& arguments)) {
   const bool can_fork = prctl(PR_GET_TID_ADDRESS, &tid) == 0 && tid != nullptr;
   close(kServerFd);
   unsetenv(kBindNow);  // programs that a worker starts are none of our business
+  unsetenv(kRunnerVariable);
+  cpu_set_t all;
+  if (sched_getaffinity(0, sizeof all, &all) != 0) CPU_ZERO(&all);
   while (Receive(server, request)) {
+    cpu_set_t cpus = all;
     if (request.head.cpu >= 0) {
-      cpu_set_t only;
-      CPU_ZERO(&only);
-      CPU_SET(static_cast<unsigned>(request.head.cpu), &only);
-      sched_setaffinity(0, sizeof only, &only);  // so that the worker never runs elsewhere
+      CPU_ZERO(&cpus);
+      CPU_SET(static_cast<unsigned>(request.head.cpu), &cpus);
     }
+    sched_setaffinity(0, sizeof cpus, &cpus);  // so that the worker never runs elsewhere
     const pid_t worker = can_fork ? ForkSibling(tid) : -1;
     if (worker == 0) BeWorker(request, runner, run);
     for (std::size_t i = 0; i < request.head.descriptors; ++i) close(request.descriptors[i]);

@@ -4,7 +4,7 @@
 
 #include <sys/types.h>
 
-#include <optional>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,16 +18,32 @@ inline constexpr int kServerFd = 3;
 /// each worker, which would also have to copy the page that the result is written to.
 inline constexpr const char* kBindNow = "LD_BIND_NOW";
 
+/// In the environment of a worker that the runner starts itself: its process number. A worker whose
+/// parent is another one has outlived it.
+inline constexpr const char* kRunnerVariable = "CDB_RUNNER";
+/// The same for its memory limit, in bytes.
+inline constexpr const char* kMemoryVariable = "CDB_MEMORY_LIMIT";
+/// Worker: dies when its runner does, from now on, and at once if that has happened; takes the
+/// memory limit of its environment. Unsets both variables.
+void BindToRunner();
+
 struct ForkRequest {
   std::vector<std::pair<int, int>> descriptors;  ///< of the runner, and their numbers in the worker
   std::vector<std::string> arguments;            ///< without the program; none of them empty
   int cpu = -1;                                  ///< the only one to run on; -1: any
+  std::uint64_t memory = 0;                      ///< bytes of private memory at most; 0: no limit
 };
 
-/// Runner: asks the process at the other end of `server` (a SOCK_SEQPACKET) for a worker, which is
-/// a child of this process, as if this process had forked it. Its number; nullopt if that process
-/// has ended, cannot fork so, or the request does not fit. Threads: one at a time.
-std::optional<pid_t> AskForWorker(int server, const ForkRequest& request);
+struct ForkAnswer {
+  pid_t worker = -1;  ///< a child of this process, as if it had forked it; -1: none
+  /// No worker is known, and yet one may have been started: the server ended before it answered.
+  bool is_uncertain = false;
+};
+
+/// Runner: asks the process at the other end of `server` (a SOCK_SEQPACKET) for a worker. There is
+/// none if that process has ended, cannot fork so, or the request does not fit. Threads: one at a
+/// time.
+ForkAnswer AskForWorker(int server, const ForkRequest& request);
 
 /// Worker: answers requests at kServerFd until the runner closes its end, then ends the process. In
 /// each worker, calls `run` with the arguments of the request, and exits with what it returns. A

@@ -21,13 +21,14 @@ double LoadAverage() {
   return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
 }
 
-double StolenTime() {
+TimeOfAllProcessors ReadTimeOfAllProcessors() {
   std::ifstream stat("/proc/stat");
   std::string cpu;
   double user = 0, nice = 0, system = 0, idle = 0, iowait = 0, irq = 0, softirq = 0, steal = 0;
   if (!(stat >> cpu >> user >> nice >> system >> idle >> iowait >> irq >> softirq >> steal))
-    return std::numeric_limits<double>::quiet_NaN();
-  return steal * 1e9 / static_cast<double>(sysconf(_SC_CLK_TCK));
+    return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  const double tick_ns = 1e9 / static_cast<double>(sysconf(_SC_CLK_TCK));
+  return {(user + nice + system + irq + softirq) * tick_ns, steal * tick_ns};
 }
 
 double ProcessorCount() {

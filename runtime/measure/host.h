@@ -11,9 +11,13 @@ std::string HostName();
 /// The load average of the last minute; NaN if the system does not say.
 double LoadAverage();
 
-/// ns: the time that other virtual machines took from all processors together since the system
-/// began; NaN if it does not say. Source: proc_stat(5).
-double StolenTime();
+/// ns since the system began, of all processors together; NaN if it does not say. In steps of 10 ms
+/// on most systems. Source: proc_stat(5).
+struct TimeOfAllProcessors {
+  double busy = 0;    ///< with programs and the system's own work
+  double stolen = 0;  ///< taken by other virtual machines
+};
+TimeOfAllProcessors ReadTimeOfAllProcessors();
 
 /// The number of processors that this process may run on; NaN if the system does not say.
 double ProcessorCount();

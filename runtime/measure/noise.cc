@@ -10,7 +10,8 @@
 namespace cdb::measure {
 namespace {
 
-constexpr double kMostOffProcessor = 0.02, kMostStolen = 0.01;
+/// The system counts ticks, and a run that is short sees one more or less.
+constexpr double kTicksNs = 30e6;
 constexpr double kLongPauses = 2, kEvenSteps = 1.5;
 
 /// The mean over the median, where nine in ten steps are alike; else 1.
@@ -32,7 +33,13 @@ std::span<const std::string_view> NoiseNames() {
   return kNames;
 }
 
-NoiseJudgement JudgeNoise(const RunScalars& scalars, double load, std::uint64_t threads,
+bool NoiseJudgement::IsQuieterThan(const NoiseJudgement& other) const {
+  if (noise == Noise::kUnknown || other.noise == Noise::kUnknown)
+    return other.noise == Noise::kUnknown && noise != Noise::kUnknown;
+  return noise == other.noise ? disturbed < other.disturbed : noise == Noise::kQuiet;
+}
+
+NoiseJudgement JudgeNoise(const RunScalars& scalars, MachineLoad machine, std::uint64_t threads,
                           std::span<const double> steps) {
   if (!(scalars.cycles_wall_ns > 0)) return {};
   std::string why;
@@ -43,12 +50,16 @@ NoiseJudgement JudgeNoise(const RunScalars& scalars, double load, std::uint64_t 
   const double stolen = scalars.stolen_ns / scalars.cycles_wall_ns;
   if (stolen > kMostStolen)
     add(fmt::format("{:.0f} % stolen by other virtual machines", 100 * stolen));
-  if (load > scalars.processors)
-    add(fmt::format("load {:.1f} on {:.0f} processor{}", load, scalars.processors,
-                    scalars.processors == 1 ? "" : "s"));
+  const double others = scalars.others_ns / scalars.cycles_wall_ns;
+  if (scalars.others_ns - kTicksNs > kMostOthers * scalars.cycles_wall_ns)
+    add(fmt::format("other programs on {:.2f} processors", others));
+  if (machine.load > machine.processors)
+    add(fmt::format("load {:.1f} on {:.0f} processor{}", machine.load, machine.processors,
+                    machine.processors == 1 ? "" : "s"));
   if (const double ratio = PauseRatio(steps); ratio > kLongPauses)
     add(fmt::format("a few long pauses: the mean step is {:.1f} medians", ratio));
-  return {why.empty() ? Noise::kQuiet : Noise::kNoisy, why};
+  const double disturbed = std::max({0.0, threads == 1 ? off : 0.0, stolen, std::min(others, 1.0)});
+  return {why.empty() ? Noise::kQuiet : Noise::kNoisy, why, disturbed};
 }
 
 }  // namespace cdb::measure

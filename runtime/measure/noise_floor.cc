@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime/measure/host.h"
+#include "runtime/measure/noise.h"
 
 namespace cdb::measure {
 namespace {
@@ -44,8 +45,8 @@ double CostOfClock() {
 }  // namespace
 
 bool NoiseFloor::IsQuiet() const {
-  return half_high - half_low <= 0.02 * median && p99 <= 1.1 * median && off_processor <= 0.02 &&
-         !(stolen > 0.01);
+  return half_high - half_low <= 0.02 * median && p99 <= 1.1 * median &&
+         off_processor <= kMostOffProcessor && !(stolen > kMostStolen) && !(others > kMostOthers);
 }
 
 NoiseFloor MeasureNoiseFloor(double seconds) {
@@ -56,7 +57,8 @@ NoiseFloor MeasureNoiseFloor(double seconds) {
   state = Work(state, kSteps);  // until the processor is awake
   std::vector<double> times;
   times.reserve(static_cast<std::size_t>(seconds * 1e4) + 1);
-  const double begin = Now(), used = ProcessorTimeOfThread(), stolen = StolenTime();
+  const TimeOfAllProcessors before = ReadTimeOfAllProcessors();
+  const double begin = Now(), used = ProcessorTimeOfThread();
   double last = begin;
   while (last - begin < seconds * 1e9 || times.empty()) {
     state = Work(state, kSteps);
@@ -65,8 +67,11 @@ NoiseFloor MeasureNoiseFloor(double seconds) {
     last = now;
   }
   const double wall = last - begin;
-  floor.off_processor = std::max(0.0, 1 - (ProcessorTimeOfThread() - used) / wall);
-  floor.stolen = (StolenTime() - stolen) / wall;
+  const double own = ProcessorTimeOfThread() - used;
+  const TimeOfAllProcessors after = ReadTimeOfAllProcessors();
+  floor.off_processor = std::max(0.0, 1 - own / wall);
+  floor.stolen = (after.stolen - before.stolen) / wall;
+  floor.others = std::max(0.0, (after.busy - before.busy - own) / wall);
   std::ranges::sort(times);
   const auto at = [&](double part) {
     return times[static_cast<std::size_t>(part * static_cast<double>(times.size() - 1))];

@@ -13,10 +13,12 @@ struct NoiseFloor {
   double p99 = 0, worst = 0;
   double off_processor = 0;  ///< part of the time in which this thread waited for a processor
   double stolen = 0;         ///< part of the time taken by other virtual machines; NaN: not said
+  double others = 0;         ///< processors that other programs used; NaN: not said
   double clock_ns = 0;       ///< one reading of the clock
 
   /// Fit for timings: half of the loops within 1 % of the median, 99 in 100 within 10 %, at most
-  /// 2 % off the processor and 1 % stolen, as `noise` judges a run (noise.h).
+  /// 2 % off the processor, 1 % stolen and 0.1 processors of other programs, as `noise` judges a
+  /// run (noise.h).
   bool IsQuiet() const;
 };
 

@@ -6,7 +6,8 @@ namespace cdb::measure {
 namespace {
 
 constexpr const char* kNames[] = {
-    "", "loading", "making", "Prepare of", "FindPairs of", "Handles of", "FindContacts of"};
+    "",           "loading",         "making",    "Prepare of", "FindPairs of",
+    "Handles of", "FindContacts of", "destroying"};
 constexpr std::uint32_t kCalls = std::size(kNames);
 
 }  // namespace

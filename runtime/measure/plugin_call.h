@@ -15,7 +15,8 @@ enum class PluginCall : std::uint32_t {
   kPrepare,
   kFindPairs,
   kHandles,
-  kFindContacts
+  kFindContacts,
+  kDestroy
 };
 
 /// A call into the plug-in `index` of a scene, in a number; 0 for none.

@@ -18,6 +18,43 @@
 
 namespace cdb::measure {
 
+namespace {
+
+[[noreturn]] void FailToMap() {
+  throw std::system_error(errno, std::generic_category(), "cannot map the recording of a run");
+}
+
+/// Whole pages of any system, on each side of a recording.
+constexpr std::size_t kGuardBytes = 64 << 10;
+
+/// The addresses that a recording takes with its guards.
+std::size_t GuardedBytes(std::size_t bytes) {
+  return (bytes + kGuardBytes - 1) / kGuardBytes * kGuardBytes + 2 * kGuardBytes;
+}
+
+/// Between pages that nobody can touch: a process that writes past a buffer beside it dies before
+/// it changes a measurement.
+std::byte* MapBetweenGuards(int fd, std::size_t bytes) {
+  void* room = mmap(nullptr, GuardedBytes(bytes), PROT_NONE,
+                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) FailToMap();
+  std::byte* place = static_cast<std::byte*>(room) + kGuardBytes;
+  if (mmap(place, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE | MAP_FIXED, fd, 0) ==
+      MAP_FAILED) {
+    const int error = errno;
+    munmap(room, GuardedBytes(bytes));
+    errno = error;
+    FailToMap();
+  }
+  return place;
+}
+
+void Unmap(void* place, std::size_t bytes) {
+  munmap(static_cast<std::byte*>(place) - kGuardBytes, GuardedBytes(bytes));
+}
+
+}  // namespace
+
 Recording::Recording(int fd, const plan::Scene& scene, bool create) : fd_(fd) {
   bytes_ = WholeCacheLines(sizeof(RecordingHeader));
   for (const Series& series : AllSeries()) {
@@ -36,10 +73,7 @@ Recording::Recording(int fd, const plan::Scene& scene, bool create) : fd_(fd) {
   struct stat status = {};
   if (fstat(fd_, &status) != 0 || static_cast<std::size_t>(status.st_size) != bytes_)
     throw std::runtime_error("the recording does not belong to this run");
-  void* memory = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd_, 0);
-  if (memory == MAP_FAILED)
-    throw std::system_error(errno, std::generic_category(), "cannot map the recording of a run");
-  header_ = static_cast<RecordingHeader*>(memory);
+  header_ = reinterpret_cast<RecordingHeader*>(MapBetweenGuards(fd_, bytes_));
 }
 
 Recording Recording::Create(const plan::Scene& scene) {
@@ -85,7 +119,7 @@ Recording::Recording(Recording&& other) noexcept
       samples_count_(other.samples_count_) {}
 
 Recording::~Recording() {
-  if (header_ != nullptr) munmap(header_, bytes_);
+  if (header_ != nullptr) Unmap(header_, bytes_);
   if (fd_ >= 0) close(fd_);
 }
 

@@ -21,7 +21,14 @@
 namespace cdb::measure {
 
 /// The outcome of a worker.
-enum class WorkerOutcome : std::int32_t { kRunning = 0, kDone = 1, kFailed = 2 };
+enum class WorkerOutcome : std::int32_t {
+  kRunning = 0,
+  kDone = 1,
+  kFailed = 2,
+  kAgain = 3,  ///< the runner is to start it once more, with kStartAgainKeeps kept; `message`: why
+};
+/// Names of components, as kKeepOption takes them.
+inline constexpr const char* kStartAgainKeeps = "walls";
 
 /// Reference values for verdicts, of a run that records stability; NaN otherwise.
 struct VerdictScales {
@@ -34,17 +41,21 @@ struct VerdictScales {
   double moving_objects = 0;   ///< that are not fixed
 };
 
+/// What the message of a run that failed for want of memory begins with.
+inline constexpr std::string_view kOutOfMemory = "out of memory";
+
 /// The header of the memory. Written by the worker, read by the runner after the worker has exited.
 struct RecordingHeader {
-  static constexpr std::uint64_t kMagic = 0x37'47'4e'49'44'52'43'00;  // "\0CRDING7"
+  static constexpr std::uint64_t kMagic = 0x38'47'4e'49'44'52'43'00;  // "\0CRDING8"
   std::uint64_t magic;
   std::uint64_t bytes;  ///< of the whole memory
   std::atomic<std::uint64_t> cycles_done;
   std::atomic<WorkerOutcome> outcome;
-  std::atomic<std::uint32_t> plugin_call;  ///< where the worker is (measure/plugin_call.h)
+  std::atomic<std::uint32_t> plugin_call;       ///< where the worker is (measure/plugin_call.h)
+  std::atomic<std::uint32_t> is_out_of_memory;  ///< not 0 once an allocation failed
   Settling settling;
   FixedText<20> state_hash;   ///< 16 hex digits after the last cycle; empty before
-  FixedText<2048> message;    ///< why it failed, in the user's words
+  FixedText<2048> message;    ///< why it failed, in the user's words, or starts again
   FixedText<256> omitted;     ///< names of the omitted components (compiler/plan/pruning.h)
   FixedText<4096> decisions;  ///< the decision about each component, and its reason
   FixedText<4096> models;     ///< the hulls of the compounds in the scene (ModelsText)
@@ -53,8 +64,8 @@ struct RecordingHeader {
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
-/// A mapping of one run's recording. Not copied; unmapped and closed at the end. Not for several
-/// threads.
+/// A mapping of one run's recording, between pages that cannot be touched. Not copied; unmapped and
+/// closed at the end. Not for several threads.
 class Recording {
  public:
   /// Runner: makes the memory for `scene`, filled with "no value" (-1 and NaN). Throws

@@ -23,8 +23,12 @@ std::span<const RunScalarInfo> AllRunScalars() {
       {"page_faults", "", "page faults of the thread meanwhile", &RunScalars::page_faults, true},
       {"steal", "ns", "processor time taken by other virtual machines meanwhile, of all processors",
        &RunScalars::stolen_ns},
+      {"other_time", "ns", "processor time of other programs meanwhile, of all processors",
+       &RunScalars::others_ns},
       {"processors", "", "processors that the run was allowed to use", &RunScalars::processors,
        true},
+      {"attempts", "", "times that the run was measured, of which the quietest is kept",
+       &RunScalars::attempts, true},
   };
   return kScalars;
 }

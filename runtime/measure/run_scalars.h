@@ -22,7 +22,10 @@ struct RunScalars {
   double preemptions = kNone;  ///< of the thread: involuntary context switches
   double page_faults = kNone;  ///< of the thread
   double stolen_ns = kNone;    ///< by other virtual machines, of all processors
+  double others_ns = kNone;    ///< processor time of other programs, of all processors
   double processors = kNone;   ///< that the process may run on
+  /// Set by the runner: times that the run was measured, of which the quietest is kept.
+  double attempts = kNone;
 };
 
 struct RunScalarInfo {

@@ -60,6 +60,8 @@ TraceMemory TraceMemory::Create(const TraceShape& shape) {
   void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   if (memory == MAP_FAILED) fail();
   trace.memory_ = static_cast<std::byte*>(memory);
+  // Nor changed by one worker for the others; this mapping stays as it is.
+  fcntl(fd, F_ADD_SEALS, F_SEAL_FUTURE_WRITE);
   const Header header = {Header::kMagic, shape.bodies, shape.cycles, shape.ItemBytes()};
   std::memcpy(trace.memory_, &header, sizeof header);
   return trace;

@@ -98,6 +98,25 @@ bool HasExited(const ProcessEnd& end) {
   return WIFEXITED(end.wait_status) && WEXITSTATUS(end.wait_status) == 0;
 }
 
+bool HasMemoryLimit(const plan::Run& run) { return run.scene.world.WordOr("memory").empty(); }
+
+/// `2 GB`, `524.3 MB`.
+std::string BytesText(double bytes) {
+  constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB"};
+  std::size_t unit = 0;
+  for (; bytes >= 1000 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1000;
+  return fmt::format("{:.4g} {}", bytes, kUnits[unit]);
+}
+
+/// A failed allocation may have been survived, and the run may have failed for another reason.
+bool EndedOutOfMemory(const measure::RecordingHeader& header, measure::WorkerOutcome outcome) {
+  if (header.is_out_of_memory.load(std::memory_order_relaxed) == 0) return false;
+  if (outcome != measure::WorkerOutcome::kFailed) return true;
+  const std::string message = header.message.str();
+  // The latter in the words of a plug-in.
+  return message.starts_with(measure::kOutOfMemory) || message.ends_with(std::bad_alloc().what());
+}
+
 /// How the run ended, and why. `reported`: the cycles that the worker says it finished, of which
 /// the result may have fewer.
 void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::RecordingHeader& header,
@@ -110,12 +129,19 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
   if (has_exited && outcome == measure::WorkerOutcome::kDone && result.n_cycles == cycles) {
     result.status = store::Status::kDone;
     result.state_hash = header.state_hash.str();
+  } else if (HasMemoryLimit(run) && !end.is_timed_out && EndedOutOfMemory(header, outcome)) {
+    result.status = store::Status::kFailed;
+    result.message = fmt::format(
+        "ended at its memory limit of {} after {} of {} cycles{}{}; raise `memory`, or take fewer "
+        "objects",
+        BytesText(run.scene.world.Real("memory")), result.n_cycles, cycles,
+        where.empty() ? "" : ", in ", where);
   } else if (has_exited && outcome == measure::WorkerOutcome::kFailed) {
     result.status = store::Status::kFailed;
     result.message = dsl::Printable(header.message.str());
     std::ranges::replace(result.message, '\n', ' ');
     if (result.message.empty()) result.message = "the worker failed without a reason";
-  } else if (end.is_timed_out && !has_exited) {
+  } else if (end.is_timed_out && (!has_exited || outcome == measure::WorkerOutcome::kAgain)) {
     result.status = store::Status::kTimedOut;
     const std::string settling = measure::SettlingText(header.settling);
     result.message = fmt::format("ended at its timeout of {} s after {} of {} cycles{}{}",
@@ -134,6 +160,9 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
                     ? fmt::format("the worker ended after {} of {} cycles", reported, cycles)
                     : "the worker ended without all of its contacts";
     result.message = CrashText(end, trouble, where);
+    if (HasMemoryLimit(run))
+      result.message +=
+          fmt::format("; its memory was limited to {}", BytesText(run.scene.world.Real("memory")));
   }
 }
 

@@ -30,7 +30,7 @@ ForkServer::~ForkServer() {
   }
 }
 
-std::optional<pid_t> ForkServer::Start(const measure::ForkRequest& request) {
+measure::ForkAnswer ForkServer::Start(const measure::ForkRequest& request) {
   return measure::AskForWorker(socket_.get(), request);
 }
 

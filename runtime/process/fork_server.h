@@ -4,7 +4,6 @@
 #include <sys/types.h>
 
 #include <filesystem>
-#include <optional>
 
 #include "runtime/measure/fork_server.h"
 #include "runtime/process/process.h"
@@ -21,8 +20,9 @@ class ForkServer {
   ForkServer(const ForkServer&) = delete;
   ForkServer& operator=(const ForkServer&) = delete;
 
-  /// A worker, a child of this process; nullopt if the program or the system cannot do it.
-  std::optional<pid_t> Start(const measure::ForkRequest& request);
+  /// No worker if the program or the system cannot do it.
+  measure::ForkAnswer Start(const measure::ForkRequest& request);
+  pid_t pid() const { return pid_; }
 
  private:
   Descriptor socket_;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 
 #include "runtime/measure/recording.h"
@@ -29,10 +30,6 @@ void Check(int error) {
 
 void FailToStart(std::string_view what, int error) {
   throw ScheduleError(fmt::format("{}: {}", what, std::generic_category().message(error)));
-}
-
-void Descriptor::Close() {
-  if (fd_ >= 0) close(std::exchange(fd_, -1));
 }
 
 Descriptor MemoryFile(const char* name) {
@@ -101,6 +98,19 @@ pid_t SpawnPlan::Start(const std::filesystem::path& program, std::vector<std::st
       posix_spawn(&pid, program.c_str(), &actions_, &attributes_, words.data(), environment.data());
   if (error != 0) FailToStart(fmt::format("cannot start {}", program.string()), error);
   return pid;
+}
+
+void EndStrays(const std::filesystem::path& program, const std::vector<pid_t>& known) {
+  std::ifstream children(fmt::format("/proc/self/task/{}/children", gettid()));
+  for (pid_t child = -1; children >> child;) {
+    std::error_code error;
+    if (std::ranges::find(known, child) != known.end() ||
+        !std::filesystem::equivalent(fmt::format("/proc/{}/exe", child), program, error))
+      continue;
+    kill(child, SIGKILL);
+    while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
 }
 
 std::string EndText(int wait_status) {

@@ -10,24 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/plan/descriptor.h"
+
 namespace cdb::process {
 
-/// A descriptor of our own, closed at its end. What a worker gets are copies.
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~Descriptor() { Close(); }
-  void Close();
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
+/// What a worker gets are copies.
+using plan::Descriptor;
 
 /// A file without a name. Throws ScheduleError.
 Descriptor MemoryFile(const char* name);
@@ -61,6 +49,10 @@ class SpawnPlan {
   std::vector<std::string> variables_;
   int last_ = 2;  ///< the highest that is given, or standard error
 };
+
+/// Kills and reaps the children of this thread that run `program`, except those in `known`. Where
+/// the system lists no children, nothing happens.
+void EndStrays(const std::filesystem::path& program, const std::vector<pid_t>& known);
 
 /// `was ended by signal 11 (SIGSEGV, Segmentation fault)`, `ended with exit status 3`.
 std::string EndText(int wait_status);

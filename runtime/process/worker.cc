@@ -16,7 +16,6 @@
 #include <system_error>
 #include <utility>
 
-#include "compiler/plan/plan_yaml.h"
 #include "compiler/plan/trace.h"
 #include "dsl/check.h"
 #include "dsl/utf8.h"
@@ -34,8 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC
 
-Descriptor RunFile(const plan::Run& run) {
-  const std::string text = plan::RunToYaml(run);
+Descriptor RunFile(const std::string& text) {
   Descriptor fd = MemoryFile("cdb-run");
   // A worker reads from the start: pwrite leaves the shared offset there.
   const ssize_t written = pwrite(fd.get(), text.data(), text.size(), 0);
@@ -65,16 +63,6 @@ class OnCpu {
   cpu_set_t before_ = {};
   bool is_set_ = false;
 };
-
-/// A processor for each slot; empty where there are not enough, or where there is only one slot.
-std::vector<int> ChooseCpus(std::size_t slots) {
-  cpu_set_t allowed;
-  if (slots < 2 || sched_getaffinity(0, sizeof allowed, &allowed) != 0) return {};
-  std::vector<int> cpus;
-  for (int cpu = 0; cpu < CPU_SETSIZE && cpus.size() < slots; ++cpu)
-    if (CPU_ISSET(cpu, &allowed)) cpus.push_back(cpu);
-  return cpus.size() == slots ? cpus : std::vector<int>();
-}
 
 constexpr const char* kSingleWorker = "cdb-worker-f32";
 
@@ -115,6 +103,26 @@ std::optional<Descriptor> PosesFile(const plan::Scene& scene) {
   }
 }
 
+#ifndef __has_feature
+#define __has_feature(name) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || __has_feature(address_sanitizer)
+constexpr bool kAddressSanitizer = true;
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+
+/// Bytes; 0: no limit.
+std::uint64_t MemoryLimitOf(const plan::Scene& scene) {
+  if (!scene.world.WordOr("memory").empty()) return 0;
+  if (kAddressSanitizer)
+    throw ScheduleError(
+        "`memory` cannot limit the runs of a build with AddressSanitizer, whose shadow memory "
+        "exceeds any limit; leave it out, or use another build");
+  constexpr double kMost = 9e18;
+  return static_cast<std::uint64_t>(std::clamp(scene.world.Real("memory"), 1.0, kMost));
+}
+
 std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_point start) {
   if (!scene.world.WordOr("timeout").empty()) return std::nullopt;
   const double seconds = scene.world.Real("timeout");
@@ -131,7 +139,9 @@ measure::NoiseJudgement NoiseOf(const plan::Run& run, const store::RunResult& re
   const auto steps =
       duration.empty() ? duration
                        : duration.subspan(measure::IndexOf(measure::Phase::kStep) * cycles, cycles);
-  return measure::JudgeNoise(result.scalars, result.load, run.scene.world.Count("threads"), steps);
+  // The load is that of the machine: all processors count, not the one that the worker stays on.
+  return measure::JudgeNoise(result.scalars, {result.load, measure::ProcessorCount()},
+                             run.scene.world.Count("threads"), steps);
 }
 
 }  // namespace
@@ -186,6 +196,8 @@ std::string TextTail::LastLines() const {
 struct ProcessLauncher::Worker {
   const plan::Run* run = nullptr;
   std::size_t slot = 0;
+  std::string kept;             // components, as the scheduler wants it
+  bool is_second_time = false;  // the first one asked for it
   std::unique_ptr<measure::Recording> recording;
   Descriptor contacts;
   Descriptor errors;  // read end of its standard error; closed at its end
@@ -212,11 +224,12 @@ struct ProcessLauncher::Worker {
   }
 };
 
-ProcessLauncher::ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop)
+ProcessLauncher::ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop,
+                                 std::string_view claim)
     : programs_(std::move(programs)),
       stop_(stop),
       traces_(slots),
-      cpus_(ChooseCpus(slots)),
+      processors_(slots, claim),
       workers_(slots) {}
 
 ProcessLauncher::~ProcessLauncher() = default;
@@ -237,8 +250,17 @@ void ProcessLauncher::StopAll() {
   servers_.clear();
 }
 
-pid_t ProcessLauncher::StartProcess(const fs::path& program, SpawnPlan& spawn, int cpu,
-                                    std::vector<std::string> arguments) {
+std::vector<pid_t> ProcessLauncher::Processes() const {
+  std::vector<pid_t> all;
+  for (const auto& worker : workers_)
+    if (worker) all.push_back(worker->pid);
+  for (const auto& [program, server] : servers_)
+    if (server) all.push_back(server->pid());
+  return all;
+}
+
+pid_t ProcessLauncher::StartProcess(const fs::path& program, SpawnPlan& spawn,
+                                    measure::ForkRequest how) {
   const auto [server, is_new] = servers_.try_emplace(program);
   try {
     if (is_new) server->second = std::make_unique<ForkServer>(program);
@@ -246,12 +268,20 @@ pid_t ProcessLauncher::StartProcess(const fs::path& program, SpawnPlan& spawn, i
     // Starting the worker itself says why, in the words of the run.
   }
   if (server->second != nullptr) {
-    if (const auto pid = server->second->Start({spawn.Given(), arguments, cpu})) return *pid;
+    how.descriptors = spawn.Given();
+    const measure::ForkAnswer answer = server->second->Start(how);
+    if (answer.worker > 0) return answer.worker;
     server->second.reset();
+    if (answer.is_uncertain) {
+      EndStrays(program, Processes());
+      return -1;
+    }
   }
   std::optional<OnCpu> pinned;
-  if (cpu >= 0) pinned.emplace(cpu);
-  return spawn.Start(program, std::move(arguments));
+  if (how.cpu >= 0) pinned.emplace(how.cpu);
+  spawn.SetVariable(fmt::format("{}={}", measure::kRunnerVariable, getpid()));
+  if (how.memory > 0) spawn.SetVariable(fmt::format("{}={}", measure::kMemoryVariable, how.memory));
+  return spawn.Start(program, std::move(how.arguments));
 }
 
 void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::string& kept) {
@@ -264,22 +294,40 @@ void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::s
   } catch (const std::runtime_error& error) {
     throw ScheduleError(fmt::format("{} ({})", error.what(), run.id));
   }
-  worker->contacts = MemoryFile("cdb-contacts");
-  const Descriptor text = RunFile(run);
+  worker->kept = kept;
+  worker->load = measure::LoadAverage();
+  worker->started_s = SecondsSinceEpoch();
+  worker->start = Clock::now();
+  worker->deadline = Deadline(run.scene, worker->start);
+  std::vector<std::string> arguments;
+  if (!kept.empty())
+    arguments = {measure::kKeepOption, kept, "a run that it is compared with keeps it"};
+  Launch(*worker, arguments);
+  workers_[slot] = std::move(worker);
+}
+
+void ProcessLauncher::Launch(Worker& worker, const std::vector<std::string>& arguments) {
+  while (!TryToLaunch(worker, arguments)) worker.recording->Clear();
+}
+
+bool ProcessLauncher::TryToLaunch(Worker& worker, const std::vector<std::string>& arguments) {
+  const plan::Scene& scene = worker.run->scene;
+  worker.contacts = MemoryFile("cdb-contacts");
+  const Descriptor text = RunFile(text_.YamlOf(*worker.run));
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) FailToStart("no descriptor to start a run", errno);
-  worker->errors = Descriptor(ends[0]);
+  worker.errors = Descriptor(ends[0]);
   const Descriptor their_errors(ends[1]);
   fcntl(ends[0], F_SETFL, O_NONBLOCK);  // ours; theirs may block until we have read
 
   SpawnPlan spawn;
   spawn.Give(their_errors.get(), STDERR_FILENO);
   spawn.Give(text.get(), measure::kRunFd);
-  spawn.Give(worker->recording->fd(), measure::kRecordingFd);
-  spawn.Give(worker->contacts.get(), measure::kContactsFd);
-  const auto poses = PosesFile(run.scene);
+  spawn.Give(worker.recording->fd(), measure::kRecordingFd);
+  spawn.Give(worker.contacts.get(), measure::kContactsFd);
+  const auto poses = PosesFile(scene);
   if (poses) spawn.Give(poses->get(), measure::kPosesFd);
-  if (const auto trace = plan::TraceOf(run.scene)) {
+  if (const auto trace = plan::TraceOf(scene)) {
     try {
       spawn.Give(traces_.Get(*trace), measure::kTraceFd);
     } catch (const std::system_error& error) {
@@ -288,19 +336,28 @@ void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::s
       throw ScheduleError(error.what());
     }
   }
+  const bool is_single = scene.world.WordOr("precision") == "single";
+  const int cpu = scene.world.Count("threads") > 1 ? -1 : processors_.Of(worker.slot);
+  worker.pid = StartProcess(is_single ? programs_.single : programs_.double_, spawn,
+                            {{}, arguments, cpu, MemoryLimitOf(scene)});
+  if (worker.pid < 0) return false;
+  worker.pidfd = WatchProcess(worker.pid);
+  return true;
+}
 
-  worker->load = measure::LoadAverage();
-  worker->started_s = SecondsSinceEpoch();
-  worker->start = Clock::now();
-  worker->deadline = Deadline(run.scene, worker->start);
-  const bool is_single = run.scene.world.WordOr("precision") == "single";
-  std::vector<std::string> arguments;
-  if (!kept.empty())
-    arguments = {measure::kKeepOption, kept, "a run that it is compared with keeps it"};
-  worker->pid = StartProcess(is_single ? programs_.single : programs_.double_, spawn,
-                             cpus_.empty() ? -1 : cpus_[slot], std::move(arguments));
-  worker->pidfd = WatchProcess(worker->pid);
-  workers_[slot] = std::move(worker);
+bool ProcessLauncher::StartAgain(Worker& worker) {
+  const measure::RecordingHeader& header = worker.recording->header();
+  if (worker.is_second_time || worker.is_timed_out ||
+      header.outcome.load(std::memory_order_acquire) != measure::WorkerOutcome::kAgain)
+    return false;
+  std::string kept = measure::kStartAgainKeeps, why = header.message.str();
+  if (!worker.kept.empty()) kept += ' ' + worker.kept;
+  if (why.empty()) return false;
+  worker.recording->Clear();
+  worker.is_second_time = true;
+  worker.tail = {};
+  Launch(worker, {measure::kKeepOption, std::move(kept), std::move(why)});
+  return true;
 }
 
 std::optional<Ending> ProcessLauncher::Wait(double seconds) {
@@ -340,7 +397,10 @@ std::optional<Ending> ProcessLauncher::Wait(double seconds) {
         worker->Kill();
       }
     }
-    if (ended != nullptr) return Reap(*ended);
+    if (ended != nullptr) {
+      if (auto ending = Reap(*ended)) return ending;
+      continue;
+    }
     if ((stop_ != nullptr && stop_->requested()) || now >= until) return std::nullopt;
   }
 }
@@ -360,7 +420,7 @@ void ProcessLauncher::DrainErrors(Worker& worker) {
   }
 }
 
-Ending ProcessLauncher::Reap(Worker& worker) {
+std::optional<Ending> ProcessLauncher::Reap(Worker& worker) {
   Ending ending;
   ending.slot = worker.slot;
   ending.wall_s = std::chrono::duration<double>(Clock::now() - worker.start).count();
@@ -373,6 +433,7 @@ Ending ProcessLauncher::Reap(Worker& worker) {
     if (errno != EINTR) FailToStart("cannot wait for a worker", errno);
   }
   worker.pid = -1;
+  if (end.wait_status == 0 && StartAgain(worker)) return std::nullopt;
   end.is_timed_out = worker.is_timed_out;
   end.last_lines = worker.tail.LastLines();
   try {

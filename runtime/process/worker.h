@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "compiler/plan/plan_yaml_writer.h"
 #include "runtime/process/fork_server.h"
 #include "runtime/process/launcher.h"
+#include "runtime/process/processors.h"
 #include "runtime/process/stop.h"
 #include "runtime/process/trace_cache.h"
 
@@ -48,12 +50,14 @@ class TextTail {
 /// Runs workers as processes, forked from one of their program that is loaded already, or started
 /// if that cannot be: standard input empty, standard output dropped, standard error kept for the
 /// message, each in a process group of its own so that Ctrl-C reaches only us. A run's timeout ends
-/// its worker with SIGKILL. With several slots and as many processors, each slot's worker stays on
-/// a processor of its own.
+/// its worker with SIGKILL, and its memory limit is set before its own code runs. Each
+/// slot's worker stays on a processor of its own (ClaimedProcessors), unless its detector may use
+/// several threads.
 class ProcessLauncher : public Launcher {
  public:
-  /// `stop` may be null.
-  ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop);
+  /// `stop` may be null. `claim`: of ClaimedProcessors.
+  ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop,
+                  std::string_view claim = kProcessorClaim);
   ~ProcessLauncher() override;
 
   void Start(std::size_t slot, const plan::Run& run, const std::string& kept) override;
@@ -63,15 +67,24 @@ class ProcessLauncher : public Launcher {
 
  private:
   struct Worker;
-  pid_t StartProcess(const std::filesystem::path& program, SpawnPlan& spawn, int cpu,
-                     std::vector<std::string> arguments);
+  /// -1 if what was given must be made anew: a process that is no more may have used it.
+  pid_t StartProcess(const std::filesystem::path& program, SpawnPlan& spawn,
+                     measure::ForkRequest how);
+  std::vector<pid_t> Processes() const;
   void DrainErrors(Worker& worker);
-  Ending Reap(Worker& worker);
+  /// Gives it new descriptors and starts its process. Throws ScheduleError.
+  void Launch(Worker& worker, const std::vector<std::string>& arguments);
+  bool TryToLaunch(Worker& worker, const std::vector<std::string>& arguments);
+  /// A worker whose process has ended, if that asked for it; once.
+  bool StartAgain(Worker& worker);
+  /// None if it was started again.
+  std::optional<Ending> Reap(Worker& worker);
 
   WorkerPrograms programs_;
+  plan::RunText text_{""};
   const StopFlag* stop_;
   TraceCache traces_;
-  std::vector<int> cpus_;  // of each slot; empty where workers go where they like
+  const ClaimedProcessors processors_;
   /// Of each program that was started; null if it cannot serve.
   std::map<std::filesystem::path, std::unique_ptr<ForkServer>> servers_;
   std::vector<std::unique_ptr<Worker>> workers_;

@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "compiler/schema/metrics.h"
+#include "runtime/report/cells.h"
 #include "runtime/report/error_figures.h"
 #include "runtime/report/findings.h"
 #include "runtime/report/log_plot.h"
+#include "runtime/report/processors.h"
 #include "runtime/report/row_table.h"
 #include "runtime/report/table.h"
 
@@ -69,6 +71,7 @@ class ErrorSummary {
     if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
       text +=
           fmt::format("  Timed with a {} build of cdb: these are not timings to quote.\n", build);
+    text += ProcessorText(file_, AllCells(file_));
     std::string pooled;
     for (std::size_t i = 0; i < file_.axes().size(); ++i)
       if (!IsIn(figures_.rows, i) && !IsIn(figures_.each, i))

@@ -12,6 +12,7 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
 #include "runtime/report/cells.h"
+#include "runtime/report/processors.h"
 #include "runtime/report/show_noise.h"
 
 namespace cdb::report {
@@ -32,8 +33,8 @@ class Head {
   }
 
   std::string Text() const {
-    std::string text =
-        Grid() + NoiseText(file_, measured_) + WrongDetectors(file_, parts_.findings) + Timing();
+    std::string text = Grid() + NoiseText(file_, measured_) + ProcessorText(file_, measured_) +
+                       WrongDetectors(file_, parts_.findings) + Timing();
     for (const std::string& trouble : parts_.references)
       text += fmt::format("  A reference is missing: {}\n", trouble);
     text += parts_.harness + LeftOut() + Models() + Verdicts() + Errors();

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string_view>
 
-#include "compiler/plan/capacity.h"
 #include "compiler/plan/trace.h"
+#include "runtime/measure/recorded_series.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/process/launcher.h"
@@ -28,12 +28,11 @@ constexpr double kMostSeconds = 365.25 * 24 * 3600;
 /// Of the free memory: something is left to the system.
 constexpr double kUsableMemory = 0.8;
 
-double RecordedBytes(const measure::RunExtents& extents, const auto& is_recorded) {
+double BytesOf(const std::vector<const measure::Series*>& all, const measure::RunExtents& extents) {
   double bytes = 0;
-  for (const measure::Series& series : measure::AllSeries())
-    if (is_recorded(series))
-      bytes +=
-          static_cast<double>(series.ItemBytes()) * static_cast<double>(series.ValueCount(extents));
+  for (const measure::Series* series : all)
+    bytes +=
+        static_cast<double>(series->ItemBytes()) * static_cast<double>(series->ValueCount(extents));
   return bytes;
 }
 
@@ -67,31 +66,36 @@ std::string BytesText(double bytes) { return fmt::format("{:.3g} GB", bytes / 1e
 
 }  // namespace
 
-Demand LeastDemand(const plan::Plan& plan, std::uint64_t jobs, std::uint64_t parts) {
+Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs) {
   Demand demand;
-  double sampled = 0;
-  for (const plan::Run& run : plan.Bounds()) {
-    if (const auto shape = measure::SampleShapeOf(run.scene))
-      sampled = std::max(sampled, static_cast<double>(shape->Count() * sizeof(double)));
-    if (plan::TraceOf(run.scene)) continue;  // nothing is placed
-    const auto objects = static_cast<double>(run.scene.ObjectCount());
-    demand.objects = std::max(demand.objects, objects);
+  measure::RecordedSeriesOf recorded_by;
+  for (const plan::Run* run : runs) {
+    const double series = BytesOf(recorded_by.Find(run->scene), measure::ExtentsOf(run->scene));
+    double samples = 0;
+    if (const auto shape = measure::SampleShapeOf(run->scene))
+      samples = static_cast<double>(shape->Count() * sizeof(double));
+    // Recording and shard stand side by side; samples are those of the run, of its reference and of
+    // its twin.
+    demand.recorded = std::max(demand.recorded, 2 * (series + 3 * samples));
+    demand.disk += 2 / kBestCompression * series;
+    demand.time += SecondsOf(*run);
+    if (plan::TraceOf(run->scene)) continue;  // nothing is placed
+    demand.objects = std::max(demand.objects, static_cast<double>(run->scene.ObjectCount()));
   }
-  const double recorded =
-      RecordedBytes({plan.MaxCycles(), plan.MaxObjects(), plan::MaxBodyCount(plan)},
-                    [&](const measure::Series& series) { return series.IsRecordedBy(plan); });
-  // Recording and shard stand side by side; samples are those of the run, of its reference and of
-  // its twin.
-  demand.recorded = 2 * (recorded + 3 * sampled);
   demand.scene = demand.objects * kBytesOfObject;
-  for (const plan::Run& run : plan.runs) {
-    demand.disk += 2 / kBestCompression *
-                   RecordedBytes(measure::ExtentsOf(run.scene), [&](const measure::Series& series) {
-                     return series.IsRecordedBy(run.scene);
-                   });
-    demand.time += SecondsOf(run);
-  }
+  demand.time /= static_cast<double>(jobs);
+  return demand;
+}
+
+Demand LeastDemand(const plan::Plan& plan, std::uint64_t jobs, std::uint64_t parts) {
+  const auto pointers = [](const auto& runs) {
+    std::vector<const plan::Run*> all;
+    for (const plan::Run& run : runs) all.push_back(&run);
+    return all;
+  };
+  Demand demand = LeastDemand(pointers(plan.Bounds()), 1);
   if (plan.whole) {
+    demand.disk = LeastDemand(pointers(plan.runs), 1).disk;
     demand.time = static_cast<double>(plan.RunCount()) * kSecondsOfRun;
     for (const plan::Run& run : plan.Bounds()) demand.time = std::max(demand.time, SecondsOf(run));
   }
@@ -136,11 +140,10 @@ std::string WhyTooLarge(const Demand& demand, const Capacity& capacity) {
   return {};
 }
 
-void CheckFits(const plan::Plan& plan, std::uint64_t jobs, std::uint64_t parts,
-               const fs::path& folder) {
-  const std::string why = WhyTooLarge(LeastDemand(plan, jobs, parts), FreeNow(folder));
+void CheckFits(const std::string& benchmark, const Demand& demand, const fs::path& folder) {
+  const std::string why = WhyTooLarge(demand, FreeNow(folder));
   if (!why.empty())
-    throw process::ScheduleError(fmt::format("{}: {}; nothing was started", plan.benchmark, why));
+    throw process::ScheduleError(fmt::format("{}: {}; nothing was started", benchmark, why));
 }
 
 }  // namespace cdb::schedule

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "compiler/plan/plan.h"
 
@@ -19,7 +20,9 @@ struct Demand {
   double time = 0;      ///< s: all runs, each at the rate of an engine that has nothing to do
 };
 
-/// A lower bound, of the `parts`-th part of the plan, `jobs` runs at a time.
+/// A lower bound of executing `runs`, `jobs` at a time.
+Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs);
+/// The same of the `parts`-th part of the plan.
 Demand LeastDemand(const plan::Plan& plan, std::uint64_t jobs = 1, std::uint64_t parts = 1);
 
 struct Capacity {
@@ -36,7 +39,7 @@ Capacity FreeNow(const std::filesystem::path& folder);
 std::string WhyTooLarge(const Demand& demand, const Capacity& capacity);
 
 /// Throws ScheduleError with WhyTooLarge of what is free now.
-void CheckFits(const plan::Plan& plan, std::uint64_t jobs, std::uint64_t parts,
+void CheckFits(const std::string& benchmark, const Demand& demand,
                const std::filesystem::path& folder);
 
 }  // namespace cdb::schedule

@@ -27,10 +27,10 @@ constexpr std::string_view kShardEnding = ".h5";
 constexpr std::string_view kBrokenEnding = ".h5.broken";
 
 /// `0123456789abcdef.h5` → the run's id; anything else is not a shard of ours and left alone.
-std::string ShardRunId(const std::string& name, std::string_view ending) {
+std::string ShardRunId(std::string_view name, std::string_view ending) {
   constexpr std::size_t kIdDigits = 16;
   if (name.size() != kIdDigits + ending.size() || !name.ends_with(ending)) return {};
-  const std::string id = name.substr(0, kIdDigits);
+  const std::string id(name.substr(0, kIdDigits));
   return id.find_first_not_of("0123456789abcdef") == std::string::npos ? id : std::string();
 }
 
@@ -66,7 +66,7 @@ void ForEachName(const fs::path& folder, Visit visit) {
 void RemoveFilesOfPlans(const fs::path& folder) {
   ForEachName(folder, [&](const std::string& name) {
     if (ShardRunId(name, kShardEnding).empty() && ShardRunId(name, kBrokenEnding).empty() &&
-        name != kPlanName && name != kRetryMarkName && !IsPartMark(name))
+        name != kPlanName && name != kShortPlanName && name != kRetryMarkName && !IsPartMark(name))
       return;
     const fs::path file = folder / name;
     if (unlink(file.c_str()) != 0 && errno != ENOENT) FailStore("remove", file, errno);
@@ -78,6 +78,8 @@ void RemoveFilesOfPlans(const fs::path& folder) {
 std::string PartMarkName(std::uint64_t part, std::uint64_t count) {
   return fmt::format("{}{}-of-{}{}", kMarkBegin, part + 1, count, kMarkEnding);
 }
+
+std::string RunIdOfShard(std::string_view name) { return ShardRunId(name, kShardEnding); }
 
 std::uint64_t CountShards(const fs::path& folder) {
   std::error_code error;
@@ -134,7 +136,13 @@ void ShardFolder::WritePlan(const plan::Plan& plan) const {
   const fs::path file = folder_ / kPlanName;
   std::string why;
   if (plan::ReadInputFile(file, why) == text) return;
+  std::error_code ignored;
+  fs::remove(folder_ / kShortPlanName, ignored);
   store::WriteWhole(text, file);
+}
+
+void ShardFolder::WriteShortPlan(const std::string& text) const {
+  store::WriteWhole(text, folder_ / kShortPlanName);
 }
 
 fs::path ShardFolder::ShardOf(const plan::Run& run) const {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -13,10 +14,15 @@
 
 namespace cdb::schedule {
 
+/// The plan by the texts that it is compiled from (compiler/plan/short_plan.h), in the folder
+/// beside a plan.yaml that lists its runs: for readers in a hurry.
+inline constexpr const char* kShortPlanName = "plan.short.yaml";
 /// Holds what is run again (`cdb run --retry`) until that has ended, in the folder.
 inline constexpr const char* kRetryMarkName = "retry";
 /// The mark of a part that has ended (runtime/schedule/parts.h), in the folder.
 std::string PartMarkName(std::uint64_t part, std::uint64_t count);
+/// The id in the name of a shard; empty for other names.
+std::string RunIdOfShard(std::string_view name);
 /// Files in the folder that are called like shards; 0 where there is no folder. Throws StoreError.
 std::uint64_t CountShards(const std::filesystem::path& folder);
 /// Removes the shards of one plan, its plan and marks of parts, and then the folder if it is empty.
@@ -45,6 +51,8 @@ class ShardFolder {
   /// Makes `plan.yaml` say this plan, in one step. To be called once no shard was refused. Throws
   /// StoreError.
   void WritePlan(const plan::Plan& plan) const;
+  /// Of the plan in plan.yaml. Throws StoreError.
+  void WriteShortPlan(const std::string& text) const;
 
   const std::filesystem::path& path() const { return folder_; }
 

@@ -58,26 +58,24 @@ void Shuffle(std::vector<const plan::Run*>& runs, std::uint64_t seed) {
   }
 }
 
-/// The heaviest first, each to the shard that has least so far.
-std::vector<DetectorGroup> Pick(std::vector<DetectorGroup> groups, ShardChoice shard) {
+/// The shard of each group, from 1: the heaviest first, each to the shard that has least so far.
+std::vector<std::uint64_t> ShardOfEach(const std::vector<DetectorGroup>& groups,
+                                       std::uint64_t count) {
   std::vector<std::size_t> heaviest(groups.size());
   std::iota(heaviest.begin(), heaviest.end(), std::size_t{0});
   std::ranges::stable_sort(heaviest, std::greater<>{},
                            [&groups](std::size_t i) { return groups[i].work; });
   std::map<std::pair<double, std::uint64_t>, int> loads;  // a queue by load, then by index
-  for (std::uint64_t i = 1; i <= std::min<std::uint64_t>(shard.count, groups.size()); ++i)
+  for (std::uint64_t i = 1; i <= std::min<std::uint64_t>(count, groups.size()); ++i)
     loads.emplace(std::pair{0.0, i}, 0);
-  std::vector<bool> is_ours(groups.size());
+  std::vector<std::uint64_t> shards(groups.size(), 1);
   for (const std::size_t i : heaviest) {
     const auto [load, index] = loads.begin()->first;
     loads.erase(loads.begin());
     loads.emplace(std::pair{load + groups[i].work, index}, 0);
-    is_ours[i] = index == shard.index;
+    shards[i] = index;
   }
-  std::vector<DetectorGroup> ours;
-  for (std::size_t i = 0; i < groups.size(); ++i)
-    if (is_ours[i]) ours.push_back(std::move(groups[i]));
-  return ours;
+  return shards;
 }
 
 }  // namespace
@@ -112,13 +110,26 @@ std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shar
   CheckShard(shard);
   const std::string hash = plan.Sha256();
   std::vector<DetectorGroup> groups = GroupByDetector(plan);
-  if (shard.count > 1) groups = Pick(std::move(groups), shard);
+  const auto shards = ShardOfEach(groups, shard.count);
   std::vector<const plan::Run*> order;
-  for (DetectorGroup& group : groups) {
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (shards[i] != shard.index) continue;
+    DetectorGroup& group = groups[i];
     Shuffle(group.runs, plan::StreamSeed(group.rep, hash + group.point));
     order.insert(order.end(), group.runs.begin(), group.runs.end());
   }
   return order;
+}
+
+std::vector<std::vector<const plan::Run*>> ListShards(const plan::Plan& plan, std::uint64_t count) {
+  const std::vector<DetectorGroup> groups = GroupByDetector(plan);
+  const auto shards = ShardOfEach(groups, count);
+  std::vector<std::vector<const plan::Run*>> all(std::min<std::uint64_t>(count, groups.size()));
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    auto& runs = all[shards[i] - 1];
+    runs.insert(runs.end(), groups[i].runs.begin(), groups[i].runs.end());
+  }
+  return all;
 }
 
 }  // namespace cdb::schedule

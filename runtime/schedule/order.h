@@ -25,6 +25,10 @@ void CheckShard(ShardChoice shard);
 /// for a shard that does not exist.
 std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shard = {});
 
+/// The runs of each shard of `count`, without their order; shards beyond the last have none. There
+/// are as many shards as there are points and repeats, at most.
+std::vector<std::vector<const plan::Run*>> ListShards(const plan::Plan& plan, std::uint64_t count);
+
 /// The references that `runs` are compared with, each once, in the order of the plan.
 std::vector<const plan::Run*> ReferencesOf(const plan::Plan& plan,
                                            const std::vector<const plan::Run*>& runs);

@@ -11,6 +11,7 @@
 #include "compiler/plan/input_file.h"
 #include "dsl/check.h"
 #include "runtime/process/worker.h"
+#include "runtime/schedule/bounds.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/store/safe_file.h"
 
@@ -40,6 +41,39 @@ void WriteMark(const Summary& summary, const fs::path& mark, const std::string& 
   store::WriteWhole(text + "\n", mark);
 }
 
+/// The marks of the parts of all shards of a plan.
+class PartMarks {
+ public:
+  PartMarks(const plan::Plan& plan, fs::path folder, std::uint64_t shards, std::uint64_t part_runs)
+      : plan_sha256_(plan.whole->sha256), folder_(std::move(folder)), shards_(shards) {
+    const std::uint64_t runs = plan.RunCount() / shards;
+    parts_ = std::max<std::uint64_t>(1, (runs + part_runs - 1) / part_runs);
+  }
+  /// Of each shard.
+  std::uint64_t parts() const { return parts_; }
+  /// `shard` from 1, `part` from 0.
+  fs::path File(std::uint64_t shard, std::uint64_t part) const {
+    return folder_ / PartMarkName((shard - 1) * parts_ + part, shards_ * parts_);
+  }
+  std::optional<Summary> Read(std::uint64_t shard, std::uint64_t part) const {
+    return ReadMark(File(shard, part), plan_sha256_);
+  }
+  /// Of all parts that are marked.
+  std::uint64_t CountRuns() const {
+    std::uint64_t runs = 0;
+    for (std::uint64_t shard = 1; shard <= shards_; ++shard)
+      for (std::uint64_t part = 0; part < parts_; ++part)
+        if (const auto there = Read(shard, part)) runs += there->ended();
+    return runs;
+  }
+
+ private:
+  const std::string plan_sha256_;
+  const fs::path folder_;
+  const std::uint64_t shards_;
+  std::uint64_t parts_;
+};
+
 void Add(const Summary& part, Summary& all) {
   for (const auto count : kCounts) all.*count += part.*count;
   all.resumed += part.resumed;
@@ -49,39 +83,57 @@ void Add(const Summary& part, Summary& all) {
 
 }  // namespace
 
+std::vector<std::uint64_t> FindUnmarkedShards(const plan::Plan& plan, const fs::path& folder,
+                                              std::uint64_t shards, std::uint64_t part_runs) {
+  CDB_CHECK(plan.whole != nullptr);
+  const PartMarks marks(plan, folder, shards, part_runs);
+  const bool are_all_there = marks.CountRuns() <= CountShards(folder);
+  std::vector<std::uint64_t> unmarked;
+  for (std::uint64_t shard = 1; shard <= shards; ++shard)
+    for (std::uint64_t part = 0; part < marks.parts(); ++part)
+      if (!are_all_there || !marks.Read(shard, part)) {
+        unmarked.push_back(shard);
+        break;
+      }
+  return unmarked;
+}
+
 Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const ExecuteOptions& options,
                      process::Launcher& launcher, ProgressListener& listener,
                      std::uint64_t part_runs) {
   CDB_CHECK(plan.whole != nullptr);
   const std::uint64_t shards = options.shard.count;
   CheckShard(options.shard);
-  const std::uint64_t runs = plan.RunCount() / shards;
-  const std::uint64_t parts = std::max<std::uint64_t>(1, (runs + part_runs - 1) / part_runs);
-  const auto mark_of = [&](std::uint64_t part) {
-    return options.folder / PartMarkName((options.shard.index - 1) * parts + part, shards * parts);
-  };
+  const PartMarks marks(plan, options.folder, shards, part_runs);
+  const std::uint64_t parts = marks.parts(), shard = options.shard.index;
   std::uint64_t marked = 0;
   if (!options.fresh)
     for (std::uint64_t part = 0; part < parts; ++part)
-      if (const auto there = ReadMark(mark_of(part), plan.whole->sha256)) marked += there->ended();
+      if (const auto there = marks.Read(shard, part)) marked += there->ended();
+  const std::uint64_t runs = plan.RunCount() / shards;
+  Demand demand = LeastDemand(plan, std::max<std::size_t>(options.jobs, 1), shards);
+  const double left = 1 - static_cast<double>(std::min(marked, runs)) /
+                              static_cast<double>(std::max<std::uint64_t>(runs, 1));
+  demand.time *= left;
+  demand.disk *= left;
+  CheckFits(plan.benchmark, demand, options.folder);
   const bool heeds_marks = !options.is_repeated && !options.find_elsewhere && marked > 0 &&
                            CountShards(options.folder) >= marked;
   ExecuteOptions one = options;
   one.shard = {};
   Summary all;
   for (std::uint64_t part = 0; part < parts && all.signal == 0; ++part) {
-    if (const auto there =
-            heeds_marks ? ReadMark(mark_of(part), plan.whole->sha256) : std::nullopt) {
+    if (const auto there = heeds_marks ? marks.Read(shard, part) : std::nullopt) {
       Add(*there, all);
       continue;
     }
     listener.BeginPart(part, parts);
-    const Summary summary = Execute(list((options.shard.index - 1) * parts + part, shards * parts),
-                                    one, launcher, listener);
+    const Summary summary =
+        Execute(list((shard - 1) * parts + part, shards * parts), one, launcher, listener);
     one.fresh = false;
     Add(summary, all);
     if (summary.signal == 0 && summary.left == 0)
-      WriteMark(summary, mark_of(part), plan.whole->sha256);
+      WriteMark(summary, marks.File(shard, part), plan.whole->sha256);
   }
   return all;
 }

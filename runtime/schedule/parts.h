@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <vector>
 
 #include "compiler/plan/plan.h"
 #include "runtime/process/launcher.h"
@@ -15,6 +17,13 @@ using ListPart = std::function<plan::Plan(std::uint64_t index, std::uint64_t cou
 
 /// Runs that a part has on average, at most.
 inline constexpr std::uint64_t kPartRuns = 10'000;
+
+/// The shards, from 1, of `shards` of `plan`, some part of which has not ended, by the marks in
+/// `folder`; all of them if the folder has fewer shards than the marks say. Throws StoreError.
+std::vector<std::uint64_t> FindUnmarkedShards(const plan::Plan& plan,
+                                              const std::filesystem::path& folder,
+                                              std::uint64_t shards,
+                                              std::uint64_t part_runs = kPartRuns);
 
 /// Executes `options.shard` of `plan`, which has a `whole` and lists nothing, as Execute does. One
 /// part at a time is listed. A part that has ended is marked in the folder, and a later call does

@@ -38,10 +38,12 @@ class Execution {
         slots_(std::max<std::size_t>(options.jobs, 1)) {}
 
   Summary Run() {
-    CheckFits(plan_, slots_.size(), options_.shard.count, options_.folder);
     const std::vector<const plan::Run*> measured = FindWanted();
     all_ = ReferencesOf(plan_, measured);
     all_.insert(all_.end(), measured.begin(), measured.end());
+    // Before anything is removed.
+    if (options_.fresh)
+      CheckFits(plan_.benchmark, LeastDemand(all_, slots_.size()), options_.folder);
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
     for (const plan::Run* run : all_) {
@@ -54,7 +56,8 @@ class Execution {
       }
       for (const std::string& warning : std::exchange(warnings, {})) listener_.Warn(warning);
     }
-    folder_->WritePlan(plan_);
+    CheckFits(plan_.benchmark, LeastDemand(queue_, slots_.size()), options_.folder);
+    if (!options_.has_plan) folder_->WritePlan(plan_);
     const EndGuard guard{*this};
     listener_.Begin(plan_, queue_, summary_, slots_.size());
     Work();
@@ -106,6 +109,9 @@ class Execution {
       }
     }
     if (!IsStopped()) return;
+    // Measured already, and only to be measured again.
+    for (Attempts& attempts : attempts_)
+      if (attempts.quietest) Finish(std::move(*std::exchange(attempts, {}).quietest));
     summary_.signal = options_.stop->signal();
     summary_.left = queue_.size() - next_;
     for (const plan::Run* run : slots_) summary_.left += run != nullptr;
@@ -217,17 +223,29 @@ class Execution {
     return nullptr;
   }
 
-  void Keep(process::Ending ending) {
-    CDB_CHECK(ending.slot < slots_.size() && slots_[ending.slot] != nullptr);
+  void Keep(process::Ending ended) {
+    CDB_CHECK(ended.slot < slots_.size() && slots_[ended.slot] != nullptr);
+    const plan::Run& run = *slots_[ended.slot];
+    Attempts& attempts = attempts_[ended.slot];
+    ++attempts.count;
+    const bool is_first = !attempts.quietest;
+    if (is_first || ended.result.noise.IsQuieterThan(attempts.quietest->result.noise))
+      attempts.quietest = std::move(ended);
+    attempts.quietest->result.scalars.attempts = static_cast<double>(attempts.count);
+    if (attempts.quietest->result.noise.noise == measure::Noise::kNoisy &&
+        attempts.count <= options_.noisy_retries && !IsStopped()) {
+      if (is_first && !is_repeating_) WriteSafely(run, *attempts.quietest);
+      return launcher_.Start(attempts.quietest->slot, run, omissions_.KeptFor(run));
+    }
+    Finish(std::move(*std::exchange(attempts, {}).quietest));
+  }
+
+  void Finish(process::Ending ending) {
     const plan::Run& run = *slots_[ending.slot];
     if (ending.result.status == store::Status::kDone)
       omissions_.Note(run, ending.result.omitted, ending.result.decisions);
     if (is_repeating_ && ending.result.status != store::Status::kDone) return GiveUp(ending);
-    try {
-      Write(run, ending);
-    } catch (const store::StoreError& error) {
-      throw store::StoreError(fmt::format("{}\n{}", error.what(), SafeText()));
-    }
+    WriteSafely(run, ending);
     slots_[ending.slot] = nullptr;
     if (!is_repeating_) summary_.Count(ending.result.outcome());
     listener_.RunEnded(run, ending.result, ending.wall_s);
@@ -265,6 +283,14 @@ class Execution {
         Describe(plan_, run)));
   }
 
+  void WriteSafely(const plan::Run& run, process::Ending& ending) {
+    try {
+      Write(run, ending);
+    } catch (const store::StoreError& error) {
+      throw store::StoreError(fmt::format("{}\n{}", error.what(), SafeText()));
+    }
+  }
+
   void Write(const plan::Run& run, process::Ending& ending) {
     if (run.scene.role != plan::Role::kMeasured) {
       store::WriteReference(plan_sha256_, run, ending.result, ending.recording->SampleValues(),
@@ -297,6 +323,12 @@ class Execution {
   std::unordered_set<const plan::Run*> repeated_;  // of queue_, with a shard
   std::size_t next_ = 0;                           // of queue_
   std::vector<const plan::Run*> slots_;            // what runs in each, or null
+  /// Of the run in a slot.
+  struct Attempts {
+    std::size_t count = 0;
+    std::optional<process::Ending> quietest;
+  };
+  std::vector<Attempts> attempts_ = std::vector<Attempts>(slots_.size());
   struct Stall {
     std::uint64_t cycles = 0;
     int ticks = 0;  // in a plug-in without a new cycle

@@ -21,7 +21,11 @@ struct ExecuteOptions {
   std::filesystem::path folder;  ///< of the shards; made where it does not exist
   std::size_t jobs = 1;          ///< runs at a time
   ShardChoice shard = {};
-  bool fresh = false;  ///< forget what the folder holds
+  bool fresh = false;     ///< forget what the folder holds
+  bool has_plan = false;  ///< the folder has the plan.yaml, which takes long to compare
+  /// How often at most a run is measured again because the machine disturbed it
+  /// (measure/noise.h). The quietest is kept.
+  std::size_t noisy_retries = 0;
   /// A run that is executed although the folder has its shard, which stays until the new one is
   /// written; null: none.
   std::function<bool(const plan::Run&, const std::filesystem::path& shard)> is_repeated = {};

@@ -26,6 +26,7 @@
 #include "runtime/store/seal.h"
 #include "runtime/store/shard.h"
 #include "runtime/store/shard_index.h"
+#include "runtime/store/shard_places.h"
 #include "runtime/store/store.h"
 #include "runtime/store/temporary_file.h"
 #include "runtime/store/versions.h"
@@ -55,19 +56,6 @@ struct Cells {
   std::string run_id;
   std::vector<std::size_t> cells;
 };
-
-/// A folder of shards, or one shard.
-struct Place {
-  fs::path path;
-  bool is_folder;
-};
-
-std::vector<Place> PlacesOf(const std::vector<fs::path>& paths) {
-  std::vector<Place> places;
-  std::error_code error;
-  for (const fs::path& path : paths) places.push_back({path, fs::is_directory(path, error)});
-  return places;
-}
 
 /// A shard that is being merged and has no index that fits.
 struct Source {
@@ -101,7 +89,7 @@ class Merger {
   /// `base`: empty, or the file that holds the runs without a shard.
   Merger(const plan::Plan& plan, const Provenance& provenance, const std::vector<fs::path>& shards,
          const fs::path& base)
-      : plan_(plan), provenance_(provenance), places_(PlacesOf(shards)), facts_(plan) {
+      : plan_(plan), provenance_(provenance), places_(shards), facts_(plan) {
     if (!base.empty()) base_.emplace(base, facts_);
     hdf5::Shape grid;
     for (const plan::Axis& axis : plan.axes) grid.push_back(axis.values.size());
@@ -206,24 +194,11 @@ class Merger {
     });
   }
 
-  /// In the first place that has the run's shard; nullopt where none has.
-  std::optional<fs::path> FindShard(const std::string& run_id) const {
-    const std::string name = run_id + ".h5";
-    for (const Place& place : places_) {
-      const fs::path path = place.is_folder ? place.path / name : place.path;
-      std::error_code error;
-      if ((place.is_folder || path.filename() == name) &&
-          fs::symlink_status(path, error).type() != fs::file_type::not_found)
-        return path;
-    }
-    return std::nullopt;
-  }
-
   /// Where the shard of each reference is; empty where there is none.
   std::vector<fs::path> ReferencePaths() const {
     std::vector<fs::path> paths;
     for (const plan::Run& reference : plan_.references)
-      paths.push_back(FindShard(reference.id).value_or(fs::path()));
+      paths.push_back(places_.Find(reference.id).value_or(fs::path()));
     return paths;
   }
 
@@ -277,7 +252,7 @@ class Merger {
     std::vector<std::uint64_t> rows(cells, 0);
     std::vector<bool> recorded(cells, false);
     for (const Cells& run : runs_) {
-      const auto path = FindShard(run.run_id);
+      const auto path = places_.Find(run.run_id);
       if (!path && base_)
         for (const std::size_t cell : run.cells)
           if (const auto there = base_->ContactRows(cell)) {
@@ -308,7 +283,7 @@ class Merger {
       for (const char* name : kContactArrays) contacts.push_back(file.OpenDataset(name));
     std::size_t merged = 0;
     for (const Cells& run : runs_) {
-      const auto path = FindShard(run.run_id);
+      const auto path = places_.Find(run.run_id);
       if (!path && base_ && base_->Has(run.cells.front())) {
         CopyFromBase(run, series, contacts);
         file.CheckWritten();
@@ -509,7 +484,7 @@ class Merger {
 
   const plan::Plan& plan_;
   const Provenance& provenance_;
-  const std::vector<Place> places_;
+  const ShardPlaces places_;
   const PlanFacts facts_;
   std::optional<MergeBase> base_;
   std::vector<Cells> runs_;  ///< each id once, in grid order

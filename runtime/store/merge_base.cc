@@ -27,8 +27,13 @@ MergeBase::MergeBase(const std::filesystem::path& path, const PlanFacts& facts)
         fmt::format("{}: is of schema version {}, and runs can be replaced in version {} alone; "
                     "nothing was changed: --fresh runs all of them",
                     path.string(), version, kSchemaVersion));
-  for (const RunNumber& number : facts.numbers)
-    numbers_.push_back(file_.OpenDataset(number.name).Read());
+  for (const RunNumber& number : facts.numbers) {
+    if (file_.Has(number.name)) {
+      numbers_.push_back(file_.OpenDataset(number.name).Read());
+    } else {  // an earlier build did not measure it; the status, the first of them, is there
+      numbers_.emplace_back(numbers_.at(0).size(), number.missing);
+    }
+  }
   for (const RunText& text : facts.texts) texts_.push_back(file_.OpenDataset(text.name).ReadText());
   if (facts.contacts) {
     contact_first_ = file_.OpenDataset("contact_first").Read();

@@ -111,12 +111,9 @@ std::vector<std::span<const std::byte>> PreparedShard::SeriesOf(const RunResult&
   return values;
 }
 
-std::optional<ShardFile> PreparedShard::Write(const plan::Run& run, const RunResult& result,
-                                              const std::string& run_text) {
-  const auto values = SeriesOf(result);
-  if (result.n_cycles != facts_.cycles || values.size() != series_.size()) return std::nullopt;
-  const std::lock_guard lock(mutex_);
-  if (!is_good_) return std::nullopt;
+ShardFile PreparedShard::Fill(const plan::Run& run, const RunResult& result,
+                              std::span<const std::span<const std::byte>> values,
+                              const std::string& run_text) {
   WriteHeadOfRun(file_, run);
   hdf5::ImageEditor editor(file_.Image());
   for (std::size_t i = 0; i < numbers_.size(); ++i)
@@ -138,9 +135,23 @@ std::optional<ShardFile> PreparedShard::Write(const plan::Run& run, const RunRes
         {static_cast<std::uint32_t>(i), 0, chunk.filter_mask, chunk.begin, chunk.bytes});
   }
   shard.image = editor.Finish();
-  if (!std::exchange(is_checked_, true)) is_good_ = ReadsBack(shard, run, result, run_text);
-  if (!is_good_) return std::nullopt;
   return shard;
+}
+
+std::optional<ShardFile> PreparedShard::Write(const plan::Run& run, const RunResult& result,
+                                              const std::string& run_text) {
+  const auto values = SeriesOf(result);
+  if (result.n_cycles != facts_.cycles || values.size() != series_.size()) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  if (!is_good_) return std::nullopt;
+  try {
+    ShardFile shard = Fill(run, result, values, run_text);
+    if (!std::exchange(is_checked_, true)) is_good_ = ReadsBack(shard, run, result, run_text);
+    if (is_good_) return shard;
+  } catch (const hdf5::Error&) {
+    is_good_ = false;  // HDF5 writes the whole shard, or says what is wrong
+  }
+  return std::nullopt;
 }
 
 bool PreparedShard::ReadsBack(const ShardFile& shard, const plan::Run& run, const RunResult& result,
@@ -180,6 +191,16 @@ bool PreparedShard::ReadsBack(const ShardFile& shard, const plan::Run& run, cons
   }
 }
 
+std::shared_ptr<PreparedShard> PreparedShards::Prepare(
+    const std::shared_ptr<const ShardTemplate>& from, const plan::Run& run,
+    const std::string& models) const {
+  try {
+    return PreparedShard::Make(from, plan_, facts_, run, models);
+  } catch (const hdf5::Error&) {
+    return nullptr;
+  }
+}
+
 std::optional<ShardFile> PreparedShards::Write(const std::shared_ptr<const ShardTemplate>& from,
                                                const plan::Run& run, const RunResult& result,
                                                const std::string& run_text) {
@@ -190,8 +211,7 @@ std::optional<ShardFile> PreparedShards::Write(const std::shared_ptr<const Shard
     const Key key(from, result.models);
     if (shards_.size() >= kMost && !shards_.contains(key)) shards_.clear();
     Entry& entry = shards_[key];
-    if (entry.runs++ == kRunsBefore)
-      entry.shard = PreparedShard::Make(from, plan_, facts_, run, result.models);
+    if (entry.runs++ == kRunsBefore) entry.shard = Prepare(from, run, result.models);
     shard = entry.shard;
   }
   return shard == nullptr ? std::nullopt : shard->Write(run, result, run_text);

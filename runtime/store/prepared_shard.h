@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,7 +37,8 @@ class PreparedShard {
                                              const plan::Plan& plan, const PlanFacts& facts,
                                              const plan::Run& run, const std::string& models);
 
-  /// Nullopt if the run is not complete, or if the first file was not what HDF5 reads back.
+  /// Nullopt if the run is not complete, if the first file was not what HDF5 reads back, or after
+  /// an error of HDF5's or in its bytes.
   std::optional<ShardFile> Write(const plan::Run& run, const RunResult& result,
                                  const std::string& run_text);
 
@@ -52,6 +54,8 @@ class PreparedShard {
   bool FindSeries();
   bool FindTexts();
   std::vector<std::span<const std::byte>> SeriesOf(const RunResult& result) const;
+  ShardFile Fill(const plan::Run& run, const RunResult& result,
+                 std::span<const std::span<const std::byte>> values, const std::string& run_text);
   bool ReadsBack(const ShardFile& shard, const plan::Run& run, const RunResult& result,
                  const std::string& run_text) const;
 
@@ -69,7 +73,7 @@ class PreparedShard {
 };
 
 /// Prepared shards by template and models, each from its third run on: preparing one takes as long
-/// as writing two shards. Threads: any.
+/// as writing two shards. Where one cannot be, or fails, HDF5 has to write the shard. Threads: any.
 class PreparedShards {
  public:
   PreparedShards(const plan::Plan& plan, const PlanFacts& facts) : plan_(plan), facts_(facts) {}
@@ -80,6 +84,8 @@ class PreparedShards {
 
  private:
   using Key = std::pair<std::shared_ptr<const ShardTemplate>, std::string>;
+  std::shared_ptr<PreparedShard> Prepare(const std::shared_ptr<const ShardTemplate>& from,
+                                         const plan::Run& run, const std::string& models) const;
   const plan::Plan& plan_;
   const PlanFacts& facts_;
   std::mutex mutex_;

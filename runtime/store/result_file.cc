@@ -11,6 +11,7 @@
 #include "runtime/store/dimensions.h"
 #include "runtime/store/examine.h"
 #include "runtime/store/hdf5/file.h"
+#include "runtime/store/merged_provenance.h"
 #include "runtime/store/plan_check.h"
 #include "runtime/store/proof.h"
 #include "runtime/store/run_facts.h"
@@ -19,10 +20,6 @@
 
 namespace cdb::store {
 namespace {
-
-/// Of a damaged file.
-constexpr std::string_view kResultRemedy =
-    "merge it again from its shards, restore a copy, or run it again with --fresh";
 
 constexpr std::size_t kMostPlanText = 256 << 10;
 
@@ -183,6 +180,23 @@ struct ResultFile::Impl {
     }
   }
 
+  /// A fact of /provenance.
+  struct Fact {
+    std::string shared;                         ///< of all runs
+    std::map<std::string, std::string> by_run;  ///< by its id; empty where all are alike
+  };
+  Fact ReadFact(const std::string& fact_name) const {
+    const hdf5::Group group = file.OpenGroup("provenance");
+    if (!group.Has(fact_name)) return {group.Text(fact_name.c_str()), {}};
+    const std::vector<std::string> all = group.OpenDataset(fact_name).ReadText();
+    const std::vector<std::string> ids = group.OpenDataset(std::string(kProvenanceRuns)).ReadText();
+    if (all.size() != ids.size())
+      throw hdf5::Error(fmt::format("provenance/{} has another length than its runs", fact_name));
+    Fact fact;
+    for (std::size_t i = 0; i < ids.size(); ++i) fact.by_run.emplace(ids[i], all[i]);
+    return fact;
+  }
+
   struct Series {
     hdf5::Dataset array;
     std::optional<std::size_t> at;  ///< the cell of `values`
@@ -202,6 +216,7 @@ struct ResultFile::Impl {
   std::map<std::string, std::vector<std::string>, std::less<>> texts;
   std::map<std::string, Series, std::less<>> series;
   std::map<std::string, hdf5::Dataset, std::less<>> opened_arrays;
+  std::map<std::string, Fact> facts;
 };
 
 ResultFile::ResultFile(const std::filesystem::path& file, ProofOf of) {
@@ -420,6 +435,17 @@ std::string ResultFile::ReadProvenance(std::string_view name) const {
     const auto repeated = std::ranges::unique(texts);
     texts.erase(repeated.begin(), repeated.end());
     return fmt::format("{}", fmt::join(texts, "; "));
+  });
+}
+
+std::string ResultFile::ReadProvenance(std::string_view name, const Cell& cell) const {
+  return impl_->Reading([&]() -> std::string {
+    const auto [found, is_new] = impl_->facts.try_emplace(std::string(name));
+    Impl::Fact& fact = found->second;
+    if (is_new) fact = impl_->ReadFact(found->first);
+    if (fact.by_run.empty()) return fact.shared;
+    const auto text = fact.by_run.find(ReadText("run_id", cell));
+    return text == fact.by_run.end() ? std::string() : text->second;
   });
 }
 

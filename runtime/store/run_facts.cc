@@ -12,6 +12,7 @@
 #include "compiler/plan/requested_errors.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/result_names.h"
+#include "runtime/measure/recorded_series.h"
 
 namespace cdb::store {
 namespace {
@@ -114,8 +115,7 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
       contacts(plan.Records("contacts")) {
   CheckAxisNames(plan);
   for (const plan::Axis& axis : plan.axes) integer_axes.push_back(axis.IsInteger());
-  for (const measure::Series& row : measure::AllSeries())
-    if (row.IsRecordedBy(plan)) series.push_back(&row);
+  series = measure::RecordedSeries(plan);
   numbers = RunNumbers();
   texts = RunTexts();
   for (const plan::Run& run : plan.Bounds()) {

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "compiler/plan/descriptor.h"
 #include "runtime/measure/file_descriptor_io.h"
 #include "runtime/store/seal.h"
 #include "runtime/store/store.h"
@@ -23,21 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string ErrorText(int error) { return std::generic_category().message(error); }
-
-/// A file descriptor, closed at the end.
-class Descriptor {
- public:
-  Descriptor(const fs::path& path, int flags) : fd_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// Returns how many bytes were read; fewer than asked for at the end of the file or after an error
 /// (errno, else 0).
@@ -96,7 +82,7 @@ void WriteSealed(std::span<const std::byte> bytes, const fs::path& final_name) {
 }
 
 std::vector<std::byte> ReadSealed(const fs::path& path) {
-  Descriptor file(path, O_RDONLY | O_NONBLOCK);
+  const plan::Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status = {};
   if (file.get() < 0 || fstat(file.get(), &status) != 0)
     throw StoreError(fmt::format("{}: cannot be read: {}; nothing was changed", path.string(),

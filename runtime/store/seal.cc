@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/plan/descriptor.h"
 #include "compiler/plan/input_file.h"
 #include "runtime/measure/file_descriptor_io.h"
 #include "runtime/store/store.h"
@@ -33,20 +34,13 @@ class SealedFile {
   SealedFile(const fs::path& path, int flags)
       : fd_(open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK)) {
     struct stat status = {};
-    if (fd_ < 0 || fstat(fd_, &status) != 0) Fail(path, errno);
-    if (!S_ISREG(status.st_mode)) {
-      close(std::exchange(fd_, -1));
+    if (get() < 0 || fstat(get(), &status) != 0) Fail(path, errno);
+    if (!S_ISREG(status.st_mode))
       throw StoreError(
           fmt::format("{}: {}; name the .h5 file", path.string(), plan::WhyNotReadable(path)));
-    }
     bytes_ = static_cast<std::uint64_t>(status.st_size);
   }
-  SealedFile(const SealedFile&) = delete;
-  SealedFile& operator=(const SealedFile&) = delete;
-  ~SealedFile() {
-    if (fd_ >= 0) close(fd_);
-  }
-  int get() const { return fd_; }
+  int get() const { return fd_.get(); }
   std::uint64_t bytes() const { return bytes_; }
 
   /// Of the first `bytes`.
@@ -63,7 +57,7 @@ class SealedFile {
 
   void ReadAt(std::uint64_t at, std::span<std::byte> out, const fs::path& path) const {
     while (!out.empty()) {
-      const ssize_t n = pread(fd_, out.data(), out.size(), static_cast<off_t>(at));
+      const ssize_t n = pread(get(), out.data(), out.size(), static_cast<off_t>(at));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0)
         throw CannotRead(fmt::format("{}: cannot be read: {}; nothing was changed", path.string(),
@@ -81,7 +75,7 @@ class SealedFile {
                                  std::generic_category().message(error)));
   }
 
-  int fd_;
+  plan::Descriptor fd_;
   std::uint64_t bytes_ = 0;
 };
 

@@ -9,11 +9,12 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string_view>
 #include <utility>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/plan_yaml_writer.h"
 #include "dsl/check.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/prepared_shard.h"
@@ -177,7 +178,7 @@ struct ShardWriter::Impl {
 
   std::vector<std::byte> Make(const plan::Run& run, const RunResult& result) const {
     const auto from = templates.Get(run, ContactRows(run, result));
-    const std::string run_text = plan::RunToYaml(run);
+    const std::string run_text = TextOf(run);
     std::vector<std::byte> image;
     std::optional<std::vector<IndexedChunk>> chunks;
     if (auto shard = prepared.Write(from, run, result, run_text)) {
@@ -194,11 +195,18 @@ struct ShardWriter::Impl {
     return image;
   }
 
+  std::string TextOf(const plan::Run& run) const {
+    const std::lock_guard lock(text_mutex);
+    return text.YamlOf(run);
+  }
+
   const plan::Plan& plan;
   const Provenance& provenance;
   const PlanFacts facts;
   const ShardTemplates templates;
   mutable PreparedShards prepared;
+  mutable std::mutex text_mutex;
+  mutable plan::RunText text{""};
 };
 
 ShardWriter::ShardWriter(const plan::Plan& plan, const Provenance& provenance)

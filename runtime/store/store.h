@@ -133,6 +133,12 @@ void Merge(const plan::Plan& plan, const Provenance& provenance,
 void Merge(const plan::Plan& plan, const Provenance& provenance,
            const std::filesystem::path& folder, const std::filesystem::path& out);
 
+/// Every run of the plan, and every reference, has a file of its name in `shards`, which are as
+/// Merge takes them.
+bool HasAllShards(const plan::Plan& plan, const std::vector<std::filesystem::path>& shards);
+/// What others write there can be seen at once; false where that is not known, as on NFS.
+bool IsOnLocalDisk(const std::filesystem::path& path);
+
 /// How much of a file is read, in a process with limits of time and memory, before it is used;
 /// beside its digest and its structure.
 enum class ProofOf {
@@ -140,6 +146,10 @@ enum class ProofOf {
   kFewValues,  ///< all, in files of at most 64 MiB
   kEveryValue,
 };
+
+/// What helps against a damaged results file.
+inline constexpr std::string_view kResultRemedy =
+    "merge it again from its shards, restore a copy, or run it again with --fresh";
 
 /// The file is HDF5, or ends as the files of cdb do.
 bool IsStored(const std::filesystem::path& file);
@@ -206,6 +216,8 @@ class ResultFile {
   std::vector<std::string> ReadReferenceTroubles() const;
   /// `/provenance`: `plan_text`, `scenario_text`, and its attributes.
   std::string ReadProvenance(std::string_view name) const;
+  /// An attribute of the run in a cell; where runs do not differ in it, that of all.
+  std::string ReadProvenance(std::string_view name, const Cell& cell) const;
 
  private:
   struct Impl;

@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "compiler/plan/descriptor.h"
 #include "runtime/measure/host.h"
 #include "runtime/store/safe_file.h"
 #include "runtime/store/store.h"
@@ -63,12 +64,6 @@ fs::path FolderOf(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-bool IsSameFile(int fd, const fs::path& path) {
-  struct stat open_one = {}, there = {};
-  return fstat(fd, &open_one) == 0 && lstat(path.c_str(), &there) == 0 &&
-         open_one.st_ino == there.st_ino && open_one.st_dev == there.st_dev;
-}
-
 /// The final name of a temporary of `host`; empty for other names.
 std::string_view FinalNameOf(std::string_view name, std::string_view host) {
   if (!name.ends_with(kTemporaryEnd)) return {};
@@ -85,13 +80,11 @@ std::string_view FinalNameOf(std::string_view name, std::string_view host) {
 /// Removes a temporary that nobody has locked.
 void RemoveIfUnlocked(const fs::path& path) {
   // For writing, which a network file system wants of an exclusive lock.
-  const int fd = open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (fd < 0) return;
+  const plan::Descriptor file(open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status = {};
-  if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && flock(fd, LOCK_EX | LOCK_NB) == 0 &&
-      IsSameFile(fd, path))
+  if (file.get() >= 0 && fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode) &&
+      flock(file.get(), LOCK_EX | LOCK_NB) == 0 && plan::IsAt(file.get(), path))
     unlink(path.c_str());
-  close(fd);
 }
 
 void RemoveStale(const fs::path& folder, const std::function<bool(std::string_view)>& is_ours) {
@@ -139,7 +132,7 @@ bool TemporaryFile::TryMake() {
   // no locks, nobody else can tell, and nobody removes it.
   while (flock(fd_, LOCK_SH) != 0 && errno == EINTR) {
   }
-  if (IsSameFile(fd_, path_)) return true;
+  if (plan::IsAt(fd_, path_)) return true;
   close(std::exchange(fd_, -1));  // somebody cleared it away between the two
   return false;
 }
@@ -147,7 +140,7 @@ bool TemporaryFile::TryMake() {
 TemporaryFile::~TemporaryFile() {
   if (fd_ < 0) return;
   std::error_code ignored;
-  if (IsSameFile(fd_, path_)) fs::remove(path_, ignored);
+  if (plan::IsAt(fd_, path_)) fs::remove(path_, ignored);
   close(fd_);
 }
 

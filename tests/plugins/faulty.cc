@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "library/detectors/detector.h"
+#include "tests/plugins/every_pair.h"
 
 namespace {
 
@@ -25,14 +26,8 @@ const int kRoundsUpFromTheStart = std::fesetround(FE_UPWARD);
 [[noreturn]] void Throw() { throw std::runtime_error("out of luck"); }
 
 /// Every pair, and one contact for each; derived classes add their fault.
-class Sound : public Detector {
+class Sound : public EveryPair {
  public:
-  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
-    for (Id a = 0; a < scene.size; ++a)
-      for (Id b = a + 1; b < scene.size; ++b)
-        if (scene.MayCollide(a, b) && Overlap(scene.boxes[a], scene.boxes[b]))
-          pairs.push_back({a, b});
-  }
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
                     std::vector<Contact>& contacts) override {
     for (const Pair& pair : pairs) {

@@ -12,6 +12,7 @@
 #include "library/detectors/manifest.h"
 #include "library/detectors/plugin.h"
 #include "runtime/store/store.h"
+#include "tests/plugins/cell_ends.h"
 #include "tests/support/files.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"
@@ -32,29 +33,6 @@ std::string ContactCluster(const std::string& use, const std::string& statement)
 }
 
 std::string Use(const char* name) { return fmt::format("use detector \"{}\"\n", PluginFile(name)); }
-
-struct CellEnd {
-  store::Status status;
-  std::string message, state_hash;
-};
-
-/// How the run at each value of the only axis ended.
-std::map<std::string, CellEnd> Ends(const fs::path& file) {
-  const store::ResultFile result(file);
-  std::map<std::string, CellEnd> ends;
-  const plan::Axis axis = result.axes().at(0);
-  for (std::size_t i = 0; i < axis.values.size(); ++i) {
-    const store::ResultFile::Cell cell{{i}, 0};
-    ends[std::get<std::string>(axis.values[i])] = {result.ReadStatus(cell),
-                                                   result.ReadText("message", cell),
-                                                   result.ReadText("state_hash", cell)};
-  }
-  return ends;
-}
-
-bool Has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 TEST(Plugins, RunBesideTheCatalogue) {
   const Program program;
@@ -102,6 +80,9 @@ TEST(Plugins, TimeOffTheProcessorIsSaid) {
   EXPECT_TRUE(Has(result.ReadText("noise_cause", {{}, 0}), "% of the time not on a processor"));
   const Finished show = program.Run({"show", "b.h5"});
   EXPECT_TRUE(Has(show.out, "noisy")) << show.out;
+  EXPECT_EQ(result.ReadReal("attempts", {{}, 0}), 1);
+  EXPECT_EQ(program.Run({"run", "b.cdb", "-q", "--fresh", "--retry-noisy", "2"}).status, 0);
+  EXPECT_EQ(store::ResultFile(program.folder() / "b.h5").ReadReal("attempts", {{}, 0}), 3);
 }
 
 TEST(Plugins, AreTracedToo) {

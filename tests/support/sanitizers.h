@@ -19,4 +19,8 @@ inline constexpr bool kThreadSanitizer = true;
 inline constexpr bool kThreadSanitizer = false;
 #endif
 
+/// How many of the random cases to try: a sanitizer looks at the memory and the arithmetic of each,
+/// and slows it down 30 times; the plain build tries all.
+constexpr int Cases(int all) { return kAddressSanitizer ? (all + 9) / 10 : all; }
+
 }  // namespace cdb::tests

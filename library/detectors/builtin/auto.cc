@@ -14,7 +14,7 @@ constexpr std::size_t kFew = 24;
 /// Cycles of skin until it is judged, and where it seems hopeless; of another until skin is tried
 /// again, at first and at most.
 constexpr unsigned kTrial = 24, kShortTrial = 6, kFirstPause = 64, kLastPause = 4096;
-/// Judgements without a sample of sweep after one that showed no gain, at most.
+/// Judgements that do not ask for sweep after one that showed no gain, at most.
 constexpr unsigned kMostSkipped = 64;
 /// Bodies in a cell from which a sweep may be better.
 constexpr double kCrowded = 64;
@@ -33,14 +33,12 @@ class Auto final : public Detector {
     trial_ = left_ = to_skip_ = 0;
     next_pause_ = kFirstPause;
     next_skip_ = 1;
-    is_sample_ = false;
   }
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
     if (scene.size <= kFew) return sweep_.FindPairs(scene, pairs);
     if (left_ > 0) {
       other_->FindPairs(scene, pairs);
-      if (is_sample_) JudgeSweep();
       if (--left_ == 0) skin_.Forget();
       return;
     }
@@ -48,32 +46,26 @@ class Auto final : public Detector {
     ++trial_;
     const bool is_hopeless = trial_ >= kShortTrial && (skin_.MeanOccupancy() > 16 * kCrowded ||
                                                        skin_.Cost() > 3 * skin_.GridCost());
-    if (is_hopeless || trial_ >= kTrial) JudgeSkin();
+    if (is_hopeless || trial_ >= kTrial) Judge(scene);
   }
 
  private:
-  void JudgeSkin() {
+  void Judge(const Scene& scene) {
     trial_ = 0;
-    if (skin_.MeanOccupancy() > kCrowded && to_skip_ == 0) {
-      other_ = &sweep_;
-      is_sample_ = true;
-      left_ = 1;
-      return;
+    if (to_skip_ > 0) {
+      --to_skip_;
+    } else if (skin_.Crowding() > kCrowded) {
+      if (kSweepCost + kSweepTestCost * sweep_.ForeseenTests(scene) <
+          std::min(skin_.Cost(), skin_.GridCost()))
+        return Pause(sweep_);
+      to_skip_ = next_skip_;
+      next_skip_ = std::min(2 * next_skip_, kMostSkipped);
     }
-    if (to_skip_ > 0) --to_skip_;
     if (skin_.Cost() > skin_.GridCost()) {
       Pause(*grid_);
     } else {
       next_pause_ = kFirstPause;
     }
-  }
-  void JudgeSweep() {
-    is_sample_ = false;
-    if (kSweepCost + kSweepTestCost * sweep_.Tests() < std::min(skin_.Cost(), skin_.GridCost()))
-      return Pause(sweep_);
-    to_skip_ = next_skip_;
-    next_skip_ = std::min(2 * next_skip_, kMostSkipped);
-    if (skin_.Cost() > skin_.GridCost()) Pause(*grid_);
   }
   void Pause(Detector& other) {
     other_ = &other;
@@ -87,9 +79,8 @@ class Auto final : public Detector {
   unsigned trial_ = 0;         ///< cycles of skin
   unsigned left_ = 0;          ///< cycles of `other_`
   Detector* other_ = nullptr;  ///< instead of skin
-  bool is_sample_ = false;     ///< other_ is sweep, for one cycle
   unsigned next_pause_ = kFirstPause;
-  unsigned to_skip_ = 0, next_skip_ = 1;  ///< judgements without a sample of sweep
+  unsigned to_skip_ = 0, next_skip_ = 1;  ///< judgements that do not ask for sweep
 };
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace cdb::builtin {
 
 /// Exact pairs. Method: `sweep` for few bodies, otherwise `skin`. If skin's lists expire too soon
 /// to pay off, `grid` for a while. If many bodies share the cells of the grid, such as bodies along
-/// a slanted line, `sweep`, provided that a trial cycle shows few overlaps along its axis. Skin is
+/// a slanted line, `sweep`, provided that a sample shows few overlaps along an axis. Skin is
 /// then tried again at growing intervals. Decisions are based on numbers of tests, not on time, so
 /// that the same motion yields the same list in the same order. Cost: that of the best of them,
 /// plus the trials. Memory: up to the sum of theirs. Errors: bad_alloc. Threads: as theirs.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "library/detectors/kernels/bodies.h"
+
 namespace cdb::builtin {
 namespace {
 
@@ -11,6 +13,8 @@ constexpr double Vec3::*kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
 /// So few are tested with each other.
 constexpr std::size_t kLeaf = 12;
 constexpr int kDeepest = 64;
+/// The cut is chosen from so many at most.
+constexpr std::size_t kSample = 128;
 
 class KdTree final : public Detector {
  public:
@@ -18,14 +22,19 @@ class KdTree final : public Detector {
     scene_ = &scene;
     pairs_ = &pairs;
     bodies_.clear();
-    for (Id body = 0; body < scene.size; ++body)
-      if (Overlap(scene.boxes[body], scene.boxes[body])) bodies_.push_back(body);  // is a number
+    for (Id id = 0; id < scene.size; ++id)
+      if (Overlap(scene.boxes[id], scene.boxes[id])) bodies_.push_back({scene.boxes[id], id});
     constexpr Vec3 kLeast = {-INFINITY, -INFINITY, -INFINITY},
                    kMost = {INFINITY, INFINITY, INFINITY};
     Cut(0, {kLeast, kMost}, 0);
   }
 
  private:
+  struct Body {
+    Box box;  ///< a copy, so that those of a cell are read one after the other
+    Id id;
+  };
+
   /// The bodies from `begin` to the end are those whose boxes reach into `cell`.
   void Cut(std::size_t begin, const Box& cell, int depth) {
     const std::size_t end = bodies_.size();
@@ -35,7 +44,7 @@ class KdTree final : public Detector {
       return TestAll(begin, cell);
     const auto cut = [&](const Box& half, const auto& reaches) {
       for (std::size_t i = begin; i < end; ++i)
-        if (reaches(scene_->boxes[bodies_[i]])) bodies_.push_back(bodies_[i]);
+        if (reaches(bodies_[i].box)) bodies_.push_back(Body(bodies_[i]));
       Cut(end, half, depth + 1);
       bodies_.resize(end);
     };
@@ -49,13 +58,18 @@ class KdTree final : public Detector {
 
   /// False where no cut leaves clearly fewer on each side and few on both.
   bool ChooseCut(std::size_t begin, const Box& cell, double Vec3::*& best, double& plane) {
+    const std::size_t all = bodies_.size() - begin, size = std::min(all, kSample);
+    const auto corner_of = [&](std::size_t k, double Vec3::*axis) {
+      const std::size_t i = begin + (size < all ? kernels::SamplePlace(k, all) : k);
+      return std::max(bodies_[i].box.lower.*axis, cell.lower.*axis);
+    };
     double widest = 0;
     for (const auto axis : kAxes) {
       double least = INFINITY, most = -INFINITY;
-      for (std::size_t i = begin; i < bodies_.size(); ++i) {
-        const double at = scene_->boxes[bodies_[i]].lower.*axis;
+      for (std::size_t k = 0; k < size; ++k) {
+        const double at = corner_of(k, axis);
         if (!std::isfinite(at)) continue;
-        least = std::min(least, std::max(at, cell.lower.*axis));
+        least = std::min(least, at);
         most = std::max(most, at);
       }
       if (!(most - least > widest)) continue;
@@ -64,17 +78,15 @@ class KdTree final : public Detector {
     }
     if (best == nullptr) return false;
     corners_.clear();
-    for (std::size_t i = begin; i < bodies_.size(); ++i)
-      corners_.push_back(std::max(scene_->boxes[bodies_[i]].lower.*best, cell.lower.*best));
-    const auto middle = corners_.begin() + static_cast<std::ptrdiff_t>(corners_.size() / 2);
+    for (std::size_t k = 0; k < size; ++k) corners_.push_back(corner_of(k, best));
+    const auto middle = corners_.begin() + static_cast<std::ptrdiff_t>(size / 2);
     std::ranges::nth_element(corners_, middle);
     plane = *middle;
     std::size_t left = 0, right = 0;
     for (std::size_t i = begin; i < bodies_.size(); ++i) {
-      left += scene_->boxes[bodies_[i]].lower.*best < plane;
-      right += scene_->boxes[bodies_[i]].upper.*best >= plane;
+      left += bodies_[i].box.lower.*best < plane;
+      right += bodies_[i].box.upper.*best >= plane;
     }
-    const std::size_t all = bodies_.size() - begin;
     return left * 10 < all * 9 && right * 10 < all * 9 && 2 * (left + right) < 3 * all;
   }
 
@@ -82,10 +94,10 @@ class KdTree final : public Detector {
   void TestAll(std::size_t begin, const Box& cell) {
     for (std::size_t i = begin; i < bodies_.size(); ++i) {
       for (std::size_t j = i + 1; j < bodies_.size(); ++j) {
-        const Box &a = scene_->boxes[bodies_[i]], &b = scene_->boxes[bodies_[j]];
-        if (!Overlap(a, b) || !IsOf(cell, a, b)) continue;
-        if (!scene_->MayCollide(bodies_[i], bodies_[j])) continue;
-        pairs_->push_back({bodies_[i], bodies_[j]});  // bodies stay in order
+        const Body &a = bodies_[i], &b = bodies_[j];
+        if (!Overlap(a.box, b.box) || !IsOf(cell, a.box, b.box)) continue;
+        if (!scene_->MayCollide(a.id, b.id)) continue;
+        pairs_->push_back({a.id, b.id});  // bodies stay in order
       }
     }
   }
@@ -101,7 +113,7 @@ class KdTree final : public Detector {
 
   const Scene* scene_ = nullptr;
   std::vector<Pair>* pairs_ = nullptr;
-  std::vector<Id> bodies_;  ///< a list for each cell from the root down
+  std::vector<Body> bodies_;  ///< a list for each cell from the root down
   std::vector<double> corners_;
 };
 

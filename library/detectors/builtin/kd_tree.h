@@ -1,6 +1,6 @@
-// `kd_tree`: a k-d tree of boxes, rebuilt every cycle. Space is split at the median of the boxes'
-// lower corners, across the axis of greatest spread, until few boxes are left, which are tested
-// with each other. A box on both sides of a split is in both subtrees.
+// `kd_tree`: a k-d tree of boxes, rebuilt every cycle. Space is split at the median of the lower
+// corners of a sample, across the axis of greatest spread, until few boxes are left, which are
+// tested with each other. A box on both sides of a split is in both subtrees.
 //
 // Source: Bentley, "Multidimensional binary search trees" (1975), as cited by the paper.
 // Cost: n log n if few boxes are split; in leaves that cannot be split further, all pairs are

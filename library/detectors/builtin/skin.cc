@@ -20,8 +20,13 @@ constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedC
 constexpr double kReadCost = 1.4;
 /// Of a body, in a cycle of a first list.
 constexpr double kMostOfGuess = 4.2;
-/// Of the work of a cycle, that building the next list may add to it without haste.
-constexpr double kBuildingShare = 1.15;
+/// Of the work of a cycle, that building the next list may add to it without haste; and with haste,
+/// where it would take more than this share of a list's life.
+constexpr double kBuildingShare = 1.15, kMostBuildingShare = 2.2;
+constexpr double kBuildingLife = 0.3;
+/// Of a list's cycles, before the next one is started: boxes are remembered then, so that those
+/// that turned round get the velocity that they have since.
+constexpr double kMarkedShare = 0.25;
 /// Bodies from which several threads look for escaped ones sooner than one.
 constexpr std::size_t kWorthThreads = 16000;
 /// Escapes become more frequent as a list gets old.
@@ -32,6 +37,8 @@ constexpr std::uint8_t kMostRegrowths = 2;
 constexpr std::size_t kMostNear = 24;
 /// Of a fat box's longest side: who is so far out of it was set elsewhere.
 constexpr double kFarAway = 0.5;
+/// Factors by which a lifetime is tried that differs from the last one.
+constexpr double kLeastStep = 1.12, kMostStep = 1.5;
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
 constexpr unsigned kMaxAge = 256;
 /// A first list is looked at in this cycle of it, and replaced as soon as the next is built.
@@ -166,7 +173,13 @@ void Skin::BuildAhead(const Scene& scene) {
   // The lists after a guess may have far fewer candidates: cycles should not be long for those.
   if (list_->is_guess) usual = std::min(usual, kMostOfGuess * movers);
   if (!builder_.is_building()) {
-    const double needed = std::ceil(builder_.WholeCost() / (kBuildingShare * usual));
+    const double life = kBuildingLife * (age_ + std::max(left, 0.));
+    building_share_ = std::clamp(builder_.WholeCost() / (usual * std::max(life, 1.)),
+                                 kBuildingShare, kMostBuildingShare);
+    const double needed = std::ceil(builder_.WholeCost() / (building_share_ * usual));
+    if (list_->goes_on && !builder_.has_marks() &&
+        left <= needed + std::max(kMarkedShare * list_->horizon, 1.))
+      work_ += builder_.Mark(scene, cycle_);
     if (!list_->is_guess && left > needed) return;
     const double wait = std::max(std::min(left, needed), 0.);
     LearnCost(age_ + wait);
@@ -174,7 +187,7 @@ void Skin::BuildAhead(const Scene& scene) {
     builder_.Start(scene, bodies_, {begin_, horizon_}, list_.get());
   }
   double budget =
-      std::max(kBuildingShare * usual, builder_.CostLeft() / (std::floor(std::max(left, 0.)) + 1));
+      std::max(building_share_ * usual, builder_.CostLeft() / (std::floor(std::max(left, 0.)) + 1));
   if (left < 1) budget = SkinListBuilder::kUnlimited;
   const double before = budget;
   const bool is_done = builder_.Advance(scene, bodies_, cycle_, budget);
@@ -376,16 +389,20 @@ void Skin::LearnCost(double life) {
   } else if (life < list_->horizon) {  // escaped bodies ended it
     horizon_ = std::max(life / 1.25, 1.);
     step_ = 1.2;
+    gets_longer_ = true;
     last_tried_ = 0;
   } else {
     if (making_cost_ > 4 * tests) {
       step_ = making_cost_ > 16 * tests ? 6 : 3;
+      gets_longer_ = true;
     } else {
-      if (step_ > 1.5) step_ = 1.5;
-      if (last_tried_ > 0 && cost > last_tried_) step_ = 1 / step_;
+      const bool is_worse = last_tried_ > 0 && cost > last_tried_;
+      if (is_worse) gets_longer_ = !gets_longer_;
+      step_ = std::clamp(1 + (step_ - 1) * (is_worse ? 0.5 : 1.25), kLeastStep, kMostStep);
     }
     last_tried_ = cost;
-    horizon_ = std::clamp(horizon_ * step_, 1., static_cast<double>(kMaxAge));
+    horizon_ = std::clamp(gets_longer_ ? horizon_ * step_ : horizon_ / step_, 1.,
+                          static_cast<double>(kMaxAge));
   }
 }
 

@@ -51,6 +51,7 @@ class Skin final : public Detector {
   double Work() const { return work_; }
   /// See BoxGrid.
   double MeanOccupancy() const { return list_->grid.MeanOccupancy(); }
+  double Crowding() const { return list_->grid.Crowding(); }
   /// Discards the list, because boxes have moved since the last call.
   void Forget() {
     is_built_ = sleeps_ = false;
@@ -86,8 +87,9 @@ class Skin final : public Detector {
   bool sleeps_ = false;             ///< all movers were asleep in the last call
   Box last_room_ = {};              ///< in the last call
   std::uint32_t cycle_ = 0;
-  unsigned age_ = 0;         ///< cycles of this list
-  std::uint32_t begin_ = 0;  ///< the cycle from which the next one is to be used
+  unsigned age_ = 0;           ///< cycles of this list
+  double building_share_ = 0;  ///< of the work of a cycle, that building the next list may add
+  std::uint32_t begin_ = 0;    ///< the cycle from which the next one is to be used
 
   Box room_ = {};               ///< between the walls, when near_walls_ were found
   std::vector<Id> near_walls_;  ///< movers whose fat boxes do not lie inside it
@@ -100,6 +102,7 @@ class Skin final : public Detector {
   kernels::PairBuffer raw_;
 
   double horizon_ = 12, step_ = 1.5;  ///< intended lifetime in cycles; the factor tried next
+  bool gets_longer_ = true;           ///< the lifetime, by this factor
   double making_cost_ = 0, cost_ = 0, stray_cost_ = 0;  ///< of this list; all of it
   double last_stray_cost_ = 0;                          ///< of the last cycle
   double last_cost_ = 0;                                ///< of a cycle of the last list

@@ -12,15 +12,17 @@ namespace {
 constexpr double kMarkCost = 3, kFattenCost = 22, kQueryCost = 45, kListedCost = 2;
 /// Of the cycles until a list is used, which fat boxes leave out: who turns round meanwhile is not
 /// where it was to be.
-constexpr double kHeadStart = 0.6;
+constexpr double kHeadStart = 1;
 constexpr double kLearnCost = 50;  ///< of a mover in the sample
 constexpr double kFirstCost = 90;
 /// The next list may cost more than the last.
-constexpr double kSurplus = 1.15;
+constexpr double kSurplus = 1.05;
 /// Movers that are looked up at once, at most; and between two looks at the budget.
 constexpr std::size_t kChunk = 4096, kSlice = 256;
 /// Of a mover, above which boxes get less fat; of those of a slice, where it is a crowd.
 constexpr std::size_t kMostCandidates = 24, kMostOfSlice = 8 * kMostCandidates * kSlice;
+/// Times the candidates that a first list is to have, above which its boxes get less fat.
+constexpr double kFarMore = 2;
 /// Boxes get less fat in quarters, down to this.
 constexpr double kLeastShare = 1. / 256;
 
@@ -64,19 +66,23 @@ void SkinListBuilder::Start(const Scene& scene, const kernels::Bodies& bodies, c
   share_ = std::min(4 * share_, 1.);
   cursor_ = learnt_ = 0;
   spent_ = 0;
-  motion_.ForgetMarks();
   if (last == nullptr) {
     motion_.Guess(scene, movers_);
     learnt_ = movers_;
     stage_ = Stage::kFatten;
   } else {
     next_->grid.TakeShape(last->grid);
-    stage_ = last->goes_on ? Stage::kMark : Stage::kLearn;
+    stage_ = Stage::kLearn;
   }
 }
 
 void SkinListBuilder::Observe(const Scene& scene, std::uint32_t cycle, SkinList& guess) {
   guess.life = motion_.Observe(scene, movers_, guess.past, cycle);
+}
+
+double SkinListBuilder::Mark(const Scene& scene, std::uint32_t cycle) {
+  motion_.Mark(scene, 0, movers_, cycle);
+  return kMarkCost * static_cast<double>(movers_);
 }
 
 double SkinListBuilder::CostLeft() const {
@@ -92,9 +98,6 @@ bool SkinListBuilder::Advance(const Scene& scene, const kernels::Bodies& bodies,
       case Stage::kIdle:
       case Stage::kDone:
         return false;
-      case Stage::kMark:
-        Mark(scene, cycle, left);
-        break;
       case Stage::kLearn:
         motion_.Learn(scene, movers_, last_->past, cycle);
         left -= kLearnCost * static_cast<double>(SkinMotion::SampleSize(movers_));
@@ -118,16 +121,6 @@ bool SkinListBuilder::Advance(const Scene& scene, const kernels::Bodies& bodies,
   budget = left;
   spent_ += before - left;
   return stage_ == Stage::kDone;
-}
-
-void SkinListBuilder::Mark(const Scene& scene, std::uint32_t cycle, double& budget) {
-  const std::size_t step = StepOf(budget, kMarkCost, movers_ - cursor_);
-  motion_.Mark(scene, cursor_, cursor_ + step, cycle);
-  cursor_ += step;
-  budget -= kMarkCost * static_cast<double>(step);
-  if (cursor_ < movers_) return;
-  cursor_ = 0;
-  stage_ = Stage::kLearn;
 }
 
 void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& budget) {
@@ -183,7 +176,12 @@ bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& 
   });
   if (is_crowd) return false;
   parts_.AppendTo(next_->candidates);
-  return share_ == 0 || next_->candidates.size() <= kMostCandidates * (end + kSlice);
+  // Boxes that are not spread evenly were guessed too fat.
+  const double most = next_->is_guess && share_ == 1
+                          ? std::min<double>(kFarMore * motion_.guessed(), kMostCandidates)
+                          : kMostCandidates;
+  return share_ == 0 ||
+         static_cast<double>(next_->candidates.size()) <= most * static_cast<double>(end + kSlice);
 }
 
 void SkinListBuilder::Shrink() {
@@ -198,8 +196,11 @@ void SkinListBuilder::Take(std::unique_ptr<SkinList>& list) {
   share_ = std::max(share_, kLeastShare);
   next_->goes_on = motion_.goes_on();
   whole_cost_ = kSurplus * spent_;
+  if (next_->is_guess)  // the next will not have as many candidates
+    whole_cost_ = std::min(whole_cost_, kFirstCost * static_cast<double>(movers_));
   stage_ = Stage::kIdle;
   last_ = nullptr;
+  motion_.ForgetMarks();
   std::swap(next_, list);
 }
 

@@ -59,6 +59,10 @@ class SkinListBuilder {
   /// In a cycle after a first list was made: for how many cycles it will do.
   void Observe(const Scene& scene, std::uint32_t cycle, SkinList& guess);
   void Cancel() { stage_ = Stage::kIdle; }
+  /// Remembers where the boxes are, some cycles before Start, for the velocities of those that
+  /// turned round. Returns the cost.
+  double Mark(const Scene& scene, std::uint32_t cycle);
+  bool has_marks() const { return motion_.has_marks(); }
   bool is_building() const { return stage_ != Stage::kIdle; }
   /// All boxes are enlarged: it can be finished in one cycle for less than a new list costs.
   bool is_half_done() const { return stage_ > Stage::kFatten; }
@@ -74,9 +78,8 @@ class SkinListBuilder {
   double CostLeft() const;
 
  private:
-  enum class Stage { kIdle, kMark, kLearn, kFatten, kArrange, kQuery, kDone };
+  enum class Stage { kIdle, kLearn, kFatten, kArrange, kQuery, kDone };
 
-  void Mark(const Scene& scene, std::uint32_t cycle, double& budget);
   void Fatten(const Scene& scene, std::uint32_t cycle, double& budget);
   void Query(const Scene& scene, const kernels::Bodies& bodies, double& budget);
   bool FindCandidates(const Scene& scene, const kernels::Bodies& bodies, std::size_t end);

@@ -99,6 +99,7 @@ void SkinMotion::Guess(const Scene& scene, std::size_t movers) {
   std::ranges::fill(velocities_, Vec3{0, 0, 0});
   goes_on_ = has_marks_ = false;
   margin_ = 0;
+  guessed_ = kGuessedMost;
   observed_.clear();
   const Spread spread = SpreadOf(scene, movers);
   const auto candidates = [&](double margin) {
@@ -112,6 +113,7 @@ void SkinMotion::Guess(const Scene& scene, std::size_t movers) {
   const double side = Length(spread.side);
   if (spread.is_known && side > 0 && side < kInfinity) {
     const double most = std::max(kGuessedFactor * candidates(0), kGuessedMost);
+    guessed_ = most;
     for (double margin = side / 64; margin <= kMostGuess * side; margin *= 1.25)
       if (candidates(margin) <= (margin <= kUsualGuess * side ? most : kFewCandidates))
         margin_ = margin;

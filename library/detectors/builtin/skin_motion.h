@@ -40,6 +40,8 @@ class SkinMotion {
   bool goes_on() const { return goes_on_; }
   /// For a first list, when nothing is known: a margin as large as it can be with few candidates.
   void Guess(const Scene& scene, std::size_t movers);
+  /// Candidates of a body that were wanted then, if boxes were spread evenly.
+  double guessed() const { return guessed_; }
   /// One or more cycles after Guess: looks where a sample went. Returns for how many cycles from
   /// the guess its margin is enough for nearly all.
   double Observe(const Scene& scene, std::size_t movers, const PastBoxes& past,
@@ -49,6 +51,7 @@ class SkinMotion {
   /// Remembers where movers `begin` to `end` are, for the velocities of those that turned round.
   void Mark(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle);
   void ForgetMarks() { has_marks_ = false; }
+  bool has_marks() const { return has_marks_; }
   /// Learns the velocities and margins of movers `begin` to `end`.
   void LearnBodies(const Scene& scene, std::size_t begin, std::size_t end, const PastBoxes& past,
                    std::uint32_t cycle);
@@ -65,6 +68,7 @@ class SkinMotion {
   bool goes_on_ = false;
   double margin_ = 0;  ///< covers the remaining motion of most boxes
   double most_margin_ = 0, most_speed_ = 0;
+  double guessed_ = 0;
   std::vector<Vec3> velocities_;  ///< of movers, per cycle
   std::vector<double> margins_;   ///< of movers
   bool has_marks_ = false;

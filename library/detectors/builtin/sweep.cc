@@ -10,6 +10,7 @@ namespace {
 
 /// Cycles that an axis is kept.
 constexpr unsigned kAxisAge = 32;
+constexpr std::size_t kLeastSample = 64, kMostSample = 256;
 
 constexpr auto kIsBefore = [](const auto& a, const auto& b) {
   return std::tie(a.lower, a.id) < std::tie(b.lower, b.id);
@@ -25,12 +26,38 @@ void Sweep::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
   const bool is_exact = kernels_.narrow(scene.boxes.data(), count, loose_.get());
   Sort(count);
   found_.Clear();
-  const std::size_t tests =
-      kernels_.sweep(sorted_.get(), ids_.data(), count, 0, count, found_.sink());
-  tests_ = static_cast<double>(tests) / static_cast<double>(std::max<std::size_t>(count, 1));
+  kernels_.sweep(sorted_.get(), ids_.data(), count, 0, count, found_.sink());
   bodies_.Sieve(scene, is_exact, found_);
   bodies_.MeetWalls(scene, kernels_, found_);
   pairs.insert(pairs.end(), found_.pairs().begin(), found_.pairs().end());
+}
+
+double Sweep::ForeseenTests(const Scene& scene) {
+  bodies_.LearnOnce(scene);
+  const std::size_t count = bodies_.movers();
+  const std::size_t size = std::min(count, std::clamp(count / 16, kLeastSample, kMostSample));
+  double fewest = std::numeric_limits<double>::infinity();
+  for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    std::vector<double> lower, upper;
+    for (std::size_t k = 0; k < size; ++k) {
+      const Box& box = scene.boxes[size < count ? kernels::SamplePlace(k, count) : k];
+      const double side = box.upper.*axis - box.lower.*axis;
+      if (!std::isfinite(side) || side < 0) continue;
+      lower.push_back(box.lower.*axis);
+      upper.push_back(box.upper.*axis);
+    }
+    std::ranges::sort(lower);
+    std::ranges::sort(upper);
+    // Two overlap if the second begins before the first ends.
+    double overlaps = 0;
+    for (std::size_t ended = 0, begun = 0; begun < lower.size(); ++begun) {
+      while (ended < begun && upper[ended] < lower[begun]) ++ended;
+      overlaps += static_cast<double>(begun - ended);
+    }
+    const auto all = static_cast<double>(lower.size());
+    fewest = std::min(fewest, all > 0 ? overlaps / (all * all) * static_cast<double>(count) : 0);
+  }
+  return 1 + fewest / 8;
 }
 
 void Sweep::Sort(std::size_t count) {

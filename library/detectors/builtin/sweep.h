@@ -25,8 +25,8 @@ class Sweep final : public Detector {
   void Prepare(const Scene& scene) override { bodies_.Learn(scene); }
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
 
-  /// Tests per body in the last cycle, of eight boxes each.
-  double Tests() const { return tests_; }
+  /// Tests per body that a cycle would take, of eight boxes each, foreseen from a sample.
+  double ForeseenTests(const Scene& scene);
 
  private:
   struct Entry {
@@ -44,7 +44,6 @@ class Sweep final : public Detector {
   std::vector<Entry> entries_;
   std::vector<Id> ids_;
   kernels::PairBuffer found_;
-  double tests_ = 0;
   int axis_ = 0;
   unsigned age_ = 0;  ///< cycles of this axis
 };

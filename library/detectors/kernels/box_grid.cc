@@ -51,6 +51,9 @@ void BoxGrid::StartArranging(std::size_t count) {
   Reserve(count);
   boxes_ = count;
   cursor_ = 0;
+  crowd_count_ = crowd_steps_ = 0;
+  is_split_ = false;
+  crowd_of_.clear();
   std::ranges::fill(shape_.down, 0u);
   std::ranges::fill(shape_.up, 0u);
   is_new_ = ++age_ >= kMaxAge || count > 2 * shaped_for_ || 2 * count < shaped_for_;
@@ -63,8 +66,9 @@ bool BoxGrid::Arrange(double& budget) {
     if (left > 0 && budget <= 0) return false;
     const double cost = CostOf(stage_), most = budget / cost;
     std::size_t step = left;
+    const std::size_t least = stage_ == Stage::kNest ? 1 : kLeast;
     if (most < static_cast<double>(left))
-      step = std::min(left, (static_cast<std::size_t>(std::max(most, 0.)) / kLeast + 1) * kLeast);
+      step = std::min(left, (static_cast<std::size_t>(std::max(most, 0.)) / least + 1) * least);
     Execute(cursor_, cursor_ + step);
     budget -= cost * static_cast<double>(step);
     cursor_ += step;
@@ -85,13 +89,17 @@ std::size_t BoxGrid::SizeOf(Stage stage) const {
     case Stage::kClear:
     case Stage::kSum:
       return std::size_t{shape_.cells()} + 3;
+    case Stage::kFindCrowds:
+      return shape_.cells();
+    case Stage::kNest:
+      return crowd_count_;
     default:
       return boxes_;
   }
 }
 
 /// In nanoseconds, measured once on one machine.
-double BoxGrid::CostOf(Stage stage) {
+double BoxGrid::CostOf(Stage stage) const {
   switch (stage) {
     case Stage::kSample:
       return 6000;
@@ -103,7 +111,12 @@ double BoxGrid::CostOf(Stage stage) {
     case Stage::kClear:
       return 0.2;
     case Stage::kPlace:
+    case Stage::kMeasureCrowds:
+    case Stage::kMoveCrowds:
       return 5;
+    case Stage::kNest:
+      return 60 * static_cast<double>(boxes_ - count_) /
+             static_cast<double>(std::max<std::size_t>(crowd_count_, 1));
     default:
       return 1;
   }
@@ -121,6 +134,9 @@ bool BoxGrid::NeedsShape(std::size_t too_long) {
 
 BoxGrid::Stage BoxGrid::Next(Stage stage) {
   if (stage == Stage::kCheck && NeedsShape(starts_[shape_.cells() + 1])) return Stage::kSample;
+  if (stage == Stage::kSum && (is_split_ || !IsCrowded(sums_.squares))) return Stage::kPlace;
+  if (stage == Stage::kMeasureCrowds && !KeepCrowds()) return Stage::kPlace;
+  if (stage == Stage::kMoveCrowds) return Stage::kClear;
   return static_cast<Stage>(static_cast<int>(stage) + 1);
 }
 
@@ -129,15 +145,15 @@ void BoxGrid::Execute(std::size_t begin, std::size_t end) {
     case Stage::kSample:
       age_ = 0;
       shaped_for_ = boxes_;
-      return chooser_.Start(loose_.get(), boxes_);
+      return chooser_->Start(loose_.get(), boxes_);
     case Stage::kLengths:
-      return chooser_.CountLengths(begin, end);
+      return chooser_->CountLengths(begin, end);
     case Stage::kLimit:
-      return chooser_.FixLimit();
+      return chooser_->FixLimit();
     case Stage::kReach:
-      return chooser_.MeasureReach(begin, end);
+      return chooser_->MeasureReach(begin, end);
     case Stage::kShape:
-      shape_ = chooser_.Shape();
+      shape_ = chooser_->Shape();
       return;
     case Stage::kBin:
       return Bin(begin, end);
@@ -154,9 +170,19 @@ void BoxGrid::Execute(std::size_t begin, std::size_t end) {
       if (begin == 0) sums_ = {};
       Sum(begin, end, sums_);
       return;
+    case Stage::kFindCrowds:
+      return FindCrowds(begin, end);
+    case Stage::kMeasureCrowds:
+      return MeasureCrowds(begin, end);
+    case Stage::kMoveCrowds:
+      return MoveCrowds(begin, end);
     case Stage::kPlace:
       for (std::size_t i = begin; i < end; ++i) Place(i);
       if (end == boxes_) Finish(sums_.squares);
+      return;
+    case Stage::kNest:
+      for (std::size_t k = begin; k < end; ++k) Nest(crowds_[k]);
+      if (end == crowd_count_) FinishCrowds();
       return;
     case Stage::kCheck:
     case Stage::kDone:
@@ -189,9 +215,14 @@ void BoxGrid::Place(std::size_t i) {
 }
 
 void BoxGrid::Finish(std::size_t squares) {
-  mean_occupancy_ = boxes_ > 0 ? static_cast<double>(squares) / static_cast<double>(boxes_) : 0;
   gridded_ = starts_[shape_.cells()];
   count_ = starts_[shape_.cells() + 1];
+  const std::size_t left_out = boxes_ - count_;
+  squares -= left_out * left_out;
+  mean_occupancy_ = boxes_ > 0 ? static_cast<double>(squares) / static_cast<double>(boxes_) : 0;
+  if (crowd_count_ == 0) crowding_ = mean_occupancy_;
+  if (!names_.empty())
+    for (std::size_t at = 0; at < boxes_; ++at) ids_[at] = names_[ids_[at]];
 }
 
 GridRows BoxGrid::Rows() const {
@@ -199,11 +230,8 @@ GridRows BoxGrid::Rows() const {
 }
 
 void BoxGrid::Query(std::size_t begin, std::size_t end, PairSink& sink) const {
-  kernels_.query(Rows(), shape_, begin, end, sink);
-}
-
-void BoxGrid::QueryOne(const FatBox& box, Id id, PairSink& sink) const {
-  kernels_.query_one(Rows(), shape_, box.lower, box.upper, id, sink);
+  if (begin < count_) kernels_.query(Rows(), shape_, begin, std::min(end, count_), sink);
+  if (end > count_) QueryCrowds(std::max(begin, count_), end, sink);
 }
 
 /// As kernels have it.
@@ -213,18 +241,27 @@ std::uint32_t BoxGrid::CellOf(float x, std::size_t axis) const {
 }
 
 bool BoxGrid::Grow(Id id, const FatBox& box) {
-  const std::uint32_t cell = cells_[id], cells = shape_.cells();
+  Crowd* crowd = CrowdOf(id);
+  const std::uint32_t cell = crowd != nullptr ? crowd->cell : cells_[id], cells = shape_.cells();
   if (cell > cells) return false;
-  // Within a cell ids ascend.
-  const auto first = ids_.begin() + static_cast<std::ptrdiff_t>(starts_[cell]);
-  const auto last = ids_.begin() + static_cast<std::ptrdiff_t>(starts_[cell + 1]);
-  const auto at = static_cast<std::size_t>(std::lower_bound(first, last, id) - ids_.begin());
+  if (crowd != nullptr) {
+    const auto at = std::ranges::lower_bound(crowd->boxes, id);
+    crowd->grid->Grow(static_cast<Id>(at - crowd->boxes.begin()), box);
+  } else {
+    // Within a cell ids ascend.
+    const auto first = ids_.begin() + static_cast<std::ptrdiff_t>(starts_[cell]);
+    const auto last = ids_.begin() + static_cast<std::ptrdiff_t>(starts_[cell + 1]);
+    const auto at =
+        static_cast<std::size_t>(std::lower_bound(first, last, NameOf(id)) - ids_.begin());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      sorted_.get().lower[axis][at] = box.lower[axis];
+      sorted_.get().upper[axis][at] = box.upper[axis];
+    }
+  }
+  if (cell == cells) return true;  // oversized: always looked at
   const std::uint32_t place[3] = {cell % shape_.n[0], cell / shape_.n[0] % shape_.n[1],
                                   cell / shape_.n[0] / shape_.n[1]};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    sorted_.get().lower[axis][at] = box.lower[axis];
-    sorted_.get().upper[axis][at] = box.upper[axis];
-    if (cell == cells) continue;  // oversized: always looked at
     const std::uint32_t lower = CellOf(box.lower[axis], axis),
                         upper = CellOf(box.upper[axis], axis);
     shape_.down[axis] = std::max(shape_.down[axis], place[axis] - std::min(lower, place[axis]));

@@ -4,17 +4,21 @@
 // memory, so that the candidates of a box are a few rows, each contiguous and tested eight boxes at
 // once. Oversized boxes, much longer than most, are kept in a separate list and tested with all
 // others. Origin, cell size and the limit for oversized boxes are chosen from the boxes, every
-// sixteenth build or when far more boxes than expected are oversized.
+// sixteenth build or when far more boxes than expected are oversized. Where boxes crowd in a few
+// cells, such as clusters far apart, each of these cells gets a grid of its own (box_crowds.cc).
 //
 // Cost: linear in boxes, plus boxes times oversized boxes / 8, plus the pairs. Memory: about 70
-// bytes a box.
+// bytes a box, and 150 in a crowd.
 //
 // Errors: bad_alloc. Threads: one at a time; Query may run on several at once.
-// Source: uniform grids as in Ericson, Real-Time Collision Detection, section 7.1.
+// Source: uniform grids as in Ericson, Real-Time Collision Detection, section 7.1; grids in cells
+// as in Kalojanov, Billeter & Slusallek, Two-Level Grids for Ray Tracing on GPUs, 2011.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "library/detectors/kernels/grid_shape.h"
@@ -45,7 +49,8 @@ inline Columns From(Columns columns, std::size_t begin) {
 
 class BoxGrid {
  public:
-  explicit BoxGrid(const Kernels& kernels) : kernels_(kernels) {}
+  explicit BoxGrid(const Kernels& kernels)
+      : kernels_(kernels), chooser_(std::make_shared<GridShapeChooser>()) {}
 
   /// Boxes with a NaN are left out. True if every coordinate is representable as float: then the
   /// pairs are exact; otherwise there may be a few false positives. On all threads of `pool`, if
@@ -68,20 +73,23 @@ class BoxGrid {
   /// concatenation of all ranges is the same list, whatever their number. Not after Grow.
   void Query(std::size_t begin, std::size_t end, PairSink& sink) const;
   void QueryPart(unsigned part, unsigned parts, PairSink& sink) const {
-    Query(count_ * part / parts, count_ * (part + 1) / parts, sink);
+    Query(Size() * part / parts, Size() * (part + 1) / parts, sink);
   }
-  /// Pairs (id, other) of a box with all boxes of the grid.
-  void QueryOne(const FatBox& box, Id id, PairSink& sink) const;
+  /// Pairs (id, other) of a box with all boxes of the grid; the lower id first if `is_ordered`.
+  void QueryOne(const FatBox& box, Id id, PairSink& sink, bool is_ordered = false) const;
   /// Replaces the box `id` by one that contains it, and leaves it in its place: QueryOne looks as
   /// much farther as any box has grown. False if the box was left out.
   bool Grow(Id id, const FatBox& box);
 
   /// Mean number of boxes that share the cell of a box; small if the grid suits the boxes.
   double MeanOccupancy() const { return mean_occupancy_; }
+  /// The same, had no cell got a grid of its own.
+  double Crowding() const { return crowding_; }
   /// Number of oversized boxes, which are tested with all others.
   std::size_t TooLong() const { return count_ - gridded_; }
-  /// Number of boxes, in cells and oversized.
-  std::size_t Size() const { return count_; }
+  /// Number of boxes, in cells and oversized; those of crowds count twice, as they are looked up
+  /// inside and outside of their cell.
+  std::size_t Size() const { return count_ + crowd_steps_; }
 
  private:
   /// Of Arrange, in this order; those before kBin only if the cells are chosen anew.
@@ -96,7 +104,11 @@ class BoxGrid {
     kCount,
     kCheck,
     kSum,
+    kFindCrowds,
+    kMeasureCrowds,
+    kMoveCrowds,  ///< then from kClear on
     kPlace,
+    kNest,
     kDone
   };
   struct Sums {
@@ -104,10 +116,21 @@ class BoxGrid {
     std::size_t squares = 0;  ///< of the numbers of boxes in cells
   };
 
+  /// The boxes of a cell that has a grid of its own.
+  struct Crowd {
+    std::uint32_t cell;
+    std::uint32_t size;                ///< number of boxes
+    float least[3], most[3];           ///< of the lower corners
+    double extents[3];                 ///< sums
+    std::size_t inside, outside;       ///< the first steps of Query
+    std::unique_ptr<BoxGrid> grid;     ///< whose boxes have the names of these
+    std::vector<std::uint32_t> boxes;  ///< ascending
+  };
+
   Stage Next(Stage stage);
   bool NeedsShape(std::size_t too_long);
   std::size_t SizeOf(Stage stage) const;
-  static double CostOf(Stage stage);
+  double CostOf(Stage stage) const;
   void Execute(std::size_t begin, std::size_t end);
   void Bin(std::size_t begin, std::size_t end);
   void Sum(std::size_t begin, std::size_t end, Sums& sums);
@@ -120,14 +143,29 @@ class BoxGrid {
   void SortBucket(unsigned bucket);
   std::uint32_t CellOf(float x, std::size_t axis) const;
   GridRows Rows() const;
+  Id NameOf(std::size_t i) const { return names_.empty() ? static_cast<Id>(i) : names_[i]; }
+
+  std::span<const Crowd> Crowds() const { return std::span(crowds_).first(crowd_count_); }
+  bool IsCrowded(std::size_t squares) const;
+  void FindCrowds(std::size_t begin, std::size_t end);
+  void MeasureCrowds(std::size_t begin, std::size_t end);
+  bool KeepCrowds();
+  void MoveCrowds(std::size_t begin, std::size_t end);
+  void Nest(Crowd& crowd);
+  void FinishCrowds();
+  Crowd* CrowdAt(std::uint32_t cell);
+  Crowd* CrowdOf(Id id);
+  void QueryCrowds(std::size_t begin, std::size_t end, PairSink& sink) const;
+  template <typename See>
+  void ForEachCrowd(const FatBox& box, const See& see) const;
 
   const Kernels& kernels_;
   GridShape shape_ = {};
-  GridShapeChooser chooser_;
-  SoaBoxes loose_, sorted_;  ///< by id, by cell
+  std::shared_ptr<GridShapeChooser> chooser_;  ///< also that of the crowds' grids
+  SoaBoxes loose_, sorted_;                    ///< by id, by cell
   std::vector<std::uint32_t> cells_, starts_;
   std::vector<Id> ids_;
-  double mean_occupancy_ = 0;
+  double mean_occupancy_ = 0, crowding_ = 0;
   std::size_t gridded_ = 0, count_ = 0;  ///< of the sorted boxes
   std::size_t foreseen_ = 0;             ///< oversized boxes when the cells were chosen
   std::size_t shaped_for_ = 0;           ///< number of boxes at that time
@@ -148,6 +186,13 @@ class BoxGrid {
   std::vector<std::uint32_t> coarse_;  ///< of each part of the boxes: how many are in which cells
   unsigned coarse_shift_ = 0;
   std::vector<Id> order_;  ///< by bucket, in each by id
+
+  unsigned depth_ = 0;         ///< of the grids around this one
+  std::vector<Id> names_;      ///< ids of the boxes; empty if they are their places
+  std::vector<Crowd> crowds_;  ///< by cell; only the first are in use
+  std::size_t crowd_count_ = 0, crowd_steps_ = 0;
+  bool is_split_ = false;                ///< crowds have been looked for
+  std::vector<std::uint32_t> crowd_of_;  ///< of each box, plus one; empty without crowds
 };
 
 }  // namespace cdb::kernels

@@ -3,6 +3,7 @@
 // every part and every bucket.
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <utility>
 
 #include "library/detectors/kernels/box_grid.h"
@@ -47,6 +48,12 @@ bool BoxGrid::BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& po
   }
   std::size_t squares = 0;
   for (const Bucket& bucket : buckets_) squares += bucket.squares;
+  if (IsCrowded(squares)) {  // all on this thread
+    stage_ = Stage::kBin;
+    double budget = std::numeric_limits<double>::infinity();
+    Arrange(budget);
+    return is_exact;
+  }
   Finish(squares);
   stage_ = Stage::kDone;
   return is_exact;

@@ -65,13 +65,13 @@ struct Kernels {
   /// precede.
   void (*query)(const GridRows& rows, const GridShape& shape, std::size_t begin, std::size_t end,
                 PairSink& sink);
-  /// Pairs (id, other) of a box, rounded outwards, with all boxes of the grid.
+  /// Pairs (id, other) of a box, rounded outwards, with all boxes of the grid; the lower id first
+  /// if `is_ordered`.
   void (*query_one)(const GridRows& rows, const GridShape& shape, const float* lower,
-                    const float* upper, Id id, PairSink& sink);
+                    const float* upper, Id id, bool is_ordered, PairSink& sink);
   /// Pairs of the boxes `begin` to `end` with those that follow, sorted by columns.lower[0].
-  /// Returns the number of tests, of eight boxes each.
-  std::size_t (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
-                       std::size_t end, PairSink& sink);
+  void (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
+                std::size_t end, PairSink& sink);
   /// Lists the boxes that have left their fat boxes; `escaped` has room for all.
   std::size_t (*find_escaped)(const Box* boxes, const FatBox* fat, std::size_t count, Id* escaped);
   /// Lists the boxes that do not lie inside `room`, without touching its sides; `outside` has room

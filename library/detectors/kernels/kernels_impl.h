@@ -227,8 +227,8 @@ void Query(const GridRows& rows, const GridShape& shape, std::size_t begin, std:
 }
 
 void QueryOne(const GridRows& rows, const GridShape& shape, const float* lower, const float* upper,
-              Id id, PairSink& sink) {
-  Scanner scanner(rows.columns, rows.ids, true, sink);
+              Id id, bool is_ordered, PairSink& sink) {
+  Scanner scanner(rows.columns, rows.ids, !is_ordered, sink);
   const Probe probe(lower, upper);
   std::uint32_t from[3], to[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -251,23 +251,20 @@ void QueryOne(const GridRows& rows, const GridShape& shape, const float* lower, 
   scanner.Scan(probe, id, rows.gridded, rows.count);
 }
 
-std::size_t Sweep(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
-                  std::size_t end, PairSink& sink) {
+void Sweep(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
+           std::size_t end, PairSink& sink) {
   Scanner scanner(columns, ids, false, sink);
-  std::size_t tests = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const Probe probe = ProbeOf(columns, i);
     for (std::size_t at = i + 1; at < count; at += kLanes) {
       const unsigned reach = probe.Reaches(columns, at);
       if (reach == 0) break;
-      ++tests;
       unsigned mask = probe.Meets(columns, at);
       if (count - at < kLanes) mask &= (1u << (count - at)) - 1;
       if (mask != 0) scanner.Put(mask, ids[i], at);
       if (reach != 255) break;  // sorted: no other begins before this one ends
     }
   }
-  return tests;
 }
 
 std::size_t FindEscaped(const Box* boxes, const FatBox* fat, std::size_t count, Id* escaped) {

@@ -61,6 +61,10 @@ class WatchedDetector final : public Detector {
  public:
   WatchedDetector(std::size_t index, std::unique_ptr<Detector> detector)
       : index_(index), detector_(std::move(detector)) {}
+  ~WatchedDetector() override {
+    const WatchedCall call(measure::PluginCall::kDestroy, index_);
+    detector_.reset();
+  }
 
   void Prepare(const Scene& scene) override {
     const WatchedCall call(measure::PluginCall::kPrepare, index_);
@@ -87,7 +91,7 @@ class WatchedDetector final : public Detector {
 
  private:
   const std::size_t index_;
-  const std::unique_ptr<Detector> detector_;
+  std::unique_ptr<Detector> detector_;
 };
 
 }  // namespace

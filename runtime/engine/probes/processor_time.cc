@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <ctime>
 
 #include "runtime/measure/host.h"
@@ -19,7 +20,10 @@ double ClockNs(clockid_t clock) {
 
 ProcessorTime::Reading ProcessorTime::Read() {
   Reading now;
-  now.stolen_ns = measure::StolenTime();
+  const measure::TimeOfAllProcessors all = measure::ReadTimeOfAllProcessors();
+  now.stolen_ns = all.stolen;
+  now.busy_ns = all.busy;
+  now.process_ns = ClockNs(CLOCK_PROCESS_CPUTIME_ID);
   rusage usage = {};
   getrusage(RUSAGE_THREAD, &usage);
   now.preemptions = static_cast<double>(usage.ru_nivcsw);
@@ -36,6 +40,8 @@ void ProcessorTime::Store(measure::RunScalars& scalars) const {
   scalars.preemptions = end.preemptions - begin_.preemptions;
   scalars.page_faults = end.faults - begin_.faults;
   scalars.stolen_ns = end.stolen_ns - begin_.stolen_ns;
+  scalars.others_ns =
+      std::max(0.0, (end.busy_ns - begin_.busy_ns) - (end.process_ns - begin_.process_ns));
   scalars.processors = measure::ProcessorCount();
 }
 

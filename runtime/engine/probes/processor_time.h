@@ -1,5 +1,5 @@
 // What the machine did to this thread while its cycles ran: time off the processor, preemptions,
-// page faults, time stolen by other virtual machines.
+// page faults, time that other programs used and that other virtual machines stole.
 #pragma once
 
 #include "runtime/measure/run_scalars.h"
@@ -7,7 +7,7 @@
 namespace cdb::probes {
 
 /// Measures from its construction on. Source: clock_gettime(2), getrusage(2), proc_stat(5).
-/// Threads: of the calling thread; the stolen time is of all processors together.
+/// Threads: of the calling thread; stolen time and other programs are of all processors together.
 class ProcessorTime {
  public:
   ProcessorTime() : begin_(Read()) {}
@@ -16,7 +16,8 @@ class ProcessorTime {
 
  private:
   struct Reading {
-    double wall_ns = 0, cpu_ns = 0, preemptions = 0, faults = 0, stolen_ns = 0;
+    double wall_ns = 0, cpu_ns = 0, preemptions = 0, faults = 0, stolen_ns = 0, busy_ns = 0,
+           process_ns = 0;
   };
   static Reading Read();
 

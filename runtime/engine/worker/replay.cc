@@ -19,6 +19,7 @@
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/probes/memory.h"
 #include "runtime/engine/probes/processor_time.h"
+#include "runtime/engine/worker/confinement.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/timed_world.h"
 #include "runtime/measure/trace_memory.h"
@@ -195,12 +196,13 @@ class Replay {
 
 void ReplayTrace(const plan::Run& run, measure::Recording& recording, int trace_fd) {
   try {
+    if (!run.scene.plugins.empty()) Confine();
     Replay replay(run, recording, trace_fd);
     replay.Time();
     replay.Judge();
     recording.header().outcome.store(measure::WorkerOutcome::kDone, std::memory_order_release);
   } catch (const std::bad_alloc&) {
-    ReportFailure(recording, "out of memory; a smaller trace needs less");
+    ReportFailure(recording, std::string(measure::kOutOfMemory) + "; a smaller trace needs less");
   } catch (const std::exception& error) {
     ReportFailure(recording, error.what());
   } catch (...) {

@@ -18,6 +18,7 @@
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/probes/sampler.h"
 #include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/worker/confinement.h"
 #include "runtime/engine/worker/harness.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/kinematics.h"
@@ -153,6 +154,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     for (const schema::ComponentInfo& info : schema::Components())
       if (omissions.Omits(info.component) && schema::ListsWord(kept.names, info.name))
         omissions.Keep(info.component, kept.why);
+    if (!run.scene.plugins.empty()) Confine();  // caches are written, plug-ins are not yet loaded
     engine = std::make_unique<world::Engine>(run.scene, std::move(state), std::move(omissions));
     header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
     header.omitted = plan::OmittedNames(engine->omissions().decisions);
@@ -173,7 +175,9 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     if (RequestFor(run.scene, schema::Component::kWalls) == plan::PruningRequest::kAuto) throw;
     ReportFailure(recording, fmt::format("omit walls: this scene needs them: {}", tripped.what()));
   } catch (const std::bad_alloc&) {
-    ReportFailure(recording, "out of memory; fewer objects or fewer cycles need less");
+    header.is_out_of_memory.store(1, std::memory_order_relaxed);  // also of the one that settles
+    ReportFailure(recording,
+                  std::string(measure::kOutOfMemory) + "; fewer objects or fewer cycles need less");
   } catch (const std::exception& error) {
     ReportFailure(recording, error.what());
   }

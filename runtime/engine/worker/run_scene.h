@@ -25,7 +25,8 @@ struct Kept {
 /// hash, or kFailed with a message. The only exception that a scene can cause is
 /// OmissionGuardTripped: the run must then be restarted in a new process that keeps the walls, with
 /// the recording cleared. Returns the final world, or null if it was never built; destroying it can
-/// take longer than many cycles, so a worker that exits leaves it to the system.
+/// take longer than many cycles, so a worker that exits leaves it to the system. If the run has
+/// plug-ins, the process is confined before their code runs (confinement.h).
 std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording& recording,
                                         int contacts_fd, const Kept& kept = {});
 

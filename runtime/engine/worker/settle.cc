@@ -1,7 +1,9 @@
 #include "runtime/engine/worker/settle.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +16,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <new>
 #include <numeric>
 #include <string>
 #include <system_error>
@@ -28,6 +31,7 @@
 #include "library/meshes/decompose.h"
 #include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
+#include "runtime/engine/worker/come_to_rest.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/precision.h"
@@ -41,26 +45,26 @@ using layouts::InitialState;
 using layouts::ObjectState;
 using library::SceneError;
 
-constexpr double kSettleMargin = 0.4;  ///< of what an object grows by
+// Of what an object grows by.
+constexpr double kSettleMargin = 0.4, kReuseTolerance = 0.25;
 
 /// What is the same for all tries.
 struct Settling {
   const plan::Scene& scene;
   const InitialState& dropped;
-  std::vector<std::uint32_t> piled;  ///< objects
-  double diameter = 0, gravity = 0;  ///< mean, m; m/s^2
-  SettlingListener listener = {};    ///< may be empty
+  Falling falling = {};
+  SettlingListener listener = {};  ///< may be empty
 
   void Tell(measure::SettlingPhase phase, std::size_t at_rest) const {
     if (listener)
-      listener(
-          {phase, static_cast<std::uint32_t>(at_rest), static_cast<std::uint32_t>(piled.size())});
+      listener({phase, static_cast<std::uint32_t>(at_rest),
+                static_cast<std::uint32_t>(falling.objects.size())});
   }
-  double UnitOfTime() const { return std::sqrt(diameter / gravity); }
 };
 
 Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) {
-  Settling settling{scene, dropped, {}};
+  Settling settling{scene, dropped};
+  Falling& falling = settling.falling;
   for (std::size_t i = 0; i < dropped.objects.size(); ++i) {
     const ObjectState& object = dropped.objects[i];
     if (!layouts::IsPile(scene.groups[object.group])) continue;
@@ -69,10 +73,12 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
           fmt::format("the objects of group `{}` are fixed and cannot settle into a pile; give "
                       "them a mass, or another layout",
                       scene.groups[object.group].name));
-    settling.piled.push_back(static_cast<std::uint32_t>(i));
-    settling.diameter += 2 * object.solid.OuterRadius();
+    falling.objects.push_back(static_cast<std::uint32_t>(i));
+    falling.diameter += 2 * object.solid.OuterRadius();
+    falling.least_half_extent += object.solid.LeastHalfExtent();
   }
-  settling.diameter /= static_cast<double>(settling.piled.size());
+  falling.diameter /= static_cast<double>(falling.objects.size());
+  falling.least_half_extent /= static_cast<double>(falling.objects.size());
   if (scene.world.WordOr("world.walls") == "none")
     throw SceneError("a pile needs a floor: set world.walls to floor or all");
   const Vector3d& g = dropped.acceleration;
@@ -80,13 +86,13 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
     throw SceneError(
         "a pile settles under an acceleration that points down to the floor, as (0, "
         "-9.8, 0) does");
-  settling.gravity = -g.y();
+  falling.gravity = -g.y();
   return settling;
 }
 
 plan::Scene QuietScene(const Settling& settling) {
   plan::Scene scene = plan::SettlingScene(settling.scene);
-  scene.world.Set("timestep", std::min(1.0 / 60, settling.UnitOfTime() / 30));
+  scene.world.Set("timestep", settling.falling.Timestep());
   return scene;
 }
 
@@ -97,8 +103,9 @@ InitialState QuietState(const Settling& settling, double growth) {
     object.is_kinematic = false;  // all others stay where they begin
   }
   std::map<const objects::Compound*, std::shared_ptr<const objects::Compound>> grown;
-  const double push = 0.5 * std::sqrt(settling.gravity * settling.diameter);
-  for (const std::uint32_t i : settling.piled) {
+  const Falling& falling = settling.falling;
+  const double push = 0.5 * std::sqrt(falling.gravity * falling.diameter);
+  for (const std::uint32_t i : falling.objects) {
     ObjectState& object = state.objects[i];
     object.mass = settling.dropped.objects[i].mass;
     object.solid.sides *= growth;
@@ -119,65 +126,27 @@ InitialState QuietState(const Settling& settling, double growth) {
         plan::StreamSeed(settling.scene.seeds.at(group + ".location"), std::to_string(i)));
     const auto drawn = [&](double most) { return stream.Uniform(-most, most); };
     object.linear_velocity = {drawn(push), 0, drawn(push)};
-    const double spin = push / settling.diameter;
+    const double spin = push / falling.diameter;
     object.angular_velocity = {drawn(spin), drawn(spin), drawn(spin)};
   }
   return state;
 }
 
-/// Objects of which some point is faster than `slow`, m/s.
-std::size_t Restless(const Settling& settling, const world::Engine& engine, double slow) {
-  return static_cast<std::size_t>(std::ranges::count_if(settling.piled, [&](std::uint32_t i) {
-    const btRigidBody& body = *engine.objects()[i];
-    const double radius = settling.dropped.objects[i].solid.OuterRadius();
-    const double fastest = world::ToEigen(body.getLinearVelocity()).norm() +
-                           radius * world::ToEigen(body.getAngularVelocity()).norm();
-    return !(fastest < slow);
-  }));
-}
-
-/// Of the velocity is left after a unit of time: first most, so that objects find their places,
-/// then less and less, so that nothing jitters. What is not held still falls.
-double LeftAfterUnit(double units) {
-  constexpr double kFirst = 0.7, kLess = 0.85, kLeast = 0.01;
-  constexpr double kThicken = 20;  // units of time
-  return std::max(kLeast, kFirst * std::pow(kLess, std::max(0.0, units - kThicken)));
-}
-
-void Damp(const Settling& settling, world::Engine& engine, double units) {
-  const double left = std::pow(LeftAfterUnit(units), 1 / settling.UnitOfTime());  // after a second
-  const auto damping = static_cast<btScalar>(1 - left);
-  for (const std::uint32_t i : settling.piled) engine.objects()[i]->setDamping(damping, damping);
-}
-
-void ComeToRest(const Settling& settling, world::Engine& engine) {
-  const double unit = settling.UnitOfTime();
-  const double timestep = static_cast<double>(engine.timestep());
-  const int steps_of_unit = static_cast<int>(std::ceil(unit / timestep));
-  const double fall = std::sqrt(2 * engine.side() / settling.gravity);
-  const double slow = kRestSpeed * std::sqrt(settling.gravity * settling.diameter);
-  const auto few = static_cast<std::size_t>(kRestless * static_cast<double>(settling.piled.size()));
-  std::size_t restless = 0;
-  int checks = 0;
-  for (double time = 0; time < kSettleTime * unit + fall; time += steps_of_unit * timestep) {
-    Damp(settling, engine, time / unit);
-    for (int i = 0; i < steps_of_unit; ++i) engine.Step();
-    restless = Restless(settling, engine, slow);
-    settling.Tell(measure::SettlingPhase::kSettling, settling.piled.size() - restless);
-    checks = restless <= few ? checks + 1 : 0;
-    if (checks == kRestChecks) return;
+/// All objects, as they are when larger by `growth`.
+std::vector<ContactReuse::Body> BodiesOf(const InitialState& state, double growth) {
+  std::vector<ContactReuse::Body> bodies;
+  for (const ObjectState& object : state.objects) {
+    const objects::Solid& solid = object.solid;
+    bodies.push_back(
+        {growth * solid.OuterRadius(), kReuseTolerance * (growth - 1) * solid.LeastHalfExtent()});
   }
-  throw SceneError(
-      fmt::format("the pile does not come to rest: after {:.4g} s {} of {} objects still move; "
-                  "more friction or "
-                  "rolling_friction, or fewer objects, would help",
-                  kSettleTime * unit + fall, restless, settling.piled.size()));
+  return bodies;
 }
 
 /// The dropped objects with the poses that they have in the engine.
 InitialState StateOf(const Settling& settling, const world::Engine& engine) {
   InitialState state = settling.dropped;
-  for (const std::uint32_t i : settling.piled)
+  for (const std::uint32_t i : settling.falling.objects)
     state.objects[i].pose = world::ToPose(engine.objects()[i]->getWorldTransform());
   return state;
 }
@@ -224,6 +193,7 @@ bool TakePoses(std::string_view bytes, InitialState& state) {
 /// Before the poses; anything else is why there are none. Lines of progress come before it.
 constexpr std::string_view kSettled = "settled\n";
 constexpr std::string_view kProgress = "progress ";
+constexpr std::string_view kOutOfMemory = "out of memory\n";
 
 std::string ProgressLine(const SettlingProgress& progress) {
   return fmt::format("{}{} {} {}\n", kProgress, static_cast<std::uint32_t>(progress.phase),
@@ -270,9 +240,12 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
   int ends[2];
   if (pipe(ends) != 0) Fail("no pipe to settle a pile");
   // One thread alone, and nothing between fork and exec that could need a lock.
+  const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) Fail("cannot start a worker to settle a pile");
   if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // stays set in the program
+    if (getppid() != parent) _exit(127);
     dup2(text, STDIN_FILENO);
     dup2(ends[1], STDOUT_FILENO);
     close(ends[0]);
@@ -287,6 +260,7 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  if (answer == kOutOfMemory) throw std::bad_alloc();
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw std::runtime_error(fmt::format("{} could not settle the pile", program));
   return answer;
@@ -297,7 +271,9 @@ InitialState Settled(const Settling& settling) {
   std::string overlap;
   for (const double growth : kSettleGrowth) {
     world::Engine engine(quiet, QuietState(settling, growth), pruning::KeepEverything(quiet));
-    ComeToRest(settling, engine);
+    ComeToRest(
+        engine, settling.falling, BodiesOf(settling.dropped, growth),
+        [&](std::size_t at_rest) { settling.Tell(measure::SettlingPhase::kSettling, at_rest); });
     InitialState settled = StateOf(settling, engine);
     try {
       CheckClearance(settling.scene, settled);
@@ -311,7 +287,7 @@ InitialState Settled(const Settling& settling) {
 
 constexpr std::string_view kKind = "pile";
 /// To be raised with everything here that changes where objects come to rest.
-constexpr std::string_view kVersion = "1";
+constexpr std::string_view kVersion = "3";
 
 /// The numbers of the objects that decide the poses: settings of the group may be drawn, or follow
 /// from others.
@@ -375,6 +351,8 @@ void SettleForAnother(const plan::Run& run, int fd) {
       measure::WriteAll(fd, ProgressLine(progress));
     });
     answer += PosesOf(state);
+  } catch (const std::bad_alloc&) {
+    answer = kOutOfMemory;
   } catch (const std::exception& error) {
     answer = error.what();
   }

@@ -16,14 +16,6 @@ namespace cdb::worker {
 /// A little larger than they are, so that the objects do not overlap when they are themselves
 /// again: the first factor, and those tried when it was not enough.
 inline constexpr double kSettleGrowth[] = {1.02, 1.04, 1.08};
-/// At rest: of all but so many, which contacts keep trembling, no point moves faster than this, in
-/// units of sqrt(g d), d being the mean diameter, for kRestChecks looks in a row, a unit of time
-/// (sqrt(d / g)) apart.
-inline constexpr double kRestSpeed = 0.02;
-inline constexpr double kRestless = 0.02;  ///< of the objects
-inline constexpr int kRestChecks = 5;
-/// Units of time, beside that of the fall, after which a pile is given up.
-inline constexpr double kSettleTime = 400;
 
 struct SettlingProgress {
   measure::SettlingPhase phase = measure::SettlingPhase::kNone;
@@ -36,7 +28,7 @@ using SettlingListener = std::function<void(const SettlingProgress&)>;
 /// dropped; velocities stay as they were drawn. A push to the side and a spin, drawn from the
 /// stream `<group>.location`, keep equal objects from standing in columns. Other objects stand
 /// still the while. The pile comes to rest under the scene's acceleration, which must point
-/// downwards, friction and margins, with damping and without bounces.
+/// downwards, friction and margins, with damping and without bounces (come_to_rest.h).
 ///
 /// In the single-precision build, the double-precision worker beside this program does it. What was
 /// settled before is taken from the cache (library/content_cache.h); of several processes that need

@@ -6,8 +6,6 @@
 #include <LinearMath/btScalar.h>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -24,6 +22,7 @@
 #include "library/layouts/pose_table.h"
 #include "runtime/engine/detection/plugin_detectors.h"
 #include "runtime/engine/probes/memory.h"
+#include "runtime/engine/worker/memory_shortage.h"
 #include "runtime/engine/worker/replay.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/worker/settle.h"
@@ -59,22 +58,24 @@ bool HasDescriptors() {
   return true;
 }
 
-/// The same run from the start in a process that has done nothing yet, with all walls.
-[[noreturn]] void StartAgain(measure::Recording& recording,
-                             const world::OmissionGuardTripped& tripped, const Kept& kept) {
-  recording.Clear();
-  if (lseek(measure::kRunFd, 0, SEEK_SET) != 0 || ftruncate(measure::kContactsFd, 0) != 0 ||
-      lseek(measure::kContactsFd, 0, SEEK_SET) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot start again");
-  const std::string names = "walls " + kept.names;
-  execl("/proc/self/exe", g_program, measure::kKeepOption, names.c_str(), tripped.what(), nullptr);
-  throw std::system_error(errno, std::generic_category(), "cannot start again");
+/// The runner starts the same run again, in a process that has done nothing yet, with all walls.
+void AskToStartAgain(measure::Recording& recording, const world::OmissionGuardTripped& tripped) {
+  recording.header().message = tripped.what();
+  recording.header().outcome.store(measure::WorkerOutcome::kAgain, std::memory_order_release);
+}
+
+void RunScenario(const plan::Run& run, measure::Recording& recording, const Kept& kept) {
+  auto engine = RunScene(run, recording, measure::kContactsFd, kept);
+  // The C library finds what a plug-in wrote past its memory when that is freed.
+  if (!run.scene.plugins.empty()) return;
+  static_cast<void>(engine.release());  // the system takes it down
 }
 
 void RunWorker(const Kept& kept) {
   const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
   measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
   const detection::NotesPluginCalls notes(recording.header().plugin_call);
+  const NotesMemoryShortage shortage(recording.header().is_out_of_memory);
   const std::string mismatch = world::PrecisionMismatch();
   if (!mismatch.empty()) {
     ReportFailure(recording, mismatch);
@@ -87,10 +88,10 @@ void RunWorker(const Kept& kept) {
       if (plan::TraceOf(run.scene)) {
         ReplayTrace(run, recording, measure::kTraceFd);
       } else {
-        RunScene(run, recording, measure::kContactsFd, kept).release();  // the system takes it down
+        RunScenario(run, recording, kept);
       }
     } catch (const world::OmissionGuardTripped& tripped) {
-      StartAgain(recording, tripped, kept);
+      AskToStartAgain(recording, tripped);
     }
   }
   // Where the run did not get that far.
@@ -111,8 +112,7 @@ int Execute(const std::vector<std::string>& arguments) {
     return kCannotReport;
   }
   try {
-    // A runner that is killed must not leave workers behind.
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    measure::BindToRunner();
     layouts::SetPoseReader(
         [](const schema::Call& poses) { return layouts::UnpackPoses(ReadPackedPoses(), poses); });
     if (settles) {

@@ -233,7 +233,11 @@ File File::Open(const std::filesystem::path& path) {
   BeQuiet();
   CloseBackdoors();
   if (const std::string why = plan::WhyNotReadable(path); !why.empty()) throw Error(why);
-  Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open it");
+  const Id access = NewProperties(H5P_FILE_ACCESS);
+  // Files get their names when they are whole, so that HDF5's locks would add nothing, and a
+  // network file system may know none.
+  Check(H5Pset_file_locking(access.get(), false, true), "set up HDF5");
+  Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, "open it");
   hsize_t bytes = 0;
   Check(H5Fget_filesize(file.get(), &bytes), "read the length of the file");
   return File(std::move(file), nullptr, std::max<std::uint64_t>(bytes, 1));

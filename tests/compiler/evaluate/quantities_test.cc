@@ -29,6 +29,7 @@ TEST(Units, DecimalsAreTheSameDoubleAsWrittenInSi) {
   EXPECT_EQ(ConvertedLiteral("2.7", "g/cm^3").AsReal(), 2700.0);
   EXPECT_EQ(ConvertedLiteral("36", "km/h").AsReal(), 10.0);
   EXPECT_EQ(ConvertedLiteral("1.5", "kN").AsReal(), 1500.0);
+  EXPECT_EQ(ConvertedLiteral("1.5", "GB").AsReal(), 1.5e9);
 }
 
 // A factor in binary would round twice: 0.3 / 1000 and 0.0003 differ.
@@ -48,6 +49,8 @@ TEST(Units, WholeNumbersStayWholeWhereTheyAre) {
   EXPECT_EQ(ConvertedLiteral("5", "km"), Number::Whole(5000));
   EXPECT_EQ(ConvertedLiteral("5", "min"), Number::Whole(300));
   EXPECT_EQ(ConvertedLiteral("5000", "mm"), Number::Whole(5));
+  EXPECT_EQ(ConvertedLiteral("500", "MiB"), Number::Whole(524288000));
+  EXPECT_EQ(ConvertedLiteral("2", "TiB"), Number::Whole(2199023255552));
   EXPECT_FALSE(ConvertedLiteral("5", "mm").is_whole());
 }
 
@@ -85,6 +88,7 @@ TEST(Units, AUnitBelongsToTheProductBeforeIt) {
   EXPECT_EQ(SceneWith("timestep 10 ms").world.Real("timestep"), 0.01);
   EXPECT_EQ(SceneWith("timestep 1/60 s").world.Real("timestep"), 1.0 / 60);
   EXPECT_EQ(SceneWith("timeout 5 min").world.Real("timeout"), 300);
+  EXPECT_EQ(SceneWith("memory 2 GB").world.Real("memory"), 2e9);
   EXPECT_EQ(SceneWith("let n = 4; timestep 10 ms / n").world.Real("timestep"), 0.0025);
   EXPECT_EQ(SceneWith("let n = 4; timestep (n) ms").world.Real("timestep"), 0.004);
   EXPECT_EQ(SceneWith("world.side 20 * 5 m + 50 cm").world.Real("world.side"), 100.5);
@@ -112,14 +116,27 @@ TEST(Units, ConditionsCompareInSi) {
 }
 
 TEST(Units, WhatDoesNotFitIsOneError) {
-  for (const char* text :
-       {"objects.size 5 kg", "cycles 5 s", "let a = 5 kg; objects.size a", "let a = 5 kg + 2 cm",
-        "objects.size 5 cm + 3", "objects.linear_velocity (1, 2 cm/s, 3)",
-        "objects.mass uniform(1, 5 kg)", "objects.size sweep(1 .. 5 cm)",
-        "objects.location ring(radius: 5 s)", "skip when quantity > 5 cm",
-        "objects.aspect 1 : 2 cm : 3", "objects.size (5 cm) cm", "objects.size 5 cm^x",
-        "timestep 5 fortnight", "timestep 5 seconds", "let n = 5; timestep n ms",
-        "objects.type any(sphere 3, cone 1) cm", "timestep 10ms"}) {
+  for (const char* text : {"objects.size 5 kg",
+                           "cycles 5 s",
+                           "memory 5 s",
+                           "timeout 5 GB",
+                           "memory 5 gb",
+                           "let a = 5 kg; objects.size a",
+                           "let a = 5 kg + 2 cm",
+                           "objects.size 5 cm + 3",
+                           "objects.linear_velocity (1, 2 cm/s, 3)",
+                           "objects.mass uniform(1, 5 kg)",
+                           "objects.size sweep(1 .. 5 cm)",
+                           "objects.location ring(radius: 5 s)",
+                           "skip when quantity > 5 cm",
+                           "objects.aspect 1 : 2 cm : 3",
+                           "objects.size (5 cm) cm",
+                           "objects.size 5 cm^x",
+                           "timestep 5 fortnight",
+                           "timestep 5 seconds",
+                           "let n = 5; timestep n ms",
+                           "objects.type any(sphere 3, cone 1) cm",
+                           "timestep 10ms"}) {
     const compiler::Compilation result = CompileText(std::string("benchmark b { ") + text + " }");
     EXPECT_EQ(result.diagnostics.error_count(), 1) << text << "\n"
                                                    << dsl::Render(result.diagnostics);

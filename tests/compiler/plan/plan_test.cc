@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <vector>
 
 #include "compiler/plan/plan_yaml.h"
+#include "compiler/plan/plan_yaml_writer.h"
 #include "compiler/plan/short_plan.h"
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
@@ -140,6 +143,31 @@ TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
   const compiler::Compilation again = CompileText(text, {{"a \"\n\tb.obj", "v 0 0 0"}});
   EXPECT_EQ(dsl::Render(again.diagnostics), "");
   EXPECT_EQ(again.plans.at(0).runs[0].id, plan.runs[0].id);
+}
+
+/// In any order, as one writer may get the runs of several plans: references, plug-ins, groups.
+TEST(RunText, IsThatOfARunAlone) {
+  std::vector<plan::Run> runs;
+  for (const plan::Plan& plan : {Example(), PluginsExample(), WordsExample(), Example()})
+    for (const plan::Run& run : plan.runs) runs.push_back(run);
+  runs.push_back(runs.front());
+  runs.back().scene.role = plan::Role::kReference;
+  plan::RunText text("");
+  for (int round = 0; round < 2; ++round) {
+    for (const plan::Run& run : runs) EXPECT_EQ(text.YamlOf(run), plan::RunToYaml(run)) << run.id;
+    std::ranges::reverse(runs);
+  }
+}
+
+TEST(RunText, TellsZerosOfDifferentSignApart) {
+  plan::Run run = Example().runs[0];
+  run.scene.groups[0].settings.Set("linear_velocity", Eigen::Vector3d(0.0, 1, 0));
+  plan::Run other = run;
+  other.scene.groups[0].settings.Set("linear_velocity", Eigen::Vector3d(-0.0, 1, 0));
+  ASSERT_NE(plan::RunToYaml(run), plan::RunToYaml(other));
+  plan::RunText text("");
+  for (const plan::Run* one : {&run, &other, &run})
+    EXPECT_EQ(text.YamlOf(*one), plan::RunToYaml(*one));
 }
 
 TEST(PlanYaml, LeavesOutABriefParameterAtItsDefault) {

@@ -39,6 +39,9 @@ BoxScene::BoxScene(std::string_view name, std::size_t objects, bool walls, std::
   } else if (name == "cluster") {
     half_side_ = 3 * std::cbrt(n) * size;
     speed = size / 100;
+  } else if (name == "swarms") {
+    half_side_ = size * n / 2;
+    speed = size / 100;
   } else if (name == "mixed") {
     half_side_ = std::cbrt(n / 0.05) * 100;
     speed = 5;
@@ -47,6 +50,12 @@ BoxScene::BoxScene(std::string_view name, std::size_t objects, bool walls, std::
     half_side_ = std::cbrt(n) * size;
     jitter_ = size / 1000;
   }
+  std::vector<Vec3> middles;
+  if (name == "swarms")
+    for (int swarm = 0; swarm < 8; ++swarm) {
+      Vec3& middle = middles.emplace_back();
+      for (const auto axis : kAxes) middle.*axis = Uniform(-half_side_ / 2, half_side_ / 2);
+    }
   const auto row = static_cast<std::size_t>(std::ceil(std::cbrt(n)));
   for (std::size_t i = 0; i < objects; ++i) {
     Vec3 at = {}, step = {};
@@ -54,6 +63,9 @@ BoxScene::BoxScene(std::string_view name, std::size_t objects, bool walls, std::
       double& x = at.*kAxes[axis];
       if (name == "cluster") {
         x = std::normal_distribution<double>(0, half_side_ / 3)(random_);
+      } else if (!middles.empty() && i % 4 != 0) {
+        x = std::normal_distribution<double>(middles[i % 8].*kAxes[axis],
+                                             std::cbrt(n / 8) * size)(random_);
       } else if (name == "pile" || name == "asleep" || name == "shots") {
         const std::size_t place = axis == 0 ? i % row : axis == 1 ? i / row % row : i / row / row;
         x = static_cast<double>(place) * size * 0.999 + Uniform(-0.02, 0.02) * size;

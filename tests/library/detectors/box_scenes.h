@@ -12,9 +12,10 @@
 namespace cdb::tests {
 
 /// `sparse` (the paper's cube, nearly no pairs), `dense` (15 % full, moving a tenth of a size a
-/// cycle), `cluster` (normal about 0), `pile` (layers that jitter), `asleep` (the same at rest),
-/// `shots` (the same, and one in fifty flies through it, up to half a size a cycle), `mixed` (sizes
-/// 50 to 500 and rods of 1 : 1 : 50). All is drawn from `seed`.
+/// cycle), `cluster` (normal about 0), `swarms` (a quarter as in `sparse`, the others in six
+/// clusters there), `pile` (layers that jitter), `asleep` (the same at rest), `shots` (the same,
+/// and one in fifty flies through it, up to half a size a cycle), `mixed` (sizes 50 to 500 and rods
+/// of 1 : 1 : 50). All is drawn from `seed`.
 class BoxScene {
  public:
   BoxScene(std::string_view name, std::size_t objects, bool walls = false, std::uint64_t seed = 1);
@@ -43,8 +44,8 @@ class BoxScene {
 };
 
 /// The names.
-inline constexpr std::string_view kBoxScenes[] = {"sparse", "dense", "cluster", "pile",
-                                                  "asleep", "shots", "mixed"};
+inline constexpr std::string_view kBoxScenes[] = {"sparse", "dense",  "cluster", "swarms",
+                                                  "pile",   "asleep", "shots",   "mixed"};
 
 /// Bodies whose boxes the test sets itself.
 struct Boxes {

@@ -9,6 +9,7 @@
 #include "library/objects/distance.h"
 #include "tests/library/layouts/layout_scene.h"
 #include "tests/library/objects/random_solids.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -237,7 +238,7 @@ TEST(Layout, PairIsJustSoFarApart) {
         layouts::ObjectState &first = state.objects[0], &second = state.objects[1];
         first.solid = a;
         second.solid = b;
-        for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        for (int seed = 0; seed < Cases(100); ++seed) {
           SeedStreams(scene, seed);
           first.pose.orientation = stream.Turn();
           second.pose.orientation = stream.Turn();
@@ -253,7 +254,7 @@ TEST(Layout, PairIsJustSoFarApart) {
 
 TEST(Layout, PairsDirectionIsUniform) {
   plan::Scene scene = LayoutScene(2, 10000, Layout("pair", {{"distance", 1.0}}));
-  constexpr int kSeeds = 3000;
+  constexpr int kSeeds = Cases(3000);
   Vector3d mean = Vector3d::Zero(), square = Vector3d::Zero();
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     SeedStreams(scene, seed);

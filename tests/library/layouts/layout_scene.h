@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,6 +55,25 @@ inline void MixObjects(plan::Scene& scene, std::size_t group = 0) {
   SetGroup(scene, "orientation", Word("random"), group);
 }
 
+/// Calls `check(i, j)` for each two objects that are near enough to touch, found by a sweep along
+/// x.
+template <typename Check>
+void ForEachNear(const layouts::InitialState& state, Check check) {
+  struct Extent {
+    double low, high;  ///< of a ball around the object
+    std::size_t object;
+  };
+  std::vector<Extent> along;
+  for (const layouts::ObjectState& object : state.objects) {
+    const double x = object.pose.position.x(), reach = object.solid.sides.norm();
+    along.push_back({x - reach, x + reach, along.size()});
+  }
+  std::ranges::sort(along, {}, &Extent::low);
+  for (std::size_t i = 0; i < along.size(); ++i)
+    for (std::size_t j = i + 1; j < along.size() && along[j].low <= along[i].high; ++j)
+      check(along[i].object, along[j].object);
+}
+
 /// Nothing that moves touches a wall or anything else, tested pair by pair.
 inline void ExpectNothingTouches(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
@@ -63,12 +84,12 @@ inline void ExpectNothingTouches(const plan::Scene& scene, const layouts::Initia
       EXPECT_LT((a.pose.position + box.upper).maxCoeff(), half) << i;
       EXPECT_GT((a.pose.position + box.lower).minCoeff(), -half) << i;
     }
-    for (std::size_t j = 0; j < i; ++j) {
-      const layouts::ObjectState& b = state.objects[j];
-      if (a.IsFixed() && b.IsFixed()) continue;
-      ASSERT_FALSE(Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << j;
-    }
   }
+  ForEachNear(state, [&](std::size_t i, std::size_t j) {
+    const layouts::ObjectState &a = state.objects[i], &b = state.objects[j];
+    if (a.IsFixed() && b.IsFixed()) return;
+    ASSERT_FALSE(Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << j;
+  });
 }
 
 /// What MakeInitialState says against the scene; empty where nothing.

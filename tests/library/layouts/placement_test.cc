@@ -11,6 +11,8 @@
 #include "library/layouts/grid.h"
 #include "library/objects/overlap.h"
 #include "library/scene_error.h"
+#include "tests/library/layouts/layout_scene.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/scene.h"
 
 namespace cdb::tests {
@@ -34,20 +36,11 @@ void ExpectFree(const plan::Scene& scene, const layouts::InitialState& state) {
     const objects::Box box = objects::Bounds(a.solid, a.pose.orientation);
     EXPECT_LT((a.pose.position + box.upper).maxCoeff(), half);
     EXPECT_GT((a.pose.position + box.lower).minCoeff(), -half);
-    for (std::size_t j = 0; j < i; ++j) {
-      const layouts::ObjectState& b = state.objects[j];
-      ASSERT_FALSE(objects::Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << j;
-    }
   }
-}
-
-std::string FailureOf(const plan::Scene& scene) {
-  try {
-    layouts::MakeInitialState(scene);
-  } catch (const library::SceneError& error) {
-    return error.what();
-  }
-  return "";
+  ForEachNear(state, [&](std::size_t i, std::size_t j) {
+    const layouts::ObjectState &a = state.objects[i], &b = state.objects[j];
+    ASSERT_FALSE(objects::Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << j;
+  });
 }
 
 TEST(Placement, NothingTouches) {
@@ -232,7 +225,7 @@ TEST(Placement, SaturationIsProvenAndSaysHowFullItGot) {
     for (std::uint32_t i = 0; i < stand; ++i) grid.Add(i, box_at(state.objects[i].pose.position));
     distributions::Stream stream(8);
     const double reach = side / 2 - 25;
-    for (int i = 0; i < 300000; ++i) {
+    for (int i = 0; i < Cases(300000); ++i) {
       objects::Pose pose;
       for (double& x : pose.position) x = stream.Uniform(-reach, reach);
       ASSERT_TRUE(grid.AnyOf(box_at(pose.position), [&](std::uint32_t j) {

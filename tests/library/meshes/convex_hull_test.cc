@@ -10,6 +10,7 @@
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
 #include "tests/library/meshes/test_meshes.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -123,7 +124,7 @@ TEST(OverlapVolume, CountsWhatIsInsideTwiceOnce) {
 TEST(OverlapVolume, AgreesWithTheIntegralsWhateverWayTheMeshIsTurned) {
   for (const meshes::Mesh& mesh :
        {SphereMesh(1, 4), meshes::TorusMesh(2, 0.5, 50, 30), AngleMesh()})
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < Cases(6); ++i) {
       const Eigen::Matrix3d turn =
           Eigen::AngleAxisd(i, Spread(i + 1).normalized()).toRotationMatrix();
       const meshes::Mesh moved = Moved(mesh, turn, Spread(i));

@@ -7,6 +7,7 @@
 
 #include "library/objects/overlap.h"
 #include "tests/library/objects/random_solids.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -48,7 +49,7 @@ double Between(const Vector3d& offset, const Vector3d& half_a, const Vector3d& h
 
 TEST(Distance, Balls) {
   distributions::Stream stream(1);
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < Cases(1000); ++i) {
     const objects::Solid a{objects::Shape::kEllipsoid, Vector3d::Constant(stream.Uniform(1, 9))};
     const objects::Solid b{objects::Shape::kEllipsoid, Vector3d::Constant(stream.Uniform(1, 9))};
     const Vector3d offset = RandomDirection(stream) * stream.Uniform(0, 20);
@@ -59,7 +60,7 @@ TEST(Distance, Balls) {
 
 TEST(Distance, BoxesSideBySide) {
   distributions::Stream stream(2);
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < Cases(2000); ++i) {
     const objects::Solid a = RandomSolid(stream, objects::Shape::kCuboid, 50);
     const objects::Solid b = RandomSolid(stream, objects::Shape::kCuboid, 50);
     const Vector3d offset = RandomDirection(stream) * stream.LogUniform(1, 1000);
@@ -72,7 +73,7 @@ TEST(Distance, BoxesSideBySide) {
 TEST(Distance, RoundCapsuleAndBox) {
   // A segment within a ball of its radius.
   distributions::Stream stream(3);
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < Cases(2000); ++i) {
     const double radius = stream.Uniform(0.5, 2), height = 2 * radius + stream.Uniform(0, 30);
     const objects::Solid capsule{objects::Shape::kCapsule, {2 * radius, height, 2 * radius}};
     const objects::Solid box = RandomSolid(stream, objects::Shape::kCuboid, 10);
@@ -87,7 +88,7 @@ TEST(Distance, RoundCapsuleAndBox) {
 
 TEST(Distance, BallAndCylinder) {
   distributions::Stream stream(4);
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < Cases(2000); ++i) {
     const double width = stream.Uniform(1, 9), height = stream.Uniform(1, 9);
     const objects::Solid cylinder{objects::Shape::kCylinder, {width, height, width}};
     const objects::Solid ball{objects::Shape::kEllipsoid, Vector3d::Constant(stream.Uniform(1, 9))};
@@ -105,7 +106,7 @@ TEST(Distance, EverythingAboveALargeFace) {
   // What is lowest of it is as far as it is high.
   distributions::Stream stream(5);
   const objects::Solid floor{objects::Shape::kCuboid, {1000, 10, 1000}};
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < Cases(3000); ++i) {
     const objects::Solid solid = RandomSolid(stream, kConvexShapes[i % 6], 50);
     const double gap = stream.LogUniform(1e-6, 100);
     const Quaterniond turn = stream.Turn();
@@ -145,7 +146,7 @@ TEST(Distance, PropertiesForAllPairs) {
   int apart = 0, overlapping = 0;
   for (const objects::Solid& a : solids) {
     for (const objects::Solid& b : solids) {
-      for (int i = 0; i < 10; ++i) {
+      for (int i = 0; i < Cases(10); ++i) {
         const double size = SizeOf(a, b);
         const objects::Pose pa{Vector3d::Zero(), stream.Turn()};
         const double away = stream.LogUniform(0.1, 2);
@@ -173,8 +174,8 @@ TEST(Distance, PropertiesForAllPairs) {
       }
     }
   }
-  EXPECT_GT(apart, 500);
-  EXPECT_GT(overlapping, 500);
+  EXPECT_GT(apart, Cases(500));
+  EXPECT_GT(overlapping, Cases(500));
 }
 
 TEST(Approach, IsAsNearAsAskedAndWasNeverNearer) {
@@ -200,7 +201,7 @@ TEST(Approach, IsAsNearAsAskedAndWasNeverNearer) {
         }
         pb.position = *apart * direction;
         ASSERT_NEAR(objects::Distance(a, pa, b, pb), wanted, kDistanceError * (size + wanted));
-        for (int i = 1; i <= 20; ++i) {
+        for (int i = 1; i <= Cases(20); ++i) {
           pb.position = (*apart + i * 0.1 * size) * direction;
           ASSERT_GE(objects::Distance(a, pa, b, pb), wanted);
         }

@@ -8,6 +8,7 @@
 
 #include "library/distributions/stream.h"
 #include "tests/library/objects/random_solids.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -50,7 +51,7 @@ bool BoxesOverlap(const objects::Solid& a, const objects::Pose& pa, const object
 TEST(Overlap, BoxesAsTheirSeparatingAxesSay) {
   distributions::Stream stream(1);
   int overlapping = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < Cases(20000); ++i) {
     const objects::Solid a{objects::Shape::kCuboid,
                            {stream.Uniform(1, 5), stream.Uniform(1, 5), 2}};
     const objects::Solid b{objects::Shape::kCuboid,
@@ -62,13 +63,13 @@ TEST(Overlap, BoxesAsTheirSeparatingAxesSay) {
     ASSERT_EQ(objects::Overlap(a, pa, b, pb), expected) << i;
     ASSERT_EQ(objects::Overlap(b, pb, a, pa), expected) << i;
   }
-  EXPECT_GT(overlapping, 2000);
-  EXPECT_LT(overlapping, 18000);
+  EXPECT_GT(overlapping, Cases(2000));
+  EXPECT_LT(overlapping, Cases(18000));
 }
 
 TEST(Overlap, BallAndBoxAsTheirDistanceSays) {
   distributions::Stream stream(2);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < Cases(20000); ++i) {
     const objects::Solid box{objects::Shape::kCuboid,
                              {stream.Uniform(1, 5), stream.Uniform(1, 5), 2}};
     const double radius = stream.Uniform(0.5, 3);
@@ -86,7 +87,7 @@ TEST(Overlap, BallAndBoxAsTheirDistanceSays) {
 
 TEST(Overlap, SolidsWithACommonPointOverlap) {
   distributions::Stream stream(3);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < Cases(20000); ++i) {
     const objects::Solid a = AnySolid(stream, 50), b = AnySolid(stream, 50);
     const objects::Pose pa{Direction(stream) * 100, stream.Turn()};
     // A point of a's surface is put on a point of b between its centre of mass and its surface.
@@ -99,7 +100,7 @@ TEST(Overlap, SolidsWithACommonPointOverlap) {
 
 TEST(Overlap, SolidsWithAPlaneBetweenThemAreApart) {
   distributions::Stream stream(4);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < Cases(20000); ++i) {
     const objects::Solid a = AnySolid(stream, 50), b = AnySolid(stream, 50);
     const objects::Pose pa{Direction(stream) * 100, stream.Turn()};
     const Vector3d normal = Direction(stream);

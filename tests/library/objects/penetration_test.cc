@@ -7,6 +7,7 @@
 
 #include "library/objects/overlap.h"
 #include "tests/library/objects/random_solids.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -42,7 +43,7 @@ Case RandomCase(distributions::Stream& stream) {
 TEST(ExactContact, NoDirectionOutIsShorterAndItsOwnIsAsLong) {
   distributions::Stream stream(1);
   int overlapping = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < Cases(2000); ++i) {
     const Case c = RandomCase(stream);
     const auto exact = objects::ExactContact(c.a, c.pose_a, c.b, c.pose_b);
     if (!exact) continue;
@@ -52,18 +53,18 @@ TEST(ExactContact, NoDirectionOutIsShorterAndItsOwnIsAsLong) {
     if (exact->depth <= 0) continue;
     ++overlapping;
     // Anywhere, and about what is said to be least.
-    for (int k = 0; k < 500; ++k) {
+    for (int k = 0; k < Cases(500); ++k) {
       const double spread = k % 2 == 0 ? 10 : 1e-3;
       const Vector3d other = (exact->normal + spread * RandomDirection(stream)).normalized();
       ASSERT_GE(MoveAlong(other, c.a, c.pose_a, c.b, c.pose_b), exact->depth - 1e-12);
     }
   }
-  EXPECT_GT(overlapping, 500);
+  EXPECT_GT(overlapping, Cases(500));
 }
 
 TEST(ExactContact, OverlapsWhereTheyOverlapAndIsUndoneByItsMove) {
   distributions::Stream stream(2);
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < Cases(2000); ++i) {
     Case c = RandomCase(stream);
     const auto exact = objects::ExactContact(c.a, c.pose_a, c.b, c.pose_b);
     const bool is_deep = exact && exact->depth > 1e-9;
@@ -77,7 +78,7 @@ TEST(ExactContact, OverlapsWhereTheyOverlapAndIsUndoneByItsMove) {
 
 TEST(ExactContact, IsTheOtherWayRoundForTheOtherOrder) {
   distributions::Stream stream(3);
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < Cases(2000); ++i) {
     const Case c = RandomCase(stream);
     const auto one = objects::ExactContact(c.a, c.pose_a, c.b, c.pose_b);
     const auto other = objects::ExactContact(c.b, c.pose_b, c.a, c.pose_a);

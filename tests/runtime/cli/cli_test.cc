@@ -64,7 +64,9 @@ TEST(Run, IsRepeatableToTheBit) {
   EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "-o", "one.h5"}).status, 0);
   EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "-o", "two.h5"}).status, 0);
   EXPECT_EQ(program.Run({"run", "plan.yaml", "-q", "-o", "yaml.h5"}).status, 0);
-  EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "-j", "2", "-o", "jobs.h5"}).status, 0);
+  EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "-j", "2", "--shared-timings", "-o", "jobs.h5"})
+                .status,
+            0);
   const auto one = Hashes(program.folder() / "one.h5");
   EXPECT_EQ(one.size(), 4u);
   for (const char* other : {"two.h5", "yaml.h5", "jobs.h5"})
@@ -109,10 +111,32 @@ TEST(Run, MarksTimingsThatAreNotToBeQuoted) {
   const Finished one = program.Run({"run", "small.cdb", "-o", "one.h5"});
   EXPECT_EQ(has(one, "not timings to quote"), cli::BuildType() != "Release") << one.out;
   EXPECT_FALSE(has(one, "several runs at a time")) << one.out;
-  const Finished two = program.Run({"run", "small.cdb", "-j", "2", "-o", "two.h5"});
+  const Finished two =
+      program.Run({"run", "small.cdb", "-j", "2", "--shared-timings", "-o", "two.h5"});
   EXPECT_TRUE(has(two, "several runs at a time (jobs 2)")) << two.out;
   EXPECT_EQ(store::ResultFile(program.folder() / "two.h5").ReadProvenance("build_type"),
             cli::BuildType());
+}
+
+TEST(Run, RefusesJobsThatDisturbTimes) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  const Finished refused = program.Run({"run", "small.cdb", "-j", "2"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("--shared-timings"), std::string::npos) << refused.err;
+  EXPECT_FALSE(program.Exists("small.h5"));
+  EXPECT_FALSE(program.Exists("small.runs"));
+  program.Write("counts.cdb", "benchmark counts { cycles 3; record counts }\n");
+  EXPECT_EQ(program.Run({"run", "counts.cdb", "-q", "-j", "2"}).status, 0);
+}
+
+TEST(Run, KeepsTheShardsOfTwoOutputsApart) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  for (const char* out : {"r.v1", "r.v2", "r.h5"})
+    EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "--shard", "1/2", "-o", out}).status, 0);
+  for (const char* folder : {"r.v1.runs", "r.v2.runs", "r.runs"})
+    EXPECT_TRUE(program.Exists(folder)) << folder;
 }
 
 TEST(Run, KnowsWhatIsDone) {
@@ -356,6 +380,21 @@ TEST(Merge, RefusesShardsOfTwoPlans) {
       << merged.err;
   EXPECT_FALSE(program.Exists("x.h5"));
   EXPECT_EQ(program.Run({"merge", "-o", "x.h5", "a.runs", "a.runs"}).status, 0);
+}
+
+TEST(Merge, KeepsTheRunsThatAResultHasAlready) {
+  const Program program;
+  program.Write("s.cdb",
+                "benchmark s { seed sweep(1, 2); cycles 3; world.side 20\n"
+                "objects { size 1; quantity 2 } }");
+  for (const char* shard : {"1/2", "2/2"}) {
+    const Finished run = program.Run({"run", "s.cdb", "-q", "--shard", shard});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const Finished merged = program.Run({"merge", "-o", "s.h5", "s.runs"});
+    EXPECT_NE(merged.err.find(shard[0] == '1' ? "1 of 2 runs" : "2 of 2 runs"), std::string::npos)
+        << merged.err;
+    std::filesystem::remove_all(program.folder() / "s.runs");
+  }
 }
 
 TEST(Plan, EstimatesWhatPilesTakeToSettle) {
@@ -616,11 +655,6 @@ TEST(CommandLine, RefusesByName) {
   EXPECT_EQ(program.Run({}).status, 2);
   EXPECT_EQ(program.Run({"runn"}).status, 2);
   EXPECT_EQ(program.Run({"--version"}).status, 0);
-  for (const char* later : {"submit"}) {
-    const Finished finished = program.Run({later, "x"});
-    EXPECT_EQ(finished.status, 2);
-    EXPECT_NE(finished.err.find(later), std::string::npos);
-  }
   program.Write("b.cdb", "benchmark b { }");
   EXPECT_EQ(program.Run({"run", "b.cdb", "--shard", "3/2"}).status, 2);
   EXPECT_EQ(program.Run({"run", "b.cdb", "-j", "0"}).status, 2);

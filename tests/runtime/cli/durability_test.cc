@@ -68,8 +68,8 @@ TEST(Kill, TwentyTimesAtRandomMomentsLosesNothing) {
   for (int round = 0; kills < 20; ++round) {
     ASSERT_LT(round, 200) << "no run is ever caught";
     const std::string jobs = round % 2 == 0 ? "1" : "2";
-    const pid_t child =
-        program.Start({CdbPath(), "run", "sweep.cdb", "-q", "-j", jobs, "-o", "killed.h5"});
+    const pid_t child = program.Start(
+        {CdbPath(), "run", "sweep.cdb", "-q", "-j", jobs, "--shared-timings", "-o", "killed.h5"});
     const double part = static_cast<double>(random() >> 11) * 0x1p-53;
     std::this_thread::sleep_for(whole * part * 0.5);
     kill(child, SIGKILL);

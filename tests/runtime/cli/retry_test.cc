@@ -130,6 +130,14 @@ TEST_F(Retry, AnInterruptedFreshGoesOn) {
   EXPECT_FALSE(program_.Exists("s.runs"));
 }
 
+TEST_F(Retry, SaysThatAChangedTimeoutMakesAnotherPlan) {
+  program_.Write("s.cdb", std::string(kFails).insert(14, "timeout 60; "));
+  const Finished finished = program_.Run({"run", "s.cdb", "--retry", "failed"});
+  EXPECT_EQ(finished.status, 2);
+  EXPECT_NE(finished.err.find("a changed `timeout`"), std::string::npos) << finished.err;
+  EXPECT_EQ(StatusOf(1), Status::kFailed);
+}
+
 TEST_F(Retry, RefusesWhatDoesNotGoTogether) {
   const auto refused = [&](std::vector<std::string> arguments, const std::string& part) {
     arguments.insert(arguments.begin(), {"run", "s.cdb"});

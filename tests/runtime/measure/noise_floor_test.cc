@@ -17,12 +17,13 @@ TEST(NoiseFloor, IsOfLoopsThatTookTime) {
 }
 
 TEST(NoiseFloor, IsQuietWithinItsLimitsAlone) {
-  const measure::NoiseFloor quiet = {100, 1000, 995, 1005, 1050, 3000, 0.01, 0, 20};
+  const measure::NoiseFloor quiet = {100, 1000, 995, 1005, 1050, 3000, 0.01, 0, 0.02, 20};
   EXPECT_TRUE(quiet.IsQuiet());
   for (const auto& [member, value] : {std::pair(&measure::NoiseFloor::half_high, 1020.0),
                                       {&measure::NoiseFloor::p99, 1200.0},
                                       {&measure::NoiseFloor::off_processor, 0.05},
-                                      {&measure::NoiseFloor::stolen, 0.02}}) {
+                                      {&measure::NoiseFloor::stolen, 0.02},
+                                      {&measure::NoiseFloor::others, 0.9}}) {
     measure::NoiseFloor disturbed = quiet;
     disturbed.*member = value;
     EXPECT_FALSE(disturbed.IsQuiet()) << value;

@@ -1,7 +1,9 @@
 #include "runtime/process/worker.h"
 #include "runtime/measure/host.h"
 #include "runtime/process/collect.h"
+#include "runtime/process/process.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <signal.h>
@@ -17,6 +19,7 @@
 #include <fstream>
 #include <set>
 #include <string>
+#include <thread>
 
 #include "tests/runtime/schedule/plans.h"
 #include "tests/support/folders.h"
@@ -174,6 +177,43 @@ TEST(WorkerTest, ATimeoutWhileAPileSettlesSaysSo) {
   EXPECT_EQ(message(), "ended at its timeout of 2 s after 0 of 10 cycles");
 }
 
+TEST(WorkerTest, AMemoryLimitEndsItsRunAlone) {
+  if (kAddressSanitizer) GTEST_SKIP() << "shadow memory exceeds any limit";
+  PlanShape shape;
+  shape.memory_bytes = 3e9;
+  rlimit before = {}, after = {};
+  getrlimit(RLIMIT_DATA, &before);
+  EXPECT_EQ(RunOne(MakeBehaviourPlan({kTakesMemory})).result.status, store::Status::kDone);
+  const process::Ending over = RunOne(MakeBehaviourPlan({kTakesMemory}, shape));
+  EXPECT_EQ(over.result.status, store::Status::kFailed);
+  EXPECT_EQ(over.result.message,
+            "ended at its memory limit of 3 GB after 3 of 10 cycles; raise `memory`, or take fewer "
+            "objects");
+  const process::Ending crashed = RunOne(MakeBehaviourPlan({kNeedsMemory}, shape));
+  EXPECT_EQ(crashed.result.status, store::Status::kCrashed);
+  EXPECT_TRUE(Has(crashed.result.message, "SIGSEGV")) << crashed.result.message;
+  EXPECT_TRUE(crashed.result.message.ends_with("; its memory was limited to 3 GB"))
+      << crashed.result.message;
+  EXPECT_GT(crashed.result.scalars.peak_rss_bytes, 1e5);
+  EXPECT_EQ(RunOne(MakeBehaviourPlan({kFinishes}, shape)).result.status, store::Status::kDone);
+  getrlimit(RLIMIT_DATA, &after);
+  EXPECT_EQ(before.rlim_cur, after.rlim_cur) << "the runner itself has no limit";
+  EXPECT_EQ(before.rlim_max, after.rlim_max);
+}
+
+TEST(WorkerTest, AMemoryLimitHoldsForAWorkerThatIsStarted) {
+  if (kAddressSanitizer) GTEST_SKIP() << "shadow memory exceeds any limit";
+  TemporaryFolder folder;
+  const fs::path program = folder.path() / "another_name";
+  fs::create_symlink(TestWorker().single, program);
+  PlanShape shape;
+  shape.memory_bytes = 3e9;
+  const plan::Plan plan = MakeBehaviourPlan({kTakesMemory}, shape);
+  process::ProcessLauncher launcher({program, program}, 1, nullptr);
+  launcher.Start(0, plan.runs[0], "");
+  EXPECT_EQ(launcher.Wait(kForever).value().result.status, store::Status::kFailed);
+}
+
 TEST(WorkerTest, WaitingForATimeoutCostsNoProcessorTime) {
   PlanShape shape;
   shape.timeout_s = 0.5;
@@ -271,9 +311,6 @@ TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
   close(stray);
   const auto told = Values<std::int32_t>(ending, "pairs");
   ASSERT_EQ(told.size(), 10u);
-  cpu_set_t allowed;
-  sched_getaffinity(0, sizeof allowed, &allowed);
-  EXPECT_EQ(told[0], CPU_COUNT(&allowed)) << "one slot goes where it likes";
   EXPECT_EQ(told[2], 0) << "signals blocked or ignored";
   EXPECT_EQ(told[3], 6) << "descriptors 0 to 5";
   EXPECT_EQ(told[4], 1) << "a process group of its own";
@@ -321,15 +358,20 @@ TEST(WorkerTest, ForkedWorkersHaveAddressesOfTheirOwn) {
   }
 }
 
-TEST(WorkerTest, AServerThatWasKilledIsDoneWithout) {
-  const auto plan = MakeBehaviourPlan({kTellsPlace});
-  process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
-  launcher.Start(0, plan.runs[0], "");
+/// The fork server, once its worker has ended: it is the only child.
+pid_t ServerAfterARun(process::ProcessLauncher& launcher, const plan::Run& run) {
+  launcher.Start(0, run, "");
   launcher.Wait(kForever);
-  // The worker has ended: the server is the only child.
   std::ifstream children("/proc/self/task/" + std::to_string(gettid()) + "/children");
   pid_t server = -1;
   children >> server;
+  return server;
+}
+
+TEST(WorkerTest, AServerThatWasKilledIsDoneWithout) {
+  const auto plan = MakeBehaviourPlan({kTellsPlace});
+  process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
+  const pid_t server = ServerAfterARun(launcher, plan.runs[0]);
   ASSERT_GT(server, 0);
   kill(server, SIGKILL);
   launcher.Start(0, plan.runs[0], "");
@@ -338,26 +380,105 @@ TEST(WorkerTest, AServerThatWasKilledIsDoneWithout) {
   EXPECT_EQ(Values<std::int32_t>(ending, "pairs").at(5), 0);
 }
 
+TEST(WorkerTest, AServerThatDiesBeforeItAnswersStartsNoRunTwice) {
+  const auto plan = MakeBehaviourPlan({kTellsPlace});
+  process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
+  const pid_t server = ServerAfterARun(launcher, plan.runs[0]);
+  ASSERT_GT(server, 0);
+  kill(server, SIGSTOP);  // it has the request, and does not answer
+  // A child of ours that runs the program, and that the launcher knows nothing of.
+  process::SpawnPlan spawn;
+  const pid_t stray = spawn.Start(TestWorker().single, {"wait"});
+  std::thread killer([server] {
+    usleep(50'000);
+    kill(server, SIGKILL);
+  });
+  launcher.Start(0, plan.runs[0], "");
+  killer.join();
+  EXPECT_LT(waitpid(stray, nullptr, WNOHANG), 0) << "it was ended and reaped";
+  const process::Ending ending = launcher.Wait(kForever).value();
+  EXPECT_EQ(ending.result.status, store::Status::kDone) << ending.result.message;
+  EXPECT_EQ(Values<std::int32_t>(ending, "pairs").at(5), 0);
+}
+
 TEST(WorkerTest, SlotsHaveProcessorsOfTheirOwn) {
   cpu_set_t allowed;
   sched_getaffinity(0, sizeof allowed, &allowed);
+  const std::string claim = fmt::format("cdb-test-{}", getpid());
   const auto plan = MakeBehaviourPlan({kTellsPlace, kTellsPlace});
-  for (const std::size_t slots : {std::size_t{2}, static_cast<std::size_t>(CPU_SETSIZE) + 1}) {
-    process::ProcessLauncher launcher(TestWorker(), slots, nullptr);
-    launcher.Start(0, plan.runs[0], "");
-    launcher.Start(1, plan.runs[1], "");
-    const process::Ending first = launcher.Wait(kForever).value();
-    const process::Ending second = launcher.Wait(kForever).value();
-    EXPECT_NE(first.slot, second.slot);
-    const auto told = Values<std::int32_t>(first, "pairs");
-    const auto other = Values<std::int32_t>(second, "pairs");
-    const bool is_pinned = static_cast<std::size_t>(CPU_COUNT(&allowed)) >= slots;
-    EXPECT_EQ(told[0], is_pinned ? 1 : CPU_COUNT(&allowed));
-    EXPECT_EQ(told[1] != other[1], is_pinned);
+  const auto all = static_cast<std::size_t>(CPU_COUNT(&allowed));
+  for (const std::size_t slots : {std::size_t{1}, std::size_t{2}, all + 1}) {
+    process::ProcessLauncher launcher(TestWorker(), slots, nullptr, claim);
+    std::set<std::int32_t> processors;
+    const std::size_t runs = std::min<std::size_t>(slots, 2);
+    for (std::size_t slot = 0; slot < runs; ++slot) launcher.Start(slot, plan.runs[slot], "");
+    for (std::size_t i = 0; i < runs; ++i) {
+      const process::Ending ending = launcher.Wait(kForever).value();
+      const auto told = Values<std::int32_t>(ending, "pairs");
+      EXPECT_EQ(told[0], all >= slots ? 1 : CPU_COUNT(&allowed));
+      EXPECT_TRUE(CPU_ISSET(told[1], &allowed));
+      processors.insert(told[1]);
+    }
+    EXPECT_TRUE(all < slots || processors.size() == runs);
   }
   cpu_set_t after;
   sched_getaffinity(0, sizeof after, &after);
   EXPECT_TRUE(CPU_EQUAL(&allowed, &after)) << "the runner itself is where it was";
+}
+
+TEST(WorkerTest, ADetectorWithThreadsMayRunAnywhere) {
+  cpu_set_t allowed;
+  sched_getaffinity(0, sizeof allowed, &allowed);
+  plan::Plan plan = MakeBehaviourPlan({kTellsPlace, kTellsPlace});
+  plan.runs[1].scene.world.Set("threads", std::uint64_t{2});
+  plan.runs[1].id = plan::RunId(plan.runs[1].scene, 0);
+  process::ProcessLauncher launcher(TestWorker(), 1, nullptr, fmt::format("cdb-test-{}", getpid()));
+  for (const std::size_t run : {0, 1, 0}) {
+    launcher.Start(0, plan.runs[run], "");
+    const auto told = Values<std::int32_t>(launcher.Wait(kForever).value(), "pairs");
+    EXPECT_EQ(told[0], run == 0 ? 1 : CPU_COUNT(&allowed));
+  }
+}
+
+TEST(Recording, LiesBetweenPagesThatCannotBeTouched) {
+  const plan::Plan plan = MakeBehaviourPlan({kFinishes});
+  measure::Recording recording = measure::Recording::Create(plan.runs[0].scene);
+  auto* begin = reinterpret_cast<volatile char*>(&recording.header());
+  const std::size_t whole = (recording.header().bytes + 0xffff) & ~std::size_t{0xffff};
+  const auto dies = [](volatile char* place) {
+    const pid_t child = fork();
+    if (child == 0) {
+      *place = 1;
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status != 0;
+  };
+  EXPECT_FALSE(dies(begin));
+  EXPECT_TRUE(dies(begin - 1));
+  EXPECT_TRUE(dies(begin + whole));
+}
+
+TEST(ClaimedProcessors, AreNotSharedByRunnersSideBySide) {
+  cpu_set_t allowed;
+  sched_getaffinity(0, sizeof allowed, &allowed);
+  const auto all = static_cast<std::size_t>(CPU_COUNT(&allowed));
+  const std::string claim = fmt::format("cdb-claim-{}", getpid());
+  std::set<int> taken;
+  std::vector<process::ClaimedProcessors> runners;
+  for (std::size_t i = 0; i < all; ++i) {
+    runners.emplace_back(1, claim);
+    taken.insert(runners.back().Of(0));
+  }
+  EXPECT_EQ(taken.size(), all);
+  EXPECT_FALSE(taken.contains(-1));
+  for (const int cpu : taken) EXPECT_TRUE(CPU_ISSET(cpu, &allowed));
+  EXPECT_EQ(process::ClaimedProcessors(1, claim).Of(0), -1) << "none is left";
+  const int freed = runners.back().Of(0);
+  runners.pop_back();
+  EXPECT_EQ(process::ClaimedProcessors(all + 1, claim).Of(0), -1);
+  EXPECT_EQ(process::ClaimedProcessors(1, claim).Of(0), freed);
 }
 
 TEST(WorkerTest, WaitsNoLongerThanAsked) {

@@ -13,6 +13,7 @@
 #include "runtime/pruning/omissions.h"
 #include "tests/runtime/pruning/hand_made_scene.h"
 #include "tests/runtime/pruning/random.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -271,7 +272,7 @@ void Challenge(const HandMade& scene, const pruning::Reachability& reachability,
 TEST(OmissionsProperty, NothingThatCanHappenIsLeftOut) {
   Random random(20260101);
   Tally tally;
-  for (int round = 0; round < 5000; ++round) {
+  for (int round = 0; round < Cases(5000); ++round) {
     const HandMade scene = RandomScene(random);
     const pruning::Reachability reachability = scene.Make();
     SCOPED_TRACE(testing::Message() << "round " << round);
@@ -300,12 +301,12 @@ TEST(OmissionsProperty, NothingThatCanHappenIsLeftOut) {
     }
   }
   // Each outcome is common, so that each of the above could have failed.
-  EXPECT_GT(tally.nothing, 1000);
-  EXPECT_GT(tally.something, 1500);
-  EXPECT_GT(tally.left_out, 1000);
-  EXPECT_GT(tally.touched, 8000);
-  EXPECT_GT(tally.clusters, 2500);
-  EXPECT_GT(tally.by_clusters, 500);
+  EXPECT_GT(tally.nothing, Cases(1000));
+  EXPECT_GT(tally.something, Cases(1500));
+  EXPECT_GT(tally.left_out, Cases(1000));
+  EXPECT_GT(tally.touched, Cases(8000));
+  EXPECT_GT(tally.clusters, Cases(2500));
+  EXPECT_GT(tally.by_clusters, Cases(500));
   RecordProperty("nothing", tally.nothing);
   RecordProperty("something", tally.something);
   RecordProperty("left_out", tally.left_out);

@@ -9,6 +9,7 @@
 
 #include "tests/runtime/pruning/hand_made_scene.h"
 #include "tests/runtime/pruning/random.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -46,7 +47,7 @@ TEST(Trajectory, RoundingStaysWithinTheSlack) {
   Random random(1);
   double largest = 0;
   for (const char* precision : {"single", "double"}) {
-    for (int round = 0; round < 300; ++round) {
+    for (int round = 0; round < Cases(300); ++round) {
       HandMade scene;
       scene.Set("precision", Word(precision));
       scene.Set("timestep", random(0.001, 0.1));
@@ -76,7 +77,7 @@ TEST(Trajectory, RoundingStaysWithinTheSlack) {
 
 TEST(Trajectory, SlowedObjectsStayInTheirBox) {
   Random random(2);
-  for (int round = 0; round < 500; ++round) {
+  for (int round = 0; round < Cases(500); ++round) {
     HandMade scene;
     scene.Set("cycles", std::uint64_t{200});
     scene.Add(random.Vector(10), random.Vector(10));
@@ -102,7 +103,7 @@ TEST(Trajectory, HoldsTheSolidHoweverItIsTurned) {
   for (const objects::Shape shape :
        {objects::Shape::kEllipsoid, objects::Shape::kCuboid, objects::Shape::kCylinder,
         objects::Shape::kCone, objects::Shape::kCapsule, objects::Shape::kTetrahedron}) {
-    for (int round = 0; round < 100; ++round) {
+    for (int round = 0; round < Cases(100); ++round) {
       HandMade scene;
       scene.Add(Vector3d::Zero());
       ObjectState& object = scene.state.objects[0];
@@ -117,7 +118,7 @@ TEST(Trajectory, HoldsTheSolidHoweverItIsTurned) {
           pruning::TrajectoryOf(object, Vector3d::Zero(), scene.scene, horizon);
       EXPECT_EQ(spinning.extent, Vector3d(Vector3d::Constant(spinning.radius)));
       double farthest = 0;
-      for (int ray = 0; ray < 300; ++ray) {
+      for (int ray = 0; ray < Cases(300); ++ray) {
         const Vector3d point = object.solid.Support(random.Vector(1));
         farthest = std::max(farthest, point.norm());
         const Vector3d turned = object.pose.orientation * point;
@@ -143,7 +144,7 @@ TEST(Trajectory, BallsHaveNoMargin) {
 TEST(Trajectory, ClosestApproachIsThatOfTheWay) {
   Random random(4);
   int meetings = 0, escapes = 0;
-  for (int round = 0; round < 600; ++round) {
+  for (int round = 0; round < Cases(600); ++round) {
     HandMade scene;
     scene.Set("cycles", static_cast<std::uint64_t>(random(1, 200)));
     const Vector3d g = round % 3 == 0 ? Vector3d(0, -9.8, 0)
@@ -188,14 +189,14 @@ TEST(Trajectory, ClosestApproachIsThatOfTheWay) {
       EXPECT_GT(approach.gap, least - step * fastest - 1e-9);
     }
   }
-  EXPECT_GT(meetings, 100);
-  EXPECT_GT(escapes, 100);
+  EXPECT_GT(meetings, Cases(100));
+  EXPECT_GT(escapes, Cases(100));
 }
 
 TEST(Trajectory, RestCountsLooksThatFindItSlow) {
   Random random(5);
   int rests = 0;
-  for (int round = 0; round < 2000; ++round) {
+  for (int round = 0; round < Cases(2000); ++round) {
     HandMade scene;
     scene.Set("cycles", std::uint64_t{400});
     scene.Add(Vector3d::Zero(), random.Vector(std::pow(10, random(-1, 0.5))));
@@ -213,7 +214,7 @@ TEST(Trajectory, RestCountsLooksThatFindItSlow) {
     EXPECT_LE(rest, longest + 2 * horizon.timestep + 1e-9);
     rests += longest > 0 && longest < horizon.steps * horizon.timestep;
   }
-  EXPECT_GT(rests, 300);
+  EXPECT_GT(rests, Cases(300));
 }
 
 TEST(Trajectory, SpinKeepsAwakeWhereItStays) {

@@ -27,6 +27,7 @@ TEST(Bounds, GrowWithThePlan) {
   EXPECT_GT(few.recorded, 0);
   EXPECT_GT(few.disk, 0);
   EXPECT_LT(few.recorded + few.scene, 1e6) << "a lower bound";
+  EXPECT_EQ(schedule::LeastDemand(std::vector<const plan::Run*>(), 1).time, 0) << "all is done";
   const schedule::Demand shared = schedule::LeastDemand(PlanOf(10), 2, 3);
   EXPECT_DOUBLE_EQ(shared.time, few.time / 6);
   EXPECT_DOUBLE_EQ(shared.disk, few.disk / 3);
@@ -58,8 +59,9 @@ TEST(Bounds, AreHeldAgainstThisMachine) {
   EXPECT_LT(whole.memory, 1e15);
   EXPECT_GT(now.disk, 0);
   EXPECT_LT(now.disk, 1e18);
-  EXPECT_NO_THROW(schedule::CheckFits(PlanOf(10), 1, 1, "."));
-  EXPECT_THROW(schedule::CheckFits(PlanOf(2'000'000'000), 1, 1, "."), process::ScheduleError);
+  EXPECT_NO_THROW(schedule::CheckFits("b", schedule::LeastDemand(PlanOf(10)), "."));
+  EXPECT_THROW(schedule::CheckFits("b", schedule::LeastDemand(PlanOf(2'000'000'000)), "."),
+               process::ScheduleError);
 }
 
 }  // namespace

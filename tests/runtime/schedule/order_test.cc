@@ -103,6 +103,19 @@ TEST(OrderTest, ShardsAreThePlanInParts) {
   }
 }
 
+TEST(OrderTest, ListedShardsAreThoseThatAreOrdered) {
+  const plan::Plan plan = MakePlan({.quantities = {5, 6, 7, 8}, .repeats = 3});
+  const auto listed = schedule::ListShards(plan, 5);
+  ASSERT_EQ(listed.size(), 5u);
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    auto all = Ids(listed[i]), ordered = Ids(schedule::OrderRuns(plan, {i + 1, 5}));
+    std::ranges::sort(all);
+    std::ranges::sort(ordered);
+    EXPECT_EQ(all, ordered);
+  }
+  EXPECT_EQ(schedule::ListShards(plan, 1000).size(), 12u) << "no shard is empty";
+}
+
 TEST(OrderTest, AShardKeepsTheOrderOfTheWhole) {
   const plan::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5}, .repeats = 3});
   const auto whole = Ids(schedule::OrderRuns(plan));

@@ -130,6 +130,21 @@ TEST_F(PartsTest, AShardThatIsGoneIsRunAgainThoughItsPartIsMarked) {
   EXPECT_EQ(started_, std::vector{gone.substr(0, 16)});
 }
 
+TEST_F(PartsTest, ShardsWithoutAllTheirMarksAreKnown) {
+  const auto unmarked = [&] { return schedule::FindUnmarkedShards(plan_, options_.folder, 3, 5); };
+  EXPECT_EQ(unmarked(), (std::vector<std::uint64_t>{1, 2, 3}));
+  options_.shard = {2, 3};
+  Execute();
+  EXPECT_EQ(unmarked(), (std::vector<std::uint64_t>{1, 3}));
+  options_.shard = {3, 3};
+  Execute(2);  // stopped
+  EXPECT_EQ(unmarked(), (std::vector<std::uint64_t>{1, 3}));
+  fs::remove(options_.folder / *Shards().begin());
+  fs::remove(options_.folder / *Shards().begin());
+  fs::remove(options_.folder / *Shards().begin());
+  EXPECT_EQ(unmarked(), (std::vector<std::uint64_t>{1, 2, 3})) << "fewer shards than marked";
+}
+
 TEST_F(PartsTest, AMarkThatIsCutShortIsNone) {
   Execute();
   for (const std::string& name : FilesIn(options_.folder))

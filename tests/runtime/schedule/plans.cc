@@ -58,6 +58,7 @@ plan::Run MakeRun(const PlanShape& shape, std::uint64_t quantity, const std::str
   run.scene.world.Set("precision", Word{shape.precision});
   run.scene.world.Set("repeats", shape.repeats);
   run.scene.world.Set("record", schema::WordList(shape.record));
+  if (shape.memory_bytes > 0) run.scene.world.Set("memory", shape.memory_bytes);
   if (shape.timeout_s > 0) run.scene.world.Set("timeout", shape.timeout_s);
   run.scene.seeds.emplace("objects.location", plan::StreamSeed(seed, "objects.location"));
   run.id = plan::RunId(run.scene, rep);

@@ -30,6 +30,8 @@ enum Behaviour : std::uint64_t {
   kTellsPlace,         ///< finishes; `pairs` hold its processors, signals and descriptors
   kContacts,           ///< finishes; cycle i has i contacts
   kContactsLost,       ///< crashes, with the contacts of its last two cycles unwritten
+  kTakesMemory,        ///< finishes once it has 64 GB that it does not touch; fails if it gets less
+  kNeedsMemory,        ///< the same, and crashes if it gets less
 };
 
 struct PlanShape {
@@ -39,7 +41,8 @@ struct PlanShape {
   std::uint64_t cycles = 10;
   std::uint64_t seed = kFinishes;
   std::string precision = "single";
-  double timeout_s = 0;  ///< 0: none
+  double timeout_s = 0;     ///< 0: none
+  double memory_bytes = 0;  ///< 0: no limit
   std::vector<std::string> record = {"timing", "counts"};
 };
 

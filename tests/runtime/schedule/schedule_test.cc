@@ -24,6 +24,11 @@ class FakeLauncher : public process::Launcher {
   std::function<process::Pulse(std::size_t)> pulse;
   /// The run must keep the walls for its own sake; the others leave out what they may.
   std::function<bool(const plan::Run&)> needs_walls = [](const auto&) { return true; };
+  /// Of the attempt of a run, counted from 1.
+  std::function<measure::NoiseJudgement(const plan::Run&, int attempt)> noise = [](const auto&,
+                                                                                   int) {
+    return measure::NoiseJudgement{measure::Noise::kQuiet, "", 0};
+  };
   std::vector<std::string> started;  // run ids, in order
   std::size_t most_at_once = 0;
   int stops = 0;
@@ -51,6 +56,9 @@ class FakeLauncher : public process::Launcher {
     if (ending.result.status == store::Status::kMissing) return std::nullopt;
     running.pop_back();
     ending.result.host = "here";
+    const auto attempt = std::ranges::count(started, run->id);
+    ending.result.noise = noise(*run, static_cast<int>(attempt));
+    ending.result.scalars.place_ns = static_cast<double>(attempt);
     const bool keeps = kept == "walls" || needs_walls(*run);
     ending.result.omitted = keeps ? "" : "walls";
     ending.result.decisions = keeps ? "walls: kept: reached" : "walls: left out: far away";
@@ -491,6 +499,72 @@ TEST_F(ScheduleTest, AFolderThatCannotBeIsNamed) {
 TEST_F(ScheduleTest, AnEmptyPlanIsDone) {
   plan.runs.clear();
   EXPECT_EQ(Run(plan), schedule::Summary{});
+}
+
+/// The values of a scalar in the shards, in the order of the plan's runs.
+std::vector<double> InShards(const plan::Plan& plan, const fs::path& folder, const char* name) {
+  std::vector<double> values;
+  for (const plan::Run& run : plan.runs) {
+    const store::ResultFile shard(folder / (run.id + ".h5"));
+    values.push_back(shard.ReadReal(name, {std::vector<std::size_t>(shard.axes().size()), 0}));
+  }
+  return values;
+}
+
+TEST_F(ScheduleTest, MeasuresNoisyRunsAgainAndKeepsTheQuietest) {
+  plan = MakePlan({.quantities = {1, 2, 3}, .detectors = {"dbvt"}});
+  using measure::Noise;
+  launcher.noise = [this](const plan::Run& run, int attempt) -> measure::NoiseJudgement {
+    const double disturbed[] = {0.5, 0.2, 0.4, 0.3};
+    if (run.id == plan.runs[0].id) return {Noise::kNoisy, "busy", disturbed[attempt - 1]};
+    if (run.id == plan.runs[1].id && attempt == 1) return {Noise::kNoisy, "busy", 0.1};
+    return {Noise::kQuiet, "", 0.01};
+  };
+  options.noisy_retries = 3;
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 3}));
+  EXPECT_EQ(launcher.started.size(), 4u + 2 + 1);
+  EXPECT_EQ(ears.ended, 3u);
+  EXPECT_EQ(InShards(plan, options.folder, "attempts"), (std::vector<double>{4, 2, 1}));
+  EXPECT_EQ(InShards(plan, options.folder, "place_time"), (std::vector<double>{2, 2, 1}));
+  EXPECT_EQ(InShards(plan, options.folder, "noise"), (std::vector<double>{2, 1, 1}));
+  // What is done is done: it is not measured again when the sweep goes on.
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 3, .resumed = 3}));
+  EXPECT_EQ(launcher.started.size(), 7u);
+}
+
+TEST_F(ScheduleTest, ANoisyRunWhoseRepeatCrashesIsKept) {
+  plan = MakePlan({.quantities = {1}, .detectors = {"dbvt"}});
+  launcher.behave = [this](const auto&) {
+    return launcher.started.size() == 1 ? store::Status::kDone : store::Status::kCrashed;
+  };
+  launcher.noise = [](const auto&, int attempt) -> measure::NoiseJudgement {
+    if (attempt == 1) return {measure::Noise::kNoisy, "busy", 0.5};
+    return {};
+  };
+  options.noisy_retries = 2;
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 1}));
+  EXPECT_EQ(InShards(plan, options.folder, "attempts"), std::vector<double>{3});
+  EXPECT_EQ(InShards(plan, options.folder, "place_time"), std::vector<double>{1});
+}
+
+TEST_F(ScheduleTest, AStopWhileARunIsMeasuredAgainKeepsIt) {
+  plan = MakePlan({.quantities = {1, 2}, .detectors = {"dbvt"}});
+  process::StopFlag stop;
+  options.stop = &stop;
+  options.noisy_retries = 5;
+  launcher.noise = [](const auto&, int attempt) -> measure::NoiseJudgement {
+    return {measure::Noise::kNoisy, "busy", 1.0 / attempt};
+  };
+  launcher.behave = [&](const auto&) {
+    if (launcher.started.size() < 3) return store::Status::kDone;
+    stop.Request(SIGTERM);
+    return store::Status::kMissing;  // it does not end before the stop
+  };
+  const schedule::Summary summary = Run(plan);
+  EXPECT_EQ(summary, (schedule::Summary{.done = 1, .left = 1, .signal = SIGTERM}));
+  const store::ResultFile shard(options.folder / (launcher.started[0] + ".h5"));
+  EXPECT_EQ(shard.ReadReal("place_time", {{0, 0}, 0}), 2);
+  EXPECT_EQ(shard.ReadReal("attempts", {{0, 0}, 0}), 2);
 }
 
 }  // namespace

@@ -41,6 +41,16 @@ void FloodErrors() {
   while (true) pause();
 }
 
+/// Private memory without a page in it.
+bool TakeMemory() {
+  constexpr std::size_t kPiece = std::size_t{1} << 30;
+  for (int i = 0; i < 64; ++i)
+    if (mmap(nullptr, kPiece, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE,
+             -1, 0) == MAP_FAILED)
+      return false;
+  return true;
+}
+
 class Worker {
  public:
   Worker(const plan::Run& run, measure::Recording& recording)
@@ -189,6 +199,13 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
     case kContactsLost:
       for (std::uint64_t i = 0; i < cycles; ++i) worker.Cycle(i, i + 2 < cycles);
       DieOf(SIGSEGV);
+    case kTakesMemory:
+    case kNeedsMemory:
+      worker.Cycles(3);
+      if (TakeMemory()) break;
+      if (run.scene.world.Count("seed") == kNeedsMemory) DieOf(SIGSEGV);
+      recording.header().is_out_of_memory.store(1);
+      return worker.Report(measure::WorkerOutcome::kFailed, "out of memory");
     default:
       break;
   }
@@ -197,8 +214,7 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
 }
 
 int Execute(const std::vector<std::string>& /*arguments*/) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() == 1) return 96;  // the driver was gone before
+  measure::BindToRunner();
   const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "the run");
   auto recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
   return Behave(run, recording);
@@ -216,5 +232,6 @@ int main(int argc, char** argv) {
   g_is_forked = std::string_view(argv[0]).ends_with("schedule_test_worker") &&
                 arguments == std::vector<std::string>{measure::kServeOption};
   if (g_is_forked) measure::ServeForks(Execute);
+  if (arguments == std::vector<std::string>{"wait"}) Hang(false);
   return arguments.empty() ? Execute(arguments) : 2;
 }

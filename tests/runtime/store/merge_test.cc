@@ -204,6 +204,10 @@ TEST(Merge, FactsThatDifferBetweenRunsAreAllKept) {
   const store::ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.ReadProvenance("cpu"), "fast; slow");
   EXPECT_EQ(file.ReadProvenance("compiler"), "gcc");
+  EXPECT_EQ(file.ReadProvenance("cpu", {{0}, 0}), "fast");
+  EXPECT_EQ(file.ReadProvenance("cpu", {{1}, 0}), "slow");
+  EXPECT_EQ(file.ReadProvenance("cpu", {{2}, 0}), "") << "of a run that is missing";
+  EXPECT_EQ(file.ReadProvenance("compiler", {{1}, 0}), "gcc");
 }
 
 TEST(Merge, AxesKeepTheirNames) {

@@ -138,5 +138,24 @@ TEST(PreparedShard, IsMadeOnlyWhereEverySeriesIsOneChunk) {
   EXPECT_FALSE(is_made({.metrics = {"position"}}));
 }
 
+TEST(PreparedShard, LeavesToHdf5WhatItCannotEdit) {
+  const plan::Plan plan = SmallGrid();
+  const store::Provenance provenance;
+  const store::PlanFacts facts(plan);
+  const store::ShardTemplates templates(plan, facts, provenance);
+  const FakeResult fake(plan.runs[0]);
+  const auto damage = [&](const auto& change) {
+    auto damaged = std::make_shared<store::ShardTemplate>(*templates.Get(plan.runs[0], 0));
+    change(damaged->image);
+    store::PreparedShards prepared(plan, facts);
+    for (int i = 0; i < 5; ++i)
+      EXPECT_EQ(prepared.Write(damaged, plan.runs[0], fake.result, "rep: 0\n"), std::nullopt) << i;
+  };
+  // HDF5 cannot open it.
+  damage([](std::vector<std::byte>& image) { image.resize(image.size() / 2); });
+  // HDF5 finds its head behind a block of the user's, the editor does not.
+  damage([](std::vector<std::byte>& image) { image.insert(image.begin(), 512, std::byte{0}); });
+}
+
 }  // namespace
 }  // namespace cdb::tests

@@ -14,6 +14,7 @@
 #include <fcl/geometry/shape/sphere.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -95,6 +96,17 @@ class Plain final : public FclBoxes {
   }
 };
 
+/// Where its tree is far from balanced, as bodies are in a few clusters, update() renumbers the
+/// leaves and lists the pairs of other bodies from then on (FCL 0.7): it balances by small steps
+/// only.
+class TreeArray final : public FclBoxes {
+  std::unique_ptr<Manager> Make(const std::vector<Object*>&) override {
+    auto manager = std::make_unique<fcl::DynamicAABBTreeCollisionManager_Array<double>>();
+    manager->max_tree_nonbalanced_level = std::numeric_limits<int>::max();
+    return manager;
+  }
+};
+
 /// Its update() makes new intervals and forgets the old ones (192 bytes a body and cycle): it is
 /// filled anew instead, at the same cost.
 class IntervalTree final : public FclBoxes {
@@ -153,9 +165,7 @@ class SpatialHash final : public FclBoxes {
 }  // namespace
 
 Detector* MakeFclTree(const Options&) { return new Plain<fcl::DynamicAABBTreeCollisionManagerd>; }
-Detector* MakeFclTreeArray(const Options&) {
-  return new Plain<fcl::DynamicAABBTreeCollisionManager_Array<double>>;
-}
+Detector* MakeFclTreeArray(const Options&) { return new TreeArray; }
 Detector* MakeFclSsap(const Options&) { return new Plain<fcl::SSaPCollisionManagerd>; }
 Detector* MakeFclSpatialHash(const Options&) { return new SpatialHash; }
 Detector* MakeFclIntervalTree(const Options&) { return new IntervalTree; }

@@ -141,9 +141,20 @@ TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
   }
 }
 
+// So many that cells of the grids are crowded.
+TEST(BuiltinDetectors, AreExactInLargeSwarms) {
+  BoxScene moving("swarms", 6000, true, 14);
+  moving.CutWalls();
+  std::vector<Named> all = All();
+  for (int cycle = 0; cycle < 12; ++cycle, moving.Move())
+    ExpectExact(all, moving.View(), "cycle " + std::to_string(cycle));
+}
+
 // More bodies than in the other tests, so that all is done on threads that is in large scenes.
-TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnThreadsInLargeScenes) {
-  BoxScene moving("dense", 17000, true, 7);
+class InLargeScenes : public testing::TestWithParam<const char*> {};
+
+TEST_P(InLargeScenes, BuiltinDetectorsFindTheSameInTheSameOrderOnThreads) {
+  BoxScene moving(GetParam(), 17000, true, 7);
   moving.CutWalls();
   for (const auto make : {builtin::MakeSkin, builtin::MakeGrid}) {
     std::vector<std::unique_ptr<Detector>> all;
@@ -156,6 +167,9 @@ TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnThreadsInLargeScenes) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, InLargeScenes, testing::Values("dense", "swarms"),
+                         [](const auto& scene) { return std::string(scene.param); });
 
 TEST(BuiltinDetectors, AreExactOnFewAndOddBodies) {
   for (const std::size_t count : {0u, 1u, 2u, 7u, 8u, 9u, 25u, 33u, 100u}) {

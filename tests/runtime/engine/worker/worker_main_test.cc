@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "compiler/plan/plan_yaml.h"
+#include "runtime/measure/fork_server.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {
@@ -31,7 +32,8 @@ int OutOfTheWay(int fd) { return fcntl(fd, F_DUPFD, 100); }
 
 /// Starts the worker with the text on descriptor 3 and gives its exit status.
 int Start(const std::string& text, const measure::Recording& recording,
-          const std::vector<std::string>& environment = {}) {
+          const std::vector<std::string>& environment = {},
+          const std::vector<std::string>& arguments = {}) {
   const int run_fd = memfd_create("run", 0);
   const int contacts_fd = memfd_create("contacts", 0);
   EXPECT_EQ(write(run_fd, text.data(), text.size()), static_cast<ssize_t>(text.size()));
@@ -43,7 +45,10 @@ int Start(const std::string& text, const measure::Recording& recording,
     dup2(fds[1], measure::kRecordingFd);
     dup2(fds[2], measure::kContactsFd);
     for (const std::string& variable : environment) putenv(const_cast<char*>(variable.c_str()));
-    execl(CDB_WORKER, CDB_WORKER, static_cast<char*>(nullptr));
+    std::vector<const char*> words = {CDB_WORKER};
+    for (const std::string& argument : arguments) words.push_back(argument.c_str());
+    words.push_back(nullptr);
+    execv(CDB_WORKER, const_cast<char**>(words.data()));
     _exit(127);
   }
   close(run_fd);
@@ -85,13 +90,19 @@ plan::Scene Neighbours() {
   return scene;
 }
 
-TEST(Worker, StartsAgainWithAllWallsWhereItTrips) {
+TEST(Worker, AsksToStartAgainWithAllWallsWhereItTrips) {
   // When they come to rest, the way in which dbvt forgets pairs could matter.
   plan::Run run;
   run.scene = Neighbours();
   run.id = plan::RunId(run.scene, run.rep);
   measure::Recording recording = measure::Recording::Create(run.scene);
   ASSERT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  ASSERT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kAgain);
+  const std::string why = recording.header().message.str();
+  recording.Clear();
+  ASSERT_EQ(Start(plan::RunToYaml(run), recording, {},
+                  {measure::kKeepOption, measure::kStartAgainKeeps, why}),
+            0);
   ASSERT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
       << recording.header().message.str();
   const Recorded here = RunHere(run.scene);
@@ -108,6 +119,15 @@ TEST(Worker, StartsAgainWithAllWallsWhereItTrips) {
   EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(recording.header().message.str().find("omit walls: this scene needs them"),
             std::string::npos);
+}
+
+TEST(Worker, EndsAtOnceWhereItsRunnerIsGone) {
+  const plan::Run run = WorkerRun();
+  measure::Recording recording = measure::Recording::Create(run.scene);
+  const std::string other =
+      std::string(measure::kRunnerVariable) + '=' + std::to_string(getpid() + 1);
+  EXPECT_EQ(Start(plan::RunToYaml(run), recording, {other}), 0);
+  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kRunning);
 }
 
 TEST(Worker, ReportsASceneThatCannotBe) {

@@ -123,6 +123,7 @@ const std::map<std::string, std::string> kNotTheEngines = {
     {"threads", "must not change what a detector finds"},
     {"expect", "is the verdict's"},
     {"timeout", "is the schedule's"},
+    {"memory", "is the schedule's"},
     {"record", "is what is stored; a test of its own says that it changes nothing"},
     {"omit", "leaves out only what changes nothing"},
 };

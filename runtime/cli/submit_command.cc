@@ -1,0 +1,392 @@
+// `cdb submit`: the plans of a scenario to job arrays of Slurm, each with a merge after it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "compiler/plan/input_file.h"
+#include "runtime/cli/commands.h"
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/result_path.h"
+#include "runtime/cli/shard_files.h"
+#include "runtime/cli/sized_plan.h"
+#include "runtime/cli/subcommand.h"
+#include "runtime/cluster/follow.h"
+#include "runtime/cluster/job_script.h"
+#include "runtime/cluster/slurm.h"
+#include "runtime/cluster/submission.h"
+#include "runtime/process/stop.h"
+#include "runtime/report/console.h"
+#include "runtime/schedule/bounds.h"
+#include "runtime/schedule/folder.h"
+#include "runtime/schedule/order.h"
+#include "runtime/schedule/parts.h"
+#include "runtime/schedule/progress_bar.h"
+#include "runtime/store/store.h"
+
+namespace cdb::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A task is dispatched in about a second, and should be worth it.
+constexpr double kTaskSeconds = 60;
+/// So that a slow one does not hold up the end for long.
+constexpr std::uint64_t kTasksOfCore = 4;
+/// Of schedule::EstimatedWork, as Bullet's `dbvt` takes them with hundreds of objects.
+constexpr double kSecondsOfWork = 1e-6;
+
+struct SubmitArguments {
+  std::string file;
+  std::optional<std::string> benchmark;
+  std::string out;
+  std::uint64_t tasks = 0;  ///< 0: by work and cores
+  cluster::JobOptions job;
+  std::vector<std::string> plugins;
+  bool is_dry = false;
+  bool no_follow = false;
+  bool quiet = false;
+};
+
+/// One plan on its way to a results file.
+struct Target {
+  SizedPlan sized;
+  fs::path out, shards;
+  const plan::Plan& plan() const { return sized.plan; }
+};
+
+fs::path ThisProgram() {
+  std::error_code error;
+  fs::path path = fs::read_symlink("/proc/self/exe", error);
+  if (error)
+    throw CommandError(
+        fmt::format("cannot tell where this program is (/proc/self/exe): {}", error.message()));
+  return path;
+}
+
+std::uint64_t MostThreads(const plan::Plan& plan) {
+  std::uint64_t threads = 1;
+  for (const plan::Run& run : plan.Bounds())
+    threads = std::max(threads, run.scene.world.Count("threads"));
+  return threads;
+}
+
+/// s: as a laptop needs for all runs, roughly.
+double EstimatedSeconds(const plan::Plan& plan) {
+  double work = 0;
+  for (const plan::Run& run : plan.Bounds()) work += schedule::EstimatedWork(run);
+  if (plan.whole)
+    work *= static_cast<double>(plan.RunCount()) / static_cast<double>(plan.Bounds().size());
+  return kSecondsOfWork * work;
+}
+
+std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& plan) {
+  const cluster::Capacity capacity = cluster::FindCapacity(arguments.job.partition);
+  const std::uint64_t points =
+      plan.whole ? plan.RunCount() : schedule::ListShards(plan, plan.runs.size()).size();
+  const std::uint64_t most = std::max<std::uint64_t>(1, std::min(capacity.most_tasks, points));
+  if (arguments.tasks > capacity.most_tasks)
+    throw CommandError(fmt::format(
+        "--tasks {}: an array of this cluster has at most {} tasks (MaxArraySize of slurm.conf)",
+        arguments.tasks, capacity.most_tasks));
+  if (arguments.tasks > 0) return std::min(arguments.tasks, most);
+  auto wanted =
+      static_cast<std::uint64_t>(std::clamp(EstimatedSeconds(plan) / kTaskSeconds, 1.0, 1e9));
+  if (capacity.cores > 0)
+    wanted = std::min(
+        wanted, kTasksOfCore * std::max<std::uint64_t>(1, capacity.cores / MostThreads(plan)));
+  return std::min(wanted, most);
+}
+
+/// Those with a run, or a reference of one, that has no whole shard.
+std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks, bool is_quiet) {
+  const plan::Plan& plan = target.plan();
+  const schedule::ShardFolder folder(plan, target.shards, /*fresh=*/false);
+  if (plan.whole) return schedule::FindUnmarkedShards(plan, target.shards, tasks);
+  std::set<std::string_view> missing_runs;
+  std::vector<std::string> warnings;
+  for (const auto* runs : {&plan.runs, &plan.references})
+    for (const plan::Run& run : *runs)
+      if (!folder.Find(run, warnings)) missing_runs.insert(run.id);
+  if (!is_quiet)
+    for (const std::string& warning : warnings) report::Say("warning: " + warning + "\n");
+  std::vector<std::uint64_t> missing;
+  const auto shards = schedule::ListShards(plan, tasks);
+  for (std::size_t i = 0; i < shards.size(); ++i)
+    if (std::ranges::any_of(shards[i], [&](const plan::Run* run) {
+          return missing_runs.contains(run->id) || missing_runs.contains(run->reference) ||
+                 missing_runs.contains(run->twin);
+        }))
+      missing.push_back(i + 1);
+  return missing;
+}
+
+cluster::Sweep SweepOf(const Target& target, std::uint64_t tasks) {
+  const auto path = [](const fs::path& name) { return fs::absolute(name).lexically_normal(); };
+  return {target.plan().benchmark,
+          {ThisProgram(), fs::current_path(), path(target.shards),
+           path(target.shards / "plan.yaml"), path(target.out)},
+          tasks,
+          MostThreads(target.plan()),
+          {}};
+}
+
+/// The command that writes the plan which a dry run's script needs.
+std::string PlanCommand(const SubmitArguments& arguments, const Target& target) {
+  const std::string file = report::ShellWord(arguments.file);
+  const std::string to =
+      report::ShellWord((fs::absolute(target.shards).lexically_normal() / "plan.yaml").string());
+  if (IsPlanFile(arguments.file)) return fmt::format("cp {} {}", file, to);
+  std::string words = fmt::format("{} plan {} -b {}", report::ShellWord(ThisProgram().string()),
+                                  file, target.plan().benchmark);
+  for (const std::string& plugin : arguments.plugins)
+    words += " --plugin " + report::ShellWord(plugin);
+  return words + " -o " + to;
+}
+
+/// Retries and --fresh keep their state in the folder of shards, and know only one machine.
+void RefuseOtherWork(const Target& target) {
+  std::error_code error;
+  for (const fs::path& mark : {FreshMark(target.shards), target.shards / schedule::kRetryMarkName})
+    if (fs::exists(mark, error))
+      throw CommandError(
+          fmt::format("'{}' holds what a stopped `cdb run --{}` has done; let `cdb run` end it "
+                      "first, or remove the folder",
+                      target.shards.string(), mark.filename().string()));
+}
+
+class Submitter {
+ public:
+  explicit Submitter(const SubmitArguments& arguments) : arguments_(arguments), signals_(stop_) {
+    std::signal(SIGPIPE, SIG_IGN);
+  }
+
+  ExitStatus Run() {
+    const LintText lints = arguments_.quiet ? LintText::kNone : LintText::kOneLine;
+    auto plans = LoadSizedPlans(arguments_.file, arguments_.benchmark, lints, arguments_.plugins);
+    if (plans.empty()) return ExitStatus::kScenario;
+    if (!arguments_.is_dry) cluster::RequireSlurm();
+    std::vector<Target> targets;
+    for (SizedPlan& sized : plans) {
+      fs::path out =
+          ResultPath(arguments_.out, sized.plan.benchmark, arguments_.file, plans.size());
+      fs::path shards = ShardFolderOf(out);
+      targets.push_back({std::move(sized), std::move(out), std::move(shards)});
+    }
+    ExitStatus status = ExitStatus::kGood;
+    // All are submitted before the first is waited for.
+    std::vector<std::optional<cluster::Submission>> submitted;
+    for (const Target& target : targets) submitted.push_back(Submit(target));
+    if (arguments_.is_dry) return status;
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      if (arguments_.no_follow && submitted[i]) {
+        SayHowToGoOn(targets[i], *submitted[i]);
+        continue;
+      }
+      if (submitted[i]) {
+        cluster::Follow(targets[i].plan(), targets[i].shards, *submitted[i], stop_,
+                        schedule::StandardError(), arguments_.quiet);
+        if (stop_.requested()) {
+          for (std::size_t left = i; left < targets.size(); ++left)
+            if (submitted[left]) SayHowToGoOn(targets[left], *submitted[left]);
+          return StoppedBy(stop_.signal());
+        }
+      }
+      status = std::max(status, Finish(targets[i], submitted[i]));
+    }
+    return status;
+  }
+
+ private:
+  /// The jobs of the plan, those that are at work already or new ones. Nullopt where every run has
+  /// ended, and for a dry run.
+  std::optional<cluster::Submission> Submit(const Target& target) {
+    CheckIsOfPlan(target.out.string(), target.plan());
+    if (arguments_.is_dry) {
+      PrintScript(target);
+      return std::nullopt;
+    }
+    if (IsThereAlready(target.out, target.plan())) {
+      Say(fmt::format("'{}' is complete; remove it to run it again\n", target.out.string()));
+      return std::nullopt;
+    }
+    RefuseOtherWork(target);
+    const auto before = cluster::ReadSubmission(target.shards);
+    if (before && before->plan_sha256 == target.plan().Sha256() && IsAtWork(*before)) {
+      Say(fmt::format("job {} is at work on '{}'; following it\n", before->array,
+                      target.out.string()));
+      return before;
+    }
+    return SubmitMissing(target, before);
+  }
+
+  bool IsAtWork(const cluster::Submission& before) {
+    std::string why;
+    const auto active = cluster::FindActive(before.array, before.merge, why);
+    if (!active)
+      throw CommandError(
+          fmt::format("cannot tell whether job {} still runs: {}; nothing was submitted: try again "
+                      "when Slurm answers",
+                      before.array, why));
+    return active->count() > 0;
+  }
+
+  std::optional<cluster::Submission> SubmitMissing(
+      const Target& target, const std::optional<cluster::Submission>& before) {
+    const plan::Plan& plan = target.plan();
+    const std::uint64_t tasks =
+        before && arguments_.tasks == 0 && before->plan_sha256 == plan.Sha256()
+            ? before->tasks
+            : ChooseTasks(arguments_, plan);
+    const FolderLock lock(target.shards);
+    const cluster::SubmissionLock submitting(target.shards);
+    if (!submitting.is_held())
+      throw CommandError(
+          fmt::format("another cdb is submitting '{}'; nothing was submitted: the same command "
+                      "follows its jobs when it has ended",
+                      target.out.string()));
+    // By another cdb, before we had the lock.
+    const auto meanwhile = cluster::ReadSubmission(target.shards);
+    if (meanwhile && meanwhile->plan_sha256 == plan.Sha256() &&
+        (!before || before->array != meanwhile->array) && IsAtWork(*meanwhile))
+      return meanwhile;
+    cluster::Sweep sweep = SweepOf(target, tasks);
+    sweep.missing = FindMissing(target, tasks, arguments_.quiet);
+    const schedule::ShardFolder folder(plan, target.shards, /*fresh=*/false);
+    folder.WritePlan(plan);
+    if (!plan.whole && !target.sized.short_text.empty()) {
+      folder.WriteShortPlan(target.sized.short_text);
+      sweep.files.plan.replace_filename(schedule::kShortPlanName);
+    }
+    if (sweep.missing.empty()) return std::nullopt;
+    const std::string array = cluster::Submit(cluster::ArrayJob(sweep, arguments_.job));
+    cluster::Submission made = {plan.Sha256(), tasks, array, array};
+    try {
+      // Known before there is a merge, so that whoever comes after us follows it.
+      cluster::WriteSubmission(made, target.shards);
+      made.merge = cluster::Submit(cluster::MergeJob(sweep, arguments_.job, array));
+      cluster::WriteSubmission(made, target.shards);
+    } catch (...) {
+      cluster::Cancel(array);
+      if (made.merge != array) cluster::Cancel(made.merge);
+      throw;
+    }
+    Say(fmt::format("submitted job {}: {} of {} tasks of {} runs; and job {}, which merges them\n",
+                    made.array, sweep.missing.size(), tasks, plan.RunCount(), made.merge));
+    return made;
+  }
+
+  void PrintScript(const Target& target) {
+    const std::uint64_t tasks = ChooseTasks(arguments_, target.plan());
+    cluster::Sweep sweep = SweepOf(target, tasks);
+    for (std::uint64_t task = 1; task <= tasks; ++task) sweep.missing.push_back(task);
+    report::PrintExact(cluster::DryRunText(sweep, arguments_.job, PlanCommand(arguments_, target)));
+  }
+
+  /// After the jobs: their merge may have been lost with a controller.
+  ExitStatus Finish(const Target& target, const std::optional<cluster::Submission>& submission) {
+    const plan::Plan& plan = target.plan();
+    FolderLock lock(target.shards);
+    if (!IsThereAlready(target.out, plan)) {
+      std::error_code error;
+      const bool has_result = fs::exists(target.out, error);
+      if (!HasShards(target.shards)) {
+        SayMissing(
+            target, submission,
+            has_result ? CountMissing(store::ResultFile(target.out), plan) : plan.RunCount());
+        return ExitStatus::kWorld;
+      }
+      // What the merge job has merged, if it ran, and what came after it.
+      MergeOnto(plan, {target.shards}, target.out);
+      const std::size_t missing = CountMissing(store::ResultFile(target.out), plan);
+      if (missing > 0) {
+        SayMissing(target, submission, missing);
+        return std::max(ShowResult(target.out, arguments_.quiet), ExitStatus::kWorld);
+      }
+    }
+    RemoveMergedShards(plan, target.shards, lock, /*is_quiet=*/true);
+    return ShowResult(target.out, arguments_.quiet);
+  }
+
+  void SayMissing(const Target& target, const std::optional<cluster::Submission>& submission,
+                  std::size_t missing) {
+    std::string text =
+        fmt::format("{} of {} runs are missing; the same command submits them again\n", missing,
+                    target.plan().RunCount());
+    if (submission) {
+      constexpr std::size_t kMostListed = 5;
+      const auto failures = cluster::FindFailures(submission->array);
+      std::size_t listed = 0;
+      for (const auto& [task, state] : failures) {
+        if (listed++ == kMostListed) break;
+        const fs::path log = target.shards / cluster::LogName(submission->array, task);
+        text += fmt::format("  task {}: {}; {}\n", task, state, LogText(log));
+      }
+      if (failures.size() > kMostListed)
+        text += fmt::format("  and {} more tasks\n", failures.size() - kMostListed);
+      if (failures.empty())
+        text += fmt::format("  the logs of its tasks are {}\n",
+                            (target.shards / "slurm-*.log").string());
+    }
+    report::Say(text);
+  }
+
+  /// Its last line, or where it would be.
+  static std::string LogText(const fs::path& log) {
+    std::string why, last;
+    std::istringstream lines(plan::ReadInputFile(log, why).value_or(""));
+    for (std::string line; std::getline(lines, line);)
+      if (!line.empty()) last = line;
+    return last.empty() ? log.string() : fmt::format("{}: {}", log.string(), last);
+  }
+
+  void SayHowToGoOn(const Target& target, const cluster::Submission& submission) {
+    Say(
+        fmt::format("job {} goes on without this command; the same command follows it again, "
+                    "`scancel {} {}` ends it; results will be in '{}'\n",
+                    submission.array, submission.array, submission.merge, target.out.string()));
+  }
+
+  void Say(const std::string& text) const {
+    if (!arguments_.quiet) report::Say(text);
+  }
+
+  const SubmitArguments& arguments_;
+  process::StopFlag stop_;
+  process::StopOnSignals signals_;
+};
+
+}  // namespace
+
+void AddSubmitCommand(CLI::App& app, ExitStatus& status) {
+  const auto arguments = std::make_shared<SubmitArguments>();
+  Subcommand command(app, "submit",
+                     "run a scenario file or a plan on a Slurm cluster; goes on where it stopped");
+  command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
+  command.Benchmark(arguments->benchmark);
+  command.Out(arguments->out,
+              "results file, or a folder for them, which every node sees (default: BENCHMARK.h5)");
+  command.Count("--tasks", arguments->tasks,
+                "parts that runs are submitted in (default: a minute of work or more in each)");
+  command.Flag("--exclusive", arguments->job.is_exclusive, "a node for each task alone");
+  command.Optional("--partition", arguments->job.partition, "of the cluster");
+  command.Optional("--time", arguments->job.time, "limit of a task, as sbatch takes it");
+  command.Optional("--account", arguments->job.account, "that is charged");
+  command.Repeated("--sbatch", arguments->job.more,
+                   "an option of sbatch, as it is: --sbatch=--mem=2G; several: each with --sbatch");
+  command.Flag("--dry-run", arguments->is_dry, "print what would be submitted, as a shell script");
+  command.Flag("--no-follow", arguments->no_follow, "submit, and do not wait for the end");
+  command.Quiet(arguments->quiet, "print nothing but errors");
+  command.Plugins(arguments->plugins);
+  command.Action(status, [arguments] { return Submitter(*arguments).Run(); });
+}
+
+}  // namespace cdb::cli

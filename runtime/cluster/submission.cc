@@ -1,0 +1,60 @@
+#include "runtime/cluster/submission.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+
+#include <cerrno>
+#include <sstream>
+#include <system_error>
+
+#include "compiler/plan/input_file.h"
+#include "runtime/cluster/job_script.h"
+#include "runtime/store/safe_file.h"
+
+namespace cdb::cluster {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kName = "submitted";
+constexpr const char* kLockName = "submitting";
+
+}  // namespace
+
+std::optional<Submission> ReadSubmission(const fs::path& shards) {
+  std::string why;
+  std::istringstream in(plan::ReadInputFile(shards / kName, why).value_or(""));
+  Submission submission;
+  if (!(in >> submission.plan_sha256 >> submission.tasks >> submission.array >> submission.merge) ||
+      submission.tasks < 1)
+    return std::nullopt;
+  return submission;
+}
+
+void WriteSubmission(const Submission& submission, const fs::path& shards) {
+  store::WriteWhole(fmt::format("{} {} {} {}\n", submission.plan_sha256, submission.tasks,
+                                submission.array, submission.merge),
+                    shards / kName);
+}
+
+SubmissionLock::SubmissionLock(const fs::path& shards)
+    : file_(open((shards / kLockName).c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666)) {
+  is_held_ = file_.get() < 0 || flock(file_.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+void RemoveSubmission(const fs::path& shards) {
+  std::error_code error;
+  for (fs::directory_iterator entry(shards, error), end; !error && entry != end;
+       entry.increment(error))
+    if (IsLogName(entry->path().filename().string())) {
+      std::error_code ignored;
+      fs::remove(entry->path(), ignored);
+    }
+  for (const char* name : {kName, kLockName}) {
+    std::error_code ignored;
+    fs::remove(shards / name, ignored);
+  }
+}
+
+}  // namespace cdb::cluster

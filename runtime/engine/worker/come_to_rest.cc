@@ -1,0 +1,108 @@
+#include "runtime/engine/worker/come_to_rest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "library/scene_error.h"
+
+namespace cdb::worker {
+namespace {
+
+constexpr double kStepsOfUnit = 20;
+/// Of the least half extent: g dt^2.
+constexpr double kFallOfStep = 0.015;
+
+/// An object that moves farther in a unit of time is falling; in mean diameters.
+constexpr double kFallDisplacement = 0.3;
+
+/// Of the velocity is left after a unit of time: at first, times what in each later unit, at least.
+constexpr double kLeftAtFirst = 0.7, kLessLeft = 0.85, kLeastLeft = 0.3;
+
+class Resting {
+ public:
+  Resting(world::Engine& engine, const Falling& falling, std::vector<ContactReuse::Body> bodies)
+      : engine_(engine), falling_(falling), bodies_(bodies), reuse_(engine, std::move(bodies)) {
+    for (const std::uint32_t i : falling_.objects) last_.push_back(PoseOf(i));
+  }
+
+  void StepUnit(double left_after_unit, int steps) {
+    Damp(left_after_unit);
+    for (int i = 0; i < steps; ++i) {
+      reuse_.BeforeStep();
+      engine_.Step();
+    }
+    displacements_.clear();
+    for (std::size_t k = 0; k < falling_.objects.size(); ++k) {
+      const std::uint32_t i = falling_.objects[k];
+      displacements_.push_back(Displacement(last_[k], PoseOf(i), bodies_[i].radius));
+      last_[k] = PoseOf(i);
+    }
+  }
+
+  /// Objects that moved by more than this in the last unit, in mean diameters.
+  std::size_t CountFarther(double diameters) const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        displacements_, [&](double way) { return !(way <= diameters * falling_.diameter); }));
+  }
+
+ private:
+  const btTransform& PoseOf(std::uint32_t i) const {
+    return engine_.objects()[i]->getWorldTransform();
+  }
+
+  void Damp(double left_after_unit) {
+    const double left = std::pow(left_after_unit, 1 / falling_.UnitOfTime());  // after a second
+    // Of small objects, whose unit is short, it would round to 1, which stops them in the air.
+    const btScalar most = std::nextafter(btScalar(1), btScalar(0));
+    const btScalar damping = std::min(static_cast<btScalar>(1 - left), most);
+    for (const std::uint32_t i : falling_.objects)
+      engine_.objects()[i]->setDamping(damping, damping);
+  }
+
+  world::Engine& engine_;
+  const Falling& falling_;
+  const std::vector<ContactReuse::Body> bodies_;
+  ContactReuse reuse_;
+  std::vector<btTransform> last_;      ///< poses of the falling objects, a unit ago
+  std::vector<double> displacements_;  ///< in the last unit, m
+};
+
+}  // namespace
+
+double Falling::Timestep() const {
+  return std::min(UnitOfTime() / kStepsOfUnit,
+                  std::sqrt(kFallOfStep * least_half_extent / gravity));
+}
+
+void ComeToRest(world::Engine& engine, const Falling& falling,
+                std::vector<ContactReuse::Body> bodies,
+                const std::function<void(std::size_t at_rest)>& tell) {
+  const std::size_t count = falling.objects.size();
+  const auto few = static_cast<std::size_t>(kRestless * static_cast<double>(count));
+  const double fall = std::sqrt(2 * engine.side() / falling.gravity);
+  const double seconds = kSettleTime * falling.UnitOfTime() + fall;
+  const auto timestep = static_cast<double>(engine.timestep());
+  const int steps = static_cast<int>(std::ceil(falling.UnitOfTime() / timestep));
+  Resting resting(engine, falling, std::move(bodies));
+  double left = kLeftAtFirst;
+  std::size_t restless = count;
+  int checks = 0;
+  bool is_fallen = false;
+  for (double time = 0; time < seconds && checks < kRestChecks; time += steps * timestep) {
+    resting.StepUnit(left, steps);
+    restless = resting.CountFarther(kRestDisplacement);
+    tell(count - restless);
+    checks = restless <= few ? checks + 1 : 0;
+    is_fallen = is_fallen || resting.CountFarther(kFallDisplacement) <= few;
+    if (is_fallen) left = std::max(kLeastLeft, left * kLessLeft);
+  }
+  if (checks < kRestChecks)
+    throw library::SceneError(
+        fmt::format("the pile does not come to rest: after {:.4g} s {} of {} objects still move; "
+                    "more friction or rolling_friction, or fewer objects, would help",
+                    seconds, restless, count));
+}
+
+}  // namespace cdb::worker

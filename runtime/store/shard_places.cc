@@ -1,0 +1,66 @@
+#include "runtime/store/shard_places.h"
+
+#include <linux/magic.h>
+#include <sys/vfs.h>
+
+#include <algorithm>
+#include <system_error>
+#include <unordered_set>
+
+#include "runtime/store/store.h"
+
+namespace cdb::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+#ifndef XFS_SUPER_MAGIC
+constexpr long XFS_SUPER_MAGIC = 0x58465342;  // statfs(2)
+#endif
+constexpr long kLocal[] = {EXT4_SUPER_MAGIC, XFS_SUPER_MAGIC,       BTRFS_SUPER_MAGIC,
+                           TMPFS_MAGIC,      OVERLAYFS_SUPER_MAGIC, F2FS_SUPER_MAGIC};
+
+}  // namespace
+
+ShardPlaces::ShardPlaces(const std::vector<fs::path>& paths) {
+  std::error_code error;
+  for (const fs::path& path : paths) places_.push_back({path, fs::is_directory(path, error)});
+}
+
+std::optional<fs::path> ShardPlaces::Find(const std::string& run_id) const {
+  const std::string name = run_id + ".h5";
+  for (const Place& place : places_) {
+    fs::path path = place.is_folder ? place.path / name : place.path;
+    std::error_code error;
+    if ((place.is_folder || path.filename() == name) &&
+        fs::symlink_status(path, error).type() != fs::file_type::not_found)
+      return path;
+  }
+  return std::nullopt;
+}
+
+bool HasAllShards(const plan::Plan& plan, const std::vector<fs::path>& shards) {
+  std::unordered_set<std::string> names;
+  for (const fs::path& place : shards) {
+    std::error_code error;
+    if (!fs::is_directory(place, error)) names.insert(place.filename().string());
+    // Reading a folder also makes a network file system look for what is new in it.
+    for (fs::directory_iterator entry(place, error), end; !error && entry != end;
+         entry.increment(error))
+      names.insert(entry->path().filename().string());
+  }
+  const auto has = [&names](const std::string& id) { return names.contains(id + ".h5"); };
+  bool has_all = true;
+  plan.ForEachRun(
+      [&](const std::string& id, const auto&, std::uint64_t) { has_all = has_all && has(id); });
+  return has_all &&
+         std::ranges::all_of(plan.references, [&](const plan::Run& run) { return has(run.id); });
+}
+
+bool IsOnLocalDisk(const fs::path& path) {
+  struct statfs status = {};
+  return statfs(path.c_str(), &status) == 0 &&
+         std::ranges::find(kLocal, static_cast<long>(status.f_type)) != std::end(kLocal);
+}
+
+}  // namespace cdb::store

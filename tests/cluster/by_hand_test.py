@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""The ways without Slurm that `cdb doc cluster` shows: xargs, GNU parallel and ssh. GNU parallel is left out where it is not
+installed; ssh is a stub here that runs the command in a shell of its own, as the far side does.
+
+  by_hand_test.py CDB RESULT_STATES
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+from sweep import PATIENCE, Cdb, check, scenario, shards, work_folder
+
+
+def documented(cdb):
+    """The commands, by the program that starts the parts."""
+    text = cdb.run("doc", "cluster").stdout
+    text = text[text.index("Without Slurm"):].replace("\\\n", " ")
+    lines = [re.sub(r"   +(GNU|the same).*", "", line.strip()) for line in text.splitlines()]
+    commands = {"xargs": [], "parallel": [], "ssh": []}
+    for line in lines:
+        if line.startswith("for k in"):
+            commands["ssh"].append(line)
+        elif "| xargs" in line:
+            commands["xargs"].append(line)
+        elif "| parallel" in line:
+            commands["parallel"].append(line)
+    check([len(lines) for lines in commands.values()] == [1, 2, 1], f"the commands are documented: {commands}")
+    return commands
+
+
+def main():
+    cdb = Cdb(*sys.argv[1:3])
+    commands = documented(cdb)
+    with work_folder() as folder:
+        binaries = folder / "bin"
+        binaries.mkdir()
+        (binaries / "cdb").symlink_to(cdb.path)
+        # ssh [OPTION…] HOST [--] COMMAND…: words are joined, and the far shell takes them apart.
+        (binaries / "ssh").write_text('#!/bin/bash\nwhile [[ $1 == -* ]]; do shift; done\nshift\n[[ $1 == -- ]] && shift\n'
+                                      'cd /; exec bash -c "$*"\n', encoding="utf-8")
+        (binaries / "ssh").chmod(0o755)
+        environment = dict(os.environ, PATH=f"{binaries}:{os.environ['PATH']}", PARALLEL_SSH=str(binaries / "ssh"),
+                           PARALLEL_HOME=str(folder / "home"))
+        pathlib.Path("sweep.cdb").write_text(scenario("sweep", 8, cycles=10), encoding="utf-8")
+        cdb.run("run", "-q", "sweep.cdb", "-o", "local.h5")
+        for program, lines in commands.items():
+            if shutil.which(program, path=environment["PATH"]) is None:
+                print(f"{program} is not installed")
+                continue
+            for line in lines:
+                end = subprocess.run(["bash", "-c", line.replace("FILE", "sweep.cdb")], env=environment, capture_output=True,
+                                     text=True, timeout=PATIENCE, check=False)
+                check(end.returncode == 0, f"{line}: {end.stdout}{end.stderr}")
+                check(len(shards("out.runs")) == 16, f"{line}: {len(shards('out.runs'))} of 16 shards: {end.stderr}")
+                cdb.run("run", "-q", "sweep.cdb", "-o", "out.h5")
+                cdb.check_same("out.h5", "local.h5")
+                check(not pathlib.Path("out.runs").exists(), "the shards are removed")
+                pathlib.Path("out.h5").unlink()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,126 @@
+// Preloaded into cdb: the folders of shards behave as on a network file system. There are no locks,
+// and what another process has renamed there is seen only after CDB_TEST_DELAY_MS.
+#include <dirent.h>
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <stdarg.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <set>
+#include <string>
+
+namespace {
+
+template <typename Function>
+Function* Next(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+std::mutex g_mutex;
+/// Names that this process gave, or has seen: a file that another puts in their place may be seen
+/// late, but the one before is.
+std::set<std::string>& KnownNames() {
+  static std::set<std::string> names;
+  return names;
+}
+
+std::string NameOf(const char* path) {
+  const std::string text(path);
+  return text.substr(text.rfind('/') + 1);
+}
+
+bool IsShardName(const char* path) {
+  const std::string name(path);
+  constexpr std::size_t kShortest = 19;  // 16 digits and .h5
+  return name.size() >= kShortest && name.ends_with(".h5");
+}
+
+/// Another process made it, a moment ago.
+bool IsHidden(int folder, const char* path) {
+  if (path == nullptr || !IsShardName(path)) return false;
+  const std::lock_guard lock(g_mutex);
+  if (KnownNames().contains(NameOf(path))) return false;
+  static const auto next = Next<int(int, const char*, struct stat*, int)>("fstatat");
+  struct stat status = {};
+  const int before = errno;
+  const bool is_there = next(folder, path, &status, AT_SYMLINK_NOFOLLOW) == 0;
+  errno = before;
+  if (!is_there) return false;
+  timespec now = {};
+  clock_gettime(CLOCK_REALTIME, &now);
+  const char* delay = std::getenv("CDB_TEST_DELAY_MS");
+  const double age_ms = 1e3 * static_cast<double>(now.tv_sec - status.st_ctim.tv_sec) +
+                        1e-6 * static_cast<double>(now.tv_nsec - status.st_ctim.tv_nsec);
+  if (age_ms < (delay != nullptr ? std::atof(delay) : 0)) return true;
+  KnownNames().insert(NameOf(path));
+  return false;
+}
+
+bool Refuse(int folder, const char* path) {
+  if (!IsHidden(folder, path)) return false;
+  errno = ENOENT;
+  return true;
+}
+
+}  // namespace
+
+// In place of those of the C library.
+extern "C" {
+
+int flock(int, int) {
+  errno = ENOLCK;
+  return -1;
+}
+
+int statfs(const char* path, struct statfs* status) {
+  static const auto next = Next<int(const char*, struct statfs*)>("statfs");
+  const int result = next(path, status);
+  if (result == 0) status->f_type = NFS_SUPER_MAGIC;
+  return result;
+}
+
+int rename(const char* from, const char* to) {
+  static const auto next = Next<int(const char*, const char*)>("rename");
+  const int result = next(from, to);
+  if (result == 0) {
+    const std::lock_guard lock(g_mutex);
+    KnownNames().insert(NameOf(to));
+  }
+  return result;
+}
+
+int open(const char* path, int flags, ...) {
+  static const auto next = Next<int(const char*, int, ...)>("open");
+  va_list more;
+  va_start(more, flags);
+  const mode_t mode = va_arg(more, mode_t);
+  va_end(more);
+  return Refuse(AT_FDCWD, path) ? -1 : next(path, flags, mode);
+}
+
+int stat(const char* path, struct stat* status) {
+  static const auto next = Next<int(const char*, struct stat*)>("stat");
+  return Refuse(AT_FDCWD, path) ? -1 : next(path, status);
+}
+
+int lstat(const char* path, struct stat* status) {
+  static const auto next = Next<int(const char*, struct stat*)>("lstat");
+  return Refuse(AT_FDCWD, path) ? -1 : next(path, status);
+}
+
+struct dirent* readdir(DIR* folder) {
+  static const auto next = Next<struct dirent*(DIR*)>("readdir");
+  struct dirent* entry = next(folder);
+  while (entry != nullptr && IsHidden(dirfd(folder), entry->d_name)) entry = next(folder);
+  return entry;
+}
+
+}  // extern "C"

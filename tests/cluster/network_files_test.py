@@ -1,0 +1,54 @@
+#!/usr/bin/env python3
+"""Parts of a sweep side by side in a folder that behaves as on NFS: no locks, and new shards seen late by others.
+
+  network_files_test.py CDB RESULT_STATES LIBRARY
+"""
+import os
+import pathlib
+import sys
+
+from sweep import PATIENCE, Cdb, check, scenario, shards, work_folder
+
+RUNS = 16
+
+
+def main():
+    cdb = Cdb(*sys.argv[1:3])
+    library = sys.argv[3]
+    late = dict(os.environ, LD_PRELOAD=library, CDB_TEST_DELAY_MS="2500")
+    with work_folder():
+        pathlib.Path("net.cdb").write_text(scenario("net", RUNS // 2, cycles=20), encoding="utf-8")
+        cdb.run("run", "-q", "net.cdb", "-o", "local.h5")
+
+        # Each part twice at the same time, as where a controller forgets that it has started one.
+        parts = [cdb.start("run", "-q", "net.cdb", "--shard", f"{k}/3", env=late) for k in (1, 2, 3, 1, 2, 3)]
+        for part in parts:
+            text, _ = part.communicate(timeout=PATIENCE)
+            check(part.returncode == 0, text)
+        check(len(shards("net.runs")) == RUNS, "every run has a shard")
+        check(not list(pathlib.Path("net.runs").glob("*.broken")), "no shard is broken")
+
+        # The last shards cannot be seen yet.
+        for shard in shards("net.runs")[:3]:
+            shard.rename(shard.with_suffix(".moved"))
+            shard.with_suffix(".moved").rename(shard)
+        hasty = cdb.run("merge", "-o", "hasty.h5", "net.runs", env=late)
+        check(f"of {RUNS} runs" in hasty.stderr, hasty.stderr)
+        check(sum(" missing " in line for line in cdb.states("hasty.h5")) >= 3, "a merge that does not wait lacks them")
+        for shard in shards("net.runs")[:3]:
+            shard.rename(shard.with_suffix(".moved"))
+            shard.with_suffix(".moved").rename(shard)
+        patient = cdb.run("merge", "--wait", "100", "--remove", "-o", "net.h5", "net.runs", env=late)
+        check(f"{RUNS} of {RUNS} runs" in patient.stderr, patient.stderr)
+        check("file system without locks" in patient.stderr, patient.stderr)
+        check(len(shards("net.runs")) == RUNS, "where nobody can tell who is at work, shards stay")
+        cdb.check_same("net.h5", "local.h5")
+
+        # A whole run, with its merge, and the results read there.
+        cdb.run("run", "-q", "net.cdb", "-o", "whole.h5", env=late)
+        cdb.run("show", "whole.h5", env=late)
+        cdb.check_same("whole.h5", "local.h5")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,16 @@
+// Prints what a sweep must come to wherever it is executed: id, status and final state of each run.
+//   result_states out.h5
+#include <fmt/format.h>
+
+#include "runtime/report/cells.h"
+#include "runtime/store/store.h"
+
+int main(int argc, char** argv) {
+  using namespace cdb;
+  if (argc != 2) return 2;
+  const store::ResultFile file(argv[1]);
+  for (const store::ResultFile::Cell& cell : report::AllCells(file))
+    fmt::print("{} {} {}\n", file.ReadText("run_id", cell),
+               store::StatusName(file.ReadStatus(cell)), file.ReadText("state_hash", cell));
+  return 0;
+}
