@@ -38,9 +38,10 @@ def main():
         binaries = folder / "bin"
         binaries.mkdir()
         (binaries / "cdb").symlink_to(cdb.path)
-        # ssh [OPTION…] HOST [--] COMMAND…: words are joined, and the far shell takes them apart.
+        # ssh [OPTION…] HOST [--] COMMAND…: words are joined, and the far shell takes them apart. As sshd does, it sets SHELL,
+        # without which GNU parallel runs nothing and ends well (CI has none).
         (binaries / "ssh").write_text('#!/bin/bash\nwhile [[ $1 == -* ]]; do shift; done\nshift\n[[ $1 == -- ]] && shift\n'
-                                      'cd /; exec bash -c "$*"\n', encoding="utf-8")
+                                      'cd /; SHELL=/bin/bash exec bash -c "$*"\n', encoding="utf-8")
         (binaries / "ssh").chmod(0o755)
         environment = dict(os.environ, PATH=f"{binaries}:{os.environ['PATH']}", PARALLEL_SSH=str(binaries / "ssh"),
                            PARALLEL_HOME=str(folder / "home"))
