@@ -55,6 +55,8 @@ class Checker {
     for (const char* fact :
          {"cdb_version", "commit", "build_type", "bullet_version", "compiler", "cpu", "host"})
       CheckSame(fact);
+    if (read_.files[0]->file.ReadProvenance("commit").ends_with("-dirty"))
+      Fault("cdb was built from sources that are in no commit");
     CheckNoise();
     CheckSummary(folder);
     return std::move(made_);
@@ -103,8 +105,7 @@ class Checker {
       for (const suite::ConfigurationFigures& of : scene.configurations) {
         noisy += of.noisy;
         runs += of.repeats;
-        if (2 * of.noisy > of.repeats)
-          distrusted.push_back(fmt::format("{} {}", scene.scene->Id(), of.name));
+        if (of.IsNoisy()) distrusted.push_back(fmt::format("{} {}", scene.scene->Id(), of.name));
       }
     made_.facts.push_back(fmt::format("noisy: {} of {} runs", noisy, runs));
     if (distrusted.empty()) return;

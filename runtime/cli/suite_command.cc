@@ -17,6 +17,7 @@
 #include "runtime/cli/subcommand.h"
 #include "runtime/cli/suite_folder.h"
 #include "runtime/cli/suite_plan.h"
+#include "runtime/page/page.h"
 #include "runtime/report/console.h"
 #include "runtime/report/wrap.h"
 #include "runtime/suite/against.h"
@@ -31,7 +32,8 @@ struct SuiteArguments {
   std::vector<std::string> only;  ///< kinds or scenes; empty: all
   std::string out = "suite";      ///< folder of the results
   SuiteChoice choice;
-  std::uint64_t seed = 0;  ///< 0: the published ones
+  std::uint64_t seed = 0;          ///< 0: the published ones
+  std::vector<std::string> retry;  ///< how runs ended that are run again
   std::uint64_t noisy_retries = 0;
   std::string check, against;  ///< folders
   bool fresh = false;
@@ -78,10 +80,26 @@ bool HasBadRuns(const SuiteFolder& read) {
   return false;
 }
 
+bool HasDisturbedRuns(const SuiteFolder& read) {
+  return std::ranges::any_of(read.scenes, [](const suite::SceneFigures& scene) {
+    return std::ranges::any_of(scene.configurations, &suite::ConfigurationFigures::is_disturbed);
+  });
+}
+
+/// Its name, or why there is none: the figures are there without it.
+std::string WritePage(const SuiteFolder& read, const fs::path& folder) {
+  try {
+    WriteSuiteSummary(read, folder);
+    return (folder / kSuitePage).string();
+  } catch (const page::PageError& error) {
+    return fmt::format("no page: {}", error.what());
+  }
+}
+
 ExitStatus Show(const SuiteArguments& arguments) {
   const fs::path folder = arguments.out;
   const SuiteFolder read = ReadSuiteFolder(folder);
-  WriteSuiteSummary(read, folder);
+  const std::string page = WritePage(read, folder);
   std::string text = fmt::format("Standard suite {}, {}{}\n\n", suite::kSuiteVersion,
                                  read.facts.is_long ? "long" : "short",
                                  read.facts.seed ? fmt::format(", seed {}", *read.facts.seed) : "");
@@ -90,7 +108,13 @@ ExitStatus Show(const SuiteArguments& arguments) {
   if (!read.facts.missing.empty())
     text += report::Wrapped(
         fmt::format("Not a complete suite, without {}", fmt::join(read.facts.missing, ", ")), 0);
-  text += fmt::format("{}\n", (folder / kSuitePage).string());
+  if (HasDisturbedRuns(read))
+    text += report::Wrapped(
+        fmt::format("The machine was disturbed (`cdb doctor`); on an idle one, `cdb suite -o {} "
+                    "--retry noisy` runs the noisy runs again",
+                    report::ShellWord(arguments.out)),
+        0);
+  text += page + "\n";
   if (!arguments.quiet) report::Print(text);
   return HasBadRuns(read) ? ExitStatus::kRuns : ExitStatus::kGood;
 }
@@ -98,6 +122,8 @@ ExitStatus Show(const SuiteArguments& arguments) {
 ExitStatus RunSuite(const SuiteArguments& arguments) {
   SuiteChoice choice = arguments.choice;
   if (arguments.seed != 0) choice.seed = arguments.seed;
+  if (!arguments.retry.empty() && arguments.fresh)
+    throw CommandError("--retry keeps the other runs, and --fresh forgets all; one of them alone");
   if (choice.seed && choice.is_long)
     throw CommandError(
         "--long has seeds of its own, and --seed replaces the one of the short suite; one of them "
@@ -113,6 +139,7 @@ ExitStatus RunSuite(const SuiteArguments& arguments) {
   options.fresh = arguments.fresh;
   options.is_quiet = arguments.quiet;
   options.plugins = choice.plugins;
+  options.retry = RetryChoice(arguments.retry);
   options.noisy_retries = arguments.noisy_retries;
   const PlanRunner runner(options);
   for (std::size_t i = 0; i < plans.size(); ++i) {
@@ -172,9 +199,10 @@ ExitStatus Against(const fs::path& other, const fs::path& mine) {
   const bool disagrees = std::ranges::any_of(verified, [](const auto& of) {
     return of.outcome == suite::SceneVerification::Outcome::kDisagrees;
   });
-  return disagrees            ? ExitStatus::kWorse
-         : unverified.empty() ? ExitStatus::kGood
-                              : ExitStatus::kRuns;
+  const bool is_whole = unverified.empty() && std::ranges::all_of(verified, [](const auto& of) {
+                          return of.claimed > 0 && of.timed == of.claimed;
+                        });
+  return disagrees ? ExitStatus::kWorse : is_whole ? ExitStatus::kGood : ExitStatus::kRuns;
 }
 
 ExitStatus Suite(const SuiteArguments& arguments) {
@@ -196,6 +224,8 @@ void AddSuiteCommand(CLI::App& app, ExitStatus& status) {
   command.Count("--seed", arguments->seed, "a fresh seed, to verify what the published one shows");
   command.List("--detector", arguments->choice.detectors, "these too, beside those of the suite");
   command.Plugins(arguments->choice.plugins);
+  command.ShortList("--retry", arguments->retry,
+                    "run these again, in the same files: failed, crashed, timed_out, noisy");
   command.Count("--retry-noisy", arguments->noisy_retries,
                 "measure a run that the machine disturbed again at once, up to N times");
   command.Optional("--check", arguments->check,

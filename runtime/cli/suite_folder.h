@@ -23,9 +23,11 @@ struct SuiteFolder {
 /// What there is. Throws StoreError, CommandError for a folder without results of the suite.
 SuiteFolder ReadSuiteFolder(const std::filesystem::path& folder);
 
-/// Writes suite.json and suite.html. Throws StoreError, PageError.
-void WriteSuiteSummary(const SuiteFolder& read, const std::filesystem::path& folder);
+/// The text of suite.json.
 std::string SuiteSummary(const SuiteFolder& read);
+/// Writes suite.json and suite.html. Throws StoreError, and PageError for a build without pages,
+/// when suite.json is written.
+void WriteSuiteSummary(const SuiteFolder& read, const std::filesystem::path& folder);
 
 /// Why results of the suite are not complete and comparable; empty where they are.
 struct SuiteFaults {

@@ -13,8 +13,8 @@ namespace cdb::cli {
 
 /// What a run of the suite may choose. Cycles, repeats and seeds are not among it.
 struct SuiteChoice {
-  bool is_long = false;               ///< kLongRepeats, and the seeds of kLongSeeds
-  std::optional<std::uint64_t> seed;  ///< a fresh one in place of the published ones
+  bool is_long = false;                    ///< kLongRepeats, and the seeds of kLongSeeds
+  std::optional<std::uint64_t> seed = {};  ///< a fresh one in place of the published ones
   /// Beside those of the suite, in scenes that sweep detectors.
   std::vector<std::string> detectors = {};
   std::vector<std::string> plugins = {};  ///< libraries that bring them

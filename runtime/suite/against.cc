@@ -97,18 +97,23 @@ SceneVerification VerifyScene(const ScoredFile& claimed, const ScoredFile& here)
   const bool is_same_cpu =
       claimed.of.file.ReadProvenance("cpu") == here.of.file.ReadProvenance("cpu");
   for (const ConfigurationFigures& of : claimed.figures.configurations)
-    if (const ConfigurationFigures* other = here.figures.Find(of.name))
+    if (const ConfigurationFigures* other = here.figures.Find(of.name)) {
+      if (of.HasScore()) ++made.claimed;
+      if (of.HasScore() && other->HasScore()) ++made.timed;
       CompareConfigurations(scene, of, *other, is_same_cpu ? kLikeSpeedup : kUnlikeSpeedup,
                             made.disagreements);
+    }
   if (!made.disagreements.empty()) made.outcome = Outcome::kDisagrees;
   return made;
 }
 
 std::string VerificationText(const std::vector<SceneVerification>& scenes) {
   report::Table table;
-  for (const char* head : {"scene", "last states alike", "result"}) table.AddColumn(head, false);
+  for (const char* head : {"scene", "last states alike", "scores compared", "result"})
+    table.AddColumn(head, false);
   for (const SceneVerification& of : scenes)
-    table.AddRow({of.scene, of.states, OutcomeText(of.outcome)});
+    table.AddRow({of.scene, of.states, fmt::format("{} of {}", of.timed, of.claimed),
+                  OutcomeText(of.outcome)});
   std::string text = table.Text();
   for (const SceneVerification& of : scenes)
     for (const std::string& line : of.disagreements)

@@ -20,7 +20,9 @@ struct SceneVerification {
   };
   std::string scene;
   Outcome outcome = Outcome::kSameStates;
-  std::string states;                      ///< `30 of 30 the same`
+  std::string states;  ///< `30 of 30 the same`
+  /// Configurations with a score in the claimed results, and those of them that have one here.
+  std::size_t claimed = 0, timed = 0;
   std::vector<std::string> disagreements;  ///< `skin: speedup 1.90 (1.88 .. 1.92), here 1.40 (…)`
 };
 

@@ -21,6 +21,7 @@ Json ConfigurationJson(const ConfigurationFigures& of) {
   Json json = {{"name", of.name},
                {"fault", of.fault.empty() ? Json(nullptr) : Json(of.fault)},
                {"speedup", of.HasScore() ? JsonNumber(of.speedup.value) : Json(nullptr)},
+               {"disturbed", of.is_disturbed ? JsonNumber(of.speedup.value) : Json(nullptr)},
                {"interval", of.HasScore() ? IntervalJson(of.speedup_interval) : Json(nullptr)},
                {"ms_per_s", JsonNumber(of.ms_per_s.value)},
                {"step_ns", JsonNumber(of.step_ns)},
@@ -61,8 +62,10 @@ Json SceneJson(const SceneFigures& scene, const store::ResultFile& file, const S
   Json picks = Json::array(), own = Json::array();
   for (const Budget& budget : kBudgets)
     for (const bool only_own : {false, true}) {
-      const ConfigurationFigures* pick = Recommend(scene, budget.seconds, only_own);
-      (only_own ? own : picks).push_back(pick == nullptr ? Json(nullptr) : Json(pick->name));
+      Json names = Json::array();
+      for (const ConfigurationFigures* of : Recommend(scene, budget.seconds, only_own))
+        names.push_back(of->name);
+      (only_own ? own : picks).push_back(std::move(names));
     }
   json["picks"] = std::move(picks);
   json["picks_of_bullet"] = std::move(own);

@@ -114,6 +114,11 @@ class SceneCollector {
     if (of.fault.empty()) of.fault = std::move(fault);
   }
 
+  static void SetDisturbed(ConfigurationFigures& of, std::string fault) {
+    of.fault = std::move(fault);
+    of.is_disturbed = true;
+  }
+
   /// Of all repeats, how they ended.
   void AddRuns(const report::Point& at, ConfigurationFigures& of) const {
     measure::Judgement worst;
@@ -166,10 +171,10 @@ class SceneCollector {
                      ? fmt::format("{} {}", scene_.error, report::ShortNumber(of.error))
                      : fmt::format("{} error {} over {}", scene_.error,
                                    report::ShortNumber(of.error), scene_.bound);
-    else if (2 * of.noisy > of.repeats)
-      of.fault = fmt::format("noisy in {} of {} runs", of.noisy, of.repeats);
     else if (!std::isfinite(of.ms_per_s.value) || of.ms_per_s.value <= 0)
       of.fault = "no time";
+    else if (of.IsNoisy())
+      SetDisturbed(of, fmt::format("noisy in {} of {} runs", of.noisy, of.repeats));
   }
 
   /// The times of a baseline that is wrong are still those of Bullet's defaults; of one that was
@@ -179,10 +184,13 @@ class SceneCollector {
     const report::MeasuredPoint* point = FindPoint(report::Point(file_.axes().size(), 0));
     const bool is_timed =
         std::isfinite(baseline.ms_per_s.value) && point != nullptr && point->IsSound();
-    const bool is_noisy = 2 * baseline.noisy > baseline.repeats;
+    const std::string untimed =
+        fmt::format("the baseline {} has no time that counts", baseline.name);
     for (ConfigurationFigures& of : all) {
-      if (!is_timed || is_noisy)
-        SetFault(of, fmt::format("the baseline {} has no time that counts", baseline.name));
+      if (!is_timed)
+        SetFault(of, untimed);
+      else if (baseline.IsNoisy() && of.fault.empty())
+        SetDisturbed(of, fmt::format("the baseline {} is noisy", baseline.name));
       if (!is_timed || !std::isfinite(of.ms_per_s.value)) continue;
       of.speedup = report::RatioOf(baseline.ms_per_s, of.ms_per_s);
       of.speedup_interval = times_.IntervalOf(of.speedup);
@@ -265,16 +273,26 @@ std::vector<KindFigures> ScoreKinds(const std::vector<SceneFigures>& scenes) {
   return all;
 }
 
-const ConfigurationFigures* Recommend(const SceneFigures& scene, double period_s,
-                                      bool only_bullets_own) {
-  const ConfigurationFigures* best = nullptr;
-  for (const ConfigurationFigures& of : scene.configurations) {
-    if (!of.HasScore() || !of.Fits(period_s) || (only_bullets_own && !of.is_bullets_own)) continue;
-    if (best == nullptr ||
-        std::tuple(of.error, of.ms_per_s.value) < std::tuple(best->error, best->ms_per_s.value))
-      best = &of;
-  }
-  return best;
+std::vector<const ConfigurationFigures*> Recommend(const SceneFigures& scene, double period_s,
+                                                   bool only_bullets_own) {
+  std::vector<const ConfigurationFigures*> fitting;
+  for (const ConfigurationFigures& of : scene.configurations)
+    if (of.HasScore() && of.Fits(period_s) && (!only_bullets_own || of.is_bullets_own))
+      fitting.push_back(&of);
+  if (fitting.empty()) return {};
+  std::ranges::stable_sort(fitting, {}, [](const ConfigurationFigures* of) {
+    return std::pair(of->error, of->ms_per_s.value);
+  });
+  const ConfigurationFigures& best = *fitting[0];
+  const report::Bootstrap bootstrap(best.ms_per_s.things);
+  std::erase_if(fitting, [&](const ConfigurationFigures* of) {
+    if (of == &best) return false;
+    if (of->error > best.error) return true;
+    const report::Interval ratio =
+        bootstrap.IntervalOf(report::RatioOf(of->ms_per_s, best.ms_per_s));
+    return !(ratio.low <= 1);
+  });
+  return fitting;
 }
 
 }  // namespace cdb::suite

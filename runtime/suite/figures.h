@@ -25,6 +25,7 @@ struct ConfigurationFigures {
   std::string name;
   bool is_bullets_own = false;  ///< its detector is one of Bullet's, or it names no detector
   std::string fault;            ///< why it has no score; empty for most
+  bool is_disturbed = false;  ///< the fault is of the machine alone, and the same run may be right
   measure::Verdict verdict = measure::Verdict::kUnknown;  ///< the worst of its repeats
   std::size_t repeats = 0, noisy = 0;
   double error = report::kNone;         ///< the largest over the seeds
@@ -38,6 +39,8 @@ struct ConfigurationFigures {
   report::Interval speedup_interval = {report::kNone, report::kNone};
 
   bool HasScore() const { return fault.empty(); }
+  /// Most of its repeats were disturbed.
+  bool IsNoisy() const { return 2 * noisy > repeats; }
   /// A step, or as many as fill the period, takes no longer than the period.
   bool Fits(double period_s) const;
 };
@@ -78,9 +81,10 @@ struct Budget {
 };
 inline constexpr Budget kBudgets[] = {{"1/30 s", 1.0 / 30}, {"1/60 s", 1.0 / 60}, {"1 ms", 0.001}};
 
-/// Of the configurations that are right and fit into `period_s`, the one of least error; of those
-/// of equal errors, the fastest. Null where none fits. `only_bullets_own`: is_bullets_own.
-const ConfigurationFigures* Recommend(const SceneFigures& scene, double period_s,
-                                      bool only_bullets_own);
+/// Of the configurations that are right and fit into `period_s`, those of least error; the fastest
+/// of them first, then those that cannot be told from it: the interval of the ratio of their times
+/// includes 1. Empty where none fits. `only_bullets_own`: is_bullets_own.
+std::vector<const ConfigurationFigures*> Recommend(const SceneFigures& scene, double period_s,
+                                                   bool only_bullets_own);
 
 }  // namespace cdb::suite

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
+#include <limits>
+#include <utility>
 
 #include "runtime/report/table.h"
 #include "runtime/report/wrap.h"
@@ -33,10 +33,12 @@ std::string RangeText(const report::Interval& interval) {
                                   : fmt::format("{:.2f} .. {:.2f}", interval.low, interval.high);
 }
 
-/// Of a configuration in a scene; a dash where it has no score there.
+/// Of a configuration in a scene: in brackets if it is disturbed, a dash if it is wrong.
 std::string SpeedupText(const SceneFigures& scene, const std::string& name) {
   const ConfigurationFigures* of = scene.Find(name);
-  return of == nullptr || !of->HasScore() ? "-" : RatioText(of->speedup.value);
+  if (of == nullptr || (!of->HasScore() && !of->is_disturbed)) return "-";
+  const std::string ratio = RatioText(of->speedup.value);
+  return of->is_disturbed ? fmt::format("({})", ratio) : ratio;
 }
 
 std::string KindTable(const KindFigures& kind) {
@@ -74,12 +76,40 @@ std::string FaultLines(const KindFigures& kind) {
   return text;
 }
 
-/// `skin`, `-`.
-std::string NameOf(const ConfigurationFigures* of) { return of == nullptr ? "-" : of->name; }
+bool HasDisturbed(const KindFigures& kind) {
+  return std::ranges::any_of(kind.scenes, [](const SceneFigures* scene) {
+    return std::ranges::any_of(scene->configurations, &ConfigurationFigures::is_disturbed);
+  });
+}
 
-/// The fastest of those that are as right as the most accurate.
-const ConfigurationFigures* Best(const SceneFigures& scene, bool only_bullets_own) {
+/// Of two names in a table that fits a terminal.
+constexpr std::size_t kNamesWidth = 16;
+
+/// `skin`, `grid or auto`, `skin or 3 more`; `-` for none.
+std::string NamesOf(const std::vector<const ConfigurationFigures*>& of) {
+  if (of.empty()) return "-";
+  if (of.size() == 1) return of[0]->name;
+  const std::string both = fmt::format("{} or {}", of[0]->name, of[1]->name);
+  return of.size() == 2 && both.size() <= kNamesWidth
+             ? both
+             : fmt::format("{} or {} more", of[0]->name, of.size() - 1);
+}
+
+/// Without regard to time.
+std::vector<const ConfigurationFigures*> Best(const SceneFigures& scene, bool only_bullets_own) {
   return Recommend(scene, std::numeric_limits<double>::infinity(), only_bullets_own);
+}
+
+/// ` sap32 and sap are as fast.`; empty for one.
+std::string TiesText(const std::vector<const ConfigurationFigures*>& best) {
+  if (best.size() < 2) return {};
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i < best.size(); ++i) names.push_back(best[i]->name);
+  const std::string last = names.back();
+  names.pop_back();
+  return names.empty()
+             ? fmt::format(" {} cannot be told from it.", last)
+             : fmt::format(" {} and {} cannot be told from it.", fmt::join(names, ", "), last);
 }
 
 std::string SpeedOver(const ConfigurationFigures& of, const ConfigurationFigures& baseline) {
@@ -98,7 +128,8 @@ std::string ScoreText(const std::vector<KindFigures>& kinds) {
   for (const KindFigures& kind : kinds) {
     text += fmt::format("{}: {}\n", kind.kind->name, kind.kind->doc);
     text += KindTable(kind) + FaultLines(kind);
-    text += fmt::format("  1 is {}; 2 is twice as fast.\n\n", kind.baseline);
+    text += fmt::format("  1 is {}; 2 is twice as fast.{}\n\n", kind.baseline,
+                        HasDisturbed(kind) ? " In brackets: disturbed runs." : "");
   }
   return text;
 }
@@ -106,14 +137,16 @@ std::string ScoreText(const std::vector<KindFigures>& kinds) {
 std::string RecommendationText(const std::vector<SceneFigures>& scenes) {
   report::Table table;
   table.AddColumn("scene", false);
-  table.AddColumn("fastest of all", false);
+  table.AddColumn("best of all", false);
   table.AddColumn("of Bullet's own", false);
-  for (const Budget& budget : kBudgets) table.AddColumn(fmt::format("in {}", budget.name), false);
+  for (const Budget& budget : kBudgets) table.AddColumn(std::string(budget.name), false);
   for (const SceneFigures& scene : scenes) {
-    std::vector<std::string> row = {scene.scene->Id(), NameOf(Best(scene, false)),
-                                    NameOf(Best(scene, true))};
-    for (const Budget& budget : kBudgets)
-      row.push_back(NameOf(Recommend(scene, budget.seconds, false)));
+    const auto best = Best(scene, false);
+    std::vector<std::string> row = {scene.scene->Id(), NamesOf(best), NamesOf(Best(scene, true))};
+    for (const Budget& budget : kBudgets) {
+      const auto fitting = Recommend(scene, budget.seconds, false);
+      row.push_back(!fitting.empty() && fitting == best ? "the best" : NamesOf(fitting));
+    }
     table.AddRow(std::move(row));
   }
   return "Which one to take\n" + table.Text();
@@ -121,14 +154,16 @@ std::string RecommendationText(const std::vector<SceneFigures>& scenes) {
 
 std::string AnswerText(const SceneFigures& scene) {
   const ConfigurationFigures& baseline = scene.configurations[0];
-  const ConfigurationFigures* best = Best(scene, false);
-  if (best == nullptr) return "No configuration is right here, or no time counts.";
-  std::string text = fmt::format("{}: {} a step, {}.", best->name, TimeText(best->step_ns),
-                                 SpeedOver(*best, baseline));
-  const ConfigurationFigures* own = Best(scene, true);
-  if (own != nullptr && own != best)
-    text += fmt::format(" Of Bullet's own: {}, {} a step, {}.", own->name, TimeText(own->step_ns),
-                        SpeedOver(*own, baseline));
+  const auto best = Best(scene, false), own = Best(scene, true);
+  if (best.empty())
+    return std::ranges::any_of(scene.configurations, &ConfigurationFigures::is_disturbed)
+               ? "Not known: the machine was disturbed."
+               : "No configuration is right.";
+  std::string text = fmt::format("{}: {} a step, {}.{}", best[0]->name, TimeText(best[0]->step_ns),
+                                 SpeedOver(*best[0], baseline), TiesText(best));
+  if (!own.empty() && own[0] != best[0])
+    text += fmt::format(" Of Bullet's own: {}, {} a step, {}.{}", own[0]->name,
+                        TimeText(own[0]->step_ns), SpeedOver(*own[0], baseline), TiesText(own));
   return text;
 }
 

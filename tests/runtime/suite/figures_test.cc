@@ -1,0 +1,292 @@
+// Scores of the standard suite, from results files whose times, errors and verdicts are made up.
+#include "runtime/suite/figures.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "runtime/measure/series.h"
+#include "runtime/suite/against.h"
+#include "runtime/suite/text.h"
+#include "tests/runtime/store/store_fixture.h"
+#include "tests/support/compile_text.h"
+#include "tests/support/files.h"
+
+namespace cdb::tests {
+namespace {
+
+using suite::SceneFigures;
+using suite::StandardScene;
+
+constexpr StandardScene kFirst = {"games", "debris", "debris", "pairs_missed", 0};
+constexpr StandardScene kSecond = {"games", "rubble", "rubble", "pairs_missed", 0};
+
+/// Of a run; the detectors are dbvt, sap32 and skin.
+struct Made {
+  double ns = 1e6;
+  double missed = 0;
+  measure::Verdict verdict = measure::Verdict::kStable;
+  store::Status status = store::Status::kDone;
+  measure::Noise noise = measure::Noise::kQuiet;
+  std::string state = "0123456789abcdef", omitted = {};
+};
+using Make = std::function<Made(std::size_t detector, std::uint64_t rep)>;
+
+plan::Plan MakeSuitePlan(const std::string& more) {
+  const auto compiled = CompileText(
+      "benchmark standard_debris \"A scene\" { cycles 6; repeats 5; timestep 1 / 60\n"
+      "  detector sweep(dbvt, sap32, skin); world.side 1000; accuracy { metrics pairs }\n" +
+      more + " }\n");
+  if (compiled.plans.size() != 1) throw std::runtime_error("the fixture has errors");
+  return compiled.plans[0];
+}
+
+void WriteRun(const plan::Plan& plan, const plan::Run& run, const Made& made,
+              const std::filesystem::path& folder) {
+  const std::uint64_t cycles = run.scene.world.Count("cycles");
+  FakeResult fake(run, made.status, made.status == store::Status::kDone ? cycles : 0);
+  // Repeats differ by a per cent, so that there are intervals.
+  const std::vector<double> durations(measure::kPhaseCount * cycles,
+                                      made.ns * (1 + 0.01 * static_cast<double>(run.rep)));
+  for (auto& [series, bytes] : fake.result.series)
+    if (series->name == "duration") bytes = std::as_bytes(std::span(durations));
+  fake.result.judgement = {made.verdict, made.verdict == measure::Verdict::kStable ? -1 : 3};
+  fake.result.noise = {made.noise, made.noise == measure::Noise::kNoisy ? "a test" : "", 0};
+  fake.result.state_hash = made.state;
+  fake.result.omitted = made.omitted;
+  fake.result.decisions = made.omitted.empty() ? "solver: kept: a test\n" : "";
+  fake.result.message = made.status == store::Status::kDone ? "" : "made up";
+  fake.result.scalars.peak_rss_bytes = 2e7;
+  fake.result.errors.values["timestep"] = {1.0 / 60};
+  fake.result.errors.values["pairs_missed"] = {made.missed};
+  fake.result.errors.values["pairs_phantom"] = {0};
+  store::WriteShard(plan, run, fake.result, {{"build_type", "Release"}, {"cpu", "a test"}}, folder);
+}
+
+/// The results of a scene.
+class Scene {
+ public:
+  Scene(const StandardScene& scene, const Make& make, const std::string& more = "") {
+    const plan::Plan plan = MakeSuitePlan(more);
+    for (const plan::Run& run : plan.runs)
+      WriteRun(plan, run, make(run.at[0], run.rep), folder_.path());
+    store::Merge(plan, {{"build_type", "Release"}, {"cpu", "a test"}}, folder_.path(),
+                 folder_ / "out.h5");
+    file = std::make_unique<compare::ComparedFile>(folder_ / "out.h5", "out.h5");
+    figures = suite::CollectScene(scene, file->file);
+  }
+  suite::ScoredFile scored() const { return {*file, figures}; }
+
+  std::unique_ptr<compare::ComparedFile> file;
+  SceneFigures figures;
+
+ private:
+  const TemporaryFolder folder_;
+};
+
+/// sap32 takes half of the baseline's time, skin an eighth.
+Made Usual(std::size_t detector, std::uint64_t) {
+  constexpr double kNs[] = {8e5, 4e5, 1e5};
+  return {.ns = kNs[detector]};
+}
+
+const suite::KindScore& ScoreOf(const suite::KindFigures& kind, const std::string& name) {
+  for (const suite::KindScore& score : kind.scores)
+    if (score.name == name) return score;
+  throw std::runtime_error("no score of " + name);
+}
+
+TEST(SuiteScore, IsTheGeometricMeanOfTheSpeedupsWithAnInterval) {
+  const Scene first(kFirst, Usual), second(kSecond, [](std::size_t detector, std::uint64_t) {
+    return Made{.ns = detector == 2 ? 4e5 : 8e5};
+  });
+  const std::vector<SceneFigures> scenes = {first.figures, second.figures};
+  const auto kinds = suite::ScoreKinds(scenes);
+  ASSERT_EQ(kinds.size(), 1u);
+  EXPECT_EQ(kinds[0].baseline, "dbvt");
+  EXPECT_EQ(kinds[0].scores[0].name, "skin");
+  EXPECT_NEAR(ScoreOf(kinds[0], "skin").score, 4, 1e-9);  // 8 and 2
+  EXPECT_NEAR(ScoreOf(kinds[0], "sap32").score, 1.41421356, 1e-8);
+  EXPECT_NEAR(ScoreOf(kinds[0], "dbvt").score, 1, 1e-12);
+  EXPECT_LE(ScoreOf(kinds[0], "skin").interval.low, 4.0000001);
+  EXPECT_GE(ScoreOf(kinds[0], "skin").interval.high, 3.9999999);
+  EXPECT_NEAR(ScoreOf(kinds[0], "skin").memory_bytes, 2e7, 1);
+  EXPECT_EQ(first.figures.configurations[0].repeats, 5u);
+  EXPECT_NEAR(first.figures.configurations[0].ms_per_s.value, 0.8 * 60 * 1.02, 1e-6);
+}
+
+/// skin is by far the fastest, and as `change` makes it in one scene of two.
+suite::KindScore SkinWith(const std::function<void(std::uint64_t, Made&)>& change) {
+  static const Scene first(kFirst, Usual);
+  const Scene second(kSecond, [&](std::size_t detector, std::uint64_t rep) {
+    Made made = Usual(detector, rep);
+    if (detector == 2) change(rep, made);
+    return made;
+  });
+  const std::vector<SceneFigures> scenes = {first.figures, second.figures};
+  const auto kinds = suite::ScoreKinds(scenes);
+  EXPECT_NEAR(ScoreOf(kinds[0], "sap32").score, 2, 1e-9);
+  EXPECT_EQ(kinds[0].scores.back().name, "skin");  // not first, though it is the fastest
+  const std::string text = suite::ScoreText(kinds);
+  EXPECT_NE(text.find("No score: skin: rubble: "), std::string::npos) << text;
+  return ScoreOf(kinds[0], "skin");
+}
+
+TEST(SuiteScore, NothingThatIsWrongInOneSceneHasAScore) {
+  const auto fault = [](const std::function<void(std::uint64_t, Made&)>& change) {
+    const suite::KindScore skin = SkinWith(change);
+    EXPECT_TRUE(std::isnan(skin.score));
+    EXPECT_TRUE(std::isnan(skin.interval.low));
+    EXPECT_EQ(skin.faults.size(), 1u);
+    return skin.faults.empty() ? "" : skin.faults[0];
+  };
+  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.missed = 1e-6; }),
+            "rubble: pairs_missed 1.00e-06");
+  // Of one repeat: the others do not make it right.
+  EXPECT_EQ(fault([](std::uint64_t rep, Made& made) {
+              if (rep == 4) made.verdict = measure::Verdict::kTunnelled;
+            }),
+            "rubble: tunnelled from cycle 3");
+  EXPECT_EQ(fault([](std::uint64_t rep, Made& made) {
+              if (rep == 2) made.status = store::Status::kCrashed;
+            }),
+            "rubble: crashed");
+  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.verdict = measure::Verdict::kFrozen; }),
+            "rubble: frozen from cycle 3");
+  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.missed = NAN; }),
+            "rubble: its error (pairs_missed) is not known");
+  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.omitted = "solver"; }),
+            "rubble: ran without solver, which others kept");
+  EXPECT_EQ(fault([](std::uint64_t rep, Made& made) {
+              if (rep < 3) made.noise = measure::Noise::kNoisy;
+            }),
+            "rubble: noisy in 3 of 5 runs");
+}
+
+TEST(SuiteScore, FewNoisyRepeatsAreOutvoted) {
+  const Scene scene(kFirst, [](std::size_t detector, std::uint64_t rep) {
+    Made made = Usual(detector, rep);
+    if (rep < 2) made.noise = measure::Noise::kNoisy;
+    return made;
+  });
+  for (const auto& of : scene.figures.configurations) {
+    EXPECT_TRUE(of.HasScore()) << of.fault;
+    EXPECT_EQ(of.noisy, 2u);
+  }
+}
+
+TEST(SuiteScore, ADisturbedBaselineDisturbsAllAndAWrongOneStaysTheMeasure) {
+  const auto with_baseline = [](const Made& baseline) {
+    return [baseline](std::size_t detector, std::uint64_t rep) {
+      return detector == 0 ? baseline : Usual(detector, rep);
+    };
+  };
+  const Scene noisy(kFirst, with_baseline({.ns = 8e5, .noise = measure::Noise::kNoisy}));
+  EXPECT_EQ(noisy.figures.Find("skin")->fault, "the baseline dbvt is noisy");
+  EXPECT_TRUE(noisy.figures.Find("skin")->is_disturbed);
+  const std::vector<SceneFigures> scenes = {noisy.figures};
+  const std::string text = suite::ScoreText(suite::ScoreKinds(scenes));
+  EXPECT_NE(text.find("(8.00)"), std::string::npos) << text;
+  EXPECT_NE(text.find("none"), std::string::npos) << text;
+
+  const Scene drifting(kFirst, with_baseline({.ns = 8e5, .verdict = measure::Verdict::kDrifting}));
+  EXPECT_EQ(drifting.figures.Find("dbvt")->fault, "drifting from cycle 3");
+  EXPECT_TRUE(drifting.figures.Find("skin")->HasScore());
+  EXPECT_NEAR(drifting.figures.Find("skin")->speedup.value, 8, 1e-9);
+
+  const Scene frozen(kFirst, with_baseline({.ns = 8e5, .verdict = measure::Verdict::kFrozen}));
+  EXPECT_EQ(frozen.figures.Find("skin")->fault, "the baseline dbvt has no time that counts");
+}
+
+TEST(SuiteScore, VerdictsThatAViewerAcceptsAreAllowedByTheScene) {
+  StandardScene allowing = kFirst;
+  allowing.worst_verdict = measure::Verdict::kPenetrating;
+  const Make make = [](std::size_t detector, std::uint64_t rep) {
+    Made made = Usual(detector, rep);
+    made.verdict = detector == 2 ? measure::Verdict::kCollapsed : measure::Verdict::kPenetrating;
+    return made;
+  };
+  const Scene scene(allowing, make);
+  EXPECT_TRUE(scene.figures.Find("sap32")->HasScore());
+  EXPECT_FALSE(scene.figures.Find("skin")->HasScore());
+}
+
+TEST(SuiteRecommendation, IsTheMostAccurateThatFitsAndThenTheFastest) {
+  StandardScene loose = kFirst;
+  loose.bound = 1;
+  constexpr double kNs[] = {2e7, 5e5, 1e5};
+  const Scene scene(loose, [&](std::size_t detector, std::uint64_t) {
+    return Made{.ns = kNs[detector], .missed = detector == 0 ? 0 : 0.5};
+  });
+  const auto pick = [&](double period_s, bool only_own) {
+    std::string names;
+    for (const auto* of : suite::Recommend(scene.figures, period_s, only_own)) names += of->name;
+    return names;
+  };
+  EXPECT_EQ(pick(INFINITY, false), "dbvt");
+  // Two steps of 20 ms do not fit.
+  EXPECT_EQ(pick(1.0 / 30, false), "skin");
+  EXPECT_EQ(pick(1.0 / 30, true), "sap32");
+  EXPECT_EQ(pick(2e-4, true), "");
+  // Times that cannot be told apart.
+  const Scene alike(kFirst, [](std::size_t detector, std::uint64_t rep) {
+    return Made{.ns = detector == 0 ? 2e6 : detector == 1 && rep % 2 == 0 ? 0.99e6 : 1e6};
+  });
+  EXPECT_EQ(suite::Recommend(alike.figures, 1, false).size(), 2u);
+  const std::string answer = suite::AnswerText(alike.figures);
+  EXPECT_NE(answer.find("cannot be told from it"), std::string::npos) << answer;
+}
+
+TEST(SuiteVerification, FindsWhatAnotherMachineDoesNotBearOut) {
+  using Outcome = suite::SceneVerification::Outcome;
+  const Scene claimed(kFirst, Usual), same(kFirst, Usual);
+  const auto verify = [&](const Make& make, const std::string& more = "") {
+    const Scene here(kFirst, make, more);
+    return suite::VerifyScene(claimed.scored(), here.scored());
+  };
+  EXPECT_EQ(verify(Usual).outcome, Outcome::kSameStates);
+  EXPECT_EQ(verify(Usual).states, "3 of 3");
+  const auto other_state = verify([](std::size_t detector, std::uint64_t rep) {
+    Made made = Usual(detector, rep);
+    made.state = "fedcba9876543210";
+    return made;
+  });
+  EXPECT_EQ(other_state.outcome, Outcome::kAgrees);
+  EXPECT_EQ(other_state.states, "0 of 3");
+  const auto noisy = verify([](std::size_t detector, std::uint64_t rep) {
+    Made made = Usual(detector, rep);
+    made.noise = measure::Noise::kNoisy;
+    return made;
+  });
+  EXPECT_EQ(noisy.claimed, 3u);
+  EXPECT_EQ(noisy.timed, 0u);
+  const auto wrong = verify([](std::size_t detector, std::uint64_t rep) {
+    Made made = Usual(detector, rep);
+    if (detector == 2) made.missed = 0.1;
+    return made;
+  });
+  ASSERT_EQ(wrong.outcome, Outcome::kDisagrees);
+  EXPECT_EQ(wrong.disagreements[0], "skin: has a score, but here it is wrong: pairs_missed 0.100");
+  const Make slow = [](std::size_t detector, std::uint64_t rep) {
+    Made made = Usual(detector, rep);
+    if (detector == 2) made.ns *= 2;
+    return made;
+  };
+  ASSERT_EQ(verify(slow).outcome, Outcome::kDisagrees);
+  EXPECT_TRUE(verify(slow).disagreements[0].starts_with("skin: speedup 8.00 ("))
+      << verify(slow).disagreements[0];
+  // A detector that was tuned to the seed.
+  const auto fresh = verify(slow, "seed 7");
+  EXPECT_EQ(fresh.outcome, Outcome::kDisagrees);
+  EXPECT_EQ(fresh.states, "other seeds or detectors");
+  EXPECT_EQ(verify(Usual, "seed 7").outcome, Outcome::kAgrees);
+}
+
+}  // namespace
+}  // namespace cdb::tests
