@@ -93,8 +93,11 @@ TEST(SuiteAgainst, SpeedupsMayDifferMoreOnAnotherProcessor) {
 }
 
 TEST(SuiteAgainst, NoiseHereDoesNotAccuse) {
-  EXPECT_EQ(Verify(Grid([](SuiteRun& made) { made.noise = measure::Noise::kNoisy; })).outcome,
-            SceneOutcome::kSameStates);
+  const SceneVerification of =
+      Verify(Grid([](SuiteRun& made) { made.noise = measure::Noise::kNoisy; }));
+  EXPECT_EQ(of.outcome, SceneOutcome::kSameStates);
+  EXPECT_EQ(of.claimed, 2u);
+  EXPECT_EQ(of.timed, 1u);
 }
 
 TEST(SuiteAgainst, RepeatsThatEndInDifferentStatesDisagree) {

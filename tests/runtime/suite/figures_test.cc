@@ -5,16 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <memory>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "runtime/measure/series.h"
-#include "runtime/suite/against.h"
 #include "runtime/suite/text.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "tests/runtime/suite/suite_results.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
 
@@ -27,63 +23,33 @@ using suite::StandardScene;
 constexpr StandardScene kFirst = {"games", "debris", "debris", "pairs_missed", 0};
 constexpr StandardScene kSecond = {"games", "rubble", "rubble", "pairs_missed", 0};
 
-/// Of a run; the detectors are dbvt, sap32 and skin.
-struct Made {
-  double ns = 1e6;
-  double missed = 0;
-  measure::Verdict verdict = measure::Verdict::kStable;
-  store::Status status = store::Status::kDone;
-  measure::Noise noise = measure::Noise::kQuiet;
-  std::string state = "0123456789abcdef", omitted = {};
-};
+/// The detectors are dbvt, sap32 and skin.
+using Made = SuiteRun;
 using Make = std::function<Made(std::size_t detector, std::uint64_t rep)>;
 
-plan::Plan MakeSuitePlan(const std::string& more) {
+plan::Plan MakeSuitePlan() {
   const auto compiled = CompileText(
       "benchmark standard_debris \"A scene\" { cycles 6; repeats 5; timestep 1 / 60\n"
-      "  detector sweep(dbvt, sap32, skin); world.side 1000; accuracy { metrics pairs }\n" +
-      more + " }\n");
+      "  detector sweep(dbvt, sap32, skin); world.side 1000; accuracy { metrics pairs } }\n");
   if (compiled.plans.size() != 1) throw std::runtime_error("the fixture has errors");
   return compiled.plans[0];
-}
-
-void WriteRun(const plan::Plan& plan, const plan::Run& run, const Made& made,
-              const std::filesystem::path& folder) {
-  const std::uint64_t cycles = run.scene.world.Count("cycles");
-  FakeResult fake(run, made.status, made.status == store::Status::kDone ? cycles : 0);
-  // Repeats differ by a per cent, so that there are intervals.
-  const std::vector<double> durations(measure::kPhaseCount * cycles,
-                                      made.ns * (1 + 0.01 * static_cast<double>(run.rep)));
-  for (auto& [series, bytes] : fake.result.series)
-    if (series->name == "duration") bytes = std::as_bytes(std::span(durations));
-  fake.result.judgement = {made.verdict, made.verdict == measure::Verdict::kStable ? -1 : 3};
-  fake.result.noise = {made.noise, made.noise == measure::Noise::kNoisy ? "a test" : "", 0};
-  fake.result.state_hash = made.state;
-  fake.result.omitted = made.omitted;
-  fake.result.decisions = made.omitted.empty() ? "solver: kept: a test\n" : "";
-  fake.result.message = made.status == store::Status::kDone ? "" : "made up";
-  fake.result.scalars.peak_rss_bytes = 2e7;
-  fake.result.errors.values["timestep"] = {1.0 / 60};
-  fake.result.errors.values["pairs_missed"] = {made.missed};
-  fake.result.errors.values["pairs_phantom"] = {0};
-  store::WriteShard(plan, run, fake.result, {{"build_type", "Release"}, {"cpu", "a test"}}, folder);
 }
 
 /// The results of a scene.
 class Scene {
  public:
-  Scene(const StandardScene& scene, const Make& make, const std::string& more = "") {
-    const plan::Plan plan = MakeSuitePlan(more);
-    for (const plan::Run& run : plan.runs)
-      WriteRun(plan, run, make(run.at[0], run.rep), folder_.path());
-    store::Merge(plan, {{"build_type", "Release"}, {"cpu", "a test"}}, folder_.path(),
-                 folder_ / "out.h5");
-    file = std::make_unique<compare::ComparedFile>(folder_ / "out.h5", "out.h5");
-    figures = suite::CollectScene(scene, file->file);
+  Scene(const StandardScene& scene, const Make& make) {
+    WriteSuiteResults(
+        MakeSuitePlan(), "pairs_missed",
+        [&](const plan::Run& run, SuiteRun& made) {
+          made = make(run.at[0], run.rep);
+          // So that there are intervals.
+          made.ns *= 1 + 0.01 * static_cast<double>(run.rep);
+        },
+        folder_ / "out.h5");
+    const store::ResultFile file(folder_ / "out.h5");
+    figures = suite::CollectScene(scene, file);
   }
-  suite::ScoredFile scored() const { return {*file, figures}; }
-
-  std::unique_ptr<compare::ComparedFile> file;
   SceneFigures figures;
 
  private:
@@ -116,7 +82,7 @@ TEST(SuiteScore, IsTheGeometricMeanOfTheSpeedupsWithAnInterval) {
   EXPECT_NEAR(ScoreOf(kinds[0], "dbvt").score, 1, 1e-12);
   EXPECT_LE(ScoreOf(kinds[0], "skin").interval.low, 4.0000001);
   EXPECT_GE(ScoreOf(kinds[0], "skin").interval.high, 3.9999999);
-  EXPECT_NEAR(ScoreOf(kinds[0], "skin").memory_bytes, 2e7, 1);
+  EXPECT_EQ(ScoreOf(kinds[0], "skin").memory_bytes, 5e6);
   EXPECT_EQ(first.figures.configurations[0].repeats, 5u);
   EXPECT_NEAR(first.figures.configurations[0].ms_per_s.value, 0.8 * 60 * 1.02, 1e-6);
 }
@@ -146,7 +112,7 @@ TEST(SuiteScore, NothingThatIsWrongInOneSceneHasAScore) {
     EXPECT_EQ(skin.faults.size(), 1u);
     return skin.faults.empty() ? "" : skin.faults[0];
   };
-  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.missed = 1e-6; }),
+  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.error = 1e-6; }),
             "rubble: pairs_missed 1.00e-06");
   // Of one repeat: the others do not make it right.
   EXPECT_EQ(fault([](std::uint64_t rep, Made& made) {
@@ -159,7 +125,7 @@ TEST(SuiteScore, NothingThatIsWrongInOneSceneHasAScore) {
             "rubble: crashed");
   EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.verdict = measure::Verdict::kFrozen; }),
             "rubble: frozen from cycle 3");
-  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.missed = NAN; }),
+  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.error = NAN; }),
             "rubble: its error (pairs_missed) is not known");
   EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.omitted = "solver"; }),
             "rubble: ran without solver, which others kept");
@@ -222,7 +188,7 @@ TEST(SuiteRecommendation, IsTheMostAccurateThatFitsAndThenTheFastest) {
   loose.bound = 1;
   constexpr double kNs[] = {2e7, 5e5, 1e5};
   const Scene scene(loose, [&](std::size_t detector, std::uint64_t) {
-    return Made{.ns = kNs[detector], .missed = detector == 0 ? 0 : 0.5};
+    return Made{.ns = kNs[detector], .error = detector == 0 ? 0 : 0.5};
   });
   const auto pick = [&](double period_s, bool only_own) {
     std::string names;
@@ -241,51 +207,6 @@ TEST(SuiteRecommendation, IsTheMostAccurateThatFitsAndThenTheFastest) {
   EXPECT_EQ(suite::Recommend(alike.figures, 1, false).size(), 2u);
   const std::string answer = suite::AnswerText(alike.figures);
   EXPECT_NE(answer.find("cannot be told from it"), std::string::npos) << answer;
-}
-
-TEST(SuiteVerification, FindsWhatAnotherMachineDoesNotBearOut) {
-  using Outcome = suite::SceneVerification::Outcome;
-  const Scene claimed(kFirst, Usual), same(kFirst, Usual);
-  const auto verify = [&](const Make& make, const std::string& more = "") {
-    const Scene here(kFirst, make, more);
-    return suite::VerifyScene(claimed.scored(), here.scored());
-  };
-  EXPECT_EQ(verify(Usual).outcome, Outcome::kSameStates);
-  EXPECT_EQ(verify(Usual).states, "3 of 3");
-  const auto other_state = verify([](std::size_t detector, std::uint64_t rep) {
-    Made made = Usual(detector, rep);
-    made.state = "fedcba9876543210";
-    return made;
-  });
-  EXPECT_EQ(other_state.outcome, Outcome::kAgrees);
-  EXPECT_EQ(other_state.states, "0 of 3");
-  const auto noisy = verify([](std::size_t detector, std::uint64_t rep) {
-    Made made = Usual(detector, rep);
-    made.noise = measure::Noise::kNoisy;
-    return made;
-  });
-  EXPECT_EQ(noisy.claimed, 3u);
-  EXPECT_EQ(noisy.timed, 0u);
-  const auto wrong = verify([](std::size_t detector, std::uint64_t rep) {
-    Made made = Usual(detector, rep);
-    if (detector == 2) made.missed = 0.1;
-    return made;
-  });
-  ASSERT_EQ(wrong.outcome, Outcome::kDisagrees);
-  EXPECT_EQ(wrong.disagreements[0], "skin: has a score, but here it is wrong: pairs_missed 0.100");
-  const Make slow = [](std::size_t detector, std::uint64_t rep) {
-    Made made = Usual(detector, rep);
-    if (detector == 2) made.ns *= 2;
-    return made;
-  };
-  ASSERT_EQ(verify(slow).outcome, Outcome::kDisagrees);
-  EXPECT_TRUE(verify(slow).disagreements[0].starts_with("skin: speedup 8.00 ("))
-      << verify(slow).disagreements[0];
-  // A detector that was tuned to the seed.
-  const auto fresh = verify(slow, "seed 7");
-  EXPECT_EQ(fresh.outcome, Outcome::kDisagrees);
-  EXPECT_EQ(fresh.states, "other seeds or detectors");
-  EXPECT_EQ(verify(Usual, "seed 7").outcome, Outcome::kAgrees);
 }
 
 }  // namespace
