@@ -105,6 +105,7 @@ ExitStatus Show(const SuiteArguments& arguments) {
                                  read.facts.seed ? fmt::format(", seed {}", *read.facts.seed) : "");
   text += suite::ScoreText(suite::ScoreKinds(read.scenes));
   text += suite::RecommendationText(read.scenes) + "\n";
+  text += report::Wrapped(suite::DefaultsText(read.scenes), 0) + "\n";
   if (!read.facts.missing.empty())
     text += report::Wrapped(
         fmt::format("Not a complete suite, without {}", fmt::join(read.facts.missing, ", ")), 0);

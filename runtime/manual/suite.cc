@@ -30,7 +30,8 @@ Both times are of a simulated second, of the same file, and so of the same machi
 the time step (`cdb doc statistics`). Intervals of 95 % are by the bootstrap over whole repeats, paired
 between the configurations. There is no score over all kinds: nobody has an application of all kinds.
   A configuration that is wrong in one scene has no score in its kind, and the table says why:
-  missing, failed, crashed, timed_out   a run did not end by itself, or did not run
+  not run                               a scene of the kind has no results
+  missing, failed, crashed, timed_out   a run did not end by itself, or is not there
   tunnelled, drifting, ...              the verdict of a run is worse than the scene allows
   pairs_missed, position, energy        the error of a run is over the bound of the scene
   ran without ...                       it left out a part of the engine that others kept
@@ -58,8 +59,8 @@ compilers, libraries or instruction sets), no configuration with a score may be 
 may be twice as large, unless both are below a tenth of the bound. Speedups must agree: their intervals
 overlap, or they differ by less than 10 % on processors of one model and 50 % on others. With another
 seed (--seed), speedups and errors alone are compared, which shows a detector that was tuned to the
-published seed. Exit status 4 where something disagrees, 3
-where a score could not be compared, because runs here were noisy or are missing.
+published seed. Exit status 4 where something disagrees, 3 where a score could not be compared, because
+runs here were noisy or are missing.
 
 HOW IT COULD BE GAMED
 

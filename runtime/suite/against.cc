@@ -65,8 +65,9 @@ std::string StatesText(const compare::StateComparison& states) {
   return text;
 }
 
-const char* OutcomeText(Outcome outcome) {
-  switch (outcome) {
+const char* OutcomeText(const SceneVerification& of) {
+  if (of.outcome == Outcome::kAgrees && of.timed == 0) return "not verified: no score to compare";
+  switch (of.outcome) {
     case Outcome::kSameStates:
       return "verified: the same states";
     case Outcome::kAgrees:
@@ -112,8 +113,8 @@ std::string VerificationText(const std::vector<SceneVerification>& scenes) {
   for (const char* head : {"scene", "last states alike", "scores compared", "result"})
     table.AddColumn(head, false);
   for (const SceneVerification& of : scenes)
-    table.AddRow({of.scene, of.states, fmt::format("{} of {}", of.timed, of.claimed),
-                  OutcomeText(of.outcome)});
+    table.AddRow(
+        {of.scene, of.states, fmt::format("{} of {}", of.timed, of.claimed), OutcomeText(of)});
   std::string text = table.Text();
   for (const SceneVerification& of : scenes)
     for (const std::string& line : of.disagreements)

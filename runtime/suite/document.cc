@@ -17,7 +17,7 @@ Json IntervalJson(const report::Interval& interval) {
   return {JsonNumber(interval.low), JsonNumber(interval.high)};
 }
 
-Json ConfigurationJson(const ConfigurationFigures& of) {
+Json ConfigurationJson(const SceneFigures& scene, const ConfigurationFigures& of) {
   Json json = {{"name", of.name},
                {"fault", of.fault.empty() ? Json(nullptr) : Json(of.fault)},
                {"speedup", of.HasScore() ? JsonNumber(of.speedup.value) : Json(nullptr)},
@@ -32,7 +32,8 @@ Json ConfigurationJson(const ConfigurationFigures& of) {
                {"memory", JsonNumber(of.memory_bytes)},
                {"repeats", of.repeats},
                {"noisy", of.noisy},
-               {"bullets_own", of.is_bullets_own}};
+               {"bullets_own", of.is_bullets_own},
+               {"on_front", scene.IsOnFront(of)}};
   Json fits = Json::array();
   for (const Budget& budget : kBudgets) fits.push_back(of.HasScore() && of.Fits(budget.seconds));
   json["fits"] = std::move(fits);
@@ -71,7 +72,7 @@ Json SceneJson(const SceneFigures& scene, const store::ResultFile& file, const S
   json["picks_of_bullet"] = std::move(own);
   json["configurations"] = Json::array();
   for (const ConfigurationFigures& of : scene.configurations)
-    json["configurations"].push_back(ConfigurationJson(of));
+    json["configurations"].push_back(ConfigurationJson(scene, of));
   return json;
 }
 
@@ -101,6 +102,7 @@ std::string SuiteJson(const std::vector<SceneFigures>& scenes,
     json["machine"] = document::DocumentMachine(*files[0]);
     json["build"] = document::DocumentBuild(*files[0]);
   }
+  json["defaults"] = DefaultsText(scenes);
   json["budgets"] = Json::array();
   for (const Budget& budget : kBudgets) json["budgets"].push_back(budget.name);
   json["kinds"] = Json::array();

@@ -204,10 +204,24 @@ class SceneCollector {
   const std::vector<report::MeasuredPoint> points_;
 };
 
+/// `rubble: not run`, for each scene of the kind without results.
+std::vector<std::string> FaultsOfMissing(const Kind& kind,
+                                         const std::vector<const SceneFigures*>& scenes) {
+  std::vector<std::string> faults;
+  for (const StandardScene& scene : StandardScenes())
+    if (scene.kind == kind.name && std::ranges::none_of(scenes, [&](const SceneFigures* of) {
+          return of->scene->name == scene.name;
+        }))
+      faults.push_back(fmt::format("{}: not run", scene.name));
+  return faults;
+}
+
 /// A configuration over the scenes of a kind.
-KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*>& scenes) {
+KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*>& scenes,
+                  const std::vector<std::string>& faults) {
   KindScore of;
   of.name = name;
+  of.faults = faults;
   std::vector<report::Estimate> speedups;
   for (const SceneFigures* scene : scenes) {
     const ConfigurationFigures* found = scene->Find(name);
@@ -246,6 +260,15 @@ const ConfigurationFigures* SceneFigures::Find(const std::string& name) const {
   return found == configurations.end() ? nullptr : &*found;
 }
 
+bool SceneFigures::IsOnFront(const ConfigurationFigures& of) const {
+  return of.HasScore() &&
+         std::ranges::none_of(configurations, [&](const ConfigurationFigures& other) {
+           const double time = other.ms_per_s.value - of.ms_per_s.value,
+                        error = other.error - of.error;
+           return other.HasScore() && time <= 0 && error <= 0 && (time < 0 || error < 0);
+         });
+}
+
 SceneFigures CollectScene(const StandardScene& scene, const store::ResultFile& file) {
   return SceneCollector(scene, file).All();
 }
@@ -264,7 +287,8 @@ std::vector<KindFigures> ScoreKinds(const std::vector<SceneFigures>& scenes) {
     }
     if (of.scenes.empty()) continue;
     of.baseline = of.scenes[0]->configurations[0].name;
-    for (const std::string& name : names) of.scores.push_back(ScoreOf(name, of.scenes));
+    const auto faults = FaultsOfMissing(kind, of.scenes);
+    for (const std::string& name : names) of.scores.push_back(ScoreOf(name, of.scenes, faults));
     std::ranges::stable_sort(of.scores, {}, [](const KindScore& score) {
       return std::pair(std::isnan(score.score), std::isnan(score.score) ? 0.0 : -score.score);
     });

@@ -52,6 +52,8 @@ struct SceneFigures {
   std::vector<ConfigurationFigures> configurations;  ///< the first is the baseline; not empty
 
   const ConfigurationFigures* Find(const std::string& name) const;
+  /// It has a score, and no other one with a score is as fast and as accurate, and better in one.
+  bool IsOnFront(const ConfigurationFigures& of) const;
 };
 /// `file` must be of a plan that this cdb can read. Throws StoreError.
 SceneFigures CollectScene(const StandardScene& scene, const store::ResultFile& file);

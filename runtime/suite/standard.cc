@@ -6,7 +6,7 @@ namespace cdb::suite {
 namespace {
 
 constexpr Kind kKinds[] = {
-    {"games", "many objects in motion, at the frame rate of a game"},
+    {"games", "many objects in motion, at 240 steps a second"},
     {"granular", "grains and heaps: dense, lasting contacts"},
     {"robotics", "logistics and bin picking: stacks, parts and what pushes them"},
     {"haptics", "one probe among fixed bodies, a thousand steps a second"},

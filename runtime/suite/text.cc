@@ -121,7 +121,48 @@ std::string SpeedOver(const ConfigurationFigures& of, const ConfigurationFigures
                          : fmt::format(" (95 % interval {})", RangeText(of.speedup_interval)));
 }
 
+/// The fastest of Bullet's own that is surely faster than the baseline, and no less accurate; null
+/// where there is none.
+const ConfigurationFigures* FindFaster(const SceneFigures& scene) {
+  const ConfigurationFigures* fastest = nullptr;
+  for (const ConfigurationFigures& of : scene.configurations)
+    if (of.is_bullets_own && of.HasScore() && of.error <= scene.configurations[0].error &&
+        of.speedup_interval.low > 1 &&
+        (fastest == nullptr || of.speedup.value > fastest->speedup.value))
+      fastest = &of;
+  return fastest;
+}
+
 }  // namespace
+
+std::string DefaultsText(const std::vector<SceneFigures>& scenes) {
+  std::vector<std::string> slow, wrong;
+  std::size_t known = 0;
+  for (const SceneFigures& scene : scenes) {
+    const ConfigurationFigures& baseline = scene.configurations[0];
+    if (baseline.is_disturbed) continue;
+    ++known;
+    const std::string id = scene.scene->Id();
+    if (!baseline.HasScore())
+      wrong.push_back(fmt::format("{} ({})", id, baseline.fault));
+    else if (const ConfigurationFigures* faster = FindFaster(scene))
+      slow.push_back(fmt::format("{} ({} {:.2f})", id, faster->name, faster->speedup.value));
+  }
+  if (known == 0)
+    return "Whether Bullet's defaults are right is not known: the machine was disturbed.";
+  std::string text =
+      slow.empty()
+          ? fmt::format(
+                "In none of {} scenes is another choice of Bullet's own surely faster than "
+                "its default.",
+                known)
+          : fmt::format(
+                "Bullet's default is surely slower than another choice of its own in {} of "
+                "{} scenes: {}.",
+                slow.size(), known, fmt::join(slow, ", "));
+  if (!wrong.empty()) text += fmt::format(" It is wrong in {}.", fmt::join(wrong, ", "));
+  return text;
+}
 
 std::string ScoreText(const std::vector<KindFigures>& kinds) {
   std::string text;

@@ -38,6 +38,7 @@ const suiteOf = (what = 'debris') => {
     repeats: 5,
     noisy: 0,
     bullets_own: true,
+    on_front: false,
     fits: [true, true, false],
     ...more,
   });
@@ -50,6 +51,7 @@ const suiteOf = (what = 'debris') => {
     missing: ['games/rubble'],
     machine: { cpu: 'a processor', host: 'a host' },
     build: { cdb: '0.1.0' },
+    defaults: 'In none of 1 scenes.',
     budgets: ['1/30 s', '1/60 s', '1 ms'],
     kinds: [
       {

@@ -48,6 +48,7 @@ function recommendations(suite, linkOf) {
     ...suite.budgets.map((_, b) => pick(scene, scene.picks[b])),
   ]);
   return [
+    h('p', {}, bdi(suite.defaults)),
     table(
       [
         { label: 'scene' },
@@ -129,6 +130,7 @@ function sceneTable(suite, scene) {
       { label: 'slow step', isNumber: true },
       { label: 'fits in' },
       { label: scene.error.name.replace(/_/g, ' '), isNumber: true },
+      { label: 'front' },
       { label: 'verdict' },
       { label: 'memory', isNumber: true },
       { label: 'noisy runs', isNumber: true },
@@ -142,6 +144,7 @@ function sceneTable(suite, scene) {
       time(of.slow_step_ns),
       fits(of),
       number(of.error),
+      of.on_front ? 'on it' : '',
       of.verdict,
       memory(of.memory),
       `${of.noisy} of ${of.repeats}`,

@@ -135,6 +135,18 @@ TEST(SuiteScore, NothingThatIsWrongInOneSceneHasAScore) {
             "rubble: noisy in 3 of 5 runs");
 }
 
+TEST(SuiteScore, AKindWithoutOneOfItsScenesHasNone) {
+  const Scene scene(kFirst, Usual);
+  const std::vector<SceneFigures> scenes = {scene.figures};
+  const auto kinds = suite::ScoreKinds(scenes);
+  for (const suite::KindScore& score : kinds[0].scores) {
+    EXPECT_TRUE(std::isnan(score.score));
+    EXPECT_EQ(score.faults, std::vector<std::string>{"rubble: not run"});
+  }
+  const std::string text = suite::ScoreText(kinds);
+  EXPECT_NE(text.find("8.00"), std::string::npos) << text;  // in the scene
+}
+
 TEST(SuiteScore, FewNoisyRepeatsAreOutvoted) {
   const Scene scene(kFirst, [](std::size_t detector, std::uint64_t rep) {
     Made made = Usual(detector, rep);
@@ -181,6 +193,27 @@ TEST(SuiteScore, VerdictsThatAViewerAcceptsAreAllowedByTheScene) {
   const Scene scene(allowing, make);
   EXPECT_TRUE(scene.figures.Find("sap32")->HasScore());
   EXPECT_FALSE(scene.figures.Find("skin")->HasScore());
+}
+
+TEST(SuiteRecommendation, SaysWhereBulletsDefaultIsNotTheBestOfItsOwn) {
+  const Scene faster(kFirst, Usual), slower(kSecond, [](std::size_t detector, std::uint64_t) {
+    return Made{.ns = detector == 0 ? 1e5 : 8e5};
+  });
+  const auto text = [](const Scene& scene) { return suite::DefaultsText({scene.figures}); };
+  // skin is not Bullet's.
+  EXPECT_EQ(text(faster),
+            "Bullet's default is surely slower than another choice of its own in 1 of 1 scenes: "
+            "games/debris (sap32 2.00).");
+  EXPECT_TRUE(text(slower).starts_with("In none of 1 scenes")) << text(slower);
+  const Scene wrong(kFirst, [](std::size_t detector, std::uint64_t rep) {
+    Made made = Usual(detector, rep);
+    if (detector == 0) made.error = 1;
+    return made;
+  });
+  EXPECT_NE(text(wrong).find("It is wrong in games/debris (pairs_missed 1.00)"), std::string::npos)
+      << text(wrong);
+  EXPECT_TRUE(faster.figures.IsOnFront(*faster.figures.Find("skin")));
+  EXPECT_FALSE(faster.figures.IsOnFront(*faster.figures.Find("sap32")));
 }
 
 TEST(SuiteRecommendation, IsTheMostAccurateThatFitsAndThenTheFastest) {
