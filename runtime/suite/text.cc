@@ -82,17 +82,16 @@ bool HasDisturbed(const KindFigures& kind) {
   });
 }
 
-/// Of two names in a table that fits a terminal.
-constexpr std::size_t kNamesWidth = 16;
+/// Of the names in a table that fits a terminal.
+constexpr std::size_t kNamesWidth = 20;
 
-/// `skin`, `grid or auto`, `skin or 3 more`; `-` for none.
+/// `skin`, `grid or auto, skin`, `skin or 3 more`; `-` for none.
 std::string NamesOf(const std::vector<const ConfigurationFigures*>& of) {
   if (of.empty()) return "-";
-  if (of.size() == 1) return of[0]->name;
-  const std::string both = fmt::format("{} or {}", of[0]->name, of[1]->name);
-  return of.size() == 2 && both.size() <= kNamesWidth
-             ? both
-             : fmt::format("{} or {} more", of[0]->name, of.size() - 1);
+  std::string names = of[0]->name;
+  for (std::size_t i = 1; i < of.size(); ++i) names += (i == 1 ? " or " : ", ") + of[i]->name;
+  return names.size() <= kNamesWidth ? names
+                                     : fmt::format("{} or {} more", of[0]->name, of.size() - 1);
 }
 
 /// Without regard to time.
