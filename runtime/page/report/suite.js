@@ -119,8 +119,7 @@ function kinds(suite) {
 }
 
 function sceneTable(suite, scene) {
-  const hasFaults = scene.configurations.some((of) => of.fault);
-  const fits = (of) => suite.budgets.filter((_, i) => of.fits[i]).join(', ');
+  const fits = (of) => h('span', { class: 'whole' }, suite.budgets[of.fits.lastIndexOf(true)] ?? '');
   return table(
     [
       { label: 'configuration' },
@@ -131,10 +130,9 @@ function sceneTable(suite, scene) {
       { label: 'fits in' },
       { label: scene.error.name.replace(/_/g, ' '), isNumber: true },
       { label: 'front' },
-      { label: 'verdict' },
       { label: 'memory', isNumber: true },
       { label: 'noisy runs', isNumber: true },
-      ...(hasFaults ? [{ label: 'why it has no score' }] : []),
+      { label: 'verdict, or why it has no score' },
     ],
     scene.configurations.map((of) => [
       of.name,
@@ -145,10 +143,9 @@ function sceneTable(suite, scene) {
       fits(of),
       number(of.error),
       of.on_front ? 'on it' : '',
-      of.verdict,
       memory(of.memory),
       `${of.noisy} of ${of.repeats}`,
-      ...(hasFaults ? [of.fault ?? ''] : []),
+      of.fault ?? of.verdict,
     ]),
     scene.what,
   );
