@@ -11,7 +11,7 @@ enum class ExitStatus {
   kScenario = 1,  ///< an error in the scenario
   kWorld = 2,     ///< environment or usage error
   kRuns = 3,      ///< complete, but with failed runs
-  kWorse = 4,     ///< `cdb compare` found something worse
+  kWorse = 4,  ///< `cdb compare` found something worse, or `cdb suite --against` something untrue
 };
 
 /// The status of a command that `signal` stopped.

@@ -33,6 +33,7 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddViewCommand(app, status);
   AddCompareCommand(app, status);
   AddStabilityCommand(app, status);
+  AddSuiteCommand(app, status);
   AddVerifyCommand(app, status);
   AddMergeCommand(app, status);
   AddDoctorCommand(app, status);

@@ -26,11 +26,13 @@
 #include "runtime/manual/language.h"
 #include "runtime/manual/limits.h"
 #include "runtime/manual/statistics.h"
+#include "runtime/manual/suite.h"
 #include "runtime/manual/word.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
 #include "runtime/report/table.h"
 #include "runtime/store/store.h"
+#include "runtime/suite/standard.h"
 
 namespace cdb::cli {
 namespace {
@@ -124,6 +126,19 @@ std::string AllErrors() {
   return table.Text() + "\n" + forms.Text();
 }
 
+std::string AllStandardScenes() {
+  report::Table table;
+  table.KeepWhole();
+  for (const char* head : {"scene", "", "error", "bound", "worst verdict"})
+    table.AddColumn(head, false);
+  for (const suite::StandardScene& scene : suite::StandardScenes())
+    table.AddRow({scene.Id(), std::string(scene.what), std::string(scene.error),
+                  report::ShortNumber(scene.bound),
+                  std::string(measure::VerdictName(scene.worst_verdict))});
+  return fmt::format("{}Version {}\n\n{}", manual::kSuiteReference, suite::kSuiteVersion,
+                     table.Text());
+}
+
 /// `benchmarks: a, b`, in the order of the file.
 std::string BenchmarksIn(const fs::path& file) {
   std::string why, names;
@@ -192,6 +207,8 @@ constexpr Topic kTopics[] = {
     {"verdicts", "how a run can end, and by which measure", AllVerdicts},
     {"noise", "whether a run had the machine to itself",
      [] { return std::string(manual::kNoiseReference); }},
+    {"suite", "the standard suite: scenes, score, and what makes results comparable",
+     AllStandardScenes},
     {"limits", "what a run may use, and what ends it",
      [] { return std::string(manual::kLimitsReference); }},
     {"cluster", "a sweep on many machines: Slurm, GNU parallel, ssh",

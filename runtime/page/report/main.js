@@ -13,6 +13,7 @@ import { describeRatios } from './ratios.js';
 import * as parts from './sections.js';
 import { describeStability } from './stability.js';
 import { decode, encode } from './state.js';
+import { suiteParts } from './suite.js';
 
 const page = document.getElementById('page');
 
@@ -95,11 +96,16 @@ function sectionsOf(doc, figures, key) {
  */
 let current = null;
 let documents = [];
+/** Of `cdb suite`; has the first tab. */
+let suite = null;
 
-const addressOf = (index, doc, view) => [index ? `doc=${index}` : '', encode(doc, view)].filter(Boolean).join('&');
+/** The tab that has no name in the address: the suite's, or the first document's. */
+const firstTab = () => (suite ? -1 : 0);
+const tabAddress = (index) => (index === firstTab() ? '' : `doc=${index}`);
+const addressOf = (index, doc, view) => [tabAddress(index), encode(doc, view)].filter(Boolean).join('&');
 const indexIn = (address) => {
-  const index = Number(new URLSearchParams(address).get('doc') ?? 0);
-  return Number.isInteger(index) && index >= 0 && index < documents.length ? index : 0;
+  const index = Number(new URLSearchParams(address).get('doc') ?? firstTab());
+  return Number.isInteger(index) && index >= 0 && index < documents.length ? index : firstTab();
 };
 
 function tabName(doc, i) {
@@ -108,10 +114,11 @@ function tabName(doc, i) {
 }
 
 function tabs(index) {
-  if (documents.length < 2) return null;
-  const links = documents.map((doc, i) =>
-    h('a', { href: i ? `#doc=${i}` : '#', 'aria-current': i === index ? 'page' : null }, bdi(tabName(doc, i))),
-  );
+  if (documents.length < 2 && !suite) return null;
+  const link = (i, name) =>
+    h('a', { href: `#${tabAddress(i)}`, 'aria-current': i === index ? 'page' : null }, bdi(name));
+  const links = documents.map((doc, i) => link(i, suite ? suite.scenes[i].name : tabName(doc, i)));
+  if (suite) links.unshift(link(-1, 'Suite'));
   return h('nav', { class: 'tabs', 'aria-label': 'Results' }, ...links);
 }
 
@@ -139,16 +146,28 @@ function bodyOf(doc, sections, key, keyElement) {
     parts.head(doc),
     parts.warnings(doc),
     h('section', { id: 'summary', 'aria-label': 'Summary' }, heading, above, keyElement, below),
-    ...sections.map(([id, title, items]) =>
-      h(
-        'section',
-        { id, 'aria-labelledby': `${id}-title`, tabindex: '-1' },
-        h('h2', { id: `${id}-title` }, title),
-        ...items.map(element),
-      ),
-    ),
+    ...sections.map((each) => sectionOf(...each)),
     h('footer', {}, `Written by ${generator}. Figures by Observable Plot and D3; their licences are below.`),
   );
+}
+
+const sectionOf = (id, title, items) =>
+  h(
+    'section',
+    { id, 'aria-labelledby': `${id}-title`, tabindex: '-1' },
+    h('h2', { id: `${id}-title` }, title),
+    ...items.map(element),
+  );
+
+/** Builds the tab of the suite, which has nothing that changes. */
+function showSuite() {
+  const { head, sections } = suiteParts(suite, (scene) => `#${tabAddress(scene)}`);
+  const links = sections.map(([id, title]) => ({ id, link: h('a', { href: `#section=${id}` }, title) }));
+  const footer = h('footer', {}, 'Written by cdb suite.');
+  const items = [...head.filter(Boolean), ...sections.map((each) => sectionOf(...each)), footer];
+  const body = h('div', { class: 'body wide' }, ...items);
+  page.replaceChildren(tabs(-1), h('div', { class: 'layout' }, asideOf(links, null), body));
+  current = { index: -1, redraw: () => {} };
 }
 
 /** Builds the page of one document. */
@@ -191,6 +210,12 @@ function show(index) {
 function follow() {
   const address = location.hash.slice(1);
   const index = indexIn(address);
+  if (index < 0) {
+    if (current?.index !== index) showSuite();
+    const section = new URLSearchParams(address).get('section') ?? '';
+    if (/^[a-z-]{1,40}$/.test(section)) document.getElementById(section)?.scrollIntoView();
+    return;
+  }
   if (!current || index !== current.index) show(index);
   else current.update(decode(current.doc, address));
 }
@@ -198,6 +223,7 @@ function follow() {
 function start() {
   const data = JSON.parse(document.getElementById('data').textContent);
   documents = (data.documents ?? []).map(openDocument);
+  suite = data.suite ?? null;
   if (documents.length === 0) {
     page.replaceChildren(h('p', {}, 'This page has no results.'));
     return;

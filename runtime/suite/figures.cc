@@ -1,0 +1,322 @@
+#include "runtime/suite/figures.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "compiler/schema/catalogue.h"
+#include "runtime/document/time_steps.h"
+#include "runtime/measure/noise.h"
+#include "runtime/report/cells.h"
+#include "runtime/report/cycle_times.h"
+#include "runtime/report/figures.h"
+#include "runtime/report/points.h"
+#include "runtime/report/table.h"
+
+namespace cdb::suite {
+namespace {
+
+using Cell = store::ResultFile::Cell;
+
+/// Part of the cycles that may take longer than a step that counts as slow.
+constexpr double kSlowStep = 0.99;
+
+class SceneCollector {
+ public:
+  SceneCollector(const StandardScene& scene, const store::ResultFile& file)
+      : scene_(scene),
+        file_(file),
+        times_(file),
+        steps_(file),
+        points_(report::MeasuredPoints(file, false)) {
+    if (!file.Has("duration"))
+      throw store::StoreError(
+          fmt::format("the results of {} hold no times: they are not of the suite", scene.Id()));
+  }
+
+  SceneFigures All() {
+    SceneFigures all = {&scene_, file_.title(), 1, {}};
+    for (const auto& [name, points] : Configurations()) {
+      all.seeds = points.size();
+      all.configurations.push_back(Collect(name, points));
+    }
+    AddSpeedups(all.configurations);
+    return all;
+  }
+
+ private:
+  using Named = std::pair<std::string, std::vector<report::Point>>;
+
+  /// Points by the names of their configurations, in grid order.
+  std::vector<Named> Configurations() const {
+    std::vector<Named> all;
+    for (const Cell& cell : report::AllCells(file_)) {
+      if (cell.rep != 0) continue;
+      std::vector<std::string> values;
+      for (std::size_t i = 0; i < cell.at.size(); ++i)
+        if (file_.axes()[i].parameter != "seed")
+          values.push_back(report::CoordinateText(file_.axes()[i], cell.at[i]));
+      std::string name = values.empty() ? "default" : fmt::format("{}", fmt::join(values, ", "));
+      const auto there = std::ranges::find(all, name, &Named::first);
+      if (there == all.end())
+        all.push_back({std::move(name), {cell.at}});
+      else
+        there->second.push_back(cell.at);
+    }
+    return all;
+  }
+
+  bool IsBulletsOwn(const report::Point& at) const {
+    const auto axis = report::DetectorAxis(file_);
+    if (!axis) return true;
+    const std::string name = report::CoordinateText(file_.axes()[*axis], at[*axis]);
+    return std::ranges::any_of(schema::Detectors(), [&](const schema::DetectorInfo& info) {
+      return info.name == name && info.source == "Bullet";
+    });
+  }
+
+  const report::MeasuredPoint* FindPoint(const report::Point& at) const {
+    const auto found = std::ranges::find(points_, at, &report::MeasuredPoint::at);
+    return found == points_.end() ? nullptr : &*found;
+  }
+
+  ConfigurationFigures Collect(const std::string& name, const std::vector<report::Point>& points) {
+    ConfigurationFigures of;
+    of.name = name;
+    of.is_bullets_own = IsBulletsOwn(points[0]);
+    std::vector<report::Estimate> times;
+    for (const report::Point& at : points) {
+      AddRuns(at, of);
+      const report::MeasuredPoint* point = FindPoint(at);
+      if (point == nullptr) continue;
+      AddFigures(*point, of);
+      times.push_back(TimeOf(*point));
+    }
+    if (!times.empty() && times.size() == points.size())
+      of.ms_per_s = report::GeometricMeanOf(times);
+    AddFault(of);
+    return of;
+  }
+
+  report::Estimate TimeOf(const report::MeasuredPoint& point) {
+    return report::Scaled(times_.Of(point, measure::Phase::kStep).mean,
+                          1e-6 / steps_.Of(point.cells[0]));
+  }
+
+  /// The first fault stays.
+  static void SetFault(ConfigurationFigures& of, std::string fault) {
+    if (of.fault.empty()) of.fault = std::move(fault);
+  }
+
+  static void SetDisturbed(ConfigurationFigures& of, std::string fault) {
+    of.fault = std::move(fault);
+    of.is_disturbed = true;
+  }
+
+  /// Of all repeats, how they ended.
+  void AddRuns(const report::Point& at, ConfigurationFigures& of) const {
+    measure::Judgement worst;
+    for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep) {
+      const Cell cell{at, rep};
+      ++of.repeats;
+      const store::Status status = file_.ReadStatus(cell);
+      const measure::Judgement judgement = file_.ReadJudgement(cell);
+      if (judgement.verdict > worst.verdict) worst = judgement;
+      if (status == store::Status::kDone && file_.Has("noise"))
+        of.noisy +=
+            static_cast<measure::Noise>(file_.ReadReal("noise", cell)) == measure::Noise::kNoisy;
+      if (status == store::Status::kDone && judgement.verdict == measure::Verdict::kUnknown)
+        SetFault(of, "no verdict");
+      if (status != store::Status::kDone) SetFault(of, std::string(store::StatusName(status)));
+    }
+    if (worst.verdict > of.verdict) of.verdict = worst.verdict;
+    if (worst.verdict > scene_.worst_verdict)
+      SetFault(of, worst.first_bad_cycle < 0
+                       ? std::string(measure::VerdictName(worst.verdict))
+                       : fmt::format("{} from cycle {}", measure::VerdictName(worst.verdict),
+                                     worst.first_bad_cycle));
+  }
+
+  void AddFigures(const report::MeasuredPoint& point, ConfigurationFigures& of) {
+    of.time_step_s = steps_.Of(point.cells[0]);
+    const report::PhaseTimes& steps = times_.Of(point, measure::Phase::kStep);
+    of.step_ns = std::fmax(of.step_ns, steps.mean.value);
+    std::vector<double> sorted = steps.cycles;
+    std::ranges::sort(sorted);
+    of.slow_step_ns = std::fmax(of.slow_step_ns, report::Percentile(sorted, kSlowStep));
+    for (const Cell& cell : point.cells)
+      if (file_.Has("peak_rss"))
+        of.memory_bytes = std::fmax(of.memory_bytes, file_.ReadReal("peak_rss", cell));
+    const std::string dataset = "accuracy/" + std::string(scene_.error);
+    for (const Cell& cell : point.cells) {
+      const double error = file_.Has(dataset) ? file_.ReadReal(dataset, cell) : report::kNone;
+      if (std::isnan(error)) SetFault(of, fmt::format("its error ({}) is not known", scene_.error));
+      of.error = std::fmax(of.error, error);
+    }
+    if (!point.unlike.empty())
+      SetFault(of, fmt::format("ran without {}, which others kept", fmt::join(point.unlike, ", ")));
+  }
+
+  /// What disturbs the times counts last: what is wrong on a quiet machine is wrong.
+  void AddFault(ConfigurationFigures& of) const {
+    if (!of.fault.empty()) return;
+    if (of.error > scene_.bound)
+      of.fault = scene_.bound == 0
+                     ? fmt::format("{} {}", scene_.error, report::ShortNumber(of.error))
+                     : fmt::format("{} error {} over {}", scene_.error,
+                                   report::ShortNumber(of.error), scene_.bound);
+    else if (!std::isfinite(of.ms_per_s.value) || of.ms_per_s.value <= 0)
+      of.fault = "no time";
+    else if (of.IsNoisy())
+      SetDisturbed(of, fmt::format("noisy in {} of {} runs", of.noisy, of.repeats));
+  }
+
+  /// The times of a baseline that is wrong are still those of Bullet's defaults; of one that was
+  /// disturbed, or has void timings, nothing follows.
+  void AddSpeedups(std::vector<ConfigurationFigures>& all) const {
+    const ConfigurationFigures& baseline = all[0];
+    const report::MeasuredPoint* point = FindPoint(report::Point(file_.axes().size(), 0));
+    const bool is_timed =
+        std::isfinite(baseline.ms_per_s.value) && point != nullptr && point->IsSound();
+    const std::string untimed =
+        fmt::format("the baseline {} has no time that counts", baseline.name);
+    for (ConfigurationFigures& of : all) {
+      if (!is_timed)
+        SetFault(of, untimed);
+      else if (baseline.IsNoisy() && of.fault.empty())
+        SetDisturbed(of, fmt::format("the baseline {} is noisy", baseline.name));
+      if (!is_timed || !std::isfinite(of.ms_per_s.value)) continue;
+      of.speedup = report::RatioOf(baseline.ms_per_s, of.ms_per_s);
+      of.speedup_interval = times_.IntervalOf(of.speedup);
+    }
+  }
+
+  const StandardScene& scene_;
+  const store::ResultFile& file_;
+  report::CycleTimes times_;
+  const document::TimeSteps steps_;
+  const std::vector<report::MeasuredPoint> points_;
+};
+
+/// `rubble: not run`, for each scene of the kind without results.
+std::vector<std::string> FaultsOfMissing(const Kind& kind,
+                                         const std::vector<const SceneFigures*>& scenes) {
+  std::vector<std::string> faults;
+  for (const StandardScene& scene : StandardScenes())
+    if (scene.kind == kind.name && std::ranges::none_of(scenes, [&](const SceneFigures* of) {
+          return of->scene->name == scene.name;
+        }))
+      faults.push_back(fmt::format("{}: not run", scene.name));
+  return faults;
+}
+
+/// A configuration over the scenes of a kind.
+KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*>& scenes,
+                  const std::vector<std::string>& faults) {
+  KindScore of;
+  of.name = name;
+  of.faults = faults;
+  std::vector<report::Estimate> speedups;
+  for (const SceneFigures* scene : scenes) {
+    const ConfigurationFigures* found = scene->Find(name);
+    if (found == nullptr) {
+      of.faults.push_back(fmt::format("{}: not there", scene->scene->name));
+      continue;
+    }
+    of.memory_bytes = std::fmax(of.memory_bytes, found->memory_bytes);
+    if (found->HasScore())
+      speedups.push_back(found->speedup);
+    else
+      of.faults.push_back(fmt::format("{}: {}", scene->scene->name, found->fault));
+  }
+  if (!of.faults.empty()) return of;
+  for (const report::Estimate& speedup : speedups)
+    if (speedup.drawn.size() != speedups[0].drawn.size())
+      throw store::StoreError(
+          fmt::format("the scenes of {} were not repeated equally often: their results are not of "
+                      "one run of the suite",
+                      scenes[0]->scene->kind));
+  const report::Estimate score = report::GeometricMeanOf(speedups);
+  of.score = score.value;
+  of.interval = report::Bootstrap(score.things).IntervalOf(score);
+  return of;
+}
+
+}  // namespace
+
+bool ConfigurationFigures::Fits(double period_s) const {
+  const double steps = std::fmax(1, std::round(period_s / time_step_s));
+  return steps * slow_step_ns * 1e-9 <= period_s;
+}
+
+const ConfigurationFigures* SceneFigures::Find(const std::string& name) const {
+  const auto found = std::ranges::find(configurations, name, &ConfigurationFigures::name);
+  return found == configurations.end() ? nullptr : &*found;
+}
+
+bool SceneFigures::IsOnFront(const ConfigurationFigures& of) const {
+  return of.HasScore() &&
+         std::ranges::none_of(configurations, [&](const ConfigurationFigures& other) {
+           const double time = other.ms_per_s.value - of.ms_per_s.value,
+                        error = other.error - of.error;
+           return other.HasScore() && time <= 0 && error <= 0 && (time < 0 || error < 0);
+         });
+}
+
+SceneFigures CollectScene(const StandardScene& scene, const store::ResultFile& file) {
+  return SceneCollector(scene, file).All();
+}
+
+std::vector<KindFigures> ScoreKinds(const std::vector<SceneFigures>& scenes) {
+  std::vector<KindFigures> all;
+  for (const Kind& kind : Kinds()) {
+    KindFigures of = {&kind, {}, {}, {}};
+    std::vector<std::string> names;
+    for (const SceneFigures& scene : scenes) {
+      if (scene.scene->kind != kind.name) continue;
+      of.scenes.push_back(&scene);
+      for (const ConfigurationFigures& configuration : scene.configurations)
+        if (std::ranges::find(names, configuration.name) == names.end())
+          names.push_back(configuration.name);
+    }
+    if (of.scenes.empty()) continue;
+    of.baseline = of.scenes[0]->configurations[0].name;
+    const auto faults = FaultsOfMissing(kind, of.scenes);
+    for (const std::string& name : names) of.scores.push_back(ScoreOf(name, of.scenes, faults));
+    std::ranges::stable_sort(of.scores, {}, [](const KindScore& score) {
+      return std::pair(std::isnan(score.score), std::isnan(score.score) ? 0.0 : -score.score);
+    });
+    all.push_back(std::move(of));
+  }
+  return all;
+}
+
+std::vector<const ConfigurationFigures*> Recommend(const SceneFigures& scene, double period_s,
+                                                   bool only_bullets_own) {
+  std::vector<const ConfigurationFigures*> fitting;
+  for (const ConfigurationFigures& of : scene.configurations)
+    if (of.HasScore() && of.Fits(period_s) && (!only_bullets_own || of.is_bullets_own))
+      fitting.push_back(&of);
+  if (fitting.empty()) return {};
+  std::ranges::stable_sort(fitting, {}, [](const ConfigurationFigures* of) {
+    return std::pair(of->error, of->ms_per_s.value);
+  });
+  const ConfigurationFigures& best = *fitting[0];
+  const report::Bootstrap bootstrap(best.ms_per_s.things);
+  std::erase_if(fitting, [&](const ConfigurationFigures* of) {
+    if (of == &best) return false;
+    if (of->error > best.error) return true;
+    const report::Interval ratio =
+        bootstrap.IntervalOf(report::RatioOf(of->ms_per_s, best.ms_per_s));
+    return !(ratio.low <= 1);
+  });
+  return fitting;
+}
+
+}  // namespace cdb::suite

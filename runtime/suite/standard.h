@@ -1,0 +1,41 @@
+// The scenes of the standard suite (`cdb doc suite`).
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "runtime/measure/verdict.h"
+
+namespace cdb::suite {
+
+/// Raised with every change of a scene, of a bound or of the score: results of two versions are not
+/// comparable. tests/golden/suite/ has the plans of each version.
+inline constexpr int kSuiteVersion = 1;
+
+/// A kind of application. Its scenes sweep the same configurations.
+struct Kind {
+  std::string_view name;  ///< the folder below `standard/` in the library of scenarios
+  std::string_view doc;
+};
+std::span<const Kind> Kinds();
+
+struct StandardScene {
+  std::string_view kind, name;
+  std::string_view what;   ///< for people: `3000 pieces of debris in orbit`
+  std::string_view error;  ///< of /accuracy, by its name there
+  double bound;            ///< a run with a larger error is wrong
+  /// So is a run with a worse verdict.
+  measure::Verdict worst_verdict = measure::Verdict::kStable;
+
+  /// `games/debris`
+  std::string Id() const;
+  /// As the library of scenarios names it: `standard/games/debris`.
+  std::string File() const;
+  /// `standard_debris.h5`
+  std::string ResultName() const;
+};
+/// By kinds, in the order of Kinds.
+std::span<const StandardScene> StandardScenes();
+
+}  // namespace cdb::suite

@@ -1,0 +1,210 @@
+#include "runtime/suite/text.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "runtime/report/table.h"
+#include "runtime/report/wrap.h"
+
+namespace cdb::suite {
+namespace {
+
+/// `1.50 ms`
+std::string TimeText(double ns) {
+  const auto unit = report::TimeUnit::For(ns);
+  return fmt::format("{} {}", report::ShortNumber(ns / unit.ns), unit.name);
+}
+
+std::string MemoryText(double bytes) {
+  return std::isnan(bytes) ? "-" : fmt::format("{:.0f} MB", bytes / 1e6);
+}
+
+std::string RatioText(double ratio) {
+  return std::isnan(ratio) ? "-" : fmt::format("{:.2f}", ratio);
+}
+
+std::string RangeText(const report::Interval& interval) {
+  return std::isnan(interval.low) ? "-"
+                                  : fmt::format("{:.2f} .. {:.2f}", interval.low, interval.high);
+}
+
+/// Of a configuration in a scene: in brackets if it is disturbed, a dash if it is wrong.
+std::string SpeedupText(const SceneFigures& scene, const std::string& name) {
+  const ConfigurationFigures* of = scene.Find(name);
+  if (of == nullptr || (!of->HasScore() && !of->is_disturbed)) return "-";
+  const std::string ratio = RatioText(of->speedup.value);
+  return of->is_disturbed ? fmt::format("({})", ratio) : ratio;
+}
+
+std::string KindTable(const KindFigures& kind) {
+  report::Table table;
+  table.AddColumn("configuration", false);
+  for (const char* head : {"score", "95 % interval", "memory"}) table.AddColumn(head, true);
+  for (const SceneFigures* scene : kind.scenes)
+    table.AddColumn(std::string(scene->scene->name), true);
+  for (const KindScore& score : kind.scores) {
+    std::vector<std::string> row = {score.name,
+                                    score.faults.empty() ? RatioText(score.score) : "none",
+                                    RangeText(score.interval), MemoryText(score.memory_bytes)};
+    for (const SceneFigures* scene : kind.scenes) row.push_back(SpeedupText(*scene, score.name));
+    table.AddRow(std::move(row));
+  }
+  return table.Text();
+}
+
+/// Configurations with the same faults stand together.
+std::string FaultLines(const KindFigures& kind) {
+  std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> by_faults;
+  for (const KindScore& score : kind.scores) {
+    if (score.faults.empty()) continue;
+    const auto there =
+        std::ranges::find(by_faults, score.faults, [](const auto& of) { return of.first; });
+    if (there == by_faults.end())
+      by_faults.push_back({score.faults, {score.name}});
+    else
+      there->second.push_back(score.name);
+  }
+  std::string text;
+  for (const auto& [faults, names] : by_faults)
+    text += report::Wrapped(
+        fmt::format("No score: {}: {}", fmt::join(names, ", "), fmt::join(faults, "; ")), 2);
+  return text;
+}
+
+bool HasDisturbed(const KindFigures& kind) {
+  return std::ranges::any_of(kind.scenes, [](const SceneFigures* scene) {
+    return std::ranges::any_of(scene->configurations, &ConfigurationFigures::is_disturbed);
+  });
+}
+
+/// Of the names in a table that fits a terminal.
+constexpr std::size_t kNamesWidth = 20;
+
+/// `skin`, `grid or auto, skin`, `skin or 3 more`; `-` for none.
+std::string NamesOf(const std::vector<const ConfigurationFigures*>& of) {
+  if (of.empty()) return "-";
+  std::string names = of[0]->name;
+  for (std::size_t i = 1; i < of.size(); ++i) names += (i == 1 ? " or " : ", ") + of[i]->name;
+  return names.size() <= kNamesWidth ? names
+                                     : fmt::format("{} or {} more", of[0]->name, of.size() - 1);
+}
+
+/// Without regard to time.
+std::vector<const ConfigurationFigures*> Best(const SceneFigures& scene, bool only_bullets_own) {
+  return Recommend(scene, std::numeric_limits<double>::infinity(), only_bullets_own);
+}
+
+/// ` sap32 and sap are as fast.`; empty for one.
+std::string TiesText(const std::vector<const ConfigurationFigures*>& best) {
+  if (best.size() < 2) return {};
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i < best.size(); ++i) names.push_back(best[i]->name);
+  const std::string last = names.back();
+  names.pop_back();
+  return names.empty()
+             ? fmt::format(" {} cannot be told from it.", last)
+             : fmt::format(" {} and {} cannot be told from it.", fmt::join(names, ", "), last);
+}
+
+std::string SpeedOver(const ConfigurationFigures& of, const ConfigurationFigures& baseline) {
+  if (&of == &baseline) return "the baseline";
+  const double ratio = of.speedup.value;
+  return fmt::format("{:.2f} times as fast as {}{}", ratio, baseline.name,
+                     std::isnan(of.speedup_interval.low)
+                         ? ""
+                         : fmt::format(" (95 % interval {})", RangeText(of.speedup_interval)));
+}
+
+/// The fastest of Bullet's own that is surely faster than the baseline, and no less accurate; null
+/// where there is none.
+const ConfigurationFigures* FindFaster(const SceneFigures& scene) {
+  const ConfigurationFigures* fastest = nullptr;
+  for (const ConfigurationFigures& of : scene.configurations)
+    if (of.is_bullets_own && of.HasScore() && of.error <= scene.configurations[0].error &&
+        of.speedup_interval.low > 1 &&
+        (fastest == nullptr || of.speedup.value > fastest->speedup.value))
+      fastest = &of;
+  return fastest;
+}
+
+}  // namespace
+
+std::string DefaultsText(const std::vector<SceneFigures>& scenes) {
+  std::vector<std::string> slow, wrong;
+  std::size_t known = 0;
+  for (const SceneFigures& scene : scenes) {
+    const ConfigurationFigures& baseline = scene.configurations[0];
+    if (baseline.is_disturbed) continue;
+    ++known;
+    const std::string id = scene.scene->Id();
+    if (!baseline.HasScore())
+      wrong.push_back(fmt::format("{} ({})", id, baseline.fault));
+    else if (const ConfigurationFigures* faster = FindFaster(scene))
+      slow.push_back(fmt::format("{} ({} {:.2f})", id, faster->name, faster->speedup.value));
+  }
+  if (known == 0)
+    return "Whether Bullet's defaults are right is not known: the machine was disturbed.";
+  std::string text =
+      slow.empty()
+          ? fmt::format(
+                "In none of {} scenes is another choice of Bullet's own surely faster than "
+                "its default.",
+                known)
+          : fmt::format(
+                "Bullet's default is surely slower than another choice of its own in {} of "
+                "{} scenes: {}.",
+                slow.size(), known, fmt::join(slow, ", "));
+  if (!wrong.empty()) text += fmt::format(" It is wrong in {}.", fmt::join(wrong, ", "));
+  return text;
+}
+
+std::string ScoreText(const std::vector<KindFigures>& kinds) {
+  std::string text;
+  for (const KindFigures& kind : kinds) {
+    text += fmt::format("{}: {}\n", kind.kind->name, kind.kind->doc);
+    text += KindTable(kind) + FaultLines(kind);
+    text += fmt::format("  1 is {}; 2 is twice as fast.{}\n\n", kind.baseline,
+                        HasDisturbed(kind) ? " In brackets: disturbed runs." : "");
+  }
+  return text;
+}
+
+std::string RecommendationText(const std::vector<SceneFigures>& scenes) {
+  report::Table table;
+  table.AddColumn("scene", false);
+  table.AddColumn("best of all", false);
+  table.AddColumn("of Bullet's own", false);
+  for (const Budget& budget : kBudgets) table.AddColumn(std::string(budget.name), false);
+  for (const SceneFigures& scene : scenes) {
+    const auto best = Best(scene, false);
+    std::vector<std::string> row = {scene.scene->Id(), NamesOf(best), NamesOf(Best(scene, true))};
+    for (const Budget& budget : kBudgets) {
+      const auto fitting = Recommend(scene, budget.seconds, false);
+      row.push_back(!fitting.empty() && fitting == best ? "the best" : NamesOf(fitting));
+    }
+    table.AddRow(std::move(row));
+  }
+  return "Which one to take\n" + table.Text();
+}
+
+std::string AnswerText(const SceneFigures& scene) {
+  const ConfigurationFigures& baseline = scene.configurations[0];
+  const auto best = Best(scene, false), own = Best(scene, true);
+  if (best.empty())
+    return std::ranges::any_of(scene.configurations, &ConfigurationFigures::is_disturbed)
+               ? "Not known: the machine was disturbed."
+               : "No configuration is right.";
+  std::string text = fmt::format("{}: {} a step, {}.{}", best[0]->name, TimeText(best[0]->step_ns),
+                                 SpeedOver(*best[0], baseline), TiesText(best));
+  if (!own.empty() && own[0] != best[0])
+    text += fmt::format(" Of Bullet's own: {}, {} a step, {}.{}", own[0]->name,
+                        TimeText(own[0]->step_ns), SpeedOver(*own[0], baseline), TiesText(own));
+  return text;
+}
+
+}  // namespace cdb::suite

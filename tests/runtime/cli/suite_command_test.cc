@@ -1,0 +1,218 @@
+// The standard suite: its set of scenes, a run of some of them, and refusals of results that are
+// not complete, not comparable, or tampered with.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "runtime/cli/inputs.h"
+#include "runtime/cli/suite_plan.h"
+#include "tests/support/files.h"
+#include "tests/support/folders.h"
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(StandardSuite, HasARowForEachFileAndAFileForEachRow) {
+  const fs::path folder = fs::path(cli::ScenarioLibrary()) / "standard";
+  std::set<std::string> files, rows;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().extension() == ".cdb")
+      files.insert(fs::relative(entry.path(), folder).replace_extension());
+  for (const suite::StandardScene& scene : suite::StandardScenes()) rows.insert(scene.Id());
+  EXPECT_EQ(files, rows);
+  EXPECT_GE(rows.size(), 10u);
+  EXPECT_LE(rows.size(), 15u);
+}
+
+TEST(StandardSuite, ScenesOfAKindSweepTheSameConfigurations) {
+  std::map<std::string_view, std::vector<plan::Axis>> of_kind;
+  for (const suite::StandardScene& scene : suite::StandardScenes()) {
+    const plan::Plan plan = cli::StandardPlan(scene, {});
+    const auto [there, is_new] = of_kind.try_emplace(scene.kind, plan.axes);
+    EXPECT_EQ(plan.axes, there->second) << scene.Id();
+    EXPECT_EQ(plan.repeats, 5u) << scene.Id();
+    ASSERT_EQ(plan.axes.size(), 1u) << scene.Id();
+    const plan::Scene& baseline = plan.runs[0].scene;
+    EXPECT_EQ(baseline.world.Get("detector"), schema::Value(schema::Word{"dbvt"})) << scene.Id();
+    for (const plan::Run& run : plan.runs) {
+      EXPECT_FALSE(std::holds_alternative<schema::Word>(run.scene.world.Get("timeout")))
+          << scene.Id() << " may run for ever";
+      EXPECT_TRUE(run.scene.world.Lists("record", "timing")) << scene.Id();
+      EXPECT_TRUE(run.scene.world.Lists("record", "stability")) << scene.Id();
+    }
+  }
+  EXPECT_EQ(of_kind.size(), suite::Kinds().size());
+}
+
+TEST(StandardSuite, PlansOfAVersionStayAsTheyAre) {
+  std::string plans;
+  for (const suite::StandardScene& scene : suite::StandardScenes())
+    for (const bool is_long : {false, true})
+      plans += fmt::format("{} {} {} bound {} {}\n", scene.Id(), is_long ? "long" : "short",
+                           cli::StandardPlan(scene, {.is_long = is_long}).Sha256(), scene.bound,
+                           measure::VerdictName(scene.worst_verdict));
+  const fs::path golden = SourceFolder() / "tests" / "golden" / "suite" /
+                          fmt::format("version_{}.txt", suite::kSuiteVersion);
+  const char* update = std::getenv("CDB_UPDATE_GOLDEN");
+  if (!fs::exists(golden) && update != nullptr && std::string(update) == "1")
+    WriteFile(golden, plans);
+  ASSERT_TRUE(fs::exists(golden)) << "run this test with CDB_UPDATE_GOLDEN=1";
+  EXPECT_EQ(plans, ReadFile(golden))
+      << "results of before and after this change are not comparable: raise kSuiteVersion";
+}
+
+TEST(StandardSuite, AFreshSeedAndFurtherDetectorsMakeOtherRuns) {
+  const suite::StandardScene& scene = suite::StandardScenes()[0];
+  const plan::Plan plan = cli::StandardPlan(scene, {}),
+                   fresh = cli::StandardPlan(scene, {.seed = 7}),
+                   more = cli::StandardPlan(scene, {.detectors = {"kd_tree"}});
+  std::set<std::string> ids, wider;
+  for (const plan::Run& run : plan.runs) ids.insert(run.id);
+  for (const plan::Run& run : fresh.runs) {
+    EXPECT_FALSE(ids.contains(run.id));
+    EXPECT_EQ(run.scene.seeds.at("objects.location"), plan::StreamSeed(7, "objects.location"));
+  }
+  for (const plan::Run& run : more.runs) wider.insert(run.id);
+  EXPECT_EQ(wider.size(), ids.size() + 5);
+  for (const std::string& id : ids) EXPECT_TRUE(wider.contains(id));
+  EXPECT_EQ(cli::StandardPlan(scene, {.is_long = true}).runs.size(),
+            6 * cli::kLongRepeats * std::size(cli::kLongSeeds));
+}
+
+/// One scene of each kind for a few cycles; a pile would have to settle first.
+TEST(StandardSuite, ScenesOfEveryKindRun) {
+  const Program program;
+  std::string text;
+  for (const char* scene : {"games/debris", "granular/drum", "robotics/warehouse", "haptics/probe",
+                            "planning/clutter", "extreme/large_world"}) {
+    const std::string name = std::string(scene).substr(std::string(scene).find('/') + 1);
+    text += fmt::format("use \"standard/{}\"\n", scene);
+    text += fmt::format(
+        "benchmark {0} from standard_{0} {{ cycles 3; warmup 0; repeats 1\n"
+        "  detector sweep(dbvt, auto); accuracy.metrics none }}\n",
+        name);
+  }
+  program.Write("all.cdb", text);
+  for (const char* name : {"debris", "drum", "warehouse", "probe", "clutter", "large_world"}) {
+    const Finished run = program.Run({"run", "-q", "all.cdb", "-b", name});
+    EXPECT_EQ(run.status, 0) << name << '\n' << run.out << run.err;
+  }
+}
+
+class SuiteResults : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    program_ = std::make_unique<Program>();
+    run_ = program_->Run({"suite", "--only", "pendulum,bounce", "-o", "out"});
+  }
+  static void TearDownTestSuite() { program_.reset(); }
+
+  /// A copy, to be spoilt.
+  static fs::path Copy(const std::string& name) {
+    fs::copy(program_->folder() / "out", program_->folder() / name);
+    return program_->folder() / name;
+  }
+  static void ExpectSays(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\nis not in\n" << text;
+  }
+
+  static inline std::unique_ptr<Program> program_;
+  static inline Finished run_;
+};
+
+TEST_F(SuiteResults, AreScoredAndWritten) {
+  EXPECT_EQ(run_.status, 0) << run_.err;
+  ExpectSays(run_.out, "Standard suite 1, short");
+  ExpectSays(run_.out, "stiff: settings of Bullet");
+  ExpectSays(run_.out, "\n  bullet");
+  ExpectSays(run_.out, "steps_240");
+  // Bounces lose their energy in small steps.
+  ExpectSays(run_.out, "bounce: drifting from cycle");
+  ExpectSays(run_.out, "Not a complete suite, without games/debris");
+  EXPECT_TRUE(program_->Exists("out/suite.json"));
+  EXPECT_TRUE(program_->Exists("out/suite.html"));
+  // Finished runs are not run again.
+  const Finished again = program_->Run({"suite", "--only", "pendulum,bounce", "-o", "out"});
+  EXPECT_EQ(again.out, run_.out);
+  ExpectSays(again.err, "is complete");
+}
+
+TEST_F(SuiteResults, ThatAreIncompleteAreRefusedByName) {
+  const Finished check = program_->Run({"suite", "--check", "out"});
+  EXPECT_EQ(check.status, 3) << check.err;
+  ExpectSays(check.out, "Not complete and comparable");
+  ExpectSays(check.out, "games/debris: there are no results");
+  EXPECT_EQ(check.out.find("stiff/bounce: "), std::string::npos) << check.out;
+  const Finished none = program_->Run({"suite", "--check", "nowhere"});
+  EXPECT_EQ(none.status, 2);
+  ExpectSays(none.err, "'nowhere' holds no results of the standard suite");
+}
+
+TEST_F(SuiteResults, ThatAreTamperedWithAreRefusedByName) {
+  const fs::path spoilt = Copy("spoilt");
+  std::string bytes = ReadFile(spoilt / "standard_bounce.h5");
+  bytes[bytes.size() / 2] ^= 1;
+  WriteFile(spoilt / "standard_bounce.h5", bytes);
+  const Finished check = program_->Run({"suite", "--check", "spoilt"});
+  EXPECT_EQ(check.status, 2) << check.out;
+  ExpectSays(check.err, "standard_bounce.h5");
+
+  const fs::path better = Copy("better");
+  std::string summary = ReadFile(better / "suite.json");
+  const std::string was = "\"suite\": 1";
+  summary.replace(summary.find(was), was.size(), "\"suite\": 2");
+  WriteFile(better / "suite.json", summary);
+  ExpectSays(program_->Run({"suite", "--check", "better"}).out,
+             "suite.json: it is not the summary of these results");
+  fs::remove(better / "suite.json");
+  ExpectSays(program_->Run({"suite", "--check", "better"}).out, "suite.json: ");
+}
+
+TEST_F(SuiteResults, OfOtherRunsAreRefusedByName) {
+  program_->Write("short.cdb",
+                  "use \"standard/stiff/pendulum\"\n"
+                  "benchmark standard_p from standard_pendulum { repeats 2; solver.erp 0.3 }\n");
+  fs::create_directory(program_->folder() / "own");
+  ASSERT_EQ(
+      program_
+          ->Run({"run", "-q", "short.cdb", "-b", "standard_p", "-o", "own/standard_pendulum.h5"})
+          .status,
+      0);
+  ExpectSays(program_->Run({"suite", "--check", "own"}).out,
+             "stiff/pendulum: it is not of version 1 of the suite");
+  ExpectSays(program_->Run({"suite", "--only", "pendulum", "-o", "own", "-q"}).err, "another plan");
+}
+
+TEST_F(SuiteResults, AreVerifiedByThoseOfAnotherRun) {
+  ASSERT_EQ(program_->Run({"suite", "--only", "pendulum", "-o", "mine", "-q"}).status, 0);
+  const Finished against = program_->Run({"suite", "--against", "out", "-o", "mine"});
+  ExpectSays(against.out, "6 of 6");
+  ExpectSays(against.out, "stiff/bounce");
+  ExpectSays(against.out, "Not verified, as 'mine' does not have them");
+}
+
+TEST_F(SuiteResults, RefusesWhatItHasNot) {
+  const auto error = [&](const std::vector<std::string>& arguments) {
+    const Finished finished = program_->Run(arguments);
+    EXPECT_EQ(finished.status, 2);
+    return finished.err;
+  };
+  ExpectSays(error({"suite", "--only", "game"}), "did you mean 'games'?");
+  ExpectSays(error({"suite", "--detector", "kd_tre"}), "kd_tree");
+  ExpectSays(error({"suite", "--detector", "dbvt"}), "the suite has it already");
+  ExpectSays(error({"suite", "--long", "--seed", "7"}), "one of them");
+  ExpectSays(error({"suite", "--check", "out", "--against", "out"}), "one of them");
+  EXPECT_FALSE(program_->Exists("suite"));
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,43 @@
+// Results of the standard suite with made-up times, errors and verdicts.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/measure/noise.h"
+#include "runtime/store/store.h"
+#include "runtime/suite/standard.h"
+
+namespace cdb::tests {
+
+/// What a run recorded.
+struct SuiteRun {
+  double ns = 1000;  ///< of every phase in every cycle
+  double error = 0;  ///< in the error that the scene is judged by
+  store::Status status = store::Status::kDone;
+  measure::Verdict verdict = measure::Verdict::kStable;
+  measure::Noise noise = measure::Noise::kQuiet;
+  std::string state = "0123456789abcdef", omitted = {};
+  double peak_bytes = 5e6;
+};
+using SuiteChange = std::function<void(const plan::Run&, SuiteRun&)>;
+
+/// A made-up scene: `detectors` in 4 cycles of 1/60 s, judged by the error of position.
+plan::Plan SuitePlan(const std::vector<std::string>& detectors, std::uint64_t repeats = 5);
+
+inline const store::Provenance kSuiteProvenance = {
+    {"build_type", "Release"}, {"cdb_version", "0.1.0"},
+    {"commit", "c0ffee"},      {"bullet_version", "3.24"},
+    {"compiler", "GNU"},       {"cpu", "a µ-processor"},
+    {"host", "here"},          {"jobs", "1"}};
+
+/// Writes results, `change`d from a run without faults. `error`: the name of the one that is set.
+void WriteSuiteResults(const plan::Plan& plan, const std::string& error, const SuiteChange& change,
+                       const std::filesystem::path& out,
+                       const store::Provenance& provenance = kSuiteProvenance);
+
+}  // namespace cdb::tests
