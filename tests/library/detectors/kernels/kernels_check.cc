@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <limits>
 #include <random>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "library/detectors/kernels/kernels.h"
@@ -200,10 +200,10 @@ class Check {
     GridShape shape = {};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       shape.n[axis] = static_cast<std::uint32_t>(5 - axis);
-      shape.origin[axis] = -7;
+      shape.origin[axis] = -7.3f;
       shape.inverse[axis] = 0.3f;
       shape.last[axis] = static_cast<float>(shape.n[axis] - 1);
-      shape.reach[axis] = 1;
+      shape.reach[axis] = 1.1f;
     }
     const std::uint32_t cells = shape.cells();
     std::vector<std::uint32_t> cell(boxes_.size() + kPadding);
@@ -251,7 +251,7 @@ class Check {
     const Columns& from = soa_.get();
     for (std::size_t i = 0; i < boxes_.size(); ++i)
       if (from.lower[0][i] == from.lower[0][i]) ids.push_back(static_cast<Id>(i));
-    std::ranges::stable_sort(ids, {}, [&](Id id) { return from.lower[0][id]; });
+    std::ranges::sort(ids, {}, [&](Id id) { return std::pair(from.lower[0][id], id); });
     SoaBoxes sorted;
     sorted.Reserve(ids.size());
     for (std::size_t k = 0; k < ids.size(); ++k) Copy(from, ids[k], sorted.get(), k);
