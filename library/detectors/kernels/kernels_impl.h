@@ -9,6 +9,7 @@ namespace {
 
 constexpr float kMost = std::numeric_limits<float>::max();
 constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+constexpr std::int32_t kMagnitude = std::numeric_limits<std::int32_t>::max();  // all but the sign
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
 /// Rounds outwards. The nearest float is within half a step, so one step further is outside. The
@@ -38,7 +39,7 @@ inline bool NarrowOne(const Box& box, std::size_t i, const Columns& columns) {
 
 [[gnu::always_inline]] inline Float4 Below(Float4 x) {
   x = Least(Repeat<Float4>(kMost), x);
-  const auto size = Float4(Mask<Float4>(x) & std::numeric_limits<std::int32_t>::max());
+  const auto size = Float4(Mask<Float4>(x) & kMagnitude);
   return x - (size * 0x1p-23f + kLeast);
 }
 [[gnu::always_inline]] inline Float4 Above(Float4 x) { return -Below(-x); }
