@@ -9,6 +9,7 @@ namespace {
 
 constexpr float kMost = std::numeric_limits<float>::max();
 constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+constexpr std::int32_t kMagnitude = std::numeric_limits<std::int32_t>::max();  // all but the sign
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
 /// Rounds outwards. The nearest float is within half a step, so one step further is outside. The
@@ -36,60 +37,62 @@ inline bool NarrowOne(const Box& box, std::size_t i, const Columns& columns) {
   return is_exact;
 }
 
-#if defined(__SSE2__)
-inline __m128 Below(__m128 x) {
-  const __m128 held = _mm_min_ps(_mm_set1_ps(kMost), x);  // of NaN, kMost
-  const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0f), held);
-  return _mm_sub_ps(held, _mm_add_ps(_mm_mul_ps(size, _mm_set1_ps(0x1p-23f)), _mm_set1_ps(kLeast)));
+[[gnu::always_inline]] inline Float4 Below(Float4 x) {
+  x = Least(Repeat<Float4>(kMost), x);
+  const auto size = Float4(Mask<Float4>(x) & kMagnitude);
+  return x - (size * 0x1p-23f + kLeast);
 }
-inline __m128 Above(__m128 x) {
-  const __m128 sign = _mm_set1_ps(-0.0f);
-  return _mm_xor_ps(Below(_mm_xor_ps(x, sign)), sign);
-}
+[[gnu::always_inline]] inline Float4 Above(Float4 x) { return -Below(-x); }
 
 /// The columns of four boxes.
-struct Four {
-  __m128 low_x, low_y, low_z, high_x, high_y, high_z;
+struct FourBoxes {
+  Float4 low_x, low_y, low_z, high_x, high_y, high_z;
 };
+
+/// Rounds six numbers to the nearest floats: the first four of them, and the last four; adds to
+/// `changed` where that is not exact.
+[[gnu::always_inline]] inline void RoundSix(const double* six, Float4& first, Float4& last,
+                                            Mask<Doubles>& changed) {
+  const auto rounded = [&](std::size_t at) {
+    const auto exact = Load<Doubles>(six + at);
+    const auto nearest = __builtin_convertvector(exact, HalfFloats);
+    changed |= Differs(Widened(nearest), exact);
+    return nearest;
+  };
+#if defined(__AVX2__)
+  first = rounded(0);
+  last = rounded(2);
+#else
+  const HalfFloats middle = rounded(2);
+  first = __builtin_shufflevector(rounded(0), middle, 0, 1, 2, 3);
+  last = __builtin_shufflevector(middle, rounded(4), 0, 1, 2, 3);
+#endif
+}
+
+[[gnu::always_inline]] inline void Transpose(Float4 (&rows)[4]) {
+  const Float4 a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5);
+  const Float4 b = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7);
+  const Float4 c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5);
+  const Float4 d = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
+  rows[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  rows[1] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  rows[2] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  rows[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
 
 /// Rounds four boxes to the nearest floats and turns them from rows into columns, as the shuffles
 /// are cheaper than single stores; true if nothing was rounded.
-[[gnu::always_inline]] inline bool LoadFour(const Box* boxes, Four& four) {
-  __m128 first[4], second[4];
-#if defined(__AVX2__)
-  __m256d changed = _mm256_setzero_pd();
-#else
-  __m128d changed = _mm_setzero_pd();
-#endif
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double* at = &boxes[k].lower.x;
-#if defined(__AVX2__)
-    const __m256d a = _mm256_loadu_pd(at), b = _mm256_loadu_pd(at + 2);
-    first[k] = _mm256_cvtpd_ps(a);
-    second[k] = _mm256_cvtpd_ps(b);
-    changed = _mm256_or_pd(changed, _mm256_cmp_pd(_mm256_cvtps_pd(first[k]), a, _CMP_NEQ_UQ));
-    changed = _mm256_or_pd(changed, _mm256_cmp_pd(_mm256_cvtps_pd(second[k]), b, _CMP_NEQ_UQ));
-#else
-    const __m128d a = _mm_loadu_pd(at), b = _mm_loadu_pd(at + 2), c = _mm_loadu_pd(at + 4);
-    const __m128 x = _mm_cvtpd_ps(a), y = _mm_cvtpd_ps(b), z = _mm_cvtpd_ps(c);
-    first[k] = _mm_movelh_ps(x, y);
-    second[k] = _mm_movelh_ps(y, z);
-    changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(x), a));
-    changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(y), b));
-    changed = _mm_or_pd(changed, _mm_cmpneq_pd(_mm_cvtps_pd(z), c));
-#endif
-  }
-  _MM_TRANSPOSE4_PS(first[0], first[1], first[2], first[3]);      // lower, upper x
-  _MM_TRANSPOSE4_PS(second[0], second[1], second[2], second[3]);  // lower z, upper
-  four = {first[0], first[1], first[2], first[3], second[2], second[3]};
-#if defined(__AVX2__)
-  return _mm256_movemask_pd(changed) == 0;
-#else
-  return _mm_movemask_pd(changed) == 0;
-#endif
+[[gnu::always_inline]] inline bool LoadFour(const Box* boxes, FourBoxes& four) {
+  Float4 first[4], last[4];
+  Mask<Doubles> changed = {};
+  for (std::size_t k = 0; k < 4; ++k) RoundSix(&boxes[k].lower.x, first[k], last[k], changed);
+  Transpose(first);  // lower, upper x
+  Transpose(last);   // lower z, upper
+  four = {first[0], first[1], first[2], first[3], last[2], last[3]};
+  return BitsOf(changed) == 0;
 }
 
-[[gnu::always_inline]] inline void RoundOutwards(Four& four) {
+[[gnu::always_inline]] inline void RoundOutwards(FourBoxes& four) {
   four.low_x = Below(four.low_x);
   four.low_y = Below(four.low_y);
   four.low_z = Below(four.low_z);
@@ -99,34 +102,29 @@ struct Four {
 }
 
 /// Writes four boxes from `i` on.
-[[gnu::always_inline]] inline void StoreFour(const Four& four, std::size_t i,
+[[gnu::always_inline]] inline void StoreFour(const FourBoxes& four, std::size_t i,
                                              const Columns& columns) {
-  __m128 valid =
-      _mm_and_ps(_mm_cmple_ps(four.low_x, four.high_x), _mm_cmple_ps(four.low_y, four.high_y));
-  valid = _mm_and_ps(valid, _mm_cmple_ps(four.low_z, four.high_z));
-  const __m128 all = _mm_castsi128_ps(_mm_set1_epi32(-1));
-  _mm_storeu_ps(columns.lower[0] + i, _mm_or_ps(four.low_x, _mm_andnot_ps(valid, all)));
-  _mm_storeu_ps(columns.lower[1] + i, four.low_y);
-  _mm_storeu_ps(columns.lower[2] + i, four.low_z);
-  _mm_storeu_ps(columns.upper[0] + i, four.high_x);
-  _mm_storeu_ps(columns.upper[1] + i, four.high_y);
-  _mm_storeu_ps(columns.upper[2] + i, four.high_z);
+  const auto valid = AtMost(four.low_x, four.high_x) & AtMost(four.low_y, four.high_y) &
+                     AtMost(four.low_z, four.high_z);
+  Store(Mask<Float4>(four.low_x) | ~valid, columns.lower[0] + i);  // all bits are a NaN
+  Store(four.low_y, columns.lower[1] + i);
+  Store(four.low_z, columns.lower[2] + i);
+  Store(four.high_x, columns.upper[0] + i);
+  Store(four.high_y, columns.upper[1] + i);
+  Store(four.high_z, columns.upper[2] + i);
 }
-#endif
 
 bool Narrow(const Box* boxes, std::size_t count, const Columns& columns) {
   bool is_exact = true;
   std::size_t i = 0;
-#if defined(__SSE2__)
   for (; i + 4 <= count; i += 4) {
-    Four four;
+    FourBoxes four;
     if (!LoadFour(boxes + i, four)) {  // one of four: all are rounded
       is_exact = false;
       RoundOutwards(four);
     }
     StoreFour(four, i, columns);
   }
-#endif
   for (; i < count; ++i)
     if (!NarrowOne(boxes[i], i, columns)) is_exact = false;
   return is_exact;
@@ -176,7 +174,7 @@ class Scanner {
   PairSink& sink_;
 };
 
-Probe ProbeOf(const Columns& columns, std::size_t i) {
+[[gnu::always_inline]] inline Probe ProbeOf(const Columns& columns, std::size_t i) {
   const float lower[3] = {columns.lower[0][i], columns.lower[1][i], columns.lower[2][i]};
   const float upper[3] = {columns.upper[0][i], columns.upper[1][i], columns.upper[2][i]};
   return {lower, upper};

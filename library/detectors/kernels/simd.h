@@ -1,17 +1,22 @@
-// Tests of eight floats, or of the six doubles of a box, at once: with AVX2, SSE2 or scalar code,
-// depending on how the including file is compiled. For kernels_impl.h only.
+// Vectors of numbers and the tests of boxes that are made of them, for kernels_impl.h only.
+//
+// The compilers' vector extension, so that one source serves every CPU. Intrinsics only where it
+// has no operator, or where GCC 12 makes more of it than one instruction. Neither Highway nor
+// xsimd: as Debian 12 has them, the former is scalar on an x86-64 without SSSE3, and the latter
+// lacks the bits of a mask and conversions between floats and doubles.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 
 #include "library/detectors/kernels/kernels.h"
 
-#if defined(__AVX2__)
+#if defined(__SSE2__)
 #include <immintrin.h>
-#elif defined(__SSE2__)
-#include <emmintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
 #endif
 
 namespace cdb::kernels {
@@ -20,45 +25,136 @@ namespace {  // compiled for several CPUs: nothing here may have a name outside 
 constexpr std::size_t kLanes = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+#if defined(__AVX2__)
+constexpr std::size_t kRegister = 32;  // bytes
+#else
+constexpr std::size_t kRegister = 16;
+#endif
+
+template <typename T, std::size_t bytes>
+struct VectorOf {
+  typedef T Type __attribute__((vector_size(bytes)));
+};
+/// A register full of numbers. GCC takes wider vectors apart into single numbers.
+using Floats = VectorOf<float, kRegister>::Type;
+using Doubles = VectorOf<double, kRegister>::Type;
+constexpr std::size_t kFloats = kRegister / sizeof(float), kDoubles = kRegister / sizeof(double);
+/// As many floats as a register holds doubles.
+using HalfFloats = VectorOf<float, kRegister / 2>::Type;
+using Float4 = VectorOf<float, 16>::Type;
+using Double2 = VectorOf<double, 16>::Type;
+
+/// The result of a comparison: all bits of a lane, or none.
+template <typename V>
+using Mask = decltype(V{} < V{});
+
+template <typename V, typename T>
+[[gnu::always_inline]] inline V Load(const T* at) {
+  V to;
+  std::memcpy(&to, at, sizeof to);
+  return to;
+}
+template <typename V, typename T>
+[[gnu::always_inline]] inline void Store(V from, T* at) {
+  std::memcpy(at, &from, sizeof from);
+}
+template <typename V>
+[[gnu::always_inline]] inline V Repeat(float x) {
+  return x - V{};  // changes nothing, nor the sign of a zero
+}
+
+#if defined(__SSE2__)
+inline auto AtMost(__m128 a, __m128 b) { return Mask<Float4>(_mm_cmple_ps(a, b)); }
+inline auto AtMost(__m128d a, __m128d b) { return Mask<Double2>(_mm_cmple_pd(a, b)); }
+inline auto IsLess(__m128d a, __m128d b) { return Mask<Double2>(_mm_cmplt_pd(a, b)); }
+inline auto Differs(__m128d a, __m128d b) { return Mask<Double2>(_mm_cmpneq_pd(a, b)); }
+/// The lesser, or `b` if one is NaN.
+inline Float4 Least(Float4 a, Float4 b) { return _mm_min_ps(a, b); }
+inline int BitsOf(Mask<Float4> mask) { return _mm_movemask_ps(__m128(mask)); }
+inline int BitsOf(Mask<Double2> mask) { return _mm_movemask_pd(__m128d(mask)); }
+#else
+template <typename V>
+inline Mask<V> AtMost(V a, V b) {
+  return a <= b;
+}
+inline Mask<Double2> IsLess(Double2 a, Double2 b) { return a < b; }
+inline Mask<Double2> Differs(Double2 a, Double2 b) { return a != b; }
+inline Float4 Least(Float4 a, Float4 b) { return a < b ? a : b; }
+inline int BitsOf(Mask<Float4> mask) {
+  mask &= Mask<Float4>{1, 2, 4, 8};
+#if defined(__aarch64__)
+  return vaddvq_s32(mask);
+#else
+  return mask[0] | mask[1] | mask[2] | mask[3];
+#endif
+}
+inline int BitsOf(Mask<Double2> mask) { return static_cast<int>((mask[0] & 1) | (mask[1] & 2)); }
+#endif
+#if defined(__AVX2__)
+inline auto AtMost(__m256 a, __m256 b) { return Mask<Floats>(_mm256_cmp_ps(a, b, _CMP_LE_OQ)); }
+inline auto AtMost(__m256d a, __m256d b) { return Mask<Doubles>(_mm256_cmp_pd(a, b, _CMP_LE_OQ)); }
+inline auto Differs(__m256d a, __m256d b) {
+  return Mask<Doubles>(_mm256_cmp_pd(a, b, _CMP_NEQ_UQ));
+}
+inline int BitsOf(Mask<Floats> mask) { return _mm256_movemask_ps(__m256(mask)); }
+inline int BitsOf(Mask<Doubles> mask) { return _mm256_movemask_pd(__m256d(mask)); }
+inline Doubles Widened(HalfFloats x) { return _mm256_cvtps_pd(x); }
+#else
+inline Doubles Widened(HalfFloats x) { return __builtin_convertvector(x, Doubles); }
+#endif
+
 inline std::uint32_t CellAt(float x, float origin, float inverse, float last) {
   const float cell = (x - origin) * inverse;
   return static_cast<std::uint32_t>(cell > 0 ? (cell < last ? cell : last) : 0);
 }
 
-inline bool LiesIn(const Box& box, const FatBox& fat) {
-  return (fat.lower[0] <= box.lower.x) & (fat.lower[1] <= box.lower.y) &
-         (fat.lower[2] <= box.lower.z) & (box.upper.x <= fat.upper[0]) &
-         (box.upper.y <= fat.upper[1]) & (box.upper.z <= fat.upper[2]);
+/// The cells of eight numbers less `less`.
+inline void CellsAt(const float* x, float less, float origin, float inverse, float last,
+                    std::uint32_t* cells) {
+  for (std::size_t k = 0; k < kLanes; k += kFloats) {
+    Floats cell = (Load<Floats>(x + k) - less - origin) * inverse;
+    const Floats most = Repeat<Floats>(last);
+    cell = cell > Floats{} ? cell : Floats{};  // NaN, too, becomes 0
+    cell = cell < most ? cell : most;
+    Store(__builtin_convertvector(cell, Mask<Floats>), cells + k);
+  }
 }
-
-#if defined(__AVX2__)
 
 /// One box, against eight of the columns.
 class Probe {
  public:
-  Probe(const float* lower, const float* upper)
-      : lower_{_mm256_set1_ps(lower[0]), _mm256_set1_ps(lower[1]), _mm256_set1_ps(lower[2])},
-        upper_{_mm256_set1_ps(upper[0]), _mm256_set1_ps(upper[1]), _mm256_set1_ps(upper[2])} {}
+  [[gnu::always_inline]] Probe(const float* lower, const float* upper) {
+    for (int axis = 0; axis < 3; ++axis) {
+      lower_[axis] = Repeat<Floats>(lower[axis]);
+      upper_[axis] = Repeat<Floats>(upper[axis]);
+    }
+  }
   /// A bit for each of the eight from `at` that overlaps.
   unsigned Meets(const Columns& boxes, std::size_t at) const {
-    __m256 all = _mm256_and_ps(AtMost(Load(boxes.lower[0] + at), upper_[0]),
-                               AtMost(lower_[0], Load(boxes.upper[0] + at)));
-    for (int axis = 1; axis < 3; ++axis)
-      all = _mm256_and_ps(all, _mm256_and_ps(AtMost(Load(boxes.lower[axis] + at), upper_[axis]),
-                                             AtMost(lower_[axis], Load(boxes.upper[axis] + at))));
-    return static_cast<unsigned>(_mm256_movemask_ps(all));
+    int bits = 0;
+    for (std::size_t k = 0; k < kLanes; k += kFloats) {
+      auto all = AtMost(Load<Floats>(boxes.lower[0] + at + k), upper_[0]) &
+                 AtMost(lower_[0], Load<Floats>(boxes.upper[0] + at + k));
+      for (int axis = 1; axis < 3; ++axis)
+        all &= AtMost(Load<Floats>(boxes.lower[axis] + at + k), upper_[axis]) &
+               AtMost(lower_[axis], Load<Floats>(boxes.upper[axis] + at + k));
+      bits |= BitsOf(all) << k;
+    }
+    return static_cast<unsigned>(bits);
   }
   /// A bit for each of the eight that begins before this one ends, along x.
   unsigned Reaches(const Columns& boxes, std::size_t at) const {
-    return static_cast<unsigned>(_mm256_movemask_ps(AtMost(Load(boxes.lower[0] + at), upper_[0])));
+    int bits = 0;
+    for (std::size_t k = 0; k < kLanes; k += kFloats)
+      bits |= BitsOf(AtMost(Load<Floats>(boxes.lower[0] + at + k), upper_[0])) << k;
+    return static_cast<unsigned>(bits);
   }
 
  private:
-  static __m256 Load(const float* at) { return _mm256_loadu_ps(at); }
-  static __m256 AtMost(__m256 a, __m256 b) { return _mm256_cmp_ps(a, b, _CMP_LE_OQ); }
-  __m256 lower_[3], upper_[3];
+  Floats lower_[3], upper_[3];
 };
 
+#if defined(__AVX2__)
 /// Which of four pairs of ints go first: those of the mask's bits, in order.
 alignas(32) constexpr std::int32_t kCompress[16][8] = {
     {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7}, {2, 3, 0, 1, 4, 5, 6, 7},
@@ -67,9 +163,11 @@ alignas(32) constexpr std::int32_t kCompress[16][8] = {
     {0, 1, 6, 7, 2, 3, 4, 5}, {2, 3, 6, 7, 0, 1, 4, 5}, {0, 1, 2, 3, 6, 7, 4, 5},
     {4, 5, 6, 7, 0, 1, 2, 3}, {0, 1, 4, 5, 6, 7, 2, 3}, {2, 3, 4, 5, 6, 7, 0, 1},
     {0, 1, 2, 3, 4, 5, 6, 7}};
+#endif
 
 /// Writes (a, ids[k]) for each bit k, the lower first unless `anchored`; has room for eight.
 inline Pair* Emit(Pair* out, unsigned mask, Id a, const Id* ids, bool anchored) {
+#if defined(__AVX2__)
   const __m256i other = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(ids));
   const __m256i one = _mm256_set1_epi32(static_cast<int>(a));
   const __m256i first = anchored ? one : _mm256_min_epu32(one, other);
@@ -86,17 +184,64 @@ inline Pair* Emit(Pair* out, unsigned mask, Id a, const Id* ids, bool anchored) 
                         _mm256_permutevar8x32_epi32(pairs[half], order));
     out += __builtin_popcount(halves[half]);
   }
+#else
+  for (; mask != 0; mask &= mask - 1) {
+    const Id b = ids[__builtin_ctz(mask)];
+    *out++ = anchored || a < b ? Pair{a, b} : Pair{b, a};
+  }
+#endif
   return out;
 }
 
-/// The cells of eight numbers less `less`.
-inline void CellsAt(const float* x, float less, float origin, float inverse, float last,
-                    std::uint32_t* cells) {
-  const __m256 from = _mm256_sub_ps(_mm256_loadu_ps(x), _mm256_set1_ps(less));
-  __m256 cell = _mm256_mul_ps(_mm256_sub_ps(from, _mm256_set1_ps(origin)), _mm256_set1_ps(inverse));
-  // In this order what is not a number becomes 0.
-  cell = _mm256_min_ps(_mm256_max_ps(cell, _mm256_setzero_ps()), _mm256_set1_ps(last));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(cells), _mm256_cvttps_epi32(cell));
+/// Four doubles, or the masks of four, in one register or two.
+template <typename V>
+struct Four {
+  static constexpr std::size_t kParts = 4 / kDoubles;
+  V part[kParts];
+  friend Four operator&(const Four& a, const Four& b) {
+    Four to;
+    for (std::size_t k = 0; k < kParts; ++k) to.part[k] = a.part[k] & b.part[k];
+    return to;
+  }
+  friend Four operator|(const Four& a, const Four& b) {
+    Four to;
+    for (std::size_t k = 0; k < kParts; ++k) to.part[k] = a.part[k] | b.part[k];
+    return to;
+  }
+  bool All() const {
+    if constexpr (kParts == 1)
+      return BitsOf(part[0]) == 15;
+    else
+      return BitsOf(part[0] & part[kParts - 1]) == 3;
+  }
+};
+using Double4 = Four<Doubles>;
+using Mask4 = Four<Mask<Doubles>>;
+
+template <typename T>
+[[gnu::always_inline]] inline Double4 Load4(const T* at) {
+  Double4 to;
+  for (Doubles& part : to.part) {
+    if constexpr (sizeof *at == sizeof(float))
+      part = Widened(Load<HalfFloats>(at));
+    else
+      part = Load<Doubles>(at);
+    at += kDoubles;
+  }
+  return to;
+}
+template <typename V, typename T>
+[[gnu::always_inline]] inline Four<V> Make4(T a, T b, T c, T d) {
+#if defined(__AVX2__)
+  return {V{a, b, c, d}};
+#else
+  return {V{a, b}, V{c, d}};
+#endif
+}
+[[gnu::always_inline]] inline Mask4 AtMost(const Double4& a, const Double4& b) {
+  Mask4 to;
+  for (std::size_t k = 0; k < Mask4::kParts; ++k) to.part[k] = AtMost(a.part[k], b.part[k]);
+  return to;
 }
 
 /// One box against others, in double. The first load of a box is its lower corner and upper x, the
@@ -104,201 +249,69 @@ inline void CellsAt(const float* x, float less, float origin, float inverse, flo
 class WideProbe {
  public:
   explicit WideProbe(const Box& box)
-      : lower_(_mm256_setr_pd(-kInfinity, box.lower.x, box.lower.y, box.lower.z)),
-        upper_(_mm256_setr_pd(box.upper.x, box.upper.y, box.upper.z, kInfinity)) {}
+      : lower_(Make4<Doubles>(-kInfinity, box.lower.x, box.lower.y, box.lower.z)),
+        upper_(Make4<Doubles>(box.upper.x, box.upper.y, box.upper.z, kInfinity)) {}
   bool Meets(const Box& box) const {
     const double* at = &box.lower.x;
-    const __m256d below = _mm256_cmp_pd(_mm256_loadu_pd(at), upper_, _CMP_LE_OQ);
-    const __m256d above = _mm256_cmp_pd(lower_, _mm256_loadu_pd(at + 2), _CMP_LE_OQ);
-    return _mm256_movemask_pd(_mm256_and_pd(below, above)) == 15;
+    return (AtMost(Load4(at), upper_) & AtMost(lower_, Load4(at + 2))).All();
   }
 
  private:
-  __m256d lower_, upper_;
+  Double4 lower_, upper_;
 };
 
 inline bool Meet(const Box& a, const Box& b) {
+#if defined(__AVX2__)
   const double *one = &a.lower.x, *other = &b.lower.x;
   // The upper corners moved down to where the lower ones stand; the fourth is not looked at.
   const __m256d a_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(one + 2), 0b111001);
   const __m256d b_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(other + 2), 0b111001);
-  const __m256d below = _mm256_cmp_pd(_mm256_loadu_pd(other), a_upper, _CMP_LE_OQ);
-  const __m256d above = _mm256_cmp_pd(_mm256_loadu_pd(one), b_upper, _CMP_LE_OQ);
-  return (_mm256_movemask_pd(_mm256_and_pd(below, above)) & 7) == 7;
+  return (BitsOf(AtMost(Load<Doubles>(other), a_upper) & AtMost(Load<Doubles>(one), b_upper)) &
+          7) == 7;
+#else
+  return WideProbe(a).Meets(b);
+#endif
+}
+
+inline bool LiesIn(const Box& box, const FatBox& fat) {
+  return (fat.lower[0] <= box.lower.x) & (fat.lower[1] <= box.lower.y) &
+         (fat.lower[2] <= box.lower.z) & (box.upper.x <= fat.upper[0]) &
+         (box.upper.y <= fat.upper[1]) & (box.upper.z <= fat.upper[2]);
 }
 
 /// A bit for each of four boxes that does not lie in its fat one.
-inline unsigned Escapes(const Box* boxes, const FatBox* fat) {
-  const __m256d first = _mm256_castsi256_pd(_mm256_setr_epi64x(-1, 0, 0, 0));
-  const __m256d last = _mm256_castsi256_pd(_mm256_setr_epi64x(0, 0, 0, -1));
-  __m256d in[4];
+[[gnu::always_inline]] inline unsigned Escapes(const Box* boxes, const FatBox* fat) {
+  const Mask4 first = Make4<Mask<Doubles>>(-1, 0, 0, 0), last = Make4<Mask<Doubles>>(0, 0, 0, -1);
+  Mask4 in[4];
   for (int k = 0; k < 4; ++k) {
     const double* box = &boxes[k].lower.x;
-    const float* out = fat[k].lower;
-    const __m256d lower =
-        _mm256_cmp_pd(_mm256_cvtps_pd(_mm_loadu_ps(out)), _mm256_loadu_pd(box), _CMP_LE_OQ);
-    const __m256d upper =
-        _mm256_cmp_pd(_mm256_loadu_pd(box + 2), _mm256_cvtps_pd(_mm_loadu_ps(out + 2)), _CMP_LE_OQ);
-    in[k] = _mm256_and_pd(_mm256_or_pd(lower, last), _mm256_or_pd(upper, first));
+    const float* out = fat[k].lower;  // the upper corner follows
+    in[k] =
+        (AtMost(Load4(out), Load4(box)) | last) & (AtMost(Load4(box + 2), Load4(out + 2)) | first);
   }
-  const __m256d all = _mm256_and_pd(_mm256_and_pd(in[0], in[1]), _mm256_and_pd(in[2], in[3]));
-  if (_mm256_movemask_pd(all) == 15) return 0;
+  if ((in[0] & in[1] & in[2] & in[3]).All()) return 0;
   unsigned mask = 0;
   for (unsigned k = 0; k < 4; ++k)
-    if (_mm256_movemask_pd(in[k]) != 15) mask |= 1u << k;
+    if (!in[k].All()) mask |= 1u << k;
   return mask;
 }
-
-#else
-
-/// One box, against eight of the columns.
-class Probe {
- public:
-  Probe(const float* lower, const float* upper) {
-    for (int axis = 0; axis < 3; ++axis) {
-#if defined(__SSE2__)
-      lower_[axis] = _mm_set1_ps(lower[axis]);
-      upper_[axis] = _mm_set1_ps(upper[axis]);
-#else
-      lower_[axis] = lower[axis];
-      upper_[axis] = upper[axis];
-#endif
-    }
-  }
-  /// A bit for each of the eight from `at` that overlaps.
-  unsigned Meets(const Columns& boxes, std::size_t at) const {
-#if defined(__SSE2__)
-    return Four(boxes, at) | Four(boxes, at + 4) << 4;
-#else
-    unsigned mask = 0;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      bool meets = true;
-      for (int axis = 0; axis < 3; ++axis)
-        meets = meets & (boxes.lower[axis][at + k] <= upper_[axis]) &
-                (lower_[axis] <= boxes.upper[axis][at + k]);
-      mask |= static_cast<unsigned>(meets) << k;
-    }
-    return mask;
-#endif
-  }
-  /// A bit for each of the eight that begins before this one ends, along x.
-  unsigned Reaches(const Columns& boxes, std::size_t at) const {
-#if defined(__SSE2__)
-    const float* x = boxes.lower[0] + at;
-    return static_cast<unsigned>(_mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(x), upper_[0])) |
-                                 _mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(x + 4), upper_[0]))
-                                     << 4);
-#else
-    unsigned mask = 0;
-    for (std::size_t k = 0; k < kLanes; ++k)
-      mask |= static_cast<unsigned>(boxes.lower[0][at + k] <= upper_[0]) << k;
-    return mask;
-#endif
-  }
-
- private:
-#if defined(__SSE2__)
-  unsigned Four(const Columns& boxes, std::size_t at) const {
-    __m128 all = _mm_cmple_ps(_mm_loadu_ps(boxes.lower[0] + at), upper_[0]);
-    all = _mm_and_ps(all, _mm_cmple_ps(lower_[0], _mm_loadu_ps(boxes.upper[0] + at)));
-    for (int axis = 1; axis < 3; ++axis) {
-      all = _mm_and_ps(all, _mm_cmple_ps(_mm_loadu_ps(boxes.lower[axis] + at), upper_[axis]));
-      all = _mm_and_ps(all, _mm_cmple_ps(lower_[axis], _mm_loadu_ps(boxes.upper[axis] + at)));
-    }
-    return static_cast<unsigned>(_mm_movemask_ps(all));
-  }
-  __m128 lower_[3], upper_[3];
-#else
-  float lower_[3], upper_[3];
-#endif
-};
-
-/// Writes (a, ids[k]) for each bit k, the lower first unless `anchored`; has room for eight.
-inline Pair* Emit(Pair* out, unsigned mask, Id a, const Id* ids, bool anchored) {
-  for (; mask != 0; mask &= mask - 1) {
-    const Id b = ids[__builtin_ctz(mask)];
-    *out++ = anchored || a < b ? Pair{a, b} : Pair{b, a};
-  }
-  return out;
-}
-
-/// The cells of eight numbers less `less`.
-inline void CellsAt(const float* x, float less, float origin, float inverse, float last,
-                    std::uint32_t* cells) {
-  for (std::size_t k = 0; k < kLanes; ++k) cells[k] = CellAt(x[k] - less, origin, inverse, last);
-}
-
-/// One box against others, in double.
-class WideProbe {
- public:
-#if defined(__SSE2__)
-  explicit WideProbe(const Box& box)
-      : upper_xy_(_mm_setr_pd(box.upper.x, box.upper.y)),
-        upper_z_(_mm_setr_pd(box.upper.z, kInfinity)),
-        lower_x_(_mm_setr_pd(-kInfinity, box.lower.x)),
-        lower_yz_(_mm_setr_pd(box.lower.y, box.lower.z)) {}
-  bool Meets(const Box& box) const {
-    const double* at = &box.lower.x;
-    const __m128d middle = _mm_loadu_pd(at + 2);  // lower z, upper x
-    const __m128d first =
-        _mm_and_pd(_mm_cmple_pd(_mm_loadu_pd(at), upper_xy_), _mm_cmple_pd(middle, upper_z_));
-    const __m128d second =
-        _mm_and_pd(_mm_cmple_pd(lower_x_, middle), _mm_cmple_pd(lower_yz_, _mm_loadu_pd(at + 4)));
-    return _mm_movemask_pd(_mm_and_pd(first, second)) == 3;
-  }
-
- private:
-  __m128d upper_xy_, upper_z_, lower_x_, lower_yz_;
-#else
-  explicit WideProbe(const Box& box) : box_(box) {}
-  bool Meets(const Box& box) const { return Overlap(box_, box); }
-
- private:
-  Box box_;
-#endif
-};
-
-inline bool Meet(const Box& a, const Box& b) { return WideProbe(a).Meets(b); }
-
-/// A bit for each of four boxes that does not lie in its fat one.
-inline unsigned Escapes(const Box* boxes, const FatBox* fat) {
-  unsigned mask = 0;
-  for (unsigned k = 0; k < 4; ++k) mask |= static_cast<unsigned>(!LiesIn(boxes[k], fat[k])) << k;
-  return mask;
-}
-
-#endif
 
 /// A box that others lie inside without touching its sides, in double.
 class InnerProbe {
  public:
-#if defined(__SSE2__)
   explicit InnerProbe(const Box& box)
-      : lower_xy_(_mm_setr_pd(box.lower.x, box.lower.y)),
-        middle_(_mm_setr_pd(box.lower.z, -box.upper.x)),
-        upper_yz_(_mm_setr_pd(box.upper.y, box.upper.z)) {}
+      : lower_xy_{box.lower.x, box.lower.y},
+        middle_{box.lower.z, -box.upper.x},
+        upper_yz_{box.upper.y, box.upper.z} {}
   bool Holds(const Box& box) const {
     const double* at = &box.lower.x;
-    const __m128d middle = _mm_xor_pd(_mm_loadu_pd(at + 2), _mm_setr_pd(0, -0.0));
-    const __m128d all = _mm_and_pd(_mm_cmplt_pd(middle_, middle),
-                                   _mm_and_pd(_mm_cmplt_pd(lower_xy_, _mm_loadu_pd(at)),
-                                              _mm_cmplt_pd(_mm_loadu_pd(at + 4), upper_yz_)));
-    return _mm_movemask_pd(all) == 3;
+    return BitsOf(IsLess(middle_, Load<Double2>(at + 2) * Double2{1, -1}) &
+                  IsLess(lower_xy_, Load<Double2>(at)) &
+                  IsLess(Load<Double2>(at + 4), upper_yz_)) == 3;
   }
 
  private:
-  __m128d lower_xy_, middle_, upper_yz_;
-#else
-  explicit InnerProbe(const Box& box) : box_(box) {}
-  bool Holds(const Box& box) const {
-    return (box_.lower.x < box.lower.x) & (box_.lower.y < box.lower.y) &
-           (box_.lower.z < box.lower.z) & (box.upper.x < box_.upper.x) &
-           (box.upper.y < box_.upper.y) & (box.upper.z < box_.upper.z);
-  }
-
- private:
-  Box box_;
-#endif
+  Double2 lower_xy_, middle_, upper_yz_;
 };
 
 }  // namespace
