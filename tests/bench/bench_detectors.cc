@@ -14,15 +14,14 @@
 //                        [-w] [-g] [-p] [-d FOLDER WITH SHARED LIBRARIES] [N ...]
 // -w: six walls whose boxes are infinite. -o: only these detectors, and dbvt. -g: without dbvt,
 // with few cycles, 1000 to 10^6 bodies unless N is given, and at the end how the cost of a cycle
-// grows: the exponents of processor time, instructions (where the machine counts them) and the
-// worst cycle. -p: with -t, the processor time of the calling thread: its parts and all that only
-// it does, which is the elapsed time if every thread has an idle core.
+// grows: the exponents of processor time, instructions (see tests/bench/instructions.h; without
+// counters in the processor they need Valgrind, and -r 1) and the worst cycle. -p: with -t, the
+// processor time of the calling thread: its parts and all that only it does, which is the elapsed
+// time if every thread has an idle core.
 
 #include <btBulletCollisionCommon.h>
 #include <fmt/format.h>
-#include <linux/perf_event.h>
 #include <malloc.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,6 +39,7 @@
 #include "library/detectors/builtin/builtin.h"
 #include "library/detectors/exact_pairs.h"
 #include "library/detectors/plugin.h"
+#include "tests/bench/instructions.h"
 #include "tests/bench/median.h"
 #include "tests/library/detectors/box_scenes.h"
 
@@ -118,32 +118,6 @@ double ClockSeconds(clockid_t clock) {
   return Median(times);
 }
 
-/// Instructions of this thread outside the kernel; zero where the machine does not count them.
-class InstructionCounter {
- public:
-  InstructionCounter() {
-    perf_event_attr wanted = {};
-    wanted.size = sizeof wanted;
-    wanted.type = PERF_TYPE_HARDWARE;
-    wanted.config = PERF_COUNT_HW_INSTRUCTIONS;
-    wanted.exclude_kernel = wanted.exclude_hv = 1;
-    file_ = static_cast<int>(syscall(SYS_perf_event_open, &wanted, 0, -1, -1, 0));
-  }
-  ~InstructionCounter() {
-    if (file_ >= 0) close(file_);
-  }
-  InstructionCounter(const InstructionCounter&) = delete;
-  InstructionCounter& operator=(const InstructionCounter&) = delete;
-  double Read() const {
-    std::uint64_t count = 0;
-    if (file_ < 0 || read(file_, &count, sizeof count) != sizeof count) return 0;
-    return static_cast<double>(count);
-  }
-
- private:
-  int file_ = -1;
-};
-
 struct Competitor {
   std::string name;
   bool is_builtin = false;
@@ -170,8 +144,8 @@ struct Settings {
 
 /// Bodies up to which the pairs are checked, which takes longer than all detectors together.
 constexpr std::size_t kMostChecked = 200000;
-/// What one may take for a scene before it is left out.
-constexpr double kPatience = 20;
+/// Seconds that one may take for a scene before it is left out.
+double Patience() { return RUNNING_ON_VALGRIND ? 2000 : 20; }
 
 std::vector<Competitor> MakeCompetitors(const Settings& settings, std::size_t bodies) {
   std::vector<Competitor> competitors;
@@ -208,26 +182,29 @@ std::vector<Competitor> MakeCompetitors(const Settings& settings, std::size_t bo
 struct Timer {
   clockid_t clock;
   double own = ClockSeconds(clock);
-  InstructionCounter instructions = {};
 };
 
 void RunRepeat(Competitor& competitor, std::size_t repeat, Scene scene,
-               std::span<const std::vector<Box>> frames, std::size_t first, const Timer& timer) {
+               std::span<const std::vector<Box>> frames, std::size_t first, const Timer& timer,
+               InstructionCounter& counter) {
   Detector& detector = *competitor.detectors[repeat];
   std::size_t cycle = first;
+  if (repeat == 0) counter.Begin();
   for (const std::vector<Box>& frame : frames) {
     scene.boxes = frame;
     competitor.pairs.clear();
     const bool is_first = cycle++ == 0;
-    const double counted = timer.instructions.Read(), begin = Seconds(timer.clock);
+    const bool counts = repeat == 0 && !is_first;
+    if (counts) counter.Start();
+    const double begin = Seconds(timer.clock);
     if (is_first) detector.Prepare(scene);
     detector.FindPairs(scene, competitor.pairs);
     const double took = std::max(Seconds(timer.clock) - begin - timer.own, 1e-9);
+    if (counts) counter.Stop();
     if (is_first) {
       competitor.start = repeat == 0 ? took : std::min(competitor.start, took);
       continue;
     }
-    if (repeat == 0) competitor.instructions += timer.instructions.Read() - counted;
     competitor.totals[repeat] += took;
     const std::size_t place = cycle - 2;
     if (place == competitor.cycles.size())
@@ -235,20 +212,21 @@ void RunRepeat(Competitor& competitor, std::size_t repeat, Scene scene,
     else
       competitor.cycles[place] = std::min(competitor.cycles[place], took);
   }
+  if (repeat == 0) competitor.instructions += counter.Finish();
 }
 
 void RunBlock(Competitor& competitor, const Scene& scene, std::span<const std::vector<Box>> frames,
-              std::size_t first, const Timer& timer) {
+              std::size_t first, const Timer& timer, InstructionCounter& counter) {
   for (std::size_t repeat = 0; repeat < competitor.detectors.size(); ++repeat) {
     if (!competitor.note.empty()) return;
     const double heap = HeapBytes();
     try {
-      RunRepeat(competitor, repeat, scene, frames, first, timer);
+      RunRepeat(competitor, repeat, scene, frames, first, timer, counter);
     } catch (const std::exception& error) {
       competitor.note = error.what();
     }
     if (repeat == 0) competitor.bytes += HeapBytes() - heap;
-    if (competitor.start + competitor.totals[repeat] > kPatience) competitor.note = "gave up";
+    if (competitor.start + competitor.totals[repeat] > Patience()) competitor.note = "gave up";
   }
 }
 
@@ -307,6 +285,7 @@ void RunScene(const Settings& settings, std::string_view name, std::size_t objec
               std::vector<GrowthPoint>& growth) {
   const bool is_elapsed = settings.options.threads > 1 && !settings.times_caller;
   const Timer timer = {is_elapsed ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID};
+  InstructionCounter counter;
   // A box a frame is 48 bytes: no more than a block is kept.
   const std::size_t block = std::clamp<std::size_t>(4000000 / objects, 2, settings.block);
   const std::size_t usual = settings.grows ? std::clamp<std::size_t>(2000000 / objects, 8, 100)
@@ -327,7 +306,7 @@ void RunScene(const Settings& settings, std::string_view name, std::size_t objec
     // Whoever comes first, or after one that needs much memory, finds the boxes further away.
     std::ranges::shuffle(turns, random);
     for (const std::size_t turn : turns)
-      RunBlock(competitors[turn], moving.View(), frames, cycle, timer);
+      RunBlock(competitors[turn], moving.View(), frames, cycle, timer, counter);
   }
   for (const Competitor& competitor : competitors) {
     if (!competitor.note.empty() || competitor.cycles.empty() || competitor.name == "null")
@@ -361,8 +340,8 @@ std::string Exponent(const std::vector<const GrowthPoint*>& points, double Growt
 
 void PrintGrowth(const std::vector<GrowthPoint>& growth) {
   fmt::print(
-      "\nGrowth: exponents of processor time, instructions and the worst cycle; in brackets, "
-      "ns for each body and cycle at each N\n");
+      "\nGrowth: exponents of processor time, instructions and the worst cycle; in brackets, for "
+      "each body and cycle at each N, ns or, where counted, instructions\n");
   for (std::size_t i = 0; i < growth.size(); ++i) {
     const auto is_same = [&](const GrowthPoint& other) {
       return other.scene == growth[i].scene && other.name == growth[i].name;
@@ -375,7 +354,8 @@ void PrintGrowth(const std::vector<GrowthPoint>& growth) {
     for (const GrowthPoint& point : growth) {
       if (!is_same(point)) continue;
       points.push_back(&point);
-      costs += fmt::format(" {:.2f}", 1e9 * point.seconds / point.bodies);
+      costs += point.instructions > 0 ? fmt::format(" {:.0f}", point.instructions / point.bodies)
+                                      : fmt::format(" {:.2f}", 1e9 * point.seconds / point.bodies);
     }
     fmt::print("{:<9}{:<19}{:>7}{:>7}{:>7}  ({} )\n", growth[i].scene, growth[i].name,
                Exponent(points, &GrowthPoint::seconds),
