@@ -4,6 +4,7 @@
 
 #include <set>
 #include <string>
+#include <system_error>
 
 #include "runtime/store/examine.h"
 #include "runtime/store/limited_process.h"
@@ -58,6 +59,8 @@ void RequireSeal(const hdf5::File& file, const fs::path& path) {
 bool IsStored(const fs::path& path) { return hdf5::IsHdf5(path) || IsSealed(path); }
 
 std::string ReadSchema(const fs::path& path) {
+  if (std::error_code error; !fs::exists(path, error))
+    throw StoreError(fmt::format("{}: there is no such file; `cdb run` makes one", path.string()));
   if (!hdf5::IsHdf5(path))
     throw StoreError(
         fmt::format("{}: is damaged: it ends as a file of cdb does, but does not begin as HDF5; it "

@@ -119,7 +119,9 @@ struct ResultFile::Impl {
   }
 
   /// All values of a cell in a series, kept until the next: chunks hold whole cells, and each is
-  /// unpacked once. `inner` is what the series has beside the grid; 0 for any extent.
+  /// unpacked once. `inner` is what the series has beside the grid; 0 for any extent. Where it ends
+  /// with the cycles, those that the run has: a run may have ended after few of many, and its file
+  /// then holds next to nothing of the others.
   const std::vector<double>& Block(std::string_view dataset, const Cell& cell,
                                    const hdf5::Shape& inner) {
     const std::size_t index = FlatIndex(cell);
@@ -143,6 +145,7 @@ struct ResultFile::Impl {
       hdf5::Shape count(start.size(), 1);
       for (std::size_t d = start.size(); d < array.shape().size(); ++d)
         count.push_back(array.shape()[d]);
+      if (inner.back() != 0) count.back() = CyclesOf(cell);
       start.resize(count.size(), 0);
       values = array.Read(start, count);
       CheckValues(dataset, values, extents());
@@ -325,10 +328,7 @@ double ResultFile::ReadReal(std::string_view dataset, const Cell& cell) const {
 }
 
 std::vector<double> ResultFile::ReadSeries(std::string_view dataset, const Cell& cell) const {
-  return impl_->Reading([&] {
-    const std::vector<double>& block = impl_->Block(dataset, cell, {impl_->cycles});
-    return std::vector(block.begin(), block.begin() + static_cast<long>(impl_->CyclesOf(cell)));
-  });
+  return impl_->Reading([&] { return impl_->Block(dataset, cell, {impl_->cycles}); });
 }
 
 std::vector<double> ResultFile::ReadDuration(measure::Phase phase, const Cell& cell) const {
@@ -336,8 +336,9 @@ std::vector<double> ResultFile::ReadDuration(measure::Phase phase, const Cell& c
   return impl_->Reading([&] {
     const std::vector<double>& block =
         impl_->Block("duration", cell, {measure::kPhaseCount, impl_->cycles});
-    const auto begin = block.begin() + static_cast<long>(measure::IndexOf(phase) * impl_->cycles);
-    return std::vector(begin, begin + static_cast<long>(impl_->CyclesOf(cell)));
+    const std::size_t count = impl_->CyclesOf(cell);
+    const auto begin = block.begin() + static_cast<long>(measure::IndexOf(phase) * count);
+    return std::vector(begin, begin + static_cast<long>(count));
   });
 }
 
