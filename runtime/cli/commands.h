@@ -26,8 +26,8 @@ void AddCompareCommand(CLI::App& app, ExitStatus& status);
 /// expected here: exit status 0.
 void AddStabilityCommand(CLI::App& app, ExitStatus& status);
 /// Runs the standard suite and prints a score for each configuration and kind of application, or
-/// checks results of it. Safe to rerun: finished runs are skipped. Exit status 3 if runs failed or a
-/// submission is not comparable, 4 if another machine's results are not borne out.
+/// checks results of it. Safe to rerun: finished runs are skipped. Exit status 3 if runs failed or
+/// a submission is not comparable, 4 if another machine's results are not borne out.
 void AddSuiteCommand(CLI::App& app, ExitStatus& status);
 /// Compares the pairs and contacts of detectors with exact ones in each cycle, and prints a table.
 /// Exit status 3 for a missed pair or a failed run.
