@@ -182,30 +182,28 @@ CacheLock::CacheLock(const fs::path& folder, std::string_view kind, std::string_
   if (!MakeFolder(folder)) return;
   file_ = FileOf(folder, kind, key).concat(".lock");
   for (;;) {
-    fd_ = open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
-    if (fd_ < 0 || TakeOrForget(on_wait)) return;
+    fd_ = plan::Descriptor(
+        open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
+    if (!IsHeld() || TakeOrForget(on_wait)) return;
   }
 }
 
 /// False where the file is no longer the one that others lock: whoever held it has removed it.
 bool CacheLock::TakeOrForget(const std::function<void()>& on_wait) {
-  bool is_locked = flock(fd_, LOCK_EX | LOCK_NB) == 0;
+  bool is_locked = flock(fd_.get(), LOCK_EX | LOCK_NB) == 0;
   if (!is_locked && errno == EWOULDBLOCK) {
     on_wait();
-    while (!(is_locked = flock(fd_, LOCK_EX) == 0) && errno == EINTR) {
+    while (!(is_locked = flock(fd_.get(), LOCK_EX) == 0) && errno == EINTR) {
     }
   }
-  if (is_locked && plan::IsAt(fd_, file_)) return true;
-  close(fd_);
-  fd_ = -1;
+  if (is_locked && plan::IsAt(fd_.get(), file_)) return true;
+  fd_.Close();
   return !is_locked;  // no locks here
 }
 
 CacheLock::~CacheLock() {
-  if (fd_ < 0) return;
   // While it is locked, so that nobody who waits for this file goes on with it.
-  unlink(file_.c_str());
-  close(fd_);
+  if (IsHeld()) unlink(file_.c_str());
 }
 
 }  // namespace cdb::library

@@ -15,6 +15,8 @@
 #include <string>
 #include <string_view>
 
+#include "compiler/plan/descriptor.h"
+
 namespace cdb::library {
 
 /// `$CDB_CACHE`, else `$XDG_CACHE_HOME/cdb`, else `$HOME/.cache/cdb`; empty where none is set.
@@ -47,13 +49,13 @@ class CacheLock {
   CacheLock(const CacheLock&) = delete;
   CacheLock& operator=(const CacheLock&) = delete;
 
-  bool IsHeld() const { return fd_ >= 0; }
+  bool IsHeld() const { return fd_.get() >= 0; }
 
  private:
   bool TakeOrForget(const std::function<void()>& on_wait);
 
   std::filesystem::path file_;  ///< there while somebody holds it
-  int fd_ = -1;
+  plan::Descriptor fd_;
 };
 
 }  // namespace cdb::library

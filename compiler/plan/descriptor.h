@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <utility>
 
@@ -19,9 +20,8 @@ class Descriptor {
     return *this;
   }
   ~Descriptor() { Close(); }
-  void Close() {
-    if (fd_ >= 0) close(std::exchange(fd_, -1));
-  }
+  /// 0, or the errno; closing may be the first that hears of a failed write (NFS, quotas).
+  int Close() { return fd_ >= 0 && close(std::exchange(fd_, -1)) != 0 ? errno : 0; }
   int get() const { return fd_; }
 
  private:

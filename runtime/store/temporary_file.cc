@@ -12,7 +12,6 @@
 #include <random>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include "compiler/plan/descriptor.h"
 #include "runtime/measure/host.h"
@@ -125,23 +124,21 @@ TemporaryFile::TemporaryFile(const fs::path& final_name)
 }
 
 bool TemporaryFile::TryMake() {
-  fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (fd_ < 0 && errno == EEXIST) return false;
-  if (fd_ < 0) Fail("write it", errno);
+  fd_ = plan::Descriptor(open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (fd() < 0 && errno == EEXIST) return false;
+  if (fd() < 0) Fail("write it", errno);
   // Shared, so that HDF5, which locks what it reads, can read it back. Where the file system knows
   // no locks, nobody else can tell, and nobody removes it.
-  while (flock(fd_, LOCK_SH) != 0 && errno == EINTR) {
+  while (flock(fd(), LOCK_SH) != 0 && errno == EINTR) {
   }
-  if (plan::IsAt(fd_, path_)) return true;
-  close(std::exchange(fd_, -1));  // somebody cleared it away between the two
+  if (plan::IsAt(fd(), path_)) return true;
+  fd_.Close();  // somebody cleared it away between the two
   return false;
 }
 
 TemporaryFile::~TemporaryFile() {
-  if (fd_ < 0) return;
   std::error_code ignored;
-  if (plan::IsAt(fd_, path_)) fs::remove(path_, ignored);
-  close(fd_);
+  if (fd() >= 0 && plan::IsAt(fd(), path_)) fs::remove(path_, ignored);
 }
 
 void TemporaryFile::Fail(std::string_view doing, int error) const {
@@ -155,14 +152,12 @@ void TemporaryFile::Fail(std::string_view doing, int error) const {
 }
 
 void TemporaryFile::Publish() {
-  if (fsync(fd_) != 0) Fail("bring it to the disk", errno);
+  if (fsync(fd()) != 0) Fail("bring it to the disk", errno);
   if (rename(path_.c_str(), final_.c_str()) != 0) Fail("give it its name", errno);
-  // Closing may be the first that hears of a failed write (NFS, quotas).
-  const int closed = close(std::exchange(fd_, -1)) == 0 ? 0 : errno;
-  const int folder = open(FolderOf(final_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int closed = fd_.Close();
+  const plan::Descriptor folder(open(FolderOf(final_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // Some network file systems have no fsync for folders, and say EINVAL.
-  int error = folder < 0 || (fsync(folder) != 0 && errno != EINVAL) ? errno : 0;
-  if (folder >= 0) close(folder);
+  int error = folder.get() < 0 || (fsync(folder.get()) != 0 && errno != EINVAL) ? errno : 0;
   if (closed != 0) error = closed;
   if (error == 0) return;
   throw StoreError(fmt::format(

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string_view>
 
+#include "compiler/plan/descriptor.h"
+
 namespace cdb::store {
 
 /// Made as `<final>.<host>.<number>.tmp`, beside the final file, so that the rename stays on one
@@ -22,7 +24,7 @@ class TemporaryFile {
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  int fd() const { return fd_; }
+  int fd() const { return fd_.get(); }
 
   /// fsyncs it, gives it its final name and fsyncs the folder. Throws StoreError.
   void Publish();
@@ -37,7 +39,7 @@ class TemporaryFile {
   std::filesystem::path named_;  ///< as the caller named the final file
   std::filesystem::path final_;  ///< without links
   std::filesystem::path path_;
-  int fd_ = -1;
+  plan::Descriptor fd_;
 };
 
 /// Removes the temporaries of `final_name`, and those of other `.h5` files beside it, that killed

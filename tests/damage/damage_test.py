@@ -1,22 +1,27 @@
 #!/usr/bin/env python3
-"""Damaged results files, under every command that reads them: each ends by itself, in time and within its memory.
+"""Damaged results files, shards and traces, under every command that reads them: each command ends by itself, in time and
+within its memory, and takes nothing for whole that is not.
 
-  damage_test.py CDB [COUNT [SEED]]
+  damage_test.py CDB [COUNT] [--seed N] [--jobs N] [--only N] [--list]
 
-Makes COUNT damaged copies of results files and shards: flipped bytes, files cut short, blocks that are swapped, zeroed or
-repeated, and, where h5py is installed, arrays and attributes with other shapes, types and values. Half of them get their seal
-anew, so that readers go past it. What a command does with a copy is one of
+Makes COUNT damaged copies: flipped bytes, files cut short, blocks that are zeroed, swapped or overwritten by extreme numbers,
+and, where h5py is installed, arrays, attributes, texts and links with other shapes, types and values. Half of them get their
+seal anew, so that readers go past it. What a command does with a copy is one of
 
-  refused   a message, and exit status 1 to 3
+  refused   a message, and exit status 1 to 4
   same      exit status 0, and the text of the undamaged file
-  other     exit status 0, and another text: of values that may well be, as the seal of these copies is good
+  other     exit status 0, and another text; --list names these, and the damage
   died      by a signal, or with another exit status
   hung      longer than 20 s
+  memory    out of memory, at 2 GiB
   silent    an exit status other than 0 without a message
 
-Fails if anything died, hung or was silent, or if a copy with a broken seal was `other` under `cdb check`.
+Fails if anything died, hung, ran out of memory or was silent, or if a copy with a broken seal was taken. Copies with faults are
+kept in the current folder; --only N makes copy N again.
 """
+import argparse
 import collections
+import concurrent.futures
 import pathlib
 import random
 import resource
@@ -34,8 +39,10 @@ except ImportError:
 
 TIMEOUT = 20
 MEMORY = 2 << 30
+SEAL_BYTES = 24
 PRIME = 0x9E3779B97F4A7C15
 MASK = (1 << 64) - 1
+KINDS = ["refused", "same", "other", "died", "hung", "memory", "silent"]
 SWEEP = """benchmark damaged "To be damaged" {
   cycles 12
   record timing, counts, energy, stability, poses
@@ -50,6 +57,29 @@ ERRORS = """timestep 1 / 60
   sleeping off
   accuracy { reference { timestep 1 / 240 }
   metrics position, energy; interval 1 / 60 }"""
+TRACED = """benchmark traced {
+  cycles 12
+  world.side 200
+  objects { quantity 5; size 20; linear_velocity uniform(-20, 20) }
+}
+"""
+ON_TRACE = 'benchmark on_trace { trace "damaged.h5"; detector sap }\n'
+# {whole} and {damaged} are files.
+COMMANDS = {
+    "results": {
+        "show": ["show", "{damaged}"],
+        "show --error": ["show", "{damaged}", "--error", "energy"],
+        "show --json": ["show", "{damaged}", "--json"],
+        "check": ["check", "{damaged}"],
+        "compare": ["compare", "{whole}", "{damaged}"],
+        "compare --json": ["compare", "{damaged}", "{whole}", "--json"],
+        "report": ["report", "{damaged}", "-o", "report.html"],
+        "view": ["view", "{damaged}", "-o", "view.html"],
+        "view --gltf": ["view", "{damaged}", "--gltf", "view.glb"],
+    },
+    "shard": {"merge": ["merge", "parts.runs", "-o", "out.h5"], "check": ["check", "{damaged}"]},
+    "trace": {"run on trace": ["run", "-q", "on_trace.cdb", "-o", "out.h5"], "check": ["check", "{damaged}"]},
+}
 
 
 def sealed(data):
@@ -62,176 +92,256 @@ def sealed(data):
     return data + b"cdb seal" + struct.pack("<QQ", len(data), value ^ value >> 32)
 
 
-def damaged_bytes(data, chance):
+def damage_bytes(data, chance):
+    """The damaged bytes, and what was done."""
     data = bytearray(data)
-    kind = chance.randrange(6)
+    kind = chance.choice(["flip", "flip", "cut", "fill", "copy", "swap", "number"])
     at = chance.randrange(len(data))
-    length = chance.choice([1, 4, 8, 64, 512])
-    if kind <= 1:
+    length = min(chance.choice([1, 4, 8, 64, 512, 4096]), len(data) - at)
+    other = chance.randrange(len(data) - length + 1)
+    if kind == "flip":
         for _ in range(chance.choice([1, 1, 2, 8])):
             data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
-    elif kind == 2:
+    elif kind == "cut":
         del data[max(at, 16):]
-    elif kind == 3:
-        data[at:at + length] = bytes([chance.choice([0, 255])]) * len(data[at:at + length])
-    elif kind == 4:
-        other = chance.randrange(len(data))
-        data[at:at + length] = data[other:other + len(data[at:at + length])]
+    elif kind == "fill":
+        data[at:at + length] = bytes([chance.choice([0, 255])]) * length
+    elif kind == "copy":
+        data[at:at + length] = data[other:other + length]
+    elif kind == "swap":
+        here, there = data[at:at + length], data[other:other + length]
+        data[at:at + length], data[other:other + length] = there, here
     else:
-        value = chance.choice([0, 1, 2**31 - 1, 2**32 - 1, 2**63 - 1, 2**64 - 1, 2**40])
         at -= at % 4
+        value = chance.choice([0, 1, 2**31 - 1, 2**32 - 1, 2**63 - 1, 2**64 - 1, 2**40])
         data[at:at + 8] = struct.pack("<Q", value)[:len(data[at:at + 8])]
-    return bytes(data)
+    return bytes(data), f"{kind} at {at}, {length} bytes"
+
+
+def damage_attribute(thing, chance):
+    key = chance.choice([key for key in thing.attrs if key not in ("DIMENSION_LIST", "REFERENCE_LIST")] or ["new"])
+    if key in thing.attrs:
+        del thing.attrs[key]
+    if chance.random() < 0.3:
+        return f"attribute {key} removed"
+    value = chance.choice([-1, 2**31 - 1, 1e300, float("nan"), "", "x" * 60000, "\x1b[31m", numpy.zeros(0), [1, 2, 3],
+                           h5py.Empty("f8")])
+    thing.attrs[key] = value
+    return f"attribute {key} = {str(value)[:20]!r}"
+
+
+def damage_values(dataset, chance):
+    """Impossible and extreme values, with the shape and type as they should be."""
+    if dataset.dtype.kind == "O":
+        value = chance.choice(["", "x" * 100000, "\x1b[31m", "<script>", b"\xff\xfe", "0" * 16])
+        if dataset.shape == ():
+            dataset[()] = value
+        else:
+            dataset[tuple(chance.randrange(n) for n in dataset.shape)] = value
+        return f"text {str(value)[:20]!r}"
+    values = dataset[...]
+    if dataset.dtype.kind == "f":
+        value = chance.choice([float("nan"), float("inf"), -float("inf"), -1.0, 0.0, 1e308, -1e-300, 5e-324, 1e19])
+    else:
+        value = chance.choice([-1, 0, 127, -128, numpy.iinfo(dataset.dtype).max, numpy.iinfo(dataset.dtype).min])
+    if chance.random() < 0.3:
+        values = numpy.full_like(values, value)
+    else:
+        flat = values.reshape(-1)
+        flat[chance.randrange(flat.size)] = value
+        values = flat.reshape(values.shape)
+    dataset[...] = values
+    return f"value {value}"
+
+
+def remake_array(file, name, kind, chance):
+    """The array `name` with another shape or type, and attributes as before."""
+    thing = file[name]
+    attributes = {key: thing.attrs[key] for key in thing.attrs if key not in ("DIMENSION_LIST", "REFERENCE_LIST")}
+    shape, dtype, chunks = thing.shape, thing.dtype, None
+    if kind == "shape":
+        shape = tuple(chance.choice([0, 1, n, n + 1, max(n - 1, 0), 3 * n]) for n in shape) or (2,)
+    elif kind == "rank":
+        shape = shape[1:] if shape and chance.random() < 0.5 else shape + (chance.choice([1, 2]),)
+    elif kind == "huge":
+        size = chance.choice([2**20, 2**31 - 1, 2**40])
+        shape = tuple(chance.choice([n, size]) for n in shape[:-1]) + (size,)
+        chunks = tuple(chance.choice([1, 16, 256]) for _ in shape)
+    else:
+        dtype = numpy.dtype(chance.choice(["i1", "u8", "f4", "f8", ">f8", "c16", "S5", "?", h5py.string_dtype()]))
+    del file[name]
+    file.create_dataset(name, shape, dtype, chunks=chunks)
+    for key, value in attributes.items():
+        file[name].attrs[key] = value
+    return f"{shape} of {dtype}"
 
 
 def damage_structure(path, chance):
-    """Through HDF5 itself: a file that is whole, and says what cannot be."""
+    """Through HDF5: a whole file, which says what cannot be. Returns what was done."""
     with h5py.File(path, "r+") as file:
-        names = []
+        names = ["/"]
         file.visit(names.append)
         name = chance.choice(names)
-        thing = file[name]
-        kind = chance.randrange(7)
-        if kind == 0 or not isinstance(thing, h5py.Dataset):
-            if chance.random() < 0.5 and len(thing.attrs) > 0:
-                key = chance.choice(list(thing.attrs))
-                del thing.attrs[key]
-                if chance.random() < 0.7:
-                    thing.attrs[key] = chance.choice([-1, 1e300, "x" * 70000, numpy.zeros(0), [1, 2, 3]])
-            else:
-                del file[name]
-            return
-        attributes = {key: thing.attrs[key] for key in thing.attrs if key not in ("DIMENSION_LIST", "REFERENCE_LIST")}
-        shape, dtype = thing.shape, thing.dtype
-        if kind == 1 and shape:
-            shape = tuple(chance.choice([0, 1, n, n + 1, max(n - 1, 0), 3 * n]) for n in shape)
-        elif kind == 2:
-            shape = shape + (2,)
-        elif kind == 3 and shape:
-            shape = shape[1:]
-        elif kind == 4:
-            dtype = chance.choice(["i1", "u8", "f4", "f8", "S5", h5py.string_dtype()])
-        elif kind == 5 and shape:
-            shape = tuple(2**40 for _ in shape)
-        else:
-            if dtype.kind in "if" and thing.size:
-                values = thing[...]
-                values.flat[chance.randrange(values.size)] = chance.choice([-1, 127, 0, -2**7])
-                if dtype.kind == "f":
-                    values.flat[chance.randrange(values.size)] = chance.choice(
-                        [float("nan"), float("inf"), -1.0, 1e308, -1e-300])
-                thing[...] = values
-            return
-        del file[name]
-        if kind == 5 or chance.random() < 0.05:
-            file[name] = h5py.ExternalLink("other.h5", "/x") if chance.random() < 0.3 else numpy.zeros(1)
-            if kind == 5:
-                del file[name]
-                file.create_dataset(name, shape, dtype if dtype.kind in "if" else "i4", chunks=tuple(16 for _ in shape) or None)
-        else:
-            file.create_dataset(name, shape, dtype)
-        for key, value in attributes.items():
-            try:
-                file[name].attrs[key] = value
-            except (TypeError, OSError, RuntimeError):
-                pass
+        kind = chance.choice(["attribute", "removed", "shape", "rank", "type", "huge", "link", "value", "value", "value"])
+        if name == "/" or kind == "attribute" or (kind not in ("removed", "link") and not isinstance(file[name], h5py.Dataset)):
+            return f"{name}: {damage_attribute(file[name], chance)}"
+        if kind == "removed":
+            del file[name]
+            return f"{name}: removed"
+        if kind == "link":
+            del file[name]
+            other = chance.choice([h5py.ExternalLink("whole.h5", name), h5py.ExternalLink("/dev/zero", "x"),
+                                   h5py.SoftLink("/" + name), h5py.SoftLink("/"), h5py.SoftLink("/nothing")])
+            file[name] = other
+            return f"{name}: {other}"
+        if kind == "value":
+            return f"{name}: {damage_values(file[name], chance)}" if file[name].size else "none"
+        return f"{name}: {remake_array(file, name, kind, chance)}"
 
 
-def limited():
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+def damage(path, number, seed):
+    """Damages the copy at `path`. Returns what was done, and whether its seal fits."""
+    chance = random.Random(f"{seed} {number}")
+    whole = path.read_bytes()
+    seal = whole[-SEAL_BYTES:]
+    is_sealed = number % 2 == 0
+    if h5py is not None and number // 2 % 2 == 0:
+        path.write_bytes(whole[:-SEAL_BYTES])
+        try:
+            text = damage_structure(path, chance)
+        except (OSError, RuntimeError, TypeError, ValueError, KeyError, OverflowError) as error:
+            text = f"h5py refuses it: {error}"
+        path.write_bytes(sealed(path.read_bytes()) if is_sealed else path.read_bytes() + seal)
+    else:
+        data, text = damage_bytes(whole[:-SEAL_BYTES] if is_sealed else whole, chance)
+        path.write_bytes(sealed(data) if is_sealed else data)
+    return text, is_sealed or path.read_bytes() == whole
 
 
 def run(command, folder, has_limit):
+    def limit():
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        if has_limit:
+            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
     try:
         end = subprocess.run(command, cwd=folder, capture_output=True, timeout=TIMEOUT, check=False, stdin=subprocess.DEVNULL,
-                             preexec_fn=limited if has_limit else None)
+                             preexec_fn=limit)
     except subprocess.TimeoutExpired:
         return "hung", b""
     text = end.stdout + end.stderr
+    if b"bad_alloc" in text or b"annot allocate" in text or b"out of memory" in text:
+        return "memory", text
+    if b"Sanitizer" in text or b"runtime error:" in text:
+        return "died", text
     if end.returncode == 0:
         return "ended", end.stdout
     if end.returncode not in (1, 2, 3, 4):
-        return "died", text
+        return "died", text + f"\nexit status {end.returncode}".encode()
     return ("refused" if text.strip() else "silent"), text
 
 
-def main():
-    cdb = str(pathlib.Path(sys.argv[1]).resolve())
-    count = int(sys.argv[2]) if len(sys.argv) > 2 else 56
-    seed = int(sys.argv[3]) if len(sys.argv) > 3 else 1
-    has_limit = b"__asan" not in pathlib.Path(cdb).read_bytes()  # it reserves more than there is
-    commands = {
-        "show": lambda file: [cdb, "show", file],
-        "show --error": lambda file: [cdb, "show", file, "--error", "energy"],
-        "show --json": lambda file: [cdb, "show", file, "--json"],
-        "check": lambda file: [cdb, "check", file],
-        "compare": lambda file: [cdb, "compare", "whole.h5", file],
-        "report": lambda file: [cdb, "report", file, "-o", "report.html"],
-        "view": lambda file: [cdb, "view", file, "-o", "view.html"],
+def make_originals(cdb, place):
+    """The undamaged files, by kind."""
+    texts = {"plain": SWEEP % "", "errors": SWEEP % ERRORS, "traced": TRACED, "on_trace": ON_TRACE}
+    for name, text in texts.items():
+        (place / f"{name}.cdb").write_text(text, encoding="utf-8")
+    commands = [["run", "-q", name + ".cdb", "-o", name + ".h5"] for name in ("plain", "errors")]
+    commands += [["run", "-q", "plain.cdb", "-o", "parts.h5", "--shard", part] for part in ("1/2", "2/2")]
+    commands += [["trace", "-q", "traced.cdb", "-o", "trace.h5"]]
+    for command in commands:
+        subprocess.run([cdb, *command], cwd=place, check=True)
+    return {
+        "results": [place / "plain.h5", place / "errors.h5"],
+        "shard": sorted((place / "parts.runs").glob("*.h5")),
+        "trace": [place / "trace.h5"],
     }
-    counts = {name: collections.Counter() for name in [*commands, "merge"]}
-    faults = []
+
+
+def set_up(place, kind, original):
+    """A folder for the commands of `kind`; the place of the file to be damaged in it."""
+    folder = pathlib.Path(tempfile.mkdtemp(dir=place))
+    shutil.copy(original, folder / "whole.h5")
+    if kind == "shard":
+        shutil.copytree(place / "parts.runs", folder / "parts.runs")
+        return folder / "parts.runs" / original.name
+    shutil.copy(place / "on_trace.cdb", folder)
+    shutil.copy(original, folder / "damaged.h5")
+    return folder / "damaged.h5"
+
+
+def try_file(cdb, kind, damaged, has_limit):
+    """What each command does with it."""
+    folder = damaged.parent.parent if kind == "shard" else damaged.parent
+    names = {"damaged": damaged.relative_to(folder), "whole": "whole.h5"}
+    return {name: run([cdb, *(word.format(**names) for word in words)], folder, has_limit)
+            for name, words in COMMANDS[kind].items()}
+
+
+def kind_of(number):
+    """Of seven copies, one shard and one trace."""
+    return {5: "trace", 6: "shard"}.get(number % 7, "results")
+
+
+def try_copy(number, arguments, place, originals, expected, has_limit):
+    """The counts, the faults and the files taken of copy `number`."""
+    kind = kind_of(number)
+    original = random.Random(number).choice(originals[kind])
+    damaged = set_up(place, kind, original)
+    text, has_good_seal = damage(damaged, number, arguments.seed)
+    kept = damaged.read_bytes()
+    is_whole = kept == original.read_bytes()
+    ends, faults, taken = [], [], []
+    for name, (end, output) in try_file(arguments.cdb, kind, damaged, has_limit).items():
+        if (original, name) not in expected:
+            continue
+        if end == "ended":
+            end = "same" if output == expected[original, name] else "other"
+            if not is_whole:
+                taken.append(f"{number} {kind} {name}: {end}: {text}")
+        ends.append((f"{kind}: {name}", end))
+        if end in KINDS[3:] or (not has_good_seal and end in ("same", "other")):
+            faults.append(f"copy {number} ({kind}, {text}) under {name}: {end}\n{output[-800:].decode(errors='replace')}")
+    if faults:
+        pathlib.Path(f"damaged_{arguments.seed}_{number}.h5").write_bytes(kept)
+    shutil.rmtree(place / damaged.relative_to(place).parts[0])
+    return ends, faults, taken
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("cdb", type=lambda path: str(pathlib.Path(path).resolve()))
+    parser.add_argument("count", type=int, nargs="?", default=56)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--only", type=int)
+    parser.add_argument("--list", action="store_true")
+    arguments = parser.parse_args()
+    has_limit = b"__asan" not in pathlib.Path(arguments.cdb).read_bytes()  # it reserves more than there is
+    counts, faults = collections.defaultdict(collections.Counter), []
     with tempfile.TemporaryDirectory() as place:
         place = pathlib.Path(place)
-        originals = []
-        for name, more in [("plain", ""), ("errors", ERRORS)]:
-            (place / f"{name}.cdb").write_text(SWEEP % more, encoding="utf-8")
-            subprocess.run([cdb, "run", "-q", f"{name}.cdb", "-o", f"{name}.h5"], cwd=place, check=True)
-            originals.append(place / f"{name}.h5")
-        for part in ("1/2", "2/2"):
-            subprocess.run([cdb, "run", "-q", "plain.cdb", "-o", "parts.h5", "--shard", part], cwd=place, check=True)
-        shards = sorted((place / "parts.runs").glob("*.h5"))
+        originals = make_originals(arguments.cdb, place)
         expected = {}
-        for original in originals:
-            for name, command in commands.items():
-                shutil.copy(original, place / "whole.h5")
-                shutil.copy(original, place / "damaged.h5")
-                expected[original, name] = run(command("damaged.h5"), place, has_limit)[1]
-        for number in range(count):
-            chance = random.Random(f"{seed} {number}")
-            is_shard = number % 7 == 6
-            original = chance.choice(shards if is_shard else originals)
-            damaged = place / "damaged.h5"
-            shutil.copy(original, damaged)
-            is_sealed = number % 2 == 0
-            if h5py is not None and number % 4 == 0:
-                try:
-                    damaged.write_bytes(damaged.read_bytes()[:-24])
-                    damage_structure(damaged, chance)
-                except Exception:  # h5py may refuse what it is asked for
-                    pass
-                damaged.write_bytes(sealed(damaged.read_bytes()) if is_sealed else damaged.read_bytes())
-            else:
-                whole = damaged.read_bytes()
-                damaged.write_bytes(sealed(damaged_bytes(whole[:-24], chance)) if is_sealed else damaged_bytes(whole, chance))
-            kept = damaged.read_bytes()
-            is_same = kept == original.read_bytes()
-            if is_shard:
-                folder = place / "merge"
-                shutil.rmtree(folder, ignore_errors=True)
-                shutil.copytree(place / "parts.runs", folder / "parts.runs")
-                (folder / "parts.runs" / original.name).write_bytes(kept)
-                tried = {"merge": ([cdb, "merge", "parts.runs", "-o", "out.h5"], folder)}
-            else:
-                shutil.copy(original, place / "whole.h5")
-                tried = {name: (command("damaged.h5"), place) for name, command in commands.items()}
-            for name, (command, folder) in tried.items():
-                end, text = run(command, folder, has_limit)
-                if end == "ended":
-                    end = "same" if is_shard or text == expected[original, name] else "other"
-                counts[name][end] += 1
-                bad = end in ("died", "hung", "silent") or (
-                    name == "check" and not is_sealed and not is_same and end in ("same", "other"))
-                if bad:
-                    faults.append((number, name, end, text[-600:]))
-                    shutil.copy(damaged, f"damaged_{number}.h5")
-    kinds = ["refused", "same", "other", "died", "hung", "silent"]
-    print(f"{'':14}" + "".join(f"{kind:>9}" for kind in kinds))
-    for name, of in counts.items():
-        print(f"{name:14}" + "".join(f"{of[kind]:9}" for kind in kinds))
-    for number, name, end, text in faults[:20]:
-        print(f"\ncopy {number} under {name}: {end}\n{text.decode(errors='replace')}")
+        for kind, files in originals.items():
+            for original in files:
+                for name, (end, output) in try_file(arguments.cdb, kind, set_up(place, kind, original), has_limit).items():
+                    if end == "ended":  # not `show --error` without errors
+                        expected[original, name] = output
+        numbers = range(arguments.count) if arguments.only is None else [arguments.only]
+        with concurrent.futures.ProcessPoolExecutor(arguments.jobs) as pool:
+            tried = [pool.submit(try_copy, number, arguments, place, originals, expected, has_limit) for number in numbers]
+            for done in tried:
+                ends, more_faults, taken = done.result()
+                for name, end in ends:
+                    counts[name][end] += 1
+                faults += more_faults
+                if arguments.list:
+                    print(*taken, sep="\n", end="\n" if taken else "")
+    print(f"{'':24}" + "".join(f"{end:>9}" for end in KINDS))
+    for name, of in sorted(counts.items()):
+        print(f"{name:24}" + "".join(f"{of[end]:9}" for end in KINDS))
+    print(*faults[:20], sep="\n\n")
     sys.exit(1 if faults else 0)
 
 
