@@ -4,6 +4,7 @@
 
 #include <system_error>
 
+#include "runtime/cli/shard_files.h"
 #include "runtime/report/console.h"
 #include "runtime/report/show.h"
 #include "runtime/store/store.h"
@@ -12,14 +13,33 @@ namespace cdb::cli {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// `r` and `r.h5` keep their shards in the same folder, where each would take those of the other
+/// for its own, and remove them.
+fs::path RequireOwnShards(fs::path out) {
+  fs::path other = out;
+  if (out.extension() == ".h5")
+    other.replace_extension();
+  else
+    other += ".h5";
+  if (ShardFolderOf(other) != ShardFolderOf(out) || !store::IsStored(other)) return out;
+  throw CommandError(fmt::format(
+      "'{}' is there, and '{}' would keep its shards in the same folder '{}'; nothing was changed: "
+      "name another file by -o",
+      other.string(), out.string(), ShardFolderOf(out).string()));
+}
+
+}  // namespace
+
 fs::path ResultPath(const std::string& out, const std::string& name, const std::string& file,
                     std::size_t plan_count) {
   std::error_code error;
-  if (out.empty()) return name + ".h5";
+  if (out.empty()) return RequireOwnShards(name + ".h5");
   if (fs::path(out).extension() == ".runs")
     throw CommandError(fmt::format(
         "'{}': names that end in .runs are folders of shards; name another file by -o", out));
-  if (fs::is_directory(out, error)) return fs::path(out) / (name + ".h5");
+  if (fs::is_directory(out, error)) return RequireOwnShards(fs::path(out) / (name + ".h5"));
   if (plan_count > 1)
     throw CommandError(fmt::format(
         "{} has {} benchmarks and '{}' holds one: name a folder, or choose a benchmark by -b", file,
@@ -28,7 +48,7 @@ fs::path ResultPath(const std::string& out, const std::string& name, const std::
   if (!folder.empty() && !fs::is_directory(folder, error))
     throw CommandError(
         fmt::format("there is no folder '{}' for '{}'; make it first", folder.string(), out));
-  return out;
+  return RequireOwnShards(out);
 }
 
 ExitStatus ShowResult(const fs::path& out, bool is_quiet) {

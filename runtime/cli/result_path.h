@@ -11,7 +11,8 @@ namespace cdb::cli {
 
 /// `NAME.h5` here where `out` is empty, in it where it is a folder, else `out` itself. `file`: the
 /// scenario, which has `plan_count` benchmarks. Throws CommandError where one file would get
-/// several, or there is no such folder.
+/// several, there is no such folder, or a results file is there that would share its shards (`r`
+/// for `r.h5`).
 std::filesystem::path ResultPath(const std::string& out, const std::string& name,
                                  const std::string& file, std::size_t plan_count);
 

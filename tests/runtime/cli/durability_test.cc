@@ -185,6 +185,18 @@ TEST_F(World, ShardOfAnotherPlan) {
   ExpectRefused(program_.Run({"run", "w.cdb"}), {"w.runs", "another plan", "--fresh"});
 }
 
+TEST_F(World, ResultsThatWouldShareAFolderOfShards) {
+  ASSERT_EQ(program_.Run({"run", "w.cdb", "-q", "-o", "x"}).status, 0);
+  ExpectRefused(program_.Run({"run", "w.cdb", "-o", "x.h5"}), {"'x'", "x.runs", "-o"});
+  fs::rename(program_.folder() / "x", program_.folder() / "x.h5");
+  const std::string before = program_.Read("x.h5");
+  ExpectRefused(program_.Run({"run", "w.cdb", "-o", "x", "--fresh"}), {"'x.h5'", "x.runs", "-o"});
+  EXPECT_EQ(program_.Read("x.h5"), before);
+  EXPECT_EQ(program_.Run({"run", "w.cdb", "-q", "-o", "x.h5.h5"}).status, 0);
+  program_.Write("w", "a file that is no results file");
+  EXPECT_EQ(program_.Run({"run", "w.cdb", "-q"}).status, 0);
+}
+
 TEST_F(World, TruncatedShardIsRunAgain) {
   const fs::path shard = program_.folder() / "w.runs" / *shards_.begin();
   fs::resize_file(shard, fs::file_size(shard) / 2);
