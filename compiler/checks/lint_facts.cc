@@ -40,6 +40,10 @@ void AddLayout(double side, GroupFacts& objects) {
     objects.position = position->cwiseAbs();
   } else if (layout->name == "pair") {
     objects.position = Vector3d::Constant(objects.longest_side + *RealOf(*layout, "distance"));
+  } else if (layout->name == "grid") {
+    const double in_a_row = std::ceil(std::cbrt(objects.quantity));
+    if (const auto spacing = RealOf(*layout, "spacing"))
+      objects.position.setConstant(*spacing * (in_a_row - 1) / 2);
   } else if (layout->name == "line") {
     objects.overlap = std::max(0.0, -RealOf(*layout, "gap").value_or(0));
   } else if (layout->name == "stack") {

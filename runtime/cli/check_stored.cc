@@ -30,8 +30,10 @@ const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
 }
 
 /// Nullopt for a file of an earlier version, without a plan or with one that this cdb cannot read.
+/// Throws StoreError where there should be one.
 std::optional<SizedPlan> PlanIn(const store::ResultFile& results, const std::string& file) {
   const std::string text = results.ReadProvenance("plan_text");
+  if (text.empty() && results.has_digest()) RefuseContents(file, "it holds no plan");
   if (text.empty()) return std::nullopt;
   try {
     return ReadSizedPlan(text, file);

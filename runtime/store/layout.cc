@@ -16,8 +16,6 @@ namespace {
 
 using hdf5::Type;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// `run/` of `run/host`; empty in the root.
 std::string GroupOf(const std::string& path) { return path.substr(0, path.rfind('/') + 1); }
 

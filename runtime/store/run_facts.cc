@@ -19,8 +19,6 @@ namespace {
 
 using hdf5::Type;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 std::string VerdictNames() {
   std::string names;
   for (const measure::VerdictInfo& info : measure::Verdicts())

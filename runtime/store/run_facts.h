@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,9 @@ namespace cdb::store {
 inline constexpr std::string_view kRunGroup = "run/";
 inline constexpr std::string_view kAccuracyGroup = "accuracy/";
 inline const std::string kReferenceGroup = "accuracy/reference/";
+
+/// A real number that there is not.
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// An array over the grid that holds one number for each run.
 struct RunNumber {

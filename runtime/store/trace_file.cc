@@ -184,13 +184,24 @@ plan::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
   return facts;
 }
 
-/// Its arrays are as its head says.
+/// Its arrays and their coordinates are as its head says.
 void CheckHead(const hdf5::File& file, const plan::TraceFacts& facts, const fs::path& path) {
-  const hdf5::Dataset boxes = file.OpenDataset("boxes");
-  if (boxes.shape() != hdf5::Shape{facts.cycles, facts.bodies, measure::kBoxSize} ||
-      file.OpenDataset("filters").shape() != hdf5::Shape{facts.bodies, measure::kFilterSize})
-    throw Useless(path, "its arrays are not as its head says");
-  boxes.CheckCount(hdf5::Product(boxes.shape()));
+  const auto expect = [&](const char* name, const hdf5::Shape& shape) {
+    if (file.OpenDataset(name).shape() != shape)
+      throw Useless(path, fmt::format("its '{}' is not as its head says", name));
+  };
+  const hdf5::Shape boxes = {facts.cycles, facts.bodies, measure::kBoxSize};
+  expect("cycle", {facts.cycles});
+  expect("body", {facts.bodies});
+  expect("boxes", boxes);
+  expect("filters", {facts.bodies, measure::kFilterSize});
+  const double objects = file.Number("objects");
+  if (!(objects >= 0 && objects <= static_cast<double>(facts.bodies)))
+    throw Useless(path, "its head has more objects than bodies");
+  const auto count = static_cast<std::uint64_t>(objects);
+  expect("object", {count});
+  if (count > 0) expect("poses", {facts.cycles, count, measure::kPoseSize});
+  file.OpenDataset("boxes").CheckCount(hdf5::Product(boxes));
 }
 
 measure::TraceMemory ReadMemory(const hdf5::File& file, const plan::TraceFacts& facts,

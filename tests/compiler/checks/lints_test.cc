@@ -86,6 +86,18 @@ TEST(Lints, SayNothingWhereNothingCanHappen) {
       checks::LintScene(CompileStatements("objects.quantity 0").plans[0].runs[0].scene).empty());
 }
 
+TEST(Lints, MeasurePlacesOfALatticeByItsSpacing) {
+  const auto coarse = [](const std::string& spacing) {
+    return NumberOf(checks::Lint::kCoarsePlace,
+                    "world.side 200e3; objects { quantity 27; size 1; location grid" + spacing +
+                        " }")
+        ->value;
+  };
+  const double epsilon = std::ldexp(1.0, -23);
+  EXPECT_DOUBLE_EQ(coarse("(spacing: 4)"), 4 * epsilon);
+  EXPECT_DOUBLE_EQ(coarse(""), 65536 * epsilon);
+}
+
 TEST(Lints, CountAFallFromWhereAnObjectStarts) {
   const std::string domino = "type cuboid; size 0.5; aspect 1 : 2 : 0.4; location at(0, -4.45, 0)";
   const auto fall =

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +15,7 @@
 
 #include "runtime/store/store.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -49,7 +51,7 @@ std::set<std::string> Shards(const fs::path& folder) {
   return names;
 }
 
-TEST(Kill, TwentyTimesAtRandomMomentsLosesNothing) {
+TEST(Kill, ManyTimesAtRandomMomentsLosesNothing) {
   const Program program;
   program.Write("sweep.cdb", kSweep);
   ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "alone.h5"}).status, 0);
@@ -63,9 +65,10 @@ TEST(Kill, TwentyTimesAtRandomMomentsLosesNothing) {
   const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - begin;
 
   std::mt19937_64 random(20);
+  const int enough = std::max(5, Cases(20));
   int kills = 0;
   std::set<std::string> kept;
-  for (int round = 0; kills < 20; ++round) {
+  for (int round = 0; kills < enough; ++round) {
     ASSERT_LT(round, 200) << "no run is ever caught";
     const std::string jobs = round % 2 == 0 ? "1" : "2";
     const pid_t child = program.Start(
@@ -217,7 +220,7 @@ TEST(Race, TwoRunnersOfOneResultBothEndWell) {
   const Program program;
   program.Write("sweep.cdb", kSweep);
   ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "alone.h5"}).status, 0);
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < Cases(5); ++round) {
     const pid_t one = program.Start({CdbPath(), "run", "sweep.cdb", "-q", "-o", "both.h5"});
     const pid_t two = program.Start({CdbPath(), "run", "sweep.cdb", "-q", "-o", "both.h5"});
     for (const pid_t runner : {one, two}) {

@@ -18,6 +18,7 @@
 
 namespace cdb::tests {
 
+inline constexpr bool kIsSingle = sizeof(btScalar) == 4;
 /// Relative distance of neighbouring numbers in the engine's precision.
 inline constexpr double kEpsilon = std::numeric_limits<btScalar>::epsilon();
 

@@ -19,7 +19,6 @@ namespace {
 
 using measure::Verdict;
 
-constexpr bool kIsSingle = sizeof(btScalar) == 4;
 
 /// Configurations whose axis has no hopeless end, by benchmark and, where only some have none, the
 /// value on the other axis.

@@ -18,6 +18,7 @@
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
 #include "tests/runtime/store/store_fixture.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -118,7 +119,7 @@ TEST(FullDisk, WhileMergingLosesNothing) {
   store::Merge(plan, {}, folder.path(), out);
   const std::string before = ReadFile(out);
   const std::vector<std::string> shards = FilesIn(folder.path());
-  for (std::size_t limit = 0; limit < before.size(); limit += 1 + before.size() / 40) {
+  for (std::size_t limit = 0; limit < before.size(); limit += 1 + before.size() / Cases(40)) {
     SCOPED_TRACE(limit);
     EXPECT_EQ(
         InChild([&]() -> std::string {
@@ -296,7 +297,7 @@ TEST(Kill, WhileShardsAreWrittenLosesNoFinishedRun) {
   const TemporaryFolder folder;
   std::mt19937 random(7);
   std::size_t finished = 0;
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int trial = 0; trial < Cases(60); ++trial) {
     finished = std::max(finished, KillDuring(random, [&](int say) {
                           const store::Provenance none;
                           const store::ShardWriter writer(plan, none);
@@ -325,7 +326,7 @@ TEST(Kill, WhileMergingLeavesTheResultWhole) {
   const std::vector<std::string> shards = FilesIn(folder.path());
   store::Merge(plan, {}, folder.path(), target / "out.h5");
   std::mt19937 random(11);
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int trial = 0; trial < Cases(60); ++trial) {
     KillDuring(random, [&](int) {
       for (;;) store::Merge(plan, {}, folder.path(), target / "out.h5");
     });

@@ -126,7 +126,7 @@ TEST(BuiltinDetectors, AreExactWhereWallsMoveOrStandAmongTheBodies) {
 }
 
 TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
-  constexpr int kCycles = kThreadSanitizer ? 10 : 20;
+  constexpr int kCycles = kThreadSanitizer ? 4 : 20;
   for (const std::string_view name : kBoxScenes) {
     BoxScene moving(name, 3000, true, 7);
     std::vector<Named> first = All(1), second = All(1), two = All(2), three = All(3);
@@ -308,7 +308,7 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
 
 TEST(BuiltinDetectors, AreExactWhateverHappens) {
   std::mt19937_64 random(11);
-  constexpr int kRounds = kThreadSanitizer ? 18 : 36;
+  constexpr int kRounds = kThreadSanitizer ? 9 : 36;
   constexpr int kFewestThreads = kThreadSanitizer ? 2 : 1;  // one thread alone races with none
   for (int round = 0; round < kRounds; ++round) {
     Boxes boxes;

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using objects::Solid;
 
-Vector3d ToEigen(const Vec3& v) { return {v.x, v.y, v.z}; }
+Vector3d VectorOf(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 TEST(DetectorShapes, NameEachSolid) {
   detection::DetectorShapes shapes;
@@ -29,7 +29,7 @@ TEST(DetectorShapes, NameEachSolid) {
   EXPECT_EQ(kind(objects::Shape::kTetrahedron, sides), ShapeKind::kHull);
   const Shape cone = shapes.Of(Solid{objects::Shape::kCone, sides, nullptr});
   EXPECT_EQ(cone.kind, ShapeKind::kCone);
-  EXPECT_EQ(ToEigen(cone.half), sides / 2);
+  EXPECT_EQ(VectorOf(cone.half), sides / 2);
   EXPECT_EQ(cone.centre.y, 1);
 }
 
@@ -40,24 +40,24 @@ void ExpectHulls(const Shape& shape, const Solid& solid) {
     const Hull& hull = shape.hulls[i];
     Vector3d middle = Vector3d::Zero();
     for (const Vec3& vertex : hull.vertices)
-      middle += ToEigen(vertex) / static_cast<double>(hull.vertices.size());
+      middle += VectorOf(vertex) / static_cast<double>(hull.vertices.size());
     for (const Vector3d& direction :
          {Vector3d(1, 0.2, 0.3), Vector3d(-0.4, 1, 0), Vector3d(0, -1, -2)}) {
       double farthest = -1e300;
       for (const Vec3& vertex : hull.vertices)
-        farthest = std::max(farthest, direction.dot(ToEigen(vertex)));
+        farthest = std::max(farthest, direction.dot(VectorOf(vertex)));
       EXPECT_NEAR(farthest, direction.dot(solid.PieceSupport(i, direction)), 1e-12);
     }
     EXPECT_GE(hull.faces.size(), 4u);
     for (const Face& face : hull.faces) {
-      const Vector3d a = ToEigen(hull.vertices[face.a]), b = ToEigen(hull.vertices[face.b]),
-                     c = ToEigen(hull.vertices[face.c]);
+      const Vector3d a = VectorOf(hull.vertices[face.a]), b = VectorOf(hull.vertices[face.b]),
+                     c = VectorOf(hull.vertices[face.c]);
       EXPECT_GT((b - a).cross(c - a).dot(a - middle), 0);
     }
   }
   for (int axis = 0; axis < 3; ++axis) {
     const double upper = solid.Support(Vector3d::Unit(axis))[axis];
-    EXPECT_NEAR(ToEigen(shape.centre)[axis] + ToEigen(shape.half)[axis], upper, 1e-12);
+    EXPECT_NEAR(VectorOf(shape.centre)[axis] + VectorOf(shape.half)[axis], upper, 1e-12);
   }
 }
 

@@ -16,7 +16,6 @@ using measure::Judgement;
 using measure::Verdict;
 
 constexpr std::uint64_t kCycles = 60;
-constexpr bool kIsSingle = sizeof(btScalar) == 4;
 
 /// Runs the scene; `before` is called before each step.
 Judgement RunAndJudge(plan::Scene scene, layouts::InitialState state,
