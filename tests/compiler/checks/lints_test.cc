@@ -88,9 +88,9 @@ TEST(Lints, SayNothingWhereNothingCanHappen) {
 
 TEST(Lints, MeasurePlacesOfALatticeByItsSpacing) {
   const auto coarse = [](const std::string& spacing) {
-    return NumberOf(checks::Lint::kCoarsePlace,
-                    "world.side 200e3; objects { quantity 27; size 1; location grid" + spacing +
-                        " }")
+    return NumberOf(
+               checks::Lint::kCoarsePlace,
+               "world.side 200e3; objects { quantity 27; size 1; location grid" + spacing + " }")
         ->value;
   };
   const double epsilon = std::ldexp(1.0, -23);

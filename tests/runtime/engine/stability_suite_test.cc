@@ -19,7 +19,6 @@ namespace {
 
 using measure::Verdict;
 
-
 /// Configurations whose axis has no hopeless end, by benchmark and, where only some have none, the
 /// value on the other axis.
 bool HasNoHopelessEnd(const std::string& benchmark, const std::string& other) {
