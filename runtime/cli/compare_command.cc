@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "runtime/cli/commands.h"
+#include "runtime/cli/inputs.h"
 #include "runtime/cli/subcommand.h"
 #include "runtime/compare/history.h"
 #include "runtime/compare/json.h"
@@ -31,19 +31,6 @@ struct CompareArguments {
   bool is_markdown = false, is_json = false, is_relative = false, lists_all = false;
 };
 
-/// `5%`, `5 %` or `5`. Throws CommandError.
-double ParsePercent(std::string text) {
-  const std::string given = text;
-  if (text.ends_with('%')) text.pop_back();
-  text.erase(text.find_last_not_of(' ') + 1);
-  double percent = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), percent);
-  if (error != std::errc() || end != text.data() + text.size() || !(percent >= 0))
-    throw CommandError(
-        fmt::format("--fail-above {}: is not a percentage of 0 or more, as in 5%", given));
-  return percent / 100;
-}
-
 std::optional<measure::Phase> ParsePhase(const std::string& name) {
   if (name.empty()) return std::nullopt;
   const auto names = measure::PhaseNames();
@@ -59,8 +46,9 @@ compare::CompareOptions OptionsOf(const CompareArguments& arguments) {
     throw CommandError("compare takes two results files or more, or two folders of them or more");
   if (arguments.is_markdown && arguments.is_json)
     throw CommandError("--markdown and --json are two forms of the same: choose one");
-  return {arguments.select, ParsePhase(arguments.phase), ParsePercent(arguments.fail_above),
-          arguments.is_relative, arguments.lists_all};
+  return {arguments.select, ParsePhase(arguments.phase),
+          ParsePercent("--fail-above", arguments.fail_above), arguments.is_relative,
+          arguments.lists_all};
 }
 
 /// The shortest ends of the paths that tell them apart: `a.h5`, `before/first.h5`.

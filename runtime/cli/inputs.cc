@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <set>
 
@@ -211,6 +212,19 @@ void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>
     if (!seen.insert(word).second)
       throw CommandError(fmt::format("--{} names '{}' twice", parameter.name(), word));
   }
+}
+
+double ParsePercent(const std::string& option, const std::string& text) {
+  std::string number = text;
+  if (number.ends_with('%')) number.pop_back();
+  number.erase(number.find_last_not_of(' ') + 1);
+  double percent = 0;
+  const char* const last = number.data() + number.size();
+  const auto [end, error] = std::from_chars(number.data(), last, percent);
+  if (error != std::errc() || end != last || !(percent >= 0))
+    throw CommandError(
+        fmt::format("{} {}: is not a percentage of 0 or more, as in 5%", option, text));
+  return percent / 100;
 }
 
 std::string ReadText(const std::string& file) {

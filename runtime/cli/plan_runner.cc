@@ -19,8 +19,10 @@
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/cli/shard_files.h"
+#include "runtime/cli/until.h"
 #include "runtime/cluster/submission.h"
 #include "runtime/measure/host.h"
+#include "runtime/report/bootstrap.h"
 #include "runtime/report/console.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/parts.h"
@@ -56,10 +58,10 @@ void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder, bool is_com
   RemoveShards(plan, folder);
 }
 
-/// The runs of a results file that a retry leaves as they are.
+/// The runs of a results file that are not run again.
 class KeptRuns {
  public:
-  KeptRuns(const fs::path& out, const RetryChoice& retry) : file_(out), retry_(retry) {}
+  KeptRuns(const fs::path& out, RetryChoice retry) : file_(out), retry_(std::move(retry)) {}
 
   std::size_t CountOthers(const plan::Plan& plan) const {
     std::size_t others = 0;
@@ -84,7 +86,7 @@ class KeptRuns {
   }
 
   const store::ResultFile file_;
-  const RetryChoice& retry_;
+  const RetryChoice retry_;
 };
 
 }  // namespace
@@ -148,6 +150,18 @@ void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) cons
                           end.shards.string()));
 }
 
+std::optional<std::uint64_t> PlanRunner::RepeatsAfter(const plan::Plan& plan,
+                                                      const fs::path& out) const {
+  const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
+  const std::uint64_t next = NextRepeats(reached, *options_.until, plan.repeats);
+  if (!options_.is_quiet)
+    report::Say(fmt::format("{}{}\n", Describe(reached, *options_.until),
+                            next > reached.repeats ? fmt::format("; goes on to {}", next)
+                            : next == plan.repeats ? "; that is the most that `repeats` allows"
+                                                   : ""));
+  return next > reached.repeats ? std::optional(next) : std::nullopt;
+}
+
 ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) const {
   const plan::Plan& plan = sized.plan;
   const fs::path folder = ShardFolderOf(out);
@@ -173,11 +187,31 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   if (!options_.retry.is_empty() && !options_.is_quiet && !fs::exists(folder, error))
     report::Say(
         fmt::format("'{}' is not there: nothing to retry, and every run is done\n", out.string()));
+  const bool is_anew = options_.fresh || goes_on_anew, is_part = options_.shard.count > 1;
+  const bool has_some = !is_anew && !is_part && fs::exists(out, error);
+  std::uint64_t repeats = plan.repeats;
+  if (options_.until) {
+    repeats = report::Bootstrap::kLeastForInterval;
+    if (has_some) {
+      const Precision there = PrecisionOf(store::ResultFile(out), *options_.until);
+      repeats = std::max(repeats, there.repeats);
+      if (there.IsWholeRound() && !HasShards(folder)) {
+        const auto more = RepeatsAfter(plan, out);
+        if (!more) return {{}, folder, true};
+        repeats = *more;
+      }
+    }
+  }
   FolderLock lock(folder);
   WarnOfLoad(plan);
+  std::optional<KeptRuns> kept;
+  if (has_some) kept.emplace(out, RetryChoice());
   schedule::ExecuteOptions execute;
   execute.folder = folder;
   execute.fresh = options_.fresh && !goes_on_anew;
+  execute.find_elsewhere = [&](const plan::Run& run) {
+    return run.rep < repeats ? (kept ? kept->Find(run) : std::nullopt) : store::ShardInfo{};
+  };
   if (const auto submitted = cluster::ReadSubmission(folder); submitted && !execute.fresh)
     execute.has_plan = submitted->plan_sha256 == plan.Sha256();
   if (execute.fresh && options_.shard.count == 1)
@@ -188,18 +222,21 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
       const std::vector<std::size_t> at(file.axes().size(), 0);
       return options_.retry.Wants(file, {at, 0}, run.id);
     };
-  ExecutedPlan end = {ExecuteRuns(sized, std::move(execute)), folder, false};
-  if (end.summary.signal != 0) {
-    SayStopped(sized, end);
-    return end;
+  ExecutedPlan end = {{}, folder, false};
+  for (std::optional<std::uint64_t> more = repeats; more; execute.fresh = false) {
+    repeats = *more;
+    end.summary = ExecuteRuns(sized, execute);
+    if (end.summary.signal != 0) {
+      SayStopped(sized, end);
+      return end;
+    }
+    if (is_part) return end;
+    // Another runner may have been faster with the same plan.
+    if (is_anew || options_.until || !options_.retry.is_empty() || !IsThereAlready(out, plan))
+      store::Merge(plan, provenance_, {folder}, out,
+                   !is_anew && fs::exists(out, error) ? out : fs::path());
+    more = options_.until ? RepeatsAfter(plan, out) : std::nullopt;
   }
-  if (options_.shard.count > 1) return end;
-  // Another runner may have been faster with the same plan.
-  const bool is_anew = options_.fresh || goes_on_anew;
-  if (is_anew || !options_.retry.is_empty() || !IsThereAlready(out, plan))
-    store::Merge(
-        plan, provenance_, {folder}, out,
-        !is_anew && !options_.retry.is_empty() && fs::exists(out, error) ? out : fs::path());
   RemoveMergedShards(plan, folder, lock, options_.is_quiet);
   end.is_merged = true;
   return end;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,12 +26,15 @@ struct PlanRunnerOptions {
   std::vector<std::string> plugins = {};  ///< libraries that the scenario file does not name
   RetryChoice retry = {};                 ///< finished runs that are run again
   std::size_t noisy_retries = 0;          ///< schedule::ExecuteOptions
+  /// A part of the mean step: repeats end where every point is known that well (until.h).
+  std::optional<double> until = {};
 };
 
 struct ExecutedPlan {
   schedule::Summary summary;  ///< nothing where all was there already
   std::filesystem::path shards;
-  bool is_merged = false;  ///< `out` is complete; not where only a shard of it was asked for
+  /// `out` holds what was asked for; not where that was only a shard of it.
+  bool is_merged = false;
 };
 
 /// For commands that write several results files. Throws CommandError.
@@ -57,6 +62,9 @@ class PlanRunner {
   /// Replaces the runs of a results file that `retry` wants, with those that it lacks.
   ExecutedPlan Retry(const SizedPlan& plan, const std::filesystem::path& out,
                      const RetryChoice& retry) const;
+  /// Says how precise `out` is. The repeats of the next round; nullopt where it is the last.
+  std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan,
+                                            const std::filesystem::path& out) const;
   schedule::Summary ExecuteRuns(const SizedPlan& plan, schedule::ExecuteOptions execute) const;
   void SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const;
   void WarnOfLoad(const plan::Plan& plan) const;

@@ -20,6 +20,7 @@
 #include "runtime/cli/result_path.h"
 #include "runtime/cli/sized_plan.h"
 #include "runtime/cli/subcommand.h"
+#include "runtime/cli/until.h"
 #include "runtime/report/console.h"
 #include "runtime/store/store.h"
 
@@ -35,6 +36,7 @@ struct RunArguments {
   std::uint64_t jobs = 1;
   bool shares_timings = false;  ///< several jobs although times are recorded
   std::uint64_t noisy_retries = 0;
+  std::string until;                 ///< a percentage, or empty
   std::string shard;                 ///< `K/N`, or empty
   std::string only;                  ///< the id of one run, or empty
   std::vector<std::string> retry;    ///< how runs ended that are run again
@@ -157,6 +159,14 @@ ExitStatus Run(const RunArguments& arguments) {
     throw CommandError(
         fmt::format("--retry keeps the other runs, and {}; one of them alone",
                     arguments.fresh ? "--fresh forgets all" : "--only runs one run by its id"));
+  std::optional<double> until;
+  if (!arguments.until.empty()) {
+    if (!arguments.shard.empty() || !arguments.only.empty() || !retry.is_empty())
+      throw CommandError(
+          "--until looks at all repeats of all points; leave out --shard, --only and --retry");
+    until = ParsePercent("--until", arguments.until);
+    if (*until == 0) throw CommandError("--until 0%: no number of repeats comes so near");
+  }
   auto plans = PlanOfExisting(arguments);
   if (!plans.empty()) {
     retry = RetryChoice::Only(arguments.only);
@@ -169,6 +179,8 @@ ExitStatus Run(const RunArguments& arguments) {
   }
   if (plans.empty()) return ExitStatus::kScenario;
   CheckJobs(arguments, plans);
+  if (until)
+    for (const SizedPlan& sized : plans) CheckUntil(sized.plan);
   std::vector<fs::path> outs;
   for (const SizedPlan& plan : plans)
     outs.push_back(ResultPath(arguments.out,
@@ -178,7 +190,7 @@ ExitStatus Run(const RunArguments& arguments) {
     report::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
                             BuildType()));
   const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet, shard,
-                           arguments.plugins, retry, arguments.noisy_retries});
+                           arguments.plugins, retry, arguments.noisy_retries, until});
   ExitStatus status = ExitStatus::kGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
@@ -209,6 +221,9 @@ void AddRunCommand(CLI::App& app, ExitStatus& status) {
       "--retry-noisy", arguments->noisy_retries,
       "measure a run that the machine disturbed again at once, up to N times, and keep the "
       "quietest");
+  command.Optional("--until", arguments->until,
+                   "P%: end the repeats, at least 5, where the 95 % interval of each mean step is "
+                   "within P % of it; `repeats` is the most");
   command.Fresh(arguments->fresh, "forget results and shards and start over");
   command.Quiet(arguments->quiet, "print nothing but errors");
   command.Plugins(arguments->plugins);

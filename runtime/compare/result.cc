@@ -96,7 +96,7 @@ class ResultText {
     double bound = 0;
     const std::vector<std::string> groups = GroupsJudged(ChangeVerdict::kCannotTell, bound);
     if (groups.empty()) return;
-    const std::uint64_t least = std::min(of_.a->file.repeats(), of_.b->file.repeats());
+    const std::uint64_t least = std::min(of_.a->file.begun_repeats(), of_.b->file.begun_repeats());
     std::string why = fmt::format(
         "the noise is larger than {}: the ratio may be up to {:.0f} % from 1. Add repeats",
         Margin(), 100 * bound);

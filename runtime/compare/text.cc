@@ -127,7 +127,7 @@ class ComparisonText {
   }
 
   std::vector<std::string> StatisticNotes() const {
-    const std::size_t n_a = of_.a->file.repeats(), n_b = of_.b->file.repeats();
+    const std::size_t n_a = of_.a->file.begun_repeats(), n_b = of_.b->file.begun_repeats();
     std::string statistic = "Mean";
     if (const std::size_t m = report::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
       statistic = fmt::format(

@@ -17,7 +17,7 @@ using measure::Phase;
 
 /// Of how many repeats the fastest counts: cycle_times.h.
 std::size_t FastestOf(const ComparedFile& a, const ComparedFile& b) {
-  return report::FastestOf(std::min(a.file.repeats(), b.file.repeats()));
+  return report::FastestOf(std::min(a.file.begun_repeats(), b.file.begun_repeats()));
 }
 
 report::CycleTimes TimesOf(const ComparedFile& of, const ComparedFile& other) {
@@ -149,7 +149,7 @@ class TimeComparer {
 
   /// Points are to the overhead what cycles are to a time: one measurement of each in each repeat.
   report::Estimate HarnessOf(const ComparedFile& of, bool is_a) {
-    std::vector<std::vector<double>> repeats(of.file.repeats());
+    std::vector<std::vector<double>> repeats(of.file.begun_repeats());
     for (const TimedPoint& point : made_.points)
       for (const store::ResultFile::Cell& cell :
            (is_a ? MeasuredA(point.point) : MeasuredB(point.point))->cells)

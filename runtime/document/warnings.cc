@@ -123,11 +123,11 @@ class WarningList {
 
   void AddRepeats() {
     if (!source_.HasTimes()) return;
-    if (file_.repeats() == 1) {
+    if (file_.begun_repeats() == 1) {
       Add("repeats", "One repeat: there are no intervals.");
-    } else if (file_.repeats() < report::Bootstrap::kLeastForInterval) {
+    } else if (file_.begun_repeats() < report::Bootstrap::kLeastForInterval) {
       Add("repeats", fmt::format("{} repeats: ranges stand in place of intervals, which take {}.",
-                                 file_.repeats(), report::Bootstrap::kLeastForInterval));
+                                 file_.begun_repeats(), report::Bootstrap::kLeastForInterval));
     }
   }
 

@@ -264,7 +264,7 @@ const PhaseTimes& CycleTimes::Of(const MeasuredPoint& point, measure::Phase phas
   if (is_new) {
     // All phases of a cell are in one block of the file, which is read once.
     std::array<std::vector<std::vector<double>>, measure::kPhaseCount> repeats;
-    for (std::size_t i = 0; i < repeats.size(); ++i) repeats[i].resize(file_.repeats());
+    for (std::size_t i = 0; i < repeats.size(); ++i) repeats[i].resize(bootstrap_.size());
     for (const store::ResultFile::Cell& cell : point.cells)
       for (std::size_t i = 0; i < repeats.size(); ++i)
         repeats[i][cell.rep] = file_.ReadDuration(static_cast<measure::Phase>(i), cell);

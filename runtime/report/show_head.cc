@@ -38,11 +38,19 @@ class Head {
     for (const std::string& trouble : parts_.references)
       text += fmt::format("  A reference is missing: {}\n", trouble);
     text += parts_.harness + LeftOut() + Models() + Verdicts() + Errors();
-    if (groups_.missing > 0) text += fmt::format("  {} not run yet.\n", groups_.missing);
-    return text + BadRuns();
+    return text + Missing() + BadRuns();
   }
 
  private:
+  std::string Missing() const {
+    if (groups_.missing == 0) return {};
+    const std::uint64_t begun = file_.begun_repeats(), all = file_.repeats();
+    const bool are_late = groups_.missing * all == (all - begun) * groups_.NotSkipped();
+    return fmt::format(
+        "  {} not run yet{}.\n", groups_.missing,
+        are_late ? fmt::format(": repeats {} to {} of each point", begun + 1, all) : "");
+  }
+
   /// The title and the runs.
   std::string Grid() const {
     std::string grid;

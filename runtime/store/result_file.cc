@@ -283,6 +283,17 @@ std::optional<std::vector<std::size_t>> ResultFile::SelectedPoint(
 }
 
 std::uint64_t ResultFile::repeats() const { return impl_->grid.back(); }
+std::uint64_t ResultFile::begun_repeats() const {
+  const Cell first{std::vector<std::size_t>(axes().size(), 0), 0};
+  ReadStatus(first);  // and with it the array
+  const std::vector<double>& statuses = impl_->numbers.at("status");
+  std::uint64_t begun = 1;
+  for (std::size_t i = 0; i < statuses.size(); ++i)
+    if (statuses[i] != static_cast<double>(Status::kMissing) &&
+        statuses[i] != static_cast<double>(Status::kSkipped))
+      begun = std::max(begun, i % repeats() + 1);
+  return begun;
+}
 std::uint64_t ResultFile::cycles() const { return impl_->cycles; }
 bool ResultFile::Has(std::string_view dataset) const {
   return impl_->file.Has(impl_->PathOf(dataset));
