@@ -86,7 +86,10 @@ class CycleTimes {
   explicit CycleTimes(const store::ResultFile& file,
                       CycleStatistic statistic = CycleStatistic::kMean,
                       std::optional<std::size_t> fastest_of = {})
-      : file_(file), bootstrap_(file.begun_repeats()), statistic_(statistic), fastest_of_(fastest_of) {}
+      : file_(file),
+        bootstrap_(file.begun_repeats()),
+        statistic_(statistic),
+        fastest_of_(fastest_of) {}
 
   const PhaseTimes& Of(const MeasuredPoint& point, measure::Phase phase);
   /// The time of a point by the statistic that was asked for.
