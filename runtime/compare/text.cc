@@ -10,6 +10,7 @@
 #include "runtime/compare/result.h"
 #include "runtime/report/cells.h"
 #include "runtime/report/cycle_times.h"
+#include "runtime/report/figures.h"
 #include "runtime/report/show_noise.h"
 
 namespace cdb::compare {
@@ -53,7 +54,7 @@ class ComparisonText {
     if (of_.setup.is_interleaved)
       head.notes.push_back("The runs of both files were interleaved in time");
     for (const ComparedFile* file : {of_.a, of_.b}) {
-      std::string noise = report::NoiseText(file->file, report::AllCells(file->file));
+      std::string noise = report::NoiseText(file->file, report::GroupCells(file->file).good);
       noise.erase(0, noise.find_first_not_of(' '));
       noise.erase(noise.find_last_not_of('\n') + 1);
       if (!noise.empty()) head.notes.push_back(file->name + ": " + noise);
