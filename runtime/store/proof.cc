@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "runtime/store/examine.h"
+#include "runtime/store/hdf5/heaps.h"
 #include "runtime/store/limited_process.h"
 #include "runtime/store/seal.h"
 #include "runtime/store/store.h"
@@ -44,7 +45,11 @@ bool ProveFile(const fs::path& path, std::string_view remedy, ProofOf of,
   const std::uintmax_t bytes = fs::file_size(path, error);
   const bool reads_values =
       of == ProofOf::kEveryValue || (of == ProofOf::kFewValues && bytes <= kMostProven);
-  const std::string why = RunLimited([&] { read(reads_values); }, LimitsForFile(error ? 0 : bytes));
+  const auto prove = [&] {
+    if (reads_values) hdf5::CheckGlobalHeaps(path);
+    read(reads_values);
+  };
+  const std::string why = RunLimited(prove, LimitsForFile(error ? 0 : bytes));
   if (why.empty()) return seal == SealState::kGood;
   if (why.starts_with(path.string() + ": ")) throw StoreError(why);
   throw StoreError(fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: {}",
@@ -80,8 +85,11 @@ void ProveShard(const fs::path& path, std::span<const std::byte> image) {
   static std::set<std::uint64_t> proven;
   const std::uint64_t checksum = Checksum(image);
   if (proven.contains(checksum)) return;
-  const std::string why = RunLimited(
-      [&] { ReadShard(hdf5::File::OpenImage(image), path.string()); }, LimitsForFile(image.size()));
+  const auto prove = [&] {
+    hdf5::CheckGlobalHeaps(image);
+    ReadShard(hdf5::File::OpenImage(image), path.string());
+  };
+  const std::string why = RunLimited(prove, LimitsForFile(image.size()));
   if (!why.empty()) {
     if (why.starts_with(path.string() + ": ")) throw StoreError(why);
     throw hdf5::Error(why);

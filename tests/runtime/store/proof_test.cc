@@ -206,6 +206,21 @@ TEST_F(Proof, NothingOutsideOfTheFileIsRead) {
   H5Pclose(filtered);
 }
 
+/// HDF5 goes from text to text by their sizes, for ever where one is 0.
+TEST_F(Proof, TextsWithoutASizeAreRefusedBeforeHdf5ReadsThem) {
+  std::string damaged = whole_.substr(0, whole_.size() - sizeof(store::Seal));
+  const std::string heap("GCOL\1\0\0\0", 8);
+  std::size_t heaps = 0;
+  for (auto at = damaged.find(heap); at != std::string::npos; at = damaged.find(heap, at + 1)) {
+    damaged.replace(at + 16, 16, 16, '\0');  // the head of its first object
+    ++heaps;
+  }
+  ASSERT_GT(heaps, 0u);
+  WriteFile(out_, damaged);
+  store::AppendSeal(out_, out_);
+  EXPECT_THAT(Fault(), HasSubstr("a text in it has no size"));
+}
+
 TEST_F(Proof, AMergeRefusesAShardOfImpossibleNumbers) {
   const plan::Run& run = plan_.runs[1];
   FakeResult fake(run);

@@ -1,0 +1,16 @@
+// Global heaps, in which HDF5 keeps texts of any length (HDF5 File Format Specification, III.E).
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+namespace cdb::hdf5 {
+
+/// Refuses a heap in which HDF5 would never come to the end: it goes from object to object by their
+/// sizes, and one of a damaged file may be none. Throws Error.
+void CheckGlobalHeaps(std::span<const std::byte> file);
+/// The same of a file on disk; one that cannot be opened has no heaps.
+void CheckGlobalHeaps(const std::filesystem::path& path);
+
+}  // namespace cdb::hdf5
