@@ -46,9 +46,9 @@ void CheckHeap(std::span<const std::byte> heap) {
 }  // namespace
 
 void CheckGlobalHeaps(std::span<const std::byte> file) {
-  for (std::size_t place = 0; place + kHeapHeader <= file.size(); place += kObjectAlignment)
-    if (std::memcmp(file.data() + place, kHeapSignature.data(), kHeapSignature.size()) == 0)
-      CheckHeap(file.subspan(place));
+  const std::string_view bytes(reinterpret_cast<const char*>(file.data()), file.size());
+  for (std::size_t place = 0; (place = bytes.find(kHeapSignature, place)) != bytes.npos; ++place)
+    if (place + kHeapHeader <= bytes.size()) CheckHeap(file.subspan(place));
 }
 
 void CheckGlobalHeaps(const std::filesystem::path& path) {
