@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "runtime/store/seal.h"
+#include "tests/support/files.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
