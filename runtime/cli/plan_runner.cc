@@ -209,9 +209,10 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   schedule::ExecuteOptions execute;
   execute.folder = folder;
   execute.fresh = options_.fresh && !goes_on_anew;
-  execute.find_elsewhere = [&](const plan::Run& run) {
-    return run.rep < repeats ? (kept ? kept->Find(run) : std::nullopt) : store::ShardInfo{};
-  };
+  if (kept || options_.until)  // else parts that are done need not be listed
+    execute.find_elsewhere = [&](const plan::Run& run) {
+      return run.rep < repeats ? (kept ? kept->Find(run) : std::nullopt) : store::ShardInfo{};
+    };
   if (const auto submitted = cluster::ReadSubmission(folder); submitted && !execute.fresh)
     execute.has_plan = submitted->plan_sha256 == plan.Sha256();
   if (execute.fresh && options_.shard.count == 1)

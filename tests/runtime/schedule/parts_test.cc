@@ -121,6 +121,19 @@ TEST_F(PartsTest, PartsThatHaveEndedAreNotListedAgain) {
   EXPECT_TRUE(listed_parts_.empty());
 }
 
+/// As `cdb run --until` says it of repeats that are not needed yet.
+TEST_F(PartsTest, PartsWithRunsElsewhereAreNotTakenForDone) {
+  options_.find_elsewhere = [](const plan::Run& run) {
+    return run.rep > 0 ? std::optional(store::ShardInfo{}) : std::nullopt;
+  };
+  EXPECT_EQ(Execute().done, 12u);
+  options_.find_elsewhere = nullptr;
+  const schedule::Summary summary = Execute();
+  EXPECT_EQ(summary.done, 24u);
+  EXPECT_EQ(summary.resumed, 12u);
+  EXPECT_EQ(Shards().size(), 24u);
+}
+
 TEST_F(PartsTest, AShardThatIsGoneIsRunAgainThoughItsPartIsMarked) {
   Execute();
   const std::string gone = *Shards().begin();
