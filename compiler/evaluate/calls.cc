@@ -120,8 +120,8 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
   if (expr.text == "until")
     return evaluator.Error(scenario::kUnknownName, expr.span,
                            "the number of repeats does not depend on what they measure",
-                           "write the most that may be done, such as repeats 50; `cdb run --until "
-                           "1%` ends them where every interval is within 1 %");
+                           "write the upper limit, such as repeats 50; `cdb run --until 1%` stops "
+                           "once every interval is within 1 %");
   return evaluator.Error(scenario::kUnknownName, expr.span,
                          fmt::format("no function is called '{}'", expr.text),
                          near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))

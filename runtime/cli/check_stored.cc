@@ -87,7 +87,7 @@ ExitStatus CheckResults(const std::string& file) {
   const store::ResultFile results(file, store::ProofOf::kEveryValue);
   const std::string plan_name = results.plan_sha256().substr(0, 12);
   if (results.is_shard()) {
-    store::ReadShardInfo(file);  // as a merge does, which takes none without its end
+    store::ReadShardInfo(file);  // refuses one that is cut short, as a merge does
     report::Print(fmt::format("{}: {}: the shard of a run of plan {}; {}\n", file,
                               State(results.has_digest()), plan_name, Proof(results.has_digest())));
     return ExitStatus::kGood;

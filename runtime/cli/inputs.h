@@ -85,7 +85,7 @@ void CheckPlanFile(const std::string& file, const std::optional<std::string>& be
 void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,
                 std::span<const schema::PluginDetector> plugins = {});
 
-/// `5%`, `5 %` or `5` as a part of 1. Throws CommandError, with the name of the option.
+/// `5%`, `5 %` or `5` as the fraction 0.05. Throws CommandError that names the option.
 double ParsePercent(const std::string& option, const std::string& text);
 
 /// The whole text of a file. Throws CommandError.

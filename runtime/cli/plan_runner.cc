@@ -19,7 +19,6 @@
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
 #include "runtime/cli/shard_files.h"
-#include "runtime/cli/until.h"
 #include "runtime/cluster/submission.h"
 #include "runtime/measure/host.h"
 #include "runtime/report/bootstrap.h"
@@ -151,8 +150,7 @@ void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) cons
 }
 
 std::optional<std::uint64_t> PlanRunner::RepeatsAfter(const plan::Plan& plan,
-                                                      const fs::path& out) const {
-  const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
+                                                      const Precision& reached) const {
   const std::uint64_t next = NextRepeats(reached, *options_.until, plan.repeats);
   if (!options_.is_quiet)
     report::Say(fmt::format("{}{}\n", Describe(reached, *options_.until),
@@ -196,7 +194,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
       const Precision there = PrecisionOf(store::ResultFile(out), *options_.until);
       repeats = std::max(repeats, there.repeats);
       if (there.IsWholeRound() && !HasShards(folder)) {
-        const auto more = RepeatsAfter(plan, out);
+        const auto more = RepeatsAfter(plan, there);
         if (!more) return {{}, folder, true};
         repeats = *more;
       }
@@ -209,7 +207,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   schedule::ExecuteOptions execute;
   execute.folder = folder;
   execute.fresh = options_.fresh && !goes_on_anew;
-  if (kept || options_.until)  // else parts that are done need not be listed
+  if (kept || options_.until)  // without it, finished parts are skipped by their marks
     execute.find_elsewhere = [&](const plan::Run& run) {
       return run.rep < repeats ? (kept ? kept->Find(run) : std::nullopt) : store::ShardInfo{};
     };
@@ -236,7 +234,8 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     if (is_anew || options_.until || !options_.retry.is_empty() || !IsThereAlready(out, plan))
       store::Merge(plan, provenance_, {folder}, out,
                    !is_anew && fs::exists(out, error) ? out : fs::path());
-    more = options_.until ? RepeatsAfter(plan, out) : std::nullopt;
+    more = options_.until ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out), *options_.until))
+                          : std::nullopt;
   }
   RemoveMergedShards(plan, folder, lock, options_.is_quiet);
   end.is_merged = true;

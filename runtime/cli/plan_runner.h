@@ -12,6 +12,7 @@
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/retry.h"
 #include "runtime/cli/sized_plan.h"
+#include "runtime/cli/until.h"
 #include "runtime/process/stop.h"
 #include "runtime/schedule/schedule.h"
 #include "runtime/store/store.h"
@@ -26,7 +27,7 @@ struct PlanRunnerOptions {
   std::vector<std::string> plugins = {};  ///< libraries that the scenario file does not name
   RetryChoice retry = {};                 ///< finished runs that are run again
   std::size_t noisy_retries = 0;          ///< schedule::ExecuteOptions
-  /// A part of the mean step: repeats end where every point is known that well (until.h).
+  /// Stop repeating once every interval is within this fraction of its mean step (until.h).
   std::optional<double> until = {};
 };
 
@@ -62,9 +63,8 @@ class PlanRunner {
   /// Replaces the runs of a results file that `retry` wants, with those that it lacks.
   ExecutedPlan Retry(const SizedPlan& plan, const std::filesystem::path& out,
                      const RetryChoice& retry) const;
-  /// Says how precise `out` is. The repeats of the next round; nullopt where it is the last.
-  std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan,
-                                            const std::filesystem::path& out) const;
+  /// Reports the precision of the results. The repeats of the next round; nullopt after the last.
+  std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan, const Precision& reached) const;
   schedule::Summary ExecuteRuns(const SizedPlan& plan, schedule::ExecuteOptions execute) const;
   void SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const;
   void WarnOfLoad(const plan::Plan& plan) const;

@@ -222,8 +222,8 @@ void AddRunCommand(CLI::App& app, ExitStatus& status) {
       "measure a run that the machine disturbed again at once, up to N times, and keep the "
       "quietest");
   command.Optional("--until", arguments->until,
-                   "P%: end the repeats, at least 5, where the 95 % interval of each mean step is "
-                   "within P % of it; `repeats` is the most");
+                   "P%: stop repeating, after 5 repeats or more, once the 95 % interval of every "
+                   "mean step is within P % of it; `repeats` is the upper limit");
   command.Fresh(arguments->fresh, "forget results and shards and start over");
   command.Quiet(arguments->quiet, "print nothing but errors");
   command.Plugins(arguments->plugins);

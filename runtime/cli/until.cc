@@ -52,9 +52,8 @@ std::string Describe(const Precision& reached, double wanted) {
   if (reached.IsReached())
     return head + fmt::format("every mean step is known within {:.3g} %", 100 * wanted);
   return head +
-         fmt::format(
-             "{} of {} mean steps are known within {:.3g} %, the worst of them within {:.3g} %",
-             reached.within, reached.points, 100 * wanted, 100 * reached.widest);
+         fmt::format("{} of {} mean steps are known within {:.3g} %, the worst within {:.3g} %",
+                     reached.within, reached.points, 100 * wanted, 100 * reached.widest);
 }
 
 void CheckUntil(const plan::Plan& plan) {

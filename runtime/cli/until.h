@@ -1,10 +1,11 @@
-// `cdb run --until P%`: as few repeats of all points as bring the interval of each within P %.
+// `cdb run --until P%`: repeats in rounds, until the 95 % interval of every mean step is within P
+// %.
 //
-// A round gives each point the same number of repeats, so that detectors stay comparable and
-// intervals paired. The next round is as large as the widest interval asks for, which shrinks with
-// the square root of the repeats, and at most twice as large. A sweep that ends because intervals
-// are narrow has them a little too narrow (Anscombe 1952, Large-sample theory of sequential
-// estimation): by less the more repeats there are.
+// After a round every point has the same number of repeats, so that detectors stay comparable and
+// intervals paired. An interval shrinks with the square root of the repeats: the widest one decides
+// the size of the next round, which at most doubles them. Stopping when intervals are narrow makes
+// them a little too narrow, by less the more repeats there are (Anscombe 1952, Large-sample theory
+// of sequential estimation).
 #pragma once
 
 #include <cstddef>
@@ -16,25 +17,25 @@
 
 namespace cdb::cli {
 
-/// How well a results file knows its points.
+/// How precise the mean steps of a results file are.
 struct Precision {
   std::uint64_t repeats = 0;  ///< of each point
   std::size_t missing = 0;    ///< runs among them that nobody has started
-  std::size_t points = 0;     ///< that have an interval: all repeats are there, and are sound
-  std::size_t within = 0;     ///< of these, with all of it within the wanted part of the figure
-  double widest = 0;          ///< the farthest end of an interval from its figure, as part of it
+  std::size_t points = 0;     ///< with an interval: all repeats are there and sound
+  std::size_t within = 0;     ///< of these, with an interval within the wanted fraction of the mean
+  double widest = 0;  ///< largest distance from a mean to an end of its interval, as a fraction
   bool IsReached() const { return within == points; }
   /// So many repeats that there are intervals, and all of them.
   bool IsWholeRound() const;
 };
 
-/// Of the mean of `step`. `wanted`: a part, above 0. Throws StoreError.
+/// `wanted`: a fraction of the mean, above 0. Throws StoreError.
 Precision PrecisionOf(const store::ResultFile& file, double wanted);
 
 /// For the next round, at most `most`; those of `reached`, a whole round, where no more are needed.
 std::uint64_t NextRepeats(const Precision& reached, double wanted, std::uint64_t most);
 
-/// `5 repeats: 11 of 12 points are known within 1 %, and the last within 1.8 %`.
+/// `5 repeats: 11 of 12 mean steps are known within 1 %, the worst within 1.8 %`.
 std::string Describe(const Precision& reached, double wanted);
 
 /// Throws CommandError for a plan that has no times, or too few repeats to end them early.

@@ -280,11 +280,11 @@ up for pauses, as each cycle counts with its median over the repeats.
 quietest. If none is quiet, it keeps the one that lost the least time to other programs. `attempts`
 says how often a run was measured. `cdb run FILE --retry noisy` runs the noisy runs of finished results again
 and replaces them; all others stay as they are.
-  How many repeats does a figure take? With `repeats 50` in the scenario, `cdb run FILE --until 1%` does 5
-repeats of every point, then as many more as the widest 95 % interval of a mean step asks for, until all are
-within 1 % of their step, or all 50 are done. Every point has the same number of repeats. Runs that were not
-needed are `missing` in the results; the same command with a smaller percentage goes on, and without --until
-it does the rest. An interval at which a sweep ended, as it was narrow enough, is a little too narrow.
+  `cdb run FILE --until 1%` chooses the number of repeats. With `repeats 50` in the scenario, it runs 5 repeats
+of every point, and then as many more as the widest interval requires, until the 95 % interval of every mean
+step is within 1 % of it or all 50 are done. Every point gets the same number of repeats. Runs that were not
+needed have the status `missing`. Run it again with a smaller percentage for more repeats, or without --until
+for all of them. Stopping when the intervals are narrow makes them slightly too narrow.
 
 A run with one thread stays on one processor, of those that `cdb` may use (taskset, cpuset); with
 --jobs, each of the runs side by side on its own. Several `cdb run` on one machine choose different

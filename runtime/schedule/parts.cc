@@ -132,7 +132,7 @@ Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const Execute
         Execute(list((shard - 1) * parts + part, shards * parts), one, launcher, listener);
     one.fresh = false;
     Add(summary, all);
-    // Not of a part whose runs are not all in the folder.
+    // A mark says that the folder has every run of the part.
     if (summary.signal == 0 && summary.left == 0 && !options.find_elsewhere)
       WriteMark(summary, marks.File(shard, part), plan.whole->sha256);
   }

@@ -180,7 +180,8 @@ class ResultFile {
   /// The axes of the sweep, without rep, phase and cycle.
   const std::vector<plan::Axis>& axes() const;
   std::uint64_t repeats() const;
-  /// Up to the last repeat that some point has, at least 1: `cdb run --until` ends them early.
+  /// The number of repeats up to the last one that any point has, at least 1: `cdb run --until` may
+  /// stop before all are done.
   std::uint64_t begun_repeats() const;
   std::uint64_t cycles() const;
   /// `dataset`, here and below: a variable of the root, `accuracy/NAME`, or a fact of a run by its

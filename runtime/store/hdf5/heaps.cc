@@ -5,41 +5,27 @@
 #include <sys/stat.h>
 
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 
 #include "compiler/plan/descriptor.h"
+#include "runtime/store/hdf5/bytes.h"
 #include "runtime/store/hdf5/object.h"
 
 namespace cdb::hdf5 {
 namespace {
 
-constexpr std::string_view kHeapSignature("GCOL\1\0\0\0", 8);
-constexpr std::size_t kHeapHeader = 16;  ///< of a heap, and of an object
-constexpr std::size_t kObjectAlignment = 8;
-
-template <typename Number>
-Number At(std::span<const std::byte> bytes, std::size_t place) {
-  Number number;
-  std::memcpy(&number, bytes.data() + place,
-              sizeof number);  // little-endian, as all that cdb runs on
-  return number;
-}
-
 /// `heap`: from its signature to the end of the file.
 void CheckHeap(std::span<const std::byte> heap) {
-  const auto bytes = At<std::uint64_t>(heap, kHeapSignature.size());
+  const auto bytes = Get<std::uint64_t>(heap, kHeapSignature.size());
   if (bytes > heap.size()) return;
-  std::uint64_t place = kHeapHeader;
-  while (place + kHeapHeader <= bytes) {
-    const auto size = At<std::uint64_t>(heap, place + kObjectAlignment);
-    const bool is_free = At<std::uint16_t>(heap, place) == 0;
-    const std::uint64_t step =
-        is_free ? size
-                : kHeapHeader + (size + kObjectAlignment - 1) / kObjectAlignment * kObjectAlignment;
+  std::uint64_t at = kHeapHead;
+  while (at + kHeapObjectHead <= bytes) {
+    const bool is_free = Get<std::uint16_t>(heap, at) == 0;  // its size includes the head
+    const auto size = Get<std::uint64_t>(heap, at + 8);
+    const std::uint64_t step = is_free ? size : kHeapObjectHead + Aligned(size);
     if (step == 0) throw Error("a text in it has no size, and HDF5 would read it for ever");
-    if (step > bytes - place) return;
-    place += step;
+    if (step > bytes - at) return;
+    at += step;
   }
 }
 
@@ -47,8 +33,8 @@ void CheckHeap(std::span<const std::byte> heap) {
 
 void CheckGlobalHeaps(std::span<const std::byte> file) {
   const std::string_view bytes(reinterpret_cast<const char*>(file.data()), file.size());
-  for (std::size_t place = 0; (place = bytes.find(kHeapSignature, place)) != bytes.npos; ++place)
-    if (place + kHeapHeader <= bytes.size()) CheckHeap(file.subspan(place));
+  for (std::size_t at = 0; (at = bytes.find(kHeapSignature, at)) != bytes.npos; ++at)
+    if (at + kHeapHead <= bytes.size()) CheckHeap(file.subspan(at));
 }
 
 void CheckGlobalHeaps(const std::filesystem::path& path) {

@@ -7,8 +7,8 @@
 
 namespace cdb::hdf5 {
 
-/// Refuses a heap in which HDF5 would never come to the end: it goes from object to object by their
-/// sizes, and one of a damaged file may be none. Throws Error.
+/// Refuses a heap with an object of size zero, on which HDF5 loops for ever: it steps from object
+/// to object by their sizes. Throws Error.
 void CheckGlobalHeaps(std::span<const std::byte> file);
 /// The same of a file on disk; one that cannot be opened has no heaps.
 void CheckGlobalHeaps(const std::filesystem::path& path);

@@ -3,48 +3,30 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <string_view>
 #include <utility>
 
+#include "runtime/store/hdf5/bytes.h"
+
 namespace cdb::hdf5 {
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "HDF5 files are written as they are here");
 
 /// Of a superblock of version 1, with addresses and lengths of eight bytes.
 constexpr std::size_t kVersionAt = 8, kSizesAt = 13, kBaseAt = 28, kEndAt = 44, kSuperblock = 60;
 /// Of an entry of the index of chunks: size, mask, a start for each dimension and one for the bytes
 /// of an element, and the address.
 std::size_t AddressOfEntry(std::size_t rank) { return 8 + 8 * (rank + 1); }
-constexpr std::size_t kAlignment = 8;
 
-constexpr std::uint64_t kHeapHead = 16, kHeapObjectHead = 16, kLeastHeap = 4096;
-
-std::uint64_t Aligned(std::uint64_t bytes) {
-  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
-}
+constexpr std::uint64_t kLeastHeap = 4096;
 
 template <typename Number>
 void Append(std::vector<std::byte>& bytes, Number number) {
   const auto raw = std::as_bytes(std::span(&number, 1));
   bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
-
-template <typename Number>
-Number Get(std::span<const std::byte> bytes, std::size_t at) {
-  Number number;
-  std::memcpy(&number, &bytes[at], sizeof number);
-  return number;
-}
-
-}  // namespace
-
-namespace {
 
 /// As HDF5 has it: over big-endian words of 16 bits, with an odd byte as a high one; sums are
 /// reduced every 360 words, before they overflow.
@@ -165,8 +147,7 @@ void ImageEditor::AppendHeap() {
   std::uint64_t used = kHeapHead;
   for (const HeapText& text : texts_) used += kHeapObjectHead + Aligned(text.text.size());
   const std::uint64_t bytes = std::max(kLeastHeap, used + kHeapObjectHead);
-  constexpr std::string_view kMagic("GCOL\1\0\0\0", 8);
-  for (const char c : kMagic) image_.push_back(static_cast<std::byte>(c));
+  for (const char c : kHeapSignature) image_.push_back(static_cast<std::byte>(c));
   Append(image_, bytes);
   std::uint16_t index = 0;
   const auto head = [this](std::uint16_t number, std::uint64_t size) {

@@ -104,7 +104,7 @@ TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
   constexpr std::size_t kMostRunsOfAPlan = kAddressSanitizer ? 1 : 10;
   Tally tally;
   std::size_t plans = 0, turn = 0;
-  std::set<std::string> tried;  // several scenarios share runs, and others differ in their numbers
+  std::set<std::string> tried;  // scenarios share runs, and scaled down more are equal
   for (const std::string& file : ShippedScenarios()) {
     SCOPED_TRACE(file);
     const auto result = compiler::Compile(

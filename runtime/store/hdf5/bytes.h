@@ -1,0 +1,36 @@
+// The bytes of an HDF5 file as its format specification lays them out, for code that reads or
+// writes them without HDF5. Included only by the sources of this folder.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string_view>
+
+namespace cdb::hdf5 {
+
+static_assert(std::endian::native == std::endian::little,
+              "HDF5 files are little-endian, and their numbers are copied as they stand");
+
+/// Objects begin at multiples of it.
+inline constexpr std::size_t kAlignment = 8;
+
+/// A global heap (III.E of the specification): a head of signature and size, and objects with a
+/// head each.
+inline constexpr std::string_view kHeapSignature("GCOL\1\0\0\0", 8);
+inline constexpr std::uint64_t kHeapHead = 16, kHeapObjectHead = 16;
+
+inline std::uint64_t Aligned(std::uint64_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+template <typename Number>
+Number Get(std::span<const std::byte> bytes, std::size_t at) {
+  Number number;
+  std::memcpy(&number, &bytes[at], sizeof number);
+  return number;
+}
+
+}  // namespace cdb::hdf5
