@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +16,7 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
+#include "runtime/cli/retry.h"
 #include "runtime/cli/shard_files.h"
 #include "runtime/cli/sized_plan.h"
 #include "runtime/cli/subcommand.h"
@@ -70,14 +72,14 @@ SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   return sized;
 }
 
-/// Until no run is missing, or `seconds` have passed. A network file system may show what another
-/// node wrote only after a while, and sooner if the folder is read.
-void WaitForShards(const plan::Plan& plan, const std::vector<fs::path>& places, double seconds) {
+/// Until `is_there`, or `seconds` have passed. A network file system may show what another node
+/// wrote only after a while, and sooner if the folder is read.
+void WaitForShards(const std::function<bool()>& is_there, double seconds) {
   constexpr auto kPause = std::chrono::milliseconds(500);
   const auto begin = std::chrono::steady_clock::now();
   while (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() <
          seconds) {
-    if (store::HasAllShards(plan, places)) return;
+    if (is_there()) return;
     std::this_thread::sleep_for(kPause);
   }
 }
@@ -97,14 +99,24 @@ ExitStatus Merge(const MergeArguments& arguments) {
     throw CommandError("--remove goes with one folder of shards");
   std::optional<FolderLock> lock;
   if (arguments.removes) lock.emplace(places[0]);
+  const bool is_retry = lock && !FindStartedRetry(places[0]).is_empty();
+  const auto count_not_again = [&] {
+    return is_retry ? CountNotRunAgain(plan, places[0], arguments.out) : 0;
+  };
+  const auto is_there = [&] {
+    return is_retry ? count_not_again() == 0 : store::HasAllShards(plan, places);
+  };
   if (!std::ranges::all_of(places, store::IsOnLocalDisk))
-    WaitForShards(plan, places, static_cast<double>(arguments.wait_s));
+    WaitForShards(is_there, static_cast<double>(arguments.wait_s));
+  const std::size_t not_again = count_not_again();
   MergeOnto(plan, places, arguments.out);
   const store::ResultFile file(arguments.out);
   const std::size_t missing = CountMissing(file, plan);
-  const bool removes = lock && missing == 0;
-  report::Say(fmt::format("{} of {} runs in '{}'{}\n", plan.RunCount() - missing, plan.RunCount(),
-                          arguments.out, removes ? "" : "; the shards are left where they are"));
+  const bool removes = lock && missing == 0 && not_again == 0;
+  report::Say(fmt::format(
+      "{} of {} runs in '{}'{}{}\n", plan.RunCount() - missing, plan.RunCount(), arguments.out,
+      not_again > 0 ? fmt::format(", {} of them still to be run again", not_again) : "",
+      removes ? "" : "; the shards are left where they are"));
   SayProcessors(file);
   if (removes) RemoveMergedShards(plan, places[0], *lock, /*is_quiet=*/false);
   return ExitStatus::kGood;

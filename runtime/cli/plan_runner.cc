@@ -30,65 +30,7 @@
 #include "runtime/store/temporary_file.h"
 
 namespace cdb::cli {
-namespace {
-
 namespace fs = std::filesystem;
-
-/// What a retry that was stopped wanted; empty where there was none.
-RetryChoice FindStartedRetry(const fs::path& folder) {
-  std::string why;
-  return RetryChoice::FromText(
-      plan::ReadInputFile(folder / schedule::kRetryMarkName, why).value_or(""));
-}
-
-/// Shards beside a complete result are of a runner that was killed right after its merge.
-void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder, bool is_complete) {
-  std::error_code error;
-  if (!fs::exists(folder, error)) return;
-  FolderLock lock(folder);
-  if (!lock.TakeForMyself())
-    throw CommandError(
-        fmt::format("another cdb is at work in '{}'; retry when it has ended", folder.string()));
-  if ((!is_complete || IsMadeAnew(plan, folder)) && HasShards(folder))
-    throw CommandError(
-        fmt::format("'{}' holds finished runs that are not in the results yet; let `cdb run` "
-                    "without --retry end first",
-                    folder.string()));
-  RemoveShards(plan, folder);
-}
-
-/// The runs of a results file that are not run again.
-class KeptRuns {
- public:
-  KeptRuns(const fs::path& out, RetryChoice retry) : file_(out), retry_(std::move(retry)) {}
-
-  std::size_t CountOthers(const plan::Plan& plan) const {
-    std::size_t others = 0;
-    plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
-      others += !Has({at, rep}, id);
-    });
-    return others;
-  }
-  std::optional<store::ShardInfo> Find(const plan::Run& run) const {
-    const store::ResultFile::Cell cell = {run.at, run.rep};
-    if (!Has(cell, run.id)) return std::nullopt;
-    store::ShardInfo info = {
-        run.id, file_.plan_sha256(), {file_.ReadStatus(cell), measure::Verdict::kUnknown}, {}, {}};
-    if (file_.Has("omitted")) info.omitted = file_.ReadText("omitted", cell);
-    if (file_.Has("needs")) info.decisions = file_.ReadText("needs", cell);
-    return info;
-  }
-
- private:
-  bool Has(const store::ResultFile::Cell& cell, const std::string& id) const {
-    return file_.ReadStatus(cell) != store::Status::kMissing && !retry_.Wants(file_, cell, id);
-  }
-
-  const store::ResultFile file_;
-  const RetryChoice retry_;
-};
-
-}  // namespace
 
 void MakeResultsFolder(const fs::path& folder) {
   std::error_code error;
@@ -246,14 +188,16 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
                                const RetryChoice& retry) const {
   const plan::Plan& plan = sized.plan;
   const fs::path folder = ShardFolderOf(out), mark = folder / schedule::kRetryMarkName;
-  if (options_.shard.count > 1)
-    throw CommandError("--retry runs a few runs again, all of them here; leave out --shard");
+  std::error_code error;
+  const bool is_started = fs::exists(mark, error);
+  if (options_.shard.count > 1 && !is_started)
+    throw CommandError(
+        "--retry runs a few runs again, all of them here; leave out --shard, or let a cluster run "
+        "them (cdb submit --retry)");
   const bool is_complete =  // refuses another plan
       IsThereAlready(out, plan,
                      ". --retry runs the runs of that plan: a changed `timeout` or `memory` makes "
                      "another one, as any setting does");
-  std::error_code error;
-  const bool is_started = fs::exists(mark, error);
   if (!is_started) RemoveLeftovers(plan, folder, is_complete);
   const KeptRuns kept(out, retry);
   if (!is_started && kept.CountOthers(plan) == 0) {
@@ -273,6 +217,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
     SayStopped(sized, end);
     return end;
   }
+  if (options_.shard.count > 1) return end;
   store::Merge(plan, provenance_, {folder}, out, out);
   if (lock.TakeForMyself()) {
     fs::remove(mark, error);  // first: from here on, the shards are left over

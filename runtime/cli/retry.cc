@@ -6,13 +6,20 @@
 #include <algorithm>
 #include <sstream>
 #include <string_view>
+#include <system_error>
 
+#include "compiler/plan/input_file.h"
 #include "dsl/diagnostics.h"
 #include "runtime/cli/exit_status.h"
+#include "runtime/cli/shard_files.h"
 #include "runtime/measure/noise.h"
+#include "runtime/schedule/folder.h"
+#include "runtime/store/shard_places.h"
 
 namespace cdb::cli {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr std::string_view kNoisy = "noisy";
 constexpr std::string_view kWords[] = {"failed", "crashed", "timed_out", kNoisy};
@@ -61,6 +68,64 @@ RetryChoice RetryChoice::With(const RetryChoice& other) const {
   RetryChoice both = *this;
   both.words_.insert(other.words_.begin(), other.words_.end());
   return both;
+}
+
+RetryChoice FindStartedRetry(const fs::path& shards) {
+  std::string why;
+  return RetryChoice::FromText(
+      plan::ReadInputFile(shards / schedule::kRetryMarkName, why).value_or(""));
+}
+
+void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_complete) {
+  std::error_code error;
+  if (!fs::exists(shards, error)) return;
+  FolderLock lock(shards);
+  if (!lock.TakeForMyself())
+    throw CommandError(
+        fmt::format("another cdb is at work in '{}'; retry when it has ended", shards.string()));
+  if ((!is_complete || IsMadeAnew(plan, shards)) && HasShards(shards))
+    throw CommandError(
+        fmt::format("'{}' holds finished runs that are not in the results yet; let the command end "
+                    "without --retry first",
+                    shards.string()));
+  RemoveShards(plan, shards);
+}
+
+bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
+                   std::uint64_t rep) const {
+  const store::ResultFile::Cell cell = {at, rep};
+  return file_.ReadStatus(cell) != store::Status::kMissing && !retry_.Wants(file_, cell, id);
+}
+
+std::size_t KeptRuns::CountOthers(const plan::Plan& plan) const {
+  std::size_t others = 0;
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    others += !Has(id, at, rep);
+  });
+  return others;
+}
+
+std::optional<store::ShardInfo> KeptRuns::Find(const plan::Run& run) const {
+  if (!Has(run.id, run.at, run.rep)) return std::nullopt;
+  const store::ResultFile::Cell cell = {run.at, run.rep};
+  store::ShardInfo info = {
+      run.id, file_.plan_sha256(), {file_.ReadStatus(cell), measure::Verdict::kUnknown}, {}, {}};
+  if (file_.Has("omitted")) info.omitted = file_.ReadText("omitted", cell);
+  if (file_.Has("needs")) info.decisions = file_.ReadText("needs", cell);
+  return info;
+}
+
+std::size_t CountNotRunAgain(const plan::Plan& plan, const fs::path& shards, const fs::path& out) {
+  std::error_code error;
+  const RetryChoice retry = FindStartedRetry(shards);
+  if (retry.is_empty() || !fs::exists(out, error)) return 0;
+  const KeptRuns kept(out, retry);
+  const store::ShardPlaces places({shards});
+  std::size_t missing = 0;
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    missing += !kept.Has(id, at, rep) && !places.Find(id);
+  });
+  return missing;
 }
 
 }  // namespace cdb::cli

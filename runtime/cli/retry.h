@@ -1,10 +1,16 @@
-// Which finished runs `cdb run` runs again, in the file that has them.
+// Which finished runs `cdb run` and `cdb submit` run again, in the file that has them.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "compiler/plan/plan.h"
 #include "runtime/store/store.h"
 
 namespace cdb::cli {
@@ -32,5 +38,34 @@ class RetryChoice {
  private:
   std::set<std::string> words_;  ///< and ids
 };
+
+/// What the retry that was begun in a folder of shards, and has not ended, wants; empty where there
+/// is none.
+RetryChoice FindStartedRetry(const std::filesystem::path& shards);
+
+/// Before a retry begins: removes shards that are in the result already. Throws CommandError where
+/// some are not, or another cdb is at work there.
+void RemoveLeftovers(const plan::Plan& plan, const std::filesystem::path& shards, bool is_complete);
+
+/// The runs of a results file that are not run again.
+class KeptRuns {
+ public:
+  KeptRuns(const std::filesystem::path& out, RetryChoice retry)
+      : file_(out), retry_(std::move(retry)) {}
+
+  bool Has(const std::string& id, const std::vector<std::size_t>& at, std::uint64_t rep) const;
+  std::size_t CountOthers(const plan::Plan& plan) const;
+  /// Nullopt for a run that is run again.
+  std::optional<store::ShardInfo> Find(const plan::Run& run) const;
+
+ private:
+  const store::ResultFile file_;
+  const RetryChoice retry_;
+};
+
+/// Runs that the retry which was begun in `shards` wants and that have no shard yet; 0 where there
+/// is no retry. To be asked before its shards are merged into `out`.
+std::size_t CountNotRunAgain(const plan::Plan& plan, const std::filesystem::path& shards,
+                             const std::filesystem::path& out);
 
 }  // namespace cdb::cli

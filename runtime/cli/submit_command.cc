@@ -1,5 +1,6 @@
 // `cdb submit`: the plans of a scenario to job arrays of Slurm, each with a merge after it.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <csignal>
@@ -16,6 +17,7 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/inputs.h"
 #include "runtime/cli/result_path.h"
+#include "runtime/cli/retry.h"
 #include "runtime/cli/shard_files.h"
 #include "runtime/cli/sized_plan.h"
 #include "runtime/cli/subcommand.h"
@@ -30,6 +32,7 @@
 #include "runtime/schedule/order.h"
 #include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress_bar.h"
+#include "runtime/store/safe_file.h"
 #include "runtime/store/store.h"
 
 namespace cdb::cli {
@@ -50,6 +53,7 @@ struct SubmitArguments {
   std::string out;
   std::uint64_t tasks = 0;  ///< 0: by work and cores
   cluster::JobOptions job;
+  std::vector<std::string> retry;  ///< how runs ended that are run again
   std::vector<std::string> plugins;
   bool is_dry = false;
   bool no_follow = false;
@@ -106,11 +110,18 @@ std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& pl
   return std::min(wanted, most);
 }
 
-/// Those with a run, or a reference of one, that has no whole shard.
-std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks, bool is_quiet) {
+/// Those with a run that is not in `kept`, which may be null, and that has no whole shard, or one
+/// of whose references has none.
+std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks,
+                                       const KeptRuns* kept, bool is_quiet) {
   const plan::Plan& plan = target.plan();
   const schedule::ShardFolder folder(plan, target.shards, /*fresh=*/false);
-  if (plan.whole) return schedule::FindUnmarkedShards(plan, target.shards, tasks);
+  std::vector<std::uint64_t> missing;
+  if (plan.whole) {
+    if (kept == nullptr) return schedule::FindUnmarkedShards(plan, target.shards, tasks);
+    for (std::uint64_t task = 1; task <= tasks; ++task) missing.push_back(task);
+    return missing;  // those without any end at once
+  }
   std::set<std::string_view> missing_runs;
   std::vector<std::string> warnings;
   for (const auto* runs : {&plan.runs, &plan.references})
@@ -118,12 +129,12 @@ std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks
       if (!folder.Find(run, warnings)) missing_runs.insert(run.id);
   if (!is_quiet)
     for (const std::string& warning : warnings) report::Say("warning: " + warning + "\n");
-  std::vector<std::uint64_t> missing;
   const auto shards = schedule::ListShards(plan, tasks);
   for (std::size_t i = 0; i < shards.size(); ++i)
     if (std::ranges::any_of(shards[i], [&](const plan::Run* run) {
-          return missing_runs.contains(run->id) || missing_runs.contains(run->reference) ||
-                 missing_runs.contains(run->twin);
+          return (kept == nullptr || !kept->Has(run->id, run->at, run->rep)) &&
+                 (missing_runs.contains(run->id) || missing_runs.contains(run->reference) ||
+                  missing_runs.contains(run->twin));
         }))
       missing.push_back(i + 1);
   return missing;
@@ -152,21 +163,23 @@ std::string PlanCommand(const SubmitArguments& arguments, const Target& target) 
   return words + " -o " + to;
 }
 
-/// Retries and --fresh keep their state in the folder of shards, and know only one machine.
+/// `--fresh` keeps its state in the folder of shards, and knows only one machine.
 void RefuseOtherWork(const Target& target) {
   std::error_code error;
-  for (const fs::path& mark : {FreshMark(target.shards), target.shards / schedule::kRetryMarkName})
-    if (fs::exists(mark, error))
-      throw CommandError(
-          fmt::format("'{}' holds what a stopped `cdb run --{}` has done; let `cdb run` end it "
-                      "first, or remove the folder",
-                      target.shards.string(), mark.filename().string()));
+  if (fs::exists(FreshMark(target.shards), error))
+    throw CommandError(
+        fmt::format("'{}' holds what a stopped `cdb run --fresh` has done; let `cdb run` end it "
+                    "first, or remove the folder",
+                    target.shards.string()));
 }
 
 class Submitter {
  public:
-  explicit Submitter(const SubmitArguments& arguments) : arguments_(arguments), signals_(stop_) {
+  explicit Submitter(const SubmitArguments& arguments)
+      : arguments_(arguments), retry_(arguments.retry), signals_(stop_) {
     std::signal(SIGPIPE, SIG_IGN);
+    if (arguments.is_dry && !retry_.is_empty())
+      throw CommandError("--dry-run prints the script of all runs; leave out --retry");
   }
 
   ExitStatus Run() {
@@ -214,18 +227,43 @@ class Submitter {
       PrintScript(target);
       return std::nullopt;
     }
-    if (IsThereAlready(target.out, target.plan())) {
+    const RetryChoice retry = RetryOf(target);
+    const bool is_complete = IsThereAlready(target.out, target.plan());
+    if (is_complete && retry.is_empty()) {
       Say(fmt::format("'{}' is complete; remove it to run it again\n", target.out.string()));
       return std::nullopt;
     }
     RefuseOtherWork(target);
     const auto before = cluster::ReadSubmission(target.shards);
     if (before && before->plan_sha256 == target.plan().Sha256() && IsAtWork(*before)) {
+      if (retry.Words() != FindStartedRetry(target.shards).Words())
+        throw CommandError(fmt::format("job {} is at work on '{}'; retry when it has ended",
+                                       before->array, target.out.string()));
       Say(fmt::format("job {} is at work on '{}'; following it\n", before->array,
                       target.out.string()));
       return before;
     }
-    return SubmitMissing(target, before);
+    if (!retry.is_empty() && FindStartedRetry(target.shards).is_empty()) {
+      RemoveLeftovers(target.plan(), target.shards, is_complete);
+      if (KeptRuns(target.out, retry).CountOthers(target.plan()) == 0) {
+        Say(fmt::format("no run of '{}' is {}; nothing is run again\n", target.out.string(),
+                        fmt::join(retry.Words(), " or ")));
+        return std::nullopt;
+      }
+    }
+    return SubmitMissing(target, retry, before);
+  }
+
+  /// What is run again in the result that is there: by --retry, or by one that has not ended.
+  RetryChoice RetryOf(const Target& target) const {
+    std::error_code error;
+    if (!fs::exists(target.out, error)) {
+      if (!retry_.is_empty())
+        Say(fmt::format("'{}' is not there: nothing to retry, and every run is done\n",
+                        target.out.string()));
+      return {};
+    }
+    return retry_.With(FindStartedRetry(target.shards));
   }
 
   bool IsAtWork(const cluster::Submission& before) {
@@ -240,7 +278,8 @@ class Submitter {
   }
 
   std::optional<cluster::Submission> SubmitMissing(
-      const Target& target, const std::optional<cluster::Submission>& before) {
+      const Target& target, const RetryChoice& retry,
+      const std::optional<cluster::Submission>& before) {
     const plan::Plan& plan = target.plan();
     const std::uint64_t tasks =
         before && arguments_.tasks == 0 && before->plan_sha256 == plan.Sha256()
@@ -259,7 +298,13 @@ class Submitter {
         (!before || before->array != meanwhile->array) && IsAtWork(*meanwhile))
       return meanwhile;
     cluster::Sweep sweep = SweepOf(target, tasks);
-    sweep.missing = FindMissing(target, tasks, arguments_.quiet);
+    std::optional<KeptRuns> kept;
+    if (!retry.is_empty()) {
+      kept.emplace(target.out, retry);
+      // Tasks go by it.
+      store::WriteWhole(retry.Text(), target.shards / schedule::kRetryMarkName);
+    }
+    sweep.missing = FindMissing(target, tasks, kept ? &*kept : nullptr, arguments_.quiet);
     const schedule::ShardFolder folder(plan, target.shards, /*fresh=*/false);
     folder.WritePlan(plan);
     if (!plan.whole && !target.sized.short_text.empty()) {
@@ -295,18 +340,22 @@ class Submitter {
   ExitStatus Finish(const Target& target, const std::optional<cluster::Submission>& submission) {
     const plan::Plan& plan = target.plan();
     FolderLock lock(target.shards);
-    if (!IsThereAlready(target.out, plan)) {
+    const std::size_t not_again = CountNotRunAgain(plan, target.shards, target.out);
+    const bool is_retried = !FindStartedRetry(target.shards).is_empty();
+    if (!IsThereAlready(target.out, plan) || is_retried) {
       std::error_code error;
       const bool has_result = fs::exists(target.out, error);
       if (!HasShards(target.shards)) {
-        SayMissing(
-            target, submission,
-            has_result ? CountMissing(store::ResultFile(target.out), plan) : plan.RunCount());
+        SayMissing(target, submission,
+                   has_result
+                       ? std::max(not_again, CountMissing(store::ResultFile(target.out), plan))
+                       : plan.RunCount());
         return ExitStatus::kWorld;
       }
       // What the merge job has merged, if it ran, and what came after it.
       MergeOnto(plan, {target.shards}, target.out);
-      const std::size_t missing = CountMissing(store::ResultFile(target.out), plan);
+      const std::size_t missing =
+          std::max(not_again, CountMissing(store::ResultFile(target.out), plan));
       if (missing > 0) {
         SayMissing(target, submission, missing);
         return std::max(ShowResult(target.out, arguments_.quiet), ExitStatus::kWorld);
@@ -319,8 +368,8 @@ class Submitter {
   void SayMissing(const Target& target, const std::optional<cluster::Submission>& submission,
                   std::size_t missing) {
     std::string text =
-        fmt::format("{} of {} runs are missing; the same command submits them again\n", missing,
-                    target.plan().RunCount());
+        fmt::format("{} of {} runs are still to be done; the same command submits them again\n",
+                    missing, target.plan().RunCount());
     if (submission) {
       constexpr std::size_t kMostListed = 5;
       const auto failures = cluster::FindFailures(submission->array);
@@ -360,6 +409,7 @@ class Submitter {
   }
 
   const SubmitArguments& arguments_;
+  const RetryChoice retry_;
   process::StopFlag stop_;
   process::StopOnSignals signals_;
 };
@@ -382,6 +432,8 @@ void AddSubmitCommand(CLI::App& app, ExitStatus& status) {
   command.Optional("--account", arguments->job.account, "that is charged");
   command.Repeated("--sbatch", arguments->job.more,
                    "an option of sbatch, as it is: --sbatch=--mem=2G; several: each with --sbatch");
+  command.ShortList("--retry", arguments->retry,
+                    "run these again, in the same file: failed, crashed, timed_out, noisy");
   command.Flag("--dry-run", arguments->is_dry, "print what would be submitted, as a shell script");
   command.Flag("--no-follow", arguments->no_follow, "submit, and do not wait for the end");
   command.Quiet(arguments->quiet, "print nothing but errors");

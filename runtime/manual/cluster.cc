@@ -32,7 +32,9 @@ one task, one after the other. If runs were made on processors with different mo
 
 What can go wrong
 
-  - A run fails, crashes or exceeds its time limit: this is a result, as with `cdb run`.
+  - A run fails, crashes or exceeds its time limit: this is a result, as with `cdb run`. --retry
+    failed,crashed,timed_out,noisy submits the tasks with such runs again, and the merge replaces just
+    these runs.
   - cdb is killed in a task: the task starts it again, up to three times. It goes on where it was.
   - A node dies: Slurm puts its tasks back into the queue (--requeue), and finished runs are kept.
   - A task is killed or meets its time limit: the merge takes what is there, and the command names the

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
 #include <string_view>
 
 #include "compiler/plan/trace.h"
+#include "library/meshes/models.h"
+#include "library/scene_error.h"
 #include "runtime/measure/recorded_series.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
@@ -63,6 +66,16 @@ double GroupLimit() {
 }
 
 std::string BytesText(double bytes) { return fmt::format("{:.3g} GB", bytes / 1e9); }
+
+/// A word, a distribution of words, or what names no model.
+void CheckModelsOf(const schema::Value& type, std::set<std::string>& checked) {
+  if (const schema::Distribution* drawn = schema::AsDistribution(type))
+    for (const schema::Value& choice : drawn->arguments) CheckModelsOf(choice, checked);
+  const schema::Word* word = schema::AsWord(type);
+  if (word == nullptr || !checked.insert(word->text).second) return;
+  if (const meshes::Model* model = meshes::FindModel(word->text))
+    meshes::PathOf(*model, meshes::ModelFolders());
+}
 
 }  // namespace
 
@@ -144,6 +157,18 @@ void CheckFits(const std::string& benchmark, const Demand& demand, const fs::pat
   const std::string why = WhyTooLarge(demand, FreeNow(folder));
   if (!why.empty())
     throw process::ScheduleError(fmt::format("{}: {}; nothing was started", benchmark, why));
+}
+
+void CheckModels(const std::string& benchmark, const std::vector<const plan::Run*>& runs) {
+  std::set<std::string> checked;
+  for (const plan::Run* run : runs)
+    for (const plan::Group& group : run->scene.groups) try {
+        if (group.settings.Count("quantity") > 0)
+          CheckModelsOf(group.settings.Get("type"), checked);
+      } catch (const library::SceneError& error) {
+        throw process::ScheduleError(
+            fmt::format("{}: nothing was started: {}", benchmark, error.what()));
+      }
 }
 
 }  // namespace cdb::schedule

@@ -1,5 +1,5 @@
-// What a plan takes at least of memory, disk and time. Where this machine has less, it is refused
-// with the numbers before hours of work rather than after.
+// What a plan takes at least of memory, disk and time, and the models that it names. Where this
+// machine has less, it is refused with the numbers before hours of work rather than after.
 #pragma once
 
 #include <cstdint>
@@ -41,5 +41,8 @@ std::string WhyTooLarge(const Demand& demand, const Capacity& capacity);
 /// Throws ScheduleError with WhyTooLarge of what is free now.
 void CheckFits(const std::string& benchmark, const Demand& demand,
                const std::filesystem::path& folder);
+
+/// Throws ScheduleError for a model that one of the runs names and this machine lacks.
+void CheckModels(const std::string& benchmark, const std::vector<const plan::Run*>& runs);
 
 }  // namespace cdb::schedule

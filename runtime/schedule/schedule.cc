@@ -42,8 +42,7 @@ class Execution {
     all_ = ReferencesOf(plan_, measured);
     all_.insert(all_.end(), measured.begin(), measured.end());
     // Before anything is removed.
-    if (options_.fresh)
-      CheckFits(plan_.benchmark, LeastDemand(all_, slots_.size()), options_.folder);
+    if (options_.fresh) CheckCanRun(all_);
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
     for (const plan::Run* run : all_) {
@@ -56,7 +55,7 @@ class Execution {
       }
       for (const std::string& warning : std::exchange(warnings, {})) listener_.Warn(warning);
     }
-    CheckFits(plan_.benchmark, LeastDemand(queue_, slots_.size()), options_.folder);
+    CheckCanRun(queue_);
     if (!options_.has_plan) folder_->WritePlan(plan_);
     const EndGuard guard{*this};
     listener_.Begin(plan_, queue_, summary_, slots_.size());
@@ -67,6 +66,11 @@ class Execution {
   }
 
  private:
+  void CheckCanRun(const std::vector<const plan::Run*>& runs) const {
+    CheckFits(plan_.benchmark, LeastDemand(runs, slots_.size()), options_.folder);
+    CheckModels(plan_.benchmark, runs);
+  }
+
   /// However the work ends, no worker and no progress bar is left behind.
   struct EndGuard {
     Execution& execution;

@@ -325,6 +325,24 @@ TEST(Check, RefusesWhatThisMachineCannotRun) {
   EXPECT_FALSE(program.Exists("many.runs"));
 }
 
+TEST(Run, AMissingModelIsRefusedBeforeAnyRun) {
+  const Program program;
+  program.Write("b.cdb",
+                "benchmark b { cycles 2; world.side 100\n"
+                "objects { quantity 2; size 9; type sweep(sphere, any(cone, bunny)) } }");
+  setenv("CDB_MODELS", program.folder().c_str(), 1);
+  const Finished finished = program.Run({"run", "b.cdb"});
+  unsetenv("CDB_MODELS");
+  EXPECT_EQ(finished.status, 2);
+  EXPECT_EQ(finished.err.find("cdb: b: nothing was started: the model `bunny` is not on this "
+                              "machine (looked for bunny.off in " +
+                              program.folder().string()),
+            0u)
+      << finished.err;
+  EXPECT_NE(finished.err.find("fetch-models"), std::string::npos) << finished.err;
+  EXPECT_FALSE(program.Exists("b.h5"));
+}
+
 TEST(Check, FindsEveryErrorAndLeavesNoFile) {
   const Program program;
   program.Write("bad.cdb", "benchmark a { cycles 0; colour red; objects.type cuboyd }\n");

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "runtime/store/store.h"
 #include "tests/support/program.h"
@@ -68,7 +70,8 @@ TEST_F(Submit, TheSameCommandSubmitsOnlyWhatIsMissing) {
   program_.Write("lost.2", "");
   const Finished first = Run("s.cdb --tasks 3");
   EXPECT_EQ(first.status, 2) << first.err;
-  EXPECT_THAT(first.err, HasSubstr("runs are missing; the same command submits them again"));
+  EXPECT_THAT(first.err,
+              HasSubstr("runs are still to be done; the same command submits them again"));
   EXPECT_THAT(first.err, HasSubstr("slurm-*.log"));
   fs::remove(program_.folder() / "lost.2");
   const Finished second = Run("s.cdb");
@@ -76,6 +79,67 @@ TEST_F(Submit, TheSameCommandSubmitsOnlyWhatIsMissing) {
   EXPECT_THAT(second.err, HasSubstr("1 of 3 tasks"));
   EXPECT_THAT(program_.Read("said"), HasSubstr("--array=2 "));
   EXPECT_FALSE(program_.Exists("s.runs"));
+}
+
+TEST_F(Submit, RetryRunsJustTheCellsThatEndedSo) {
+  // The third of four runs fails each time.
+  program_.Write("s.cdb",
+                 "benchmark s { cycles 4; world.side 500\n"
+                 "acceleration (0, sweep(0, 1, -1e39, -1) as g, 0) }");
+  EXPECT_EQ(Run("s.cdb --tasks 4").status, 3);
+  ASSERT_EQ(Results().ReadStatus({{2}, 0}), store::Status::kFailed);
+  const auto starts = [&] {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < 4; ++i) all.push_back(Results().ReadReal("started", {{i}, 0}));
+    return all;
+  };
+  std::vector<double> before = starts();
+
+  program_.Write("lost.3", "");
+  const Finished lost = Run("s.cdb --tasks 4 --retry failed,crashed");
+  EXPECT_EQ(lost.status, 2) << lost.err;
+  EXPECT_THAT(lost.err, HasSubstr("1 of 4 tasks"));
+  EXPECT_THAT(program_.Read("said"), HasSubstr("--array=3 "));
+  EXPECT_THAT(lost.err, HasSubstr("1 of 4 runs are still to be done"));
+  EXPECT_EQ(starts(), before);
+
+  // It goes on, with these words or without.
+  fs::remove(program_.folder() / "lost.3");
+  program_.Write("lost.merge", "");
+  const Finished again = Run("s.cdb");
+  EXPECT_EQ(again.status, 3) << again.err;
+  EXPECT_GT(starts()[2], before[2]);
+  before[2] = starts()[2];
+  EXPECT_EQ(starts(), before);
+  EXPECT_FALSE(program_.Exists("s.runs"));
+
+  fs::remove(program_.folder() / "lost.merge");
+  EXPECT_EQ(Run("s.cdb --retry failed").status, 3);
+  EXPECT_GT(starts()[2], before[2]);
+  before[2] = starts()[2];
+  EXPECT_EQ(starts(), before);
+  EXPECT_FALSE(program_.Exists("s.runs"));
+  EXPECT_THAT(Run("s.cdb --retry crashed").err,
+              HasSubstr("no run of 's.h5' is crashed; nothing is run again"));
+  EXPECT_EQ(starts(), before);
+}
+
+TEST_F(Submit, RefusesARetryThatItCannotCarryOut) {
+  const auto refused = [&](const std::string& words, const std::string& message) {
+    const Finished finished = Run(words);
+    EXPECT_EQ(finished.status, 2) << words;
+    EXPECT_THAT(finished.err, HasSubstr(message)) << words;
+  };
+  refused("s.cdb --retry fialed", "did you mean 'failed'?");
+  refused("s.cdb --retry failed --dry-run", "leave out --retry");
+  program_.Write("lost.1", "");
+  EXPECT_EQ(Run("s.cdb --tasks 2").status, 2);
+  refused("s.cdb --retry failed", "holds finished runs that are not in the results yet");
+  fs::remove(program_.folder() / "lost.1");
+  program_.Write("lost.merge", "");
+  EXPECT_EQ(Run("s.cdb --tasks 2 --no-follow").status, 0);
+  program_.Write("active", "RUNNING|None\nPENDING|Dependency\n");
+  refused("s.cdb --retry failed", "retry when it has ended");
 }
 
 TEST_F(Submit, MergesWhereTheMergeWasLost) {
