@@ -122,10 +122,16 @@ ConvexDecomposition DecomposeOnce(std::string name, std::string_view source,
                                   const std::filesystem::path& folder) {
   const std::string key = DecompositionKey(source);
   std::optional<ConvexDecomposition> form;
-  if (const auto bytes = library::FindCached(folder, kKind, key)) form = FromBytes(*bytes);
-  if (!form) {
-    form = make();
-    library::StoreCached(folder, kKind, key, ToBytes(*form));
+  const auto find = [&] {
+    if (const auto bytes = library::FindCached(folder, kKind, key)) form = FromBytes(*bytes);
+    return form.has_value();
+  };
+  if (!find()) {
+    const library::CacheLock lock(folder, kKind, key, [] {});
+    if (!find()) {
+      form = make();
+      library::StoreCached(folder, kKind, key, ToBytes(*form));
+    }
   }
   form->name = std::move(name);
   return *std::move(form);

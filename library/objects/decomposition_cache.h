@@ -1,8 +1,8 @@
 // Caches convex decompositions by all of their inputs.
 //
 // A form takes up to seconds to compute and a few kilobytes to keep; found again, it is the same to
-// the last bit. Errors: those of `make`. Where forms cannot be kept, nothing comes of it. Threads:
-// any.
+// the last bit. One process computes it while others that need it wait. Errors: those of `make`.
+// Where forms cannot be kept, nothing comes of it. Threads: any.
 #pragma once
 
 #include <filesystem>

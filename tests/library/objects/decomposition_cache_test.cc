@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <fstream>
 
 #include "tests/library/meshes/test_meshes.h"
 #include "tests/support/files.h"
@@ -45,6 +46,28 @@ class DecompositionCacheTest : public ::testing::Test {
   objects::ConvexDecomposition form_;
   int made_ = 0;
 };
+
+TEST_F(DecompositionCacheTest, OneOfManyProcessesMakesIt) {
+  const fs::path made = folder_ / "made";
+  const auto make = [&] {
+    std::ofstream(made, std::ios::app) << 'x';
+    usleep(20'000);  // so that the others come meanwhile
+    return form_;
+  };
+  std::vector<pid_t> children;
+  for (int i = 0; i < 4; ++i) {
+    const pid_t child = fork();
+    if (child == 0) _exit(objects::DecomposeOnce("m", "angle", make, cache_) == form_ ? 0 : 1);
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = -1;
+    EXPECT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+  }
+  EXPECT_EQ(ReadFile(made), "x");
+  EXPECT_EQ(Files().size(), 1u) << "no lock is left";
+}
 
 TEST_F(DecompositionCacheTest, MakesOnce) {
   ASSERT_GE(form_.pieces.size(), 2u);
@@ -121,7 +144,7 @@ TEST_F(DecompositionCacheTest, WhatFailsIsNotKept) {
   };
   EXPECT_EQ(Refusal(fail), "no solid");
   EXPECT_EQ(Refusal(fail), "no solid");
-  EXPECT_FALSE(fs::exists(cache_));
+  EXPECT_TRUE(Files().empty());
 }
 
 TEST_F(DecompositionCacheTest, SourcesAreToldApart) {
