@@ -12,6 +12,7 @@
 #include "runtime/store/seal.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -66,7 +67,8 @@ class Damage : public testing::Test {
 TEST_F(Damage, EveryKindOfTruncation) {
   std::vector<std::size_t> lengths;
   for (std::size_t n = 0; n <= 100; ++n) lengths.push_back(n);
-  for (std::size_t n = 101; n < shard_.size(); n += shard_.size() / 200) lengths.push_back(n);
+  for (std::size_t n = 101; n < shard_.size(); n += shard_.size() / Cases(200))
+    lengths.push_back(n);
   for (std::size_t n = 1; n <= 60; ++n) lengths.push_back(shard_.size() - n);
   for (const std::size_t n : lengths)
     ExpectRefused(shard_.substr(0, n), "cut to " + std::to_string(n));
@@ -77,7 +79,7 @@ TEST_F(Damage, EveryKindOfFlippedByte) {
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < 100; ++i) places.push_back(i);
   for (std::size_t i = 1; i <= 48; ++i) places.push_back(shard_.size() - i);
-  for (int i = 0; i < 400; ++i) places.push_back(random() % shard_.size());
+  for (int i = 0; i < Cases(400); ++i) places.push_back(random() % shard_.size());
   for (const std::size_t place : places) {
     std::string bytes = shard_;
     bytes[place] = static_cast<char>(bytes[place] ^ (1 + random() % 255));
