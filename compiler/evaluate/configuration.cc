@@ -44,11 +44,11 @@ void AddSeeds(plan::Scene& scene) {
     scene.seeds.emplace(stream, plan::StreamSeed(seed, stream));
   };
   for (const auto& [name, value] : scene.world)
-    if (IsDrawn(value)) add(name);
+    if (IsDrawn(value)) add(std::string(name));
   for (const plan::Group& group : scene.groups) {
     add(group.name + ".location");
     for (const auto& [name, value] : group.settings)
-      if (IsDrawn(value)) add(group.name + "." + name);
+      if (IsDrawn(value)) add(fmt::format("{}.{}", group.name, name));
   }
 }
 

@@ -134,12 +134,12 @@ void AppendIndented(std::string_view text, std::string_view indent, std::string&
   }
 }
 
-std::string SettingYaml(const std::string& name, const schema::Value& value) {
+std::string SettingYaml(std::string_view name, const schema::Value& value) {
   // As the emitter writes it, which takes its time over numbers.
   if (const schema::Number* number = schema::AsNumber(value))
     return fmt::format("{}: {}\n", name, number->Text());
   YAML::Emitter out;
-  out << YAML::BeginMap << YAML::Key << name << YAML::Value;
+  out << YAML::BeginMap << YAML::Key << std::string(name) << YAML::Value;
   WriteValue{out}.Write(value);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
@@ -163,7 +163,7 @@ bool RunText::Update(const Settings& settings, std::string_view indent, Lines& l
     Line& line = lines[i++];
     if (line.name == name && schema::IsIdentical(line.value, value) && !line.yaml.empty()) continue;
     const std::string yaml = SettingYaml(name, value);
-    line = {name, value, fmt::format("{} {}\n", name, schema::ToText(value)), {}};
+    line = {std::string(name), value, fmt::format("{} {}\n", name, schema::ToText(value)), {}};
     AppendIndented(yaml, indent_ + std::string(indent), line.yaml);
     is_changed = true;
   }

@@ -18,6 +18,13 @@ const T& As(const schema::Value& value) {
 
 thread_local ReadRecorder* recorder = nullptr;
 
+/// The entry of the parameter, or where it would be.
+template <typename Table>
+auto LowerBound(Table& table, const schema::Parameter& parameter) {
+  return std::ranges::lower_bound(table, parameter.name, {},
+                                  [](const auto& entry) { return entry.parameter->name; });
+}
+
 }  // namespace
 
 ReadRecorder::ReadRecorder() : read_(schema::Schema().size()), outer_(recorder) { recorder = this; }
@@ -45,11 +52,49 @@ void NoteReads(bool grouped) {
     if (parameter.grouped == grouped) NoteRead(parameter);
 }
 
+const Settings::Table& Settings::table() const {
+  static const Table empty;
+  return table_ == nullptr ? empty : *table_;
+}
+
+const schema::Value* Settings::Find(const schema::Parameter& parameter) const {
+  const auto found = LowerBound(table(), parameter);
+  return found != table().end() && found->parameter->name == parameter.name ? found->value.get()
+                                                                            : nullptr;
+}
+
 const schema::Value& Settings::ValueOf(const schema::Parameter& parameter) const {
   NoteRead(parameter);
-  const auto found = values_.find(parameter.name);
-  CDB_CHECK(found != values_.end());
-  return found->second;
+  const schema::Value* found = Find(parameter);
+  CDB_CHECK(found != nullptr);
+  return *found;
+}
+
+Settings::Table& Settings::OwnTable() {
+  if (table_.use_count() != 1) table_ = std::make_shared<Table>(table());
+  return *table_;
+}
+
+void Settings::SetValue(const schema::Parameter& parameter, schema::Value value) {
+  Table& table = OwnTable();
+  auto at = LowerBound(table, parameter);
+  if (at == table.end() || at->parameter->name != parameter.name)
+    at = table.insert(at, {&parameter, nullptr});
+  at->value = std::make_shared<const schema::Value>(std::move(value));
+}
+
+void Settings::EraseValue(const schema::Parameter& parameter) {
+  if (Find(parameter) == nullptr) return;
+  Table& table = OwnTable();
+  table.erase(LowerBound(table, parameter));
+}
+
+bool Settings::operator==(const Settings& other) const {
+  return table_ == other.table_ ||
+         std::ranges::equal(table(), other.table(), [](const Entry& a, const Entry& b) {
+           return a.parameter->name == b.parameter->name &&
+                  (a.value == b.value || *a.value == *b.value);
+         });
 }
 
 schema::Value BriefDefault(const schema::Parameter& parameter) {

@@ -1,10 +1,11 @@
 // The settings of the world and of groups of objects.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <map>
-#include <string>
+#include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "compiler/schema/parameter_ref.h"
@@ -44,37 +45,64 @@ class ReadRecorder {
 
 /// Values by the parameter's name without its group: `timestep`, `world.side`; in a group
 /// `quantity`, `size`. Here for parameters that are known only at run time; code that names a
-/// parameter uses SettingsOf.
+/// parameter uses SettingsOf. A copy shares all of it until one of the two is changed, and then all
+/// other values: the scenes of 10^5 runs differ in a few. Threads: copies that share are one
+/// object.
 class Settings {
+  struct Entry {
+    const schema::Parameter* parameter;
+    std::shared_ptr<const schema::Value> value;
+  };
+  using Table = std::vector<Entry>;
+
  public:
-  using Values = std::map<std::string, schema::Value, std::less<>>;
+  /// A name and a value: `for (const auto& [name, value] : settings)`.
+  class Iterator {
+   public:
+    using value_type = std::pair<std::string_view, const schema::Value&>;
+    using difference_type = std::ptrdiff_t;
+    value_type operator*() const { return {at_->parameter->name, *at_->value}; }
+    Iterator& operator++() {
+      ++at_;
+      return *this;
+    }
+    Iterator operator++(int) { return std::exchange(*this, Iterator(at_ + 1)); }
+    bool operator==(const Iterator&) const = default;
+
+   private:
+    friend class Settings;
+    explicit Iterator(const Entry* at) : at_(at) {}
+    const Entry* at_;
+  };
 
   /// In the order of their names. Counts as a read of each, of the world and of groups.
-  Values::const_iterator begin() const {
+  Iterator begin() const {
     NoteReads(false);
     NoteReads(true);
-    return values_.begin();
+    return First();
   }
-  Values::const_iterator end() const { return values_.end(); }
-  std::size_t size() const { return values_.size(); }
+  Iterator end() const { return Iterator(table().data() + table().size()); }
+  std::size_t size() const { return table().size(); }
 
-  bool Has(const schema::Parameter& parameter) const { return values_.contains(parameter.name); }
+  bool Has(const schema::Parameter& parameter) const { return Find(parameter) != nullptr; }
   /// The value, which must be there (CDB_CHECK).
   const schema::Value& ValueOf(const schema::Parameter& parameter) const;
-  void SetValue(const schema::Parameter& parameter, schema::Value value) {
-    values_.insert_or_assign(std::string(parameter.name), std::move(value));
-  }
-  void EraseValue(const schema::Parameter& parameter) {
-    values_.erase(std::string(parameter.name));
-  }
+  void SetValue(const schema::Parameter& parameter, schema::Value value);
+  void EraseValue(const schema::Parameter& parameter);
 
-  bool operator==(const Settings&) const = default;
+  bool operator==(const Settings& other) const;
 
  protected:
-  const Values& values() const { return values_; }
+  Iterator First() const { return Iterator(table().data()); }
 
  private:
-  Values values_;
+  const Table& table() const;
+  /// Null where there is none.
+  const schema::Value* Find(const schema::Parameter& parameter) const;
+  /// That no other Settings share.
+  Table& OwnTable();
+
+  std::shared_ptr<Table> table_;  ///< by name; null: empty; changed by OwnTable
 };
 
 /// Plans do not write it: a brief parameter that has its default. So plans of earlier versions, and
@@ -94,9 +122,9 @@ class SettingsOf : public Settings {
   using Parameter = schema::ParameterRef<kGrouped, kKind>;
 
   /// In the order of their names. Counts as a read of each.
-  Values::const_iterator begin() const {
+  Iterator begin() const {
     NoteReads(kGrouped);
-    return values().begin();
+    return First();
   }
   const schema::Value& Get(Parameter<> parameter) const { return ValueOf(*parameter); }
   /// Counts too.

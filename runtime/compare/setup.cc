@@ -101,8 +101,8 @@ class SceneDifferences {
 
   void AddSettings(const std::string& group, const plan::Settings& a, const plan::Settings& b) {
     std::map<std::string, std::array<const schema::Value*, 2>> values;
-    for (const auto& [name, value] : a) values[name][0] = &value;
-    for (const auto& [name, value] : b) values[name][1] = &value;
+    for (const auto& [name, value] : a) values[std::string(name)][0] = &value;
+    for (const auto& [name, value] : b) values[std::string(name)][1] = &value;
     for (const auto& [name, of] : values) {
       if (of[0] != nullptr && of[1] != nullptr && *of[0] == *of[1]) continue;
       const auto text = [](const schema::Value* value) {

@@ -193,8 +193,9 @@ struct PaperScene {
 void ExpectSettings(const plan::Settings& settings, const plan::Settings& expected) {
   ASSERT_EQ(settings.size(), expected.size());
   for (auto at = settings.begin(); const auto& [name, value] : expected) {
-    EXPECT_EQ(at->first, name);
-    EXPECT_EQ(schema::ToText(at++->second), schema::ToText(value)) << name;
+    const auto& [found, its_value] = *at++;
+    EXPECT_EQ(found, name);
+    EXPECT_EQ(schema::ToText(its_value), schema::ToText(value)) << name;
   }
   EXPECT_TRUE(settings == expected);
 }
