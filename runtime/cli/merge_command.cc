@@ -57,13 +57,26 @@ std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
       fmt::join(shards, "', '")));
 }
 
+/// Of the list beside a short form where this cdb, or its plug-ins, make another plan of that.
+SizedPlan ReadPlan(const std::string& file, const std::string& text) {
+  const fs::path list = fs::path(file).parent_path() / "plan.yaml";
+  std::error_code error;
+  if (!file.ends_with(schedule::kShortPlanName) || !fs::exists(list, error))
+    return ReadSizedPlan(text, file);
+  try {
+    return ReadSizedPlan(text, file);
+  } catch (const CommandError&) {
+    return ReadSizedPlan(ReadText(list.string()), list.string());
+  }
+}
+
 /// The one plan of all files. Throws CommandError where they are of several.
 SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   const std::string text = ReadText(files[0]);
-  SizedPlan sized = ReadSizedPlan(text, files[0]);
+  SizedPlan sized = ReadPlan(files[0], text);
   for (const std::string& file : std::span(files).subspan(1)) {
     const std::string other = ReadText(file);
-    if (other != text && ReadSizedPlan(other, file).plan.Sha256() != sized.plan.Sha256())
+    if (other != text && ReadPlan(file, other).plan.Sha256() != sized.plan.Sha256())
       throw CommandError(
           fmt::format("'{}' and '{}' are two plans, and nothing was merged; a results file is of "
                       "one plan: merge the shards of each by themselves",

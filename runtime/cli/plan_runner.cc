@@ -76,7 +76,10 @@ schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan,
   schedule::Progress progress(schedule::StandardError());
   schedule::ProgressListener& listener =
       options_.is_quiet ? silent : static_cast<schedule::ProgressListener&>(progress);
-  if (plan.grid == nullptr) return schedule::Execute(plan.plan, execute, listener);
+  if (plan.grid == nullptr) {
+    execute.short_plan = plan.short_text;
+    return schedule::Execute(plan.plan, execute, listener);
+  }
   const auto list = [&plan](std::uint64_t index, std::uint64_t count) {
     return plan.ListPart(index, count);
   };

@@ -132,6 +132,7 @@ void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
   if (plan.whole) return schedule::RemoveWholePlan(folder);
   for (const auto* runs : {&plan.runs, &plan.references})
     for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
+  if (HasShards(folder)) return;  // some cannot be removed: with the plan, merging them goes on
   fs::remove(folder / "plan.yaml", ignored);
   fs::remove(folder / schedule::kShortPlanName, ignored);
   fs::remove(folder / schedule::kRetryMarkName, ignored);

@@ -56,7 +56,10 @@ class Execution {
       for (const std::string& warning : std::exchange(warnings, {})) listener_.Warn(warning);
     }
     CheckCanRun(queue_);
-    if (!options_.has_plan) folder_->WritePlan(plan_);
+    if (!options_.has_plan) {
+      folder_->WritePlan(plan_);
+      if (!options_.short_plan.empty()) folder_->WriteShortPlan(options_.short_plan);
+    }
     const EndGuard guard{*this};
     listener_.Begin(plan_, queue_, summary_, slots_.size());
     Work();

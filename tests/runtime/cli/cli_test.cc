@@ -395,7 +395,7 @@ TEST(Merge, RefusesShardsOfTwoPlans) {
   }
   const Finished merged = program.Run({"merge", "-o", "x.h5", "a.runs", "b.runs"});
   EXPECT_EQ(merged.status, 2);
-  EXPECT_NE(merged.err.find("'a.runs/plan.yaml' and 'b.runs/plan.yaml' are two plans"),
+  EXPECT_NE(merged.err.find("'a.runs/plan.short.yaml' and 'b.runs/plan.short.yaml' are two plans"),
             std::string::npos)
       << merged.err;
   EXPECT_FALSE(program.Exists("x.h5"));

@@ -61,10 +61,10 @@ TEST(Inputs, APipeInAFolderOfShardsIsNotWaitedFor) {
     ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   };
   for (const std::string& name : FilesIn(folder))
-    if (name != "plan.yaml") to_pipe(folder / name);
+    if (!name.starts_with("plan.")) to_pipe(folder / name);
   ExpectRefused(program, "merge -o m.h5 s.runs", "is a pipe or a device");
   run_parts();
-  to_pipe(folder / "plan.yaml");
+  for (const char* name : {"plan.yaml", "plan.short.yaml"}) to_pipe(folder / name);
   ExpectRefused(program, "merge -o m.h5 s.runs", "it is a pipe, not a file");
   ExpectRefused(program, "run s.cdb", "it is a pipe, not a file");
 }
