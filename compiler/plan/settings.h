@@ -45,9 +45,8 @@ class ReadRecorder {
 
 /// Values by the parameter's name without its group: `timestep`, `world.side`; in a group
 /// `quantity`, `size`. Here for parameters that are known only at run time; code that names a
-/// parameter uses SettingsOf. A copy shares all of it until one of the two is changed, and then all
-/// other values: the scenes of 10^5 runs differ in a few. Threads: copies that share are one
-/// object.
+/// parameter uses SettingsOf. Copies share the values in which they agree, as the scenes of a sweep
+/// differ in few. Threads: one for an object and its copies.
 class Settings {
   struct Entry {
     const schema::Parameter* parameter;
@@ -99,7 +98,7 @@ class Settings {
   const Table& table() const;
   /// Null where there is none.
   const schema::Value* Find(const schema::Parameter& parameter) const;
-  /// That no other Settings share.
+  /// A table that no copy shares.
   Table& OwnTable();
 
   std::shared_ptr<Table> table_;  ///< by name; null: empty; changed by OwnTable

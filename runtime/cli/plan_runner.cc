@@ -1,20 +1,16 @@
 #include "runtime/cli/plan_runner.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <optional>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
-#include "compiler/plan/input_file.h"
 #include "library/content_cache.h"
 #include "runtime/cli/exit_status.h"
 #include "runtime/cli/provenance.h"
@@ -201,14 +197,14 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
       IsThereAlready(out, plan,
                      ". --retry runs the runs of that plan: a changed `timeout` or `memory` makes "
                      "another one, as any setting does");
-  if (!is_started) RemoveLeftovers(plan, folder, is_complete);
-  const KeptRuns kept(out, retry);
-  if (!is_started && kept.CountOthers(plan) == 0) {
-    if (!options_.is_quiet)
-      report::Say(fmt::format("no run of '{}' is {}; nothing is run again\n", out.string(),
-                              fmt::join(retry.Words(), " or ")));
-    return {{}, folder, true};
+  if (!is_started) {
+    const std::string why = PrepareRetry(plan, folder, out, retry, is_complete);
+    if (!why.empty()) {
+      if (!options_.is_quiet) report::Say(why);
+      return {{}, folder, true};
+    }
   }
+  const KeptRuns kept(out, retry);
   FolderLock lock(folder);
   store::WriteWhole(retry.Text(), mark);
   WarnOfLoad(plan);

@@ -24,6 +24,22 @@ namespace fs = std::filesystem;
 constexpr std::string_view kNoisy = "noisy";
 constexpr std::string_view kWords[] = {"failed", "crashed", "timed_out", kNoisy};
 
+/// Those beside a complete result are of a runner that was killed right after its merge.
+void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_complete) {
+  std::error_code error;
+  if (!fs::exists(shards, error)) return;
+  FolderLock lock(shards);
+  if (!lock.TakeForMyself())
+    throw CommandError(
+        fmt::format("another cdb is at work in '{}'; retry when it has ended", shards.string()));
+  if ((!is_complete || IsMadeAnew(plan, shards)) && HasShards(shards))
+    throw CommandError(
+        fmt::format("'{}' holds finished runs that are not in the results yet; let the command end "
+                    "without --retry first",
+                    shards.string()));
+  RemoveShards(plan, shards);
+}
+
 }  // namespace
 
 RetryChoice::RetryChoice(const std::vector<std::string>& words) {
@@ -76,21 +92,6 @@ RetryChoice FindStartedRetry(const fs::path& shards) {
       plan::ReadInputFile(shards / schedule::kRetryMarkName, why).value_or(""));
 }
 
-void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_complete) {
-  std::error_code error;
-  if (!fs::exists(shards, error)) return;
-  FolderLock lock(shards);
-  if (!lock.TakeForMyself())
-    throw CommandError(
-        fmt::format("another cdb is at work in '{}'; retry when it has ended", shards.string()));
-  if ((!is_complete || IsMadeAnew(plan, shards)) && HasShards(shards))
-    throw CommandError(
-        fmt::format("'{}' holds finished runs that are not in the results yet; let the command end "
-                    "without --retry first",
-                    shards.string()));
-  RemoveShards(plan, shards);
-}
-
 bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
                    std::uint64_t rep) const {
   const store::ResultFile::Cell cell = {at, rep};
@@ -113,6 +114,14 @@ std::optional<store::ShardInfo> KeptRuns::Find(const plan::Run& run) const {
   if (file_.Has("omitted")) info.omitted = file_.ReadText("omitted", cell);
   if (file_.Has("needs")) info.decisions = file_.ReadText("needs", cell);
   return info;
+}
+
+std::string PrepareRetry(const plan::Plan& plan, const fs::path& shards, const fs::path& out,
+                         const RetryChoice& retry, bool is_complete) {
+  RemoveLeftovers(plan, shards, is_complete);
+  if (KeptRuns(out, retry).CountOthers(plan) > 0) return {};
+  return fmt::format("no run of '{}' is {}; nothing is run again\n", out.string(),
+                     fmt::join(retry.Words(), " or "));
 }
 
 std::size_t CountNotRunAgain(const plan::Plan& plan, const fs::path& shards, const fs::path& out) {

@@ -43,10 +43,6 @@ class RetryChoice {
 /// is none.
 RetryChoice FindStartedRetry(const std::filesystem::path& shards);
 
-/// Before a retry begins: removes shards that are in the result already. Throws CommandError where
-/// some are not, or another cdb is at work there.
-void RemoveLeftovers(const plan::Plan& plan, const std::filesystem::path& shards, bool is_complete);
-
 /// The runs of a results file that are not run again.
 class KeptRuns {
  public:
@@ -63,8 +59,15 @@ class KeptRuns {
   const RetryChoice retry_;
 };
 
-/// Runs that the retry which was begun in `shards` wants and that have no shard yet; 0 where there
-/// is no retry. To be asked before its shards are merged into `out`.
+/// Prepares a folder of shards for a retry that has not begun there: removes shards that the result
+/// has already. Empty, or why there is nothing to run again. Throws CommandError where the result
+/// lacks some of the shards, or another cdb is at work in the folder.
+std::string PrepareRetry(const plan::Plan& plan, const std::filesystem::path& shards,
+                         const std::filesystem::path& out, const RetryChoice& retry,
+                         bool is_complete);
+
+/// Runs that the retry in `shards` wants and that have no shard yet; 0 where there is no retry.
+/// Call it before the shards are merged into `out`.
 std::size_t CountNotRunAgain(const plan::Plan& plan, const std::filesystem::path& shards,
                              const std::filesystem::path& out);
 

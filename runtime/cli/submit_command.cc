@@ -1,6 +1,5 @@
 // `cdb submit`: the plans of a scenario to job arrays of Slurm, each with a merge after it.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <csignal>
@@ -244,10 +243,10 @@ class Submitter {
       return before;
     }
     if (!retry.is_empty() && FindStartedRetry(target.shards).is_empty()) {
-      RemoveLeftovers(target.plan(), target.shards, is_complete);
-      if (KeptRuns(target.out, retry).CountOthers(target.plan()) == 0) {
-        Say(fmt::format("no run of '{}' is {}; nothing is run again\n", target.out.string(),
-                        fmt::join(retry.Words(), " or ")));
+      const std::string why =
+          PrepareRetry(target.plan(), target.shards, target.out, retry, is_complete);
+      if (!why.empty()) {
+        Say(why);
         return std::nullopt;
       }
     }

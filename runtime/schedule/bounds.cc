@@ -67,7 +67,7 @@ double GroupLimit() {
 
 std::string BytesText(double bytes) { return fmt::format("{:.3g} GB", bytes / 1e9); }
 
-/// A word, a distribution of words, or what names no model.
+/// Throws SceneError for a model that is not on this machine. `checked`: words that were looked up.
 void CheckModelsOf(const schema::Value& type, std::set<std::string>& checked) {
   if (const schema::Distribution* drawn = schema::AsDistribution(type))
     for (const schema::Value& choice : drawn->arguments) CheckModelsOf(choice, checked);
@@ -161,14 +161,15 @@ void CheckFits(const std::string& benchmark, const Demand& demand, const fs::pat
 
 void CheckModels(const std::string& benchmark, const std::vector<const plan::Run*>& runs) {
   std::set<std::string> checked;
-  for (const plan::Run* run : runs)
-    for (const plan::Group& group : run->scene.groups) try {
+  try {
+    for (const plan::Run* run : runs)
+      for (const plan::Group& group : run->scene.groups)
         if (group.settings.Count("quantity") > 0)
           CheckModelsOf(group.settings.Get("type"), checked);
-      } catch (const library::SceneError& error) {
-        throw process::ScheduleError(
-            fmt::format("{}: nothing was started: {}", benchmark, error.what()));
-      }
+  } catch (const library::SceneError& error) {
+    throw process::ScheduleError(
+        fmt::format("{}: nothing was started: {}", benchmark, error.what()));
+  }
 }
 
 }  // namespace cdb::schedule

@@ -127,7 +127,7 @@ class Cases:
             assert status in (0, 3), said
             self.expected[name] = (status, outcome(folder / "out.h5"))
             counts = collections.Counter(line.split("(")[0] for line in log.read_text(errors="replace").splitlines() if "(" in line)
-            self.points[name] = [(what, n) for what, count in sorted(counts.items()) if what.isidentifier() or what.isalnum()
+            self.points[name] = [(what, n) for what, count in sorted(counts.items()) if what.isidentifier()
                                  for n in range(1, count + 1)]
             shutil.rmtree(folder)
 
