@@ -23,8 +23,13 @@ constexpr unsigned kCompression = 1;
 /// form.
 constexpr unsigned kMostCompact = 1 << 12;
 
-/// HDF5 prints every error to stderr unless told not to, thread by thread.
-void BeQuiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+/// Before any other call of HDF5 in a thread. HDF5 prints every error to stderr unless told not to.
+/// Its handler at exit closes what is still open, which is nothing but a file whose closing failed,
+/// and crashes there.
+void SetUpLibrary() {
+  [[maybe_unused]] static const herr_t no_exit_handler = H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 /// Library bounds that every reader since HDF5 1.8 understands.
 void SetBounds(const Id& access) {
@@ -207,7 +212,7 @@ bool IsHdf5(const std::filesystem::path& path) {
 File::~File() { id_.Reset(); }
 
 File File::CreateInMemory() {
-  BeQuiet();
+  SetUpLibrary();
   const Id access = NewProperties(H5P_FILE_ACCESS);
   SetBounds(access);
   KeepInMemory(access, 1 << 18);
@@ -218,7 +223,7 @@ File File::CreateInMemory() {
 }
 
 File File::Create(const std::filesystem::path& path) {
-  BeQuiet();
+  SetUpLibrary();
   auto sink = std::make_shared<Sink>(path);
   sink->Check();
   const Id access = NewProperties(H5P_FILE_ACCESS);
@@ -230,7 +235,7 @@ File File::Create(const std::filesystem::path& path) {
 }
 
 File File::Open(const std::filesystem::path& path) {
-  BeQuiet();
+  SetUpLibrary();
   CloseBackdoors();
   if (const std::string why = plan::WhyNotReadable(path); !why.empty()) throw Error(why);
   const Id access = NewProperties(H5P_FILE_ACCESS);
@@ -248,7 +253,7 @@ File File::OpenImage(std::span<const std::byte> image) { return OpenCopy(image, 
 File File::CopyImage(std::span<const std::byte> image) { return OpenCopy(image, H5F_ACC_RDWR); }
 
 File File::OpenCopy(std::span<const std::byte> image, unsigned mode) {
-  BeQuiet();
+  SetUpLibrary();
   const Id access = NewProperties(H5P_FILE_ACCESS);
   SetBounds(access);
   KeepInMemory(access, 1 << 16);
