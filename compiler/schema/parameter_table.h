@@ -149,7 +149,7 @@ struct ParameterTable {
 
     // and the measurement.
     {"repeats", false, kCount, kCountFromOne, kConstant, "", "1", "", kOwn,
-     "timed repeats of each point",
+     "timed repeats of each point; with `cdb run --until 1%`, the most of them",
      "repetitions runs reps repeat"},
     {"warmup", false, kCount, kCountFromZero, kConstant, "", "0", "", kOwn,
      "cycles before the first that is recorded"},
