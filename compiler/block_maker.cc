@@ -4,10 +4,10 @@
 #include <string>
 #include <utility>
 
+#include "compiler/analysis/trace.h"
 #include "compiler/checks/traced_scene.h"
-#include "compiler/evaluate/dependencies.h"
-#include "compiler/plan/trace.h"
-#include "dsl/check.h"
+#include "compiler/configure/dependencies.h"
+#include "dsl/text/check.h"
 
 namespace cdb::compiler {
 namespace {
@@ -47,7 +47,7 @@ bool DecidesSeedsOrPlugins(const schema::Parameter& parameter,
 }  // namespace
 
 BlockMaker::BlockMaker(std::shared_ptr<const scenario::Scenario> scenario,
-                       std::shared_ptr<evaluate::Configuration> configuration,
+                       std::shared_ptr<configure::Configuration> configuration,
                        const std::vector<plan::Axis>& axes, std::vector<Point> places)
     : scenario_(std::move(scenario)),
       configuration_(std::move(configuration)),
@@ -55,13 +55,13 @@ BlockMaker::BlockMaker(std::shared_ptr<const scenario::Scenario> scenario,
       places_(std::move(places)) {
   for (const Point& values : places_) extents_.push_back(values.size());
   for (const plan::Axis& axis : axes_) is_integer_.push_back(axis.IsInteger());
-  for (const evaluate::SweepAxis& sweep : configuration_->axes())
+  for (const configure::SweepAxis& sweep : configuration_->axes())
     axis_of_sweep_.push_back(static_cast<std::size_t>(
         std::ranges::find(axes_, sweep.name, &plan::Axis::name) - axes_.begin()));
 }
 
 void BlockMaker::Choose(const Point& local) {
-  evaluate::Point point;
+  configure::Point point;
   for (const std::size_t axis : axis_of_sweep_) point.push_back(local[axis]);
   configuration_->Choose(point);
 }
@@ -75,7 +75,7 @@ grid::Block BlockMaker::MakeConditions() {
   };
   block.lay_trace = [scenario = scenario_, configuration = configuration_](plan::Scene& scene) {
     std::string why;
-    const auto facts = scenario->TraceAt(plan::TraceOf(scene)->path, why);
+    const auto facts = scenario->TraceAt(analysis::TraceOf(scene)->path, why);
     CDB_CHECK(facts);
     checks::LayTrace(configuration->layers(), *facts, scene);
   };
@@ -91,7 +91,7 @@ grid::Block BlockMaker::MakeConditions() {
 }
 
 void BlockMaker::SetAxis(std::size_t axis, std::size_t local) {
-  evaluate::Conditions& conditions = configuration_->conditions();
+  configure::Conditions& conditions = configuration_->conditions();
   conditions.SetAxis(axes_[axis].name,
                      ConditionValue(axes_[axis], places_[axis][local], is_integer_[axis]));
   if (axes_[axis].IsText() && !conditions.HasAxisWords(axes_[axis].name))
@@ -103,7 +103,7 @@ grid::AxisSet BlockMaker::AxesIn(const dsl::Expr& expr, const scenario::Scope& s
   for (std::size_t axis = 0; axis < axes_.size(); ++axis)
     if (expr.kind == dsl::ExprKind::kPath && axes_[axis].name == expr.text) found.push_back(axis);
   const auto sweeps =
-      evaluate::SweepsIn(expr, scope, configuration_->layers(), configuration_->evaluator());
+      configure::SweepsIn(expr, scope, configuration_->layers(), configuration_->evaluator());
   for (std::size_t i = 0; i < axis_of_sweep_.size(); ++i)
     if (sweeps.contains(configuration_->axes()[i].call))
       found = grid::Union(found, {axis_of_sweep_[i]});
@@ -145,13 +145,13 @@ bool BlockMaker::AddSettings(grid::Block& block) {
   for (const std::string& group : configuration_->layers().groups)
     block.base.groups.push_back({group, {}});
   std::vector<PointCondition> bad;
-  for (const evaluate::DependentParameter& parameter : configuration_->parameters())
+  for (const configure::DependentParameter& parameter : configuration_->parameters())
     AddSetting(parameter, block, bad);
   block.skips.insert(block.skips.end(), bad.begin(), bad.end());
   return bad.empty();
 }
 
-void BlockMaker::AddSetting(const evaluate::DependentParameter& parameter, grid::Block& block,
+void BlockMaker::AddSetting(const configure::DependentParameter& parameter, grid::Block& block,
                             std::vector<PointCondition>& bad) {
   grid::AxisSet axes;
   for (const std::size_t axis : parameter.axes) axes = grid::Union(axes, {axis_of_sweep_[axis]});

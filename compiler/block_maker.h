@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "compiler/evaluate/configuration.h"
+#include "compiler/configure/configuration.h"
 #include "compiler/grid/grid.h"
 #include "compiler/scenario/scenario.h"
 
@@ -18,12 +18,12 @@ class BlockMaker {
  public:
   /// `axes`: of the grid; `places`: as Block::places. Both outlive this object.
   BlockMaker(std::shared_ptr<const scenario::Scenario> scenario,
-             std::shared_ptr<evaluate::Configuration> configuration,
+             std::shared_ptr<configure::Configuration> configuration,
              const std::vector<plan::Axis>& axes, std::vector<grid::Point> places);
 
   /// Chooses a point of the block for the configuration.
   void Choose(const grid::Point& local);
-  evaluate::Configuration& configuration() { return *configuration_; }
+  configure::Configuration& configuration() { return *configuration_; }
 
   /// Everything but the settings. Errors of conditions are reported.
   grid::Block MakeConditions();
@@ -36,12 +36,12 @@ class BlockMaker {
   grid::AxisSet AxesIn(const dsl::Expr& expr, const scenario::Scope& scope) const;
   void SetAxis(std::size_t axis, std::size_t local);
   /// Adds a condition of the points at which the value is bad to `bad`.
-  void AddSetting(const evaluate::DependentParameter& parameter, grid::Block& block,
+  void AddSetting(const configure::DependentParameter& parameter, grid::Block& block,
                   std::vector<grid::PointCondition>& bad);
   const grid::Remaining& RemainingAlong(const grid::AxisSet& axes, const grid::Block& block);
 
   std::shared_ptr<const scenario::Scenario> scenario_;
-  std::shared_ptr<evaluate::Configuration> configuration_;
+  std::shared_ptr<configure::Configuration> configuration_;
   const std::vector<plan::Axis>& axes_;
   std::vector<grid::Point> places_;
   grid::Point extents_;

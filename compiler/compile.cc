@@ -25,7 +25,7 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
   for (const scenario::BenchmarkRef& benchmark : benchmarks)
     result.benchmarks.push_back(benchmark.benchmark->name.text);
   if (benchmarks.empty() && is_read) {
-    const dsl::Span start = {scenario->main()->tree.source.get(), 0, 0};
+    const text::Span start = {scenario->main()->tree.source.get(), 0, 0};
     result.diagnostics.Report(scenario::kNoRuns, start, "there is no benchmark in this file",
                               "`benchmark name { }` is a whole one");
   }

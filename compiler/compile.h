@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "compiler/analysis/scene_fault.h"
 #include "compiler/grid/grid.h"
 #include "compiler/plan/plan.h"
-#include "compiler/plan/scene_fault.h"
 #include "compiler/scenario/scenario.h"
 #include "dsl/diagnostics.h"
 
@@ -18,10 +18,10 @@ struct CompileOptions {
   std::string library;  ///< folder of the scenarios that `use` reaches from anywhere; may be empty
   std::optional<std::string> benchmark;  ///< only this one; nullopt: every benchmark of the file
   scenario::PluginSource plugins = {};
-  plan::ReadTrace read_trace = {};  ///< without it no `trace` can be read
+  analysis::ReadTrace read_trace = {};  ///< without it no `trace` can be read
   /// Without it, objects that cannot be placed and wrong closed forms show in runs only.
-  plan::FindSceneFault find_fault = {};
-  plan::ReadPoses read_poses = {};  ///< without it no `location poses("file")` can be read
+  analysis::FindSceneFault find_fault = {};
+  analysis::ReadPoses read_poses = {};  ///< without it no `location poses("file")` can be read
   /// Fills Compilation::plans; a benchmark with more than kMostListed runs is an error then.
   bool lists_runs = true;
 };

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
 #include "compiler/schema/schema.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::compiler {
 namespace {
@@ -47,7 +47,7 @@ plan::Plan Cross(const plan::Plan& plan, schema::WorldParameter parameter,
       crossed.skipped.push_back(std::move(at));
     }
   }
-  plan::AddReferences(crossed);
+  analysis::AddReferences(crossed);
   return crossed;
 }
 

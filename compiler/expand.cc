@@ -8,13 +8,13 @@
 #include <unordered_map>
 #include <utility>
 
+#include "compiler/analysis/requested_errors.h"
 #include "compiler/block_maker.h"
 #include "compiler/compile.h"
+#include "compiler/configure/dependencies.h"
 #include "compiler/evaluate/convert.h"
-#include "compiler/evaluate/dependencies.h"
 #include "compiler/grid/survey.h"
 #include "compiler/grid_checks.h"
-#include "compiler/plan/requested_errors.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/result_names.h"
 
@@ -34,7 +34,7 @@ constexpr std::string_view kNoValue = "none";
 struct GridAxis {
   plan::Axis axis;
   std::pair<int, int> order;
-  const evaluate::SweepAxis* sweep = nullptr;  ///< one of those it was made from; null for cases
+  const configure::SweepAxis* sweep = nullptr;  ///< one of those it was made from; null for cases
   std::size_t case_axis = kNowhere;
   std::vector<std::vector<plan::Coordinate>> values;        ///< by configuration
   std::unordered_map<plan::Coordinate, std::size_t> index;  ///< of each value
@@ -43,7 +43,7 @@ struct GridAxis {
 class Expander {
  public:
   Expander(std::shared_ptr<const scenario::Scenario> scenario,
-           const scenario::BenchmarkRef& benchmark, const plan::FindSceneFault& find_fault,
+           const scenario::BenchmarkRef& benchmark, const analysis::FindSceneFault& find_fault,
            dsl::Diagnostics& diagnostics, bool lints)
       : scenario_(std::move(scenario)),
         benchmark_(benchmark),
@@ -96,11 +96,11 @@ class Expander {
       count *= static_cast<double>(axis.names.size());
     }
     if (count > kMostCases) return TooMany(count, kMostCases, "choices of cases");
-    evaluate::Point chosen(case_extents_.size(), 0);
+    configure::Point chosen(case_extents_.size(), 0);
     do {
-      configurations_.push_back(std::make_shared<evaluate::Configuration>(
+      configurations_.push_back(std::make_shared<configure::Configuration>(
           *scenario_, layered_.Lay(chosen), diagnostics_));
-    } while (evaluate::Advance(chosen, case_extents_));
+    } while (configure::Advance(chosen, case_extents_));
     return true;
   }
 
@@ -123,13 +123,13 @@ class Expander {
       axes_.push_back(std::move(axis));
     }
     for (const auto& configuration : configurations_)
-      for (const evaluate::SweepAxis& sweep : configuration->axes()) Merge(sweep);
+      for (const configure::SweepAxis& sweep : configuration->axes()) Merge(sweep);
     std::ranges::stable_sort(axes_, {}, &GridAxis::order);
     for (GridAxis& axis : axes_)
       if (axis.sweep != nullptr) FillValues(axis);
   }
 
-  void Merge(const evaluate::SweepAxis& sweep) {
+  void Merge(const configure::SweepAxis& sweep) {
     for (GridAxis& axis : axes_) {
       if (axis.axis.name != sweep.name) continue;
       if (axis.sweep == nullptr) {
@@ -172,12 +172,12 @@ class Expander {
     for (const auto& configuration : configurations_) {
       std::vector<plan::Coordinate> here;
       const auto swept =
-          std::ranges::find(configuration->axes(), axis.axis.name, &evaluate::SweepAxis::name);
+          std::ranges::find(configuration->axes(), axis.axis.name, &configure::SweepAxis::name);
       if (swept != configuration->axes().end()) {
         here = swept->values;
       } else {
         const auto value = configuration->ConstantFor(*axis.sweep);
-        here.push_back(value ? evaluate::CoordinateOf(*value) : std::string(kNoValue));
+        here.push_back(value ? configure::CoordinateOf(*value) : std::string(kNoValue));
       }
       axis.values.push_back(std::move(here));
     }
@@ -207,11 +207,11 @@ class Expander {
     const schema::Parameter* repeats = schema::WorldParameter("repeats").get();
     std::optional<std::uint64_t> value;
     for (const auto& configuration : configurations_) {
-      const dsl::Span span = configuration->SpanOf({"", repeats}, benchmark_.benchmark->name.span);
-      evaluate::Configuration& here = *configuration;
-      if (!evaluate::Dependencies({"", repeats}, here.layers(), here.axes(), here.evaluator())
+      const text::Span span = configuration->SpanOf({"", repeats}, benchmark_.benchmark->name.span);
+      configure::Configuration& here = *configuration;
+      if (!configure::Dependencies({"", repeats}, here.layers(), here.axes(), here.evaluator())
                .empty()) {
-        const dsl::Span whole = here.layers().settings.at({"", repeats}).node->values[0]->span;
+        const text::Span whole = here.layers().settings.at({"", repeats}).node->values[0]->span;
         diagnostics_.Report(scenario::kMisplacedSweep, whole, "'repeats' cannot be swept",
                             "every point has as many: they are the axis `rep`");
         return false;
@@ -301,7 +301,7 @@ class Expander {
     grid::Survey(grid_).Look(
         std::numeric_limits<std::uint64_t>::max(), {}, [](bool) {},
         [&](const grid::Sample&, const plan::Scene& scene) {
-          for (const schema::ErrorInfo* error : plan::ErrorsOf(scene))
+          for (const schema::ErrorInfo* error : analysis::ErrorsOf(scene))
             if (std::ranges::find(errors, error) == errors.end()) errors.push_back(error);
         });
     return errors;
@@ -309,13 +309,13 @@ class Expander {
 
   std::shared_ptr<const scenario::Scenario> scenario_;
   const scenario::BenchmarkRef& benchmark_;
-  const plan::FindSceneFault& find_fault_;
+  const analysis::FindSceneFault& find_fault_;
   dsl::Diagnostics& diagnostics_;
   bool lints_;
   int errors_before_;
   scenario::LayeredBenchmark layered_;
   std::vector<std::size_t> case_extents_;
-  std::vector<std::shared_ptr<evaluate::Configuration>> configurations_;
+  std::vector<std::shared_ptr<configure::Configuration>> configurations_;
   std::deque<BlockMaker> makers_;  ///< for each configuration
   std::vector<GridAxis> axes_;
   grid::Grid grid_;
@@ -327,7 +327,7 @@ class Expander {
 
 std::optional<grid::Grid> Expand(std::shared_ptr<const scenario::Scenario> scenario,
                                  const scenario::BenchmarkRef& benchmark,
-                                 const plan::FindSceneFault& find_fault,
+                                 const analysis::FindSceneFault& find_fault,
                                  dsl::Diagnostics& diagnostics, bool lints) {
   return Expander(std::move(scenario), benchmark, find_fault, diagnostics, lints).Run();
 }

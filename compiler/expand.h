@@ -4,18 +4,18 @@
 #include <memory>
 #include <optional>
 
+#include "compiler/analysis/scene_fault.h"
 #include "compiler/grid/grid.h"
-#include "compiler/plan/scene_fault.h"
 #include "compiler/scenario/scenario.h"
 
 namespace cdb::compiler {
 
 /// Nullopt after diagnostics. Title and texts of the plan are filled in by `Compile`. `find_fault`
 /// looks at scenes; may be empty. `lints`: warn of numbers that Bullet cannot follow
-/// (compiler/checks/lints.h), each once with its worst run.
+/// (compiler/lints/lints.h), each once with its worst run.
 std::optional<grid::Grid> Expand(std::shared_ptr<const scenario::Scenario> scenario,
                                  const scenario::BenchmarkRef& benchmark,
-                                 const plan::FindSceneFault& find_fault,
+                                 const analysis::FindSceneFault& find_fault,
                                  dsl::Diagnostics& diagnostics, bool lints);
 
 }  // namespace cdb::compiler

@@ -3,7 +3,7 @@
 #include <limits>
 #include <optional>
 
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
 
 namespace cdb::compiler {
 
@@ -19,8 +19,8 @@ void GridChecks::Check() {
       std::numeric_limits<std::uint64_t>::max(), {},
       [&](bool) { checks.emplace(benchmark_, found.emplace()); },
       [&](const grid::Sample& sample, const plan::Scene& scene) {
-        evaluate::Configuration& configuration = choose_(sample.block, sample.local);
-        if (!plan::TraceOf(scene)) {
+        configure::Configuration& configuration = choose_(sample.block, sample.local);
+        if (!analysis::TraceOf(scene)) {
           checks->Pass(configuration, scene);
         } else {
           plan::Scene traced = scene;
@@ -46,7 +46,7 @@ grid::AxisSet GridChecks::AxesOfPlacement() const {
   return has_closed_form ? grid::AllAxes(grid_.head.axes.size()) : axes;
 }
 
-void GridChecks::FindFaults(const plan::FindSceneFault& find) {
+void GridChecks::FindFaults(const analysis::FindSceneFault& find) {
   std::optional<dsl::Diagnostics> found;
   std::optional<checks::SceneFaults> faults;
   survey_.Look(
@@ -56,7 +56,7 @@ void GridChecks::FindFaults(const plan::FindSceneFault& find) {
                        is_whole ? checks::SceneFaults::kMostObjects : kMostObjectsOfMany);
       },
       [&](const grid::Sample& sample, const plan::Scene& scene) {
-        if (!plan::TraceOf(scene))
+        if (!analysis::TraceOf(scene))
           faults->Add(choose_(sample.block, sample.local), scene,
                       sample.points * grid_.head.repeats);
       });
@@ -65,7 +65,7 @@ void GridChecks::FindFaults(const plan::FindSceneFault& find) {
 }
 
 void GridChecks::Lint() {
-  std::optional<checks::LintFindings> findings;
+  std::optional<lints::LintFindings> findings;
   std::optional<checks::IdleSettings> idle;
   std::uint64_t looked_at = 0;
   survey_.Look(
@@ -78,8 +78,8 @@ void GridChecks::Lint() {
       [&](const grid::Sample& sample, const plan::Scene& scene) {
         const std::uint64_t runs = sample.points * grid_.head.repeats;
         looked_at += runs;
-        if (plan::TraceOf(scene)) return;
-        evaluate::Configuration& configuration = choose_(sample.block, sample.local);
+        if (analysis::TraceOf(scene)) return;
+        configure::Configuration& configuration = choose_(sample.block, sample.local);
         findings->Add(configuration, scene, runs);
         idle->Add(configuration, scene);
       });

@@ -5,22 +5,22 @@
 #include <vector>
 
 #include "compiler/checks/idle_settings.h"
-#include "compiler/checks/lint_findings.h"
 #include "compiler/checks/scene_checks.h"
 #include "compiler/checks/scene_faults.h"
 #include "compiler/grid/survey.h"
+#include "compiler/lints/lint_findings.h"
 
 namespace cdb::compiler {
 
 /// Chooses a point of a block of the grid for its configuration, and returns that.
 using ChoosePoint =
-    std::function<evaluate::Configuration&(std::size_t block, const grid::Point& local)>;
+    std::function<configure::Configuration&(std::size_t block, const grid::Point& local)>;
 
 /// Each check is made once for all runs that agree in what it reads. Not for several threads.
 class GridChecks {
  public:
   /// `benchmark`: where its name stands. `grid` outlives this object.
-  GridChecks(const grid::Grid& grid, ChoosePoint choose, dsl::Span benchmark,
+  GridChecks(const grid::Grid& grid, ChoosePoint choose, text::Span benchmark,
              dsl::Diagnostics& diagnostics)
       : grid_(grid),
         choose_(std::move(choose)),
@@ -31,7 +31,7 @@ class GridChecks {
   /// Errors that settings make together, of every run.
   void Check();
   /// Scenes that cannot be built: of every run, or of as many as take a second or two.
-  void FindFaults(const plan::FindSceneFault& find);
+  void FindFaults(const analysis::FindSceneFault& find);
   /// Settings without effect, and numbers that Bullet cannot follow: of every run, or of about
   /// kMostLinted spread over the grid.
   void Lint();
@@ -47,7 +47,7 @@ class GridChecks {
 
   const grid::Grid& grid_;
   ChoosePoint choose_;
-  dsl::Span benchmark_;
+  text::Span benchmark_;
   dsl::Diagnostics& diagnostics_;
   grid::Survey survey_;
 };

@@ -4,14 +4,14 @@
 #include <utility>
 #include <vector>
 
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
 #include "dsl/statement_parser.h"
+#include "dsl/text/concat.h"
 
 namespace cdb::dsl {
 
 std::uint32_t StatementParser::IndentAt(std::uint32_t offset) const {
-  const Source& source = cursor_.source();
+  const text::Source& source = cursor_.source();
   const std::uint32_t begin = source.LineStart(source.PositionAt(offset).line);
   const std::size_t first = source.text().find_first_not_of(" \t", begin);
   return static_cast<std::uint32_t>(first) - begin;
@@ -29,7 +29,7 @@ void StatementParser::ReportUnclosed() {
   unclosed_reported_ = true;
   const Token& found = cursor_.Peek();
   std::vector<Note> notes;
-  Span brace = open_.back().brace;
+  text::Span brace = open_.back().brace;
   if (suspect_) {
     brace = *suspect_;
   } else {
@@ -43,7 +43,7 @@ void StatementParser::ReportUnclosed() {
   cursor_.Report(kUnclosedBlock, brace, "this '{' has no '}'", "", std::move(notes));
 }
 
-bool StatementParser::ParseBraces(Span& span, const Span& owner,
+bool StatementParser::ParseBraces(text::Span& span, const text::Span& owner,
                                   const std::function<void()>& parse_one) {
   if (cursor_.At(TokenKind::kNewline) && cursor_.Peek(1).kind == TokenKind::kLeftBrace) {
     cursor_.Take();
@@ -93,7 +93,7 @@ bool StatementParser::ParseBraces(Span& span, const Span& owner,
   return true;
 }
 
-bool StatementParser::ParseBlock(Block& block, const Span& owner) {
+bool StatementParser::ParseBlock(Block& block, const text::Span& owner) {
   return ParseBraces(block.span, owner, [&] { ParseStatement(block.statements); });
 }
 
@@ -142,7 +142,7 @@ void StatementParser::EndStatement() {
 void StatementParser::ReportStrayBracket() {
   const Token& token = cursor_.Peek();
   cursor_.Report(kStrayBracket, cursor_.SpanOf(token),
-                 Concat({"no bracket is open that this ", cursor_.Quote(token), " closes"}));
+                 text::Concat({"no bracket is open that this ", cursor_.Quote(token), " closes"}));
 }
 
 void StatementParser::SkipStatement() {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
+#include "dsl/text/concat.h"
 #include "dsl/value_parser.h"
 
 namespace cdb::dsl {
@@ -65,7 +65,8 @@ bool ValueParser::Close(const Token& open, std::string_view expected) {
     else
       notes.push_back({cursor_.SpanOf(found), cursor_.Describe(found) + " comes before its ')'"});
     cursor_.Report(kUnclosedBracket, cursor_.SpanOf(open),
-                   Concat({"this ", cursor_.Quote(open), " is not closed"}), "", std::move(notes));
+                   text::Concat({"this ", cursor_.Quote(open), " is not closed"}), "",
+                   std::move(notes));
     return false;
   }
   cursor_.ReportUnexpected(expected);
@@ -123,7 +124,7 @@ bool ValueParser::ParseList(const Token& open, ParseOne parse_one) {
     }
     if (!comma_reported && !cursor_.Peek().faulty)
       cursor_.Report(kMissingComma, cursor_.SpanOf(cursor_.Peek()),
-                     Concat({"a ',' is missing before ", cursor_.Quote(cursor_.Peek())}));
+                     text::Concat({"a ',' is missing before ", cursor_.Quote(cursor_.Peek())}));
     comma_reported = true;
   }
   return Close(open, "')'");
@@ -152,7 +153,7 @@ ExprPtr ValueParser::ParseBracketed() {
     return good;
   });
   if (!closed) return nullptr;
-  const Span span = cursor_.SpanFrom(open.begin);
+  const text::Span span = cursor_.SpanFrom(open.begin);
   if (items.empty()) {
     if (all_good) cursor_.Report(kMissingValue, span, "there is no value in these brackets");
     return nullptr;
@@ -165,7 +166,7 @@ ExprPtr ValueParser::ParseBracketed() {
   if (items.size() != 3 && all_good)
     cursor_.Report(
         kVectorParts, span,
-        Concat({"a vector has three parts, and this has ", std::to_string(items.size())}),
+        text::Concat({"a vector has three parts, and this has ", std::to_string(items.size())}),
         "a vector is written (x, y, z)");
   ExprPtr vector = Make(ExprKind::kVector, open.begin);
   vector->items = std::move(items);

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
+#include "dsl/text/concat.h"
 #include "dsl/value_parser.h"
 
 namespace cdb::dsl {
@@ -30,7 +30,7 @@ std::string_view ComparisonOf(TokenKind kind) {
 
 }  // namespace
 
-ConditionPtr ValueParser::MakeLogic(ConditionKind kind, const Span& fault, ConditionPtr left,
+ConditionPtr ValueParser::MakeLogic(ConditionKind kind, const text::Span& fault, ConditionPtr left,
                                     ConditionPtr right) {
   auto condition = std::make_unique<Condition>();
   condition->kind = kind;
@@ -166,7 +166,7 @@ void ValueParser::ReportMissingComparison() {
   cursor_.Report(
       kMissingComparison, cursor_.SpanOf(word ? before : cursor_.Peek()),
       word ? cursor_.Quote(before) + " needs a comparison after it"
-           : Concat({"expected a comparison here, not ", cursor_.Describe(cursor_.Peek())}),
+           : text::Concat({"expected a comparison here, not ", cursor_.Describe(cursor_.Peek())}),
       "for example: quantity > 3000");
 }
 
@@ -185,7 +185,7 @@ ConditionPtr ValueParser::ParseIn(ConditionPtr condition) {
   bracketed_ = false;
   if (!cursor_.FitsDepth(condition->height, cursor_.SpanOf(word))) return nullptr;
   if (!is_negated) return condition;
-  const Span span = condition->span;
+  const text::Span span = condition->span;
   ConditionPtr negated =
       MakeLogic(ConditionKind::kNot, cursor_.SpanOf(first), std::move(condition), nullptr);
   if (negated) negated->span = span;

@@ -43,18 +43,18 @@ std::size_t Distance(std::string_view a, std::string_view b) {
 }
 
 /// A place between two characters counts as the one behind it.
-std::uint32_t EndOf(const Span& span) { return std::max(span.end, span.begin + 1); }
+std::uint32_t EndOf(const text::Span& span) { return std::max(span.end, span.begin + 1); }
 
 }  // namespace
 
-bool Diagnostics::OverlapsAnError(const Span& span) const {
+bool Diagnostics::OverlapsAnError(const text::Span& span) const {
   const auto taken = taken_.find(span.source);
   if (taken == taken_.end()) return false;
   const auto next = taken->second.lower_bound(EndOf(span));
   return next != taken->second.begin() && std::prev(next)->second > span.begin;
 }
 
-void Diagnostics::Report(const DiagnosticKind& kind, const Span& span, std::string message,
+void Diagnostics::Report(const DiagnosticKind& kind, const text::Span& span, std::string message,
                          std::string help, std::vector<Note> notes) {
   const auto source = reinterpret_cast<std::uintptr_t>(span.source);
   std::string key = std::to_string(source) + ':' + std::to_string(span.begin) + ':' +

@@ -8,7 +8,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "dsl/source.h"
+#include "dsl/text/source.h"
 
 namespace cdb::dsl {
 
@@ -26,13 +26,13 @@ struct DiagnosticKind {
 
 /// A second place that explains the first ("it was set here before").
 struct Note {
-  Span span;
+  text::Span span;
   std::string text;
 };
 
 struct Diagnostic {
   const DiagnosticKind* kind = nullptr;
-  Span span;            ///< the faulty part itself, not where the parser stood
+  text::Span span;      ///< the faulty part itself, not where the parser stood
   std::string message;  ///< one sentence without a full stop
   std::string help;     ///< what to write instead; may be empty
   std::vector<Note> notes;
@@ -43,7 +43,7 @@ struct Diagnostic {
 /// rule, and is dropped.
 class Diagnostics {
  public:
-  void Report(const DiagnosticKind& kind, const Span& span, std::string message,
+  void Report(const DiagnosticKind& kind, const text::Span& span, std::string message,
               std::string help = {}, std::vector<Note> notes = {});
 
   bool has_errors() const { return error_count_ > 0; }
@@ -54,10 +54,11 @@ class Diagnostics {
 
  private:
   std::vector<Diagnostic> all_;
-  bool OverlapsAnError(const Span& span) const;
+  bool OverlapsAnError(const text::Span& span) const;
 
   std::unordered_set<std::string> seen_;  // place and message of each
-  std::map<const Source*, std::map<std::uint32_t, std::uint32_t>> taken_;  // errors: begin, end
+  std::map<const text::Source*, std::map<std::uint32_t, std::uint32_t>>
+      taken_;  // errors: begin, end
   int error_count_ = 0;
 };
 

@@ -8,9 +8,9 @@
 #include <variant>
 #include <vector>
 
-#include "dsl/check.h"
 #include "dsl/lexer.h"
 #include "dsl/parser.h"
+#include "dsl/text/check.h"
 
 namespace cdb::dsl {
 namespace {
@@ -104,12 +104,12 @@ struct Line {
 
 class Formatter {
  public:
-  explicit Formatter(const Source& source) : source_(source), text_(source.text()) {}
+  explicit Formatter(const text::Source& source) : source_(source), text_(source.text()) {}
 
   std::string Run() {
     Diagnostics diagnostics;
     // The caller's source outlives this call, so the tree need not own it.
-    const std::shared_ptr<const Source> source(std::shared_ptr<void>(), &source_);
+    const std::shared_ptr<const text::Source> source(std::shared_ptr<void>(), &source_);
     roles_ = RoleFinder(text_).Find(Parse(source, diagnostics));
     CDB_CHECK(!diagnostics.has_errors());
     Collect();
@@ -284,7 +284,7 @@ class Formatter {
     return out;
   }
 
-  const Source& source_;
+  const text::Source& source_;
   std::string_view text_;
   Roles roles_;
   std::vector<Piece> pieces_;
@@ -293,6 +293,6 @@ class Formatter {
 
 }  // namespace
 
-std::string Format(const Source& source) { return Formatter(source).Run(); }
+std::string Format(const text::Source& source) { return Formatter(source).Run(); }
 
 }  // namespace cdb::dsl

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "dsl/source.h"
+#include "dsl/text/source.h"
 
 namespace cdb::dsl {
 
@@ -13,6 +13,6 @@ namespace cdb::dsl {
 /// block of several lines has its braces at the ends of lines. Ends lines with LF. Idempotent, and
 /// the tree does not change. The text has to parse (see `Parse`): a text that does not is the
 /// caller's mistake and ends the process.
-std::string Format(const Source& source);
+std::string Format(const text::Source& source);
 
 }  // namespace cdb::dsl

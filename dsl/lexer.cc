@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "dsl/characters.h"
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
 #include "dsl/foreign_operators.h"
 #include "dsl/number.h"
-#include "dsl/utf8.h"
+#include "dsl/text/characters.h"
+#include "dsl/text/concat.h"
+#include "dsl/text/utf8.h"
 
 namespace cdb::dsl {
 namespace {
@@ -22,7 +22,7 @@ std::string Hex(std::uint32_t value, int width) {
 
 class Lexer {
  public:
-  Lexer(const Source& source, Diagnostics& diagnostics)
+  Lexer(const text::Source& source, Diagnostics& diagnostics)
       : source_(source), text_(source.text()), diagnostics_(diagnostics) {}
 
   TokenList Run() {
@@ -54,11 +54,11 @@ class Lexer {
 
   char At(std::size_t at) const { return at < text_.size() ? text_[at] : '\0'; }
   bool StartsWith(std::string_view word) const { return text_.substr(at_).starts_with(word); }
-  Span SpanOf(std::size_t begin, std::size_t end) const {
+  text::Span SpanOf(std::size_t begin, std::size_t end) const {
     return {&source_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
   }
   void Add(TokenKind kind, std::size_t end, bool faulty = false) {
-    const Span span = SpanOf(at_, end);
+    const text::Span span = SpanOf(at_, end);
     result_.tokens.push_back({kind, faulty, span.begin, span.end});
     at_ = end;
   }
@@ -76,7 +76,7 @@ class Lexer {
     diagnostics_.Report(kind, SpanOf(begin, end), std::move(message), std::move(help));
   }
 
-  const Source& source_;
+  const text::Source& source_;
   std::string_view text_;
   Diagnostics& diagnostics_;
   std::size_t at_ = 0;
@@ -85,13 +85,13 @@ class Lexer {
 
 bool Lexer::CheckEncoding() {
   for (std::size_t at = 0; at < text_.size();) {
-    const CodePoint point = DecodeUtf8(text_, at);
+    const text::CodePoint point = text::DecodeUtf8(text_, at);
     if (point.bytes == 0) {
       const bool utf16 =
           at == 0 && (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"));
       Report(kNotUtf8, at, at + 1,
-             Concat({"the file is not UTF-8: byte ", Hex(static_cast<unsigned char>(text_[at]), 2),
-                     " means nothing here"}),
+             text::Concat({"the file is not UTF-8: byte ",
+                           Hex(static_cast<unsigned char>(text_[at]), 2), " means nothing here"}),
              utf16 ? "it looks like UTF-16; save it as UTF-8" : "save the file as UTF-8");
       return false;
     }
@@ -115,9 +115,9 @@ void Lexer::Next() {
     LexComment();
   } else if (c == '/' && (At(at_ + 1) == '/' || At(at_ + 1) == '*')) {
     LexForeignComment();
-  } else if (IsLetter(c) || AtForeignLetter(at_)) {
+  } else if (text::IsLetter(c) || AtForeignLetter(at_)) {
     LexPath();
-  } else if (IsDigit(c) || (c == '.' && IsDigit(At(at_ + 1)))) {
+  } else if (text::IsDigit(c) || (c == '.' && text::IsDigit(At(at_ + 1)))) {
     LexNumber();
   } else if (c == '"' || c == '\'') {
     LexText(c);
@@ -167,7 +167,7 @@ void Lexer::LexForeignComment() {
 
 bool Lexer::AtForeignLetter(std::size_t at) const {
   if (at >= text_.size() || static_cast<unsigned char>(text_[at]) < 0x80) return false;
-  const char32_t value = DecodeUtf8(text_, at).value;
+  const char32_t value = text::DecodeUtf8(text_, at).value;
   if (FindForeignOperator(text_.substr(at)) != nullptr) return false;
   // Latin-1 signs, spaces and general punctuation are no letters; above them nearly all is.
   return (value >= 0xC0 || value == 0xB5) && !(value >= 0x2000 && value <= 0x2BFF) &&
@@ -176,11 +176,11 @@ bool Lexer::AtForeignLetter(std::size_t at) const {
 
 std::size_t Lexer::SkipNameChars(std::size_t at, bool* foreign) const {
   while (at < text_.size()) {
-    if (IsNameChar(text_[at])) {
+    if (text::IsNameChar(text_[at])) {
       ++at;
     } else if (AtForeignLetter(at)) {
       *foreign = true;
-      at += static_cast<std::size_t>(DecodeUtf8(text_, at).bytes);
+      at += static_cast<std::size_t>(text::DecodeUtf8(text_, at).bytes);
     } else {
       break;
     }
@@ -194,10 +194,10 @@ void Lexer::LexPath() {
   bool bad_part = false;
   while (At(end) == '.' && At(end + 1) != '.') {
     const std::size_t part = end + 1;
-    bad_part |= !IsLetter(At(part)) && !AtForeignLetter(part);
+    bad_part |= !text::IsLetter(At(part)) && !AtForeignLetter(part);
     end = SkipNameChars(part, &foreign);
   }
-  const std::string quoted = Concat({"'", text_.substr(at_, end - at_), "'"});
+  const std::string quoted = text::Concat({"'", text_.substr(at_, end - at_), "'"});
   if (foreign) {
     Report(kBadName, at_, end, quoted + " cannot be a name",
            "names are made of the letters A to Z and a to z, digits and '_'");
@@ -216,10 +216,10 @@ void Lexer::LexNumber() {
     const char c = text_[end];
     const char last = end > at_ ? text_[end - 1] : '\0';
     const bool sign = (c == '+' || c == '-') && !hex && (last == 'e' || last == 'E') &&
-                      end >= at_ + 2 && IsDigit(text_[end - 2]) && IsDigit(At(end + 1));
+                      end >= at_ + 2 && text::IsDigit(text_[end - 2]) && text::IsDigit(At(end + 1));
     const bool point = c == '.' && At(end + 1) != '.' && last != '.';
-    if (!IsNameChar(c) && !AtForeignLetter(end) && !sign && !point) break;
-    end += AtForeignLetter(end) ? static_cast<std::size_t>(DecodeUtf8(text_, end).bytes) : 1;
+    if (!text::IsNameChar(c) && !AtForeignLetter(end) && !sign && !point) break;
+    end += AtForeignLetter(end) ? static_cast<std::size_t>(text::DecodeUtf8(text_, end).bytes) : 1;
   }
   // `benchmark 3d`: the parser says that it is no name.
   const bool is_name_like = text_.substr(at_, end - at_).find('.') == std::string_view::npos;
@@ -253,9 +253,9 @@ void Lexer::LexText(char quote) {
   if (quote == '\'') {
     const std::string inner(text_.substr(begin + 1, end - begin - 2));
     const bool plain = inner.find_first_of("\"\\") == std::string::npos;
-    Report(
-        kSingleQuotes, begin, end, "a text stands in double quotes",
-        plain ? Concat({"write \"", inner, "\", or a word of the language without quotes"}) : "");
+    Report(kSingleQuotes, begin, end, "a text stands in double quotes",
+           plain ? text::Concat({"write \"", inner, "\", or a word of the language without quotes"})
+                 : "");
   } else {
     CheckEscapes(begin + 1, end - 1);
   }
@@ -264,18 +264,18 @@ void Lexer::LexText(char quote) {
 
 void Lexer::CheckEscapes(std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
-    if (IsControl(text_[i])) {
+    if (text::IsControl(text_[i])) {
       Report(kControlCharacter, i, i + 1,
-             Concat({"a text cannot hold the control character U+",
-                     Hex(static_cast<unsigned char>(text_[i]), 4)}));
+             text::Concat({"a text cannot hold the control character U+",
+                           Hex(static_cast<unsigned char>(text_[i]), 4)}));
     }
     if (text_[i] != '\\') continue;
     ++i;
     if (std::string_view("\"\\nt").find(text_[i]) != std::string_view::npos) continue;
-    const int bytes = std::max(DecodeUtf8(text_, i).bytes, 1);
-    const std::size_t stop = IsControl(text_[i]) ? i : i + static_cast<std::size_t>(bytes);
+    const int bytes = std::max(text::DecodeUtf8(text_, i).bytes, 1);
+    const std::size_t stop = text::IsControl(text_[i]) ? i : i + static_cast<std::size_t>(bytes);
     Report(kBadEscape, i - 1, stop,
-           Concat({"'", text_.substr(i - 1, stop - i + 1), "' means nothing in a text"}),
+           text::Concat({"'", text_.substr(i - 1, stop - i + 1), "' means nothing in a text"}),
            "it knows \\\" \\\\ \\n and \\t; a backslash itself is \\\\");
   }
 }
@@ -286,7 +286,7 @@ void Lexer::LexDots() {
   const bool good = end - at_ == 2;
   if (!good) {
     Report(kForeignOperator, at_, end,
-           Concat({"'", text_.substr(at_, end - at_), "' means nothing here"}),
+           text::Concat({"'", text_.substr(at_, end - at_), "' means nothing here"}),
            "did you mean '..'?");
   }
   Add(TokenKind::kDots, end, !good);
@@ -295,7 +295,7 @@ void Lexer::LexDots() {
 void Lexer::LexPercent() {
   const std::size_t next = text_.find_first_not_of(" \t", at_ + 1);
   const char c = next == std::string_view::npos ? '\n' : text_[next];
-  const bool remainder = IsNameChar(c) || c == '(';
+  const bool remainder = text::IsNameChar(c) || c == '(';
   Report(kForeignOperator, at_, at_ + 1, "'%' means nothing here",
          remainder ? "there is no remainder; + - * / ^ are what there is"
                    : "a percentage is written as a fraction: 5 % is 0.05 or 5/100");
@@ -316,8 +316,8 @@ bool Lexer::LexForeign() {
   const std::string_view rest = text_.substr(at_);
   if (const ForeignOperator* foreign = FindForeignOperator(rest)) {
     const std::size_t end = at_ + foreign->text.size();
-    Report(kForeignOperator, at_, end, Concat({"'", foreign->text, "' means nothing here"}),
-           Concat({"did you mean '", foreign->here, "'?"}));
+    Report(kForeignOperator, at_, end, text::Concat({"'", foreign->text, "' means nothing here"}),
+           text::Concat({"did you mean '", foreign->here, "'?"}));
     Add(foreign->kind, end, true);
     return true;
   }
@@ -362,9 +362,9 @@ bool Lexer::LexOperator() {
 }
 
 void Lexer::LexUnknown() {
-  const CodePoint point = DecodeUtf8(text_, at_);
+  const text::CodePoint point = text::DecodeUtf8(text_, at_);
   const std::size_t end = at_ + static_cast<std::size_t>(point.bytes);
-  const std::string code = Concat({"U+", Hex(static_cast<std::uint32_t>(point.value), 4)});
+  const std::string code = text::Concat({"U+", Hex(static_cast<std::uint32_t>(point.value), 4)});
   if (point.value == '\r') {
     Report(kControlCharacter, at_, end, "a carriage return stands here without a line feed",
            "end each line with LF, or with CR LF");
@@ -373,28 +373,28 @@ void Lexer::LexUnknown() {
   }
   if (point.value == 0xA0 || (point.value >= 0x2000 && point.value <= 0x200D) ||
       point.value == 0x202F || point.value == 0x3000 || point.value == 0xFEFF) {
-    Report(kUnknownCharacter, at_, end, Concat({"this is not a plain space but ", code}),
+    Report(kUnknownCharacter, at_, end, text::Concat({"this is not a plain space but ", code}),
            "replace it by a space");
     at_ = end;
     return;
   }
   if (point.value < 0x20 || point.value == 0x7F) {
     Report(kControlCharacter, at_, end,
-           Concat({"the control character ", code, " means nothing here"}));
+           text::Concat({"the control character ", code, " means nothing here"}));
     at_ = end;
     return;
   }
   const std::string shown(text_.substr(at_, end - at_));
   std::string help;
   if (shown == ".") help = "a range is written 'a .. b', a path 'objects.quantity'";
-  Report(kUnknownCharacter, at_, end, Concat({"'", shown, "' means nothing here"}),
+  Report(kUnknownCharacter, at_, end, text::Concat({"'", shown, "' means nothing here"}),
          std::move(help));
   Add(TokenKind::kUnknown, end, true);
 }
 
 }  // namespace
 
-TokenList Lex(const Source& source, Diagnostics& diagnostics) {
+TokenList Lex(const text::Source& source, Diagnostics& diagnostics) {
   return Lexer(source, diagnostics).Run();
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dsl/diagnostics.h"
-#include "dsl/source.h"
+#include "dsl/text/source.h"
 
 namespace cdb::dsl {
 
@@ -53,13 +53,13 @@ struct Token {
 };
 
 struct TokenList {
-  std::vector<Token> tokens;   ///< ends with kEnd
-  std::vector<Span> comments;  ///< `#` to the end of its line, without trailing spaces
+  std::vector<Token> tokens;         ///< ends with kEnd
+  std::vector<text::Span> comments;  ///< `#` to the end of its line, without trailing spaces
 };
 
 /// Reports every lexical error. Line ends after `(` and `,` and before `)` and `]` are no tokens.
 /// A text that is not UTF-8 or holds a NUL is refused whole: one error, and only kEnd.
-TokenList Lex(const Source& source, Diagnostics& diagnostics);
+TokenList Lex(const text::Source& source, Diagnostics& diagnostics);
 
 /// The contents of a kText token with its escapes resolved; a faulty one gives what can be read.
 std::string TextContents(std::string_view lexeme);

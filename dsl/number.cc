@@ -7,17 +7,17 @@
 #include <system_error>
 #include <utility>
 
-#include "dsl/characters.h"
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
-#include "dsl/units.h"
+#include "dsl/text/characters.h"
+#include "dsl/text/concat.h"
+#include "dsl/text/units.h"
 
 namespace cdb::dsl {
 namespace {
 
 class NumberCheck {
  public:
-  NumberCheck(std::string_view lexeme, const Span& span, Diagnostics& diagnostics)
+  NumberCheck(std::string_view lexeme, const text::Span& span, Diagnostics& diagnostics)
       : lexeme_(lexeme), span_(span), diagnostics_(diagnostics) {}
 
   bool Run() {
@@ -25,10 +25,10 @@ class NumberCheck {
     if (!TakeDigits(is_hex)) return false;
     if (is_hex) return CheckHex();
     if (digits_.front() == '.')
-      return Refuse(kBadNumber, "a number begins with a digit", Concat({"write 0", lexeme_}));
+      return Refuse(kBadNumber, "a number begins with a digit", text::Concat({"write 0", lexeme_}));
     if (digits_.back() == '.')
       return Refuse(kBadNumber, "a number does not end with a point",
-                    Concat({"write ", lexeme_, "0, or leave the point out"}));
+                    text::Concat({"write ", lexeme_, "0, or leave the point out"}));
     return CheckDecimal();
   }
 
@@ -37,14 +37,14 @@ class NumberCheck {
     diagnostics_.Report(kind, span_, std::move(message), std::move(help));
     return false;
   }
-  std::string Quoted() const { return Concat({"'", lexeme_, "'"}); }
+  std::string Quoted() const { return text::Concat({"'", lexeme_, "'"}); }
   bool RefuseForm(std::string help) {
     return Refuse(kBadNumber, Quoted() + " is not a number", std::move(help));
   }
 
   /// Into `digits_`, without the underscores.
   bool TakeDigits(bool is_hex) {
-    const auto is_digit = is_hex ? IsHexDigit : IsDigit;
+    const auto is_digit = is_hex ? text::IsHexDigit : text::IsDigit;
     for (std::size_t i = 0; i < lexeme_.size(); ++i) {
       if (lexeme_[i] != '_') {
         digits_ += lexeme_[i];
@@ -71,7 +71,7 @@ class NumberCheck {
 
   bool SkipDigits(std::size_t& at) const {
     const std::size_t from = at;
-    while (at < digits_.size() && IsDigit(digits_[at])) ++at;
+    while (at < digits_.size() && text::IsDigit(digits_[at])) ++at;
     return at > from;
   }
 
@@ -103,11 +103,10 @@ class NumberCheck {
     if (!is_whole) return RefuseForm("");
     if (at < digits_.size()) {
       const std::string_view rest = std::string_view(digits_).substr(at);
-      const std::string_view unit = IsUnitName(rest) ? rest : UnitCalled(rest);
-      return RefuseForm(
-          unit.empty()
-              ? ""
-              : Concat({"write a space before the unit: ", digits_.substr(0, at), " ", unit}));
+      const std::string_view unit = text::IsUnitName(rest) ? rest : text::UnitCalled(rest);
+      return RefuseForm(unit.empty() ? ""
+                                     : text::Concat({"write a space before the unit: ",
+                                                     digits_.substr(0, at), " ", unit}));
     }
     return *is_whole ? CheckWholeRange() : CheckRealRange();
   }
@@ -129,14 +128,14 @@ class NumberCheck {
   }
 
   std::string_view lexeme_;
-  const Span& span_;
+  const text::Span& span_;
   Diagnostics& diagnostics_;
   std::string digits_;
 };
 
 }  // namespace
 
-bool CheckNumber(std::string_view lexeme, const Span& span, Diagnostics& diagnostics) {
+bool CheckNumber(std::string_view lexeme, const text::Span& span, Diagnostics& diagnostics) {
   return NumberCheck(lexeme, span, diagnostics).Run();
 }
 

@@ -9,6 +9,6 @@ namespace cdb::dsl {
 
 /// False, with one report at `span`, if the lexeme is no number of the language or does not fit
 /// into 64 bits.
-bool CheckNumber(std::string_view lexeme, const Span& span, Diagnostics& diagnostics);
+bool CheckNumber(std::string_view lexeme, const text::Span& span, Diagnostics& diagnostics);
 
 }  // namespace cdb::dsl

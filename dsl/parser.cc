@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
 #include "dsl/statement_parser.h"
+#include "dsl/text/concat.h"
 
 namespace cdb::dsl {
 
@@ -46,7 +46,7 @@ void StatementParser::ParseItems(File& file) {
         cursor_.Report(kMisplacedStatement, cursor_.SpanOf(token),
                        cursor_.Quote(token) + " cannot stand outside a benchmark",
                        meant.empty() ? "a file holds use, let and benchmark NAME { … }"
-                                     : Concat({"did you mean '", meant, "'?"}));
+                                     : text::Concat({"did you mean '", meant, "'?"}));
       misplaced_reported |= meant.empty();
       if (meant == "benchmark") {
         ParseBenchmark();
@@ -96,11 +96,11 @@ Use StatementParser::ParseUse() {
     const bool faulty = cursor_.Peek().faulty;
     while (!cursor_.AtStatementEnd() && !cursor_.At(TokenKind::kLeftBrace)) cursor_.Take();
     if (!faulty && cursor_.Previous().end > begin) {
-      const Span span = cursor_.SpanFrom(begin);
+      const text::Span span = cursor_.SpanFrom(begin);
       cursor_.Report(
           kMissingQuotes, span, "a file's name stands in quotes",
-          Concat({"write \"", cursor_.source().text().substr(span.begin, span.end - span.begin),
-                  "\""}));
+          text::Concat({"write \"",
+                        cursor_.source().text().substr(span.begin, span.end - span.begin), "\""}));
     }
   }
   use.span = cursor_.SpanFrom(word.begin);
@@ -125,7 +125,7 @@ std::optional<Let> StatementParser::ParseLet() {
   if (cursor_.At(TokenKind::kLeftParen)) {
     cursor_.Report(kNoFunctions, cursor_.SpanOf(cursor_.Peek()),
                    "a let is a value and takes no arguments",
-                   Concat({"write: let ", name->text, " = …"}));
+                   text::Concat({"write: let ", name->text, " = …"}));
     SkipStatement();
     return Let{std::move(*name), nullptr};
   }
@@ -133,15 +133,15 @@ std::optional<Let> StatementParser::ParseLet() {
     cursor_.Take();
   } else if (cursor_.AtStatementEnd()) {
     cursor_.Report(kMissingEquals, name->span, "this name is given no value",
-                   Concat({"write: let ", name->text, " = …"}));
+                   text::Concat({"write: let ", name->text, " = …"}));
     return Let{std::move(*name), nullptr};
   } else {
     const Token& found = cursor_.Peek();
     const bool instead = found.kind == TokenKind::kColon || found.kind == TokenKind::kEqual;
     if (!found.faulty)
       cursor_.Report(kMissingEquals, cursor_.SpanOf(found),
-                     Concat({"expected '=' before the value, not ", cursor_.Describe(found)}),
-                     Concat({"write: let ", name->text, " = …"}));
+                     text::Concat({"expected '=' before the value, not ", cursor_.Describe(found)}),
+                     text::Concat({"write: let ", name->text, " = …"}));
     if (instead) cursor_.Take();
   }
   ExprPtr value = values_.ParseValue();
@@ -164,7 +164,8 @@ std::optional<Let> StatementParser::ParseLet() {
 
 std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {
   if (!zip) return {};
-  const auto fail = [this](const Span& span, std::string_view message, std::string_view help) {
+  const auto fail = [this](const text::Span& span, std::string_view message,
+                           std::string_view help) {
     cursor_.Report(kOneValue, span, std::string(message), std::string(help));
     return std::vector<Let>();
   };
@@ -173,8 +174,8 @@ std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {
     return fail(zip->span, "several names need a zip( ) of several sweeps", kForm);
   if (zip->arguments.size() != names.size())
     return fail(zip->span,
-                Concat({"here are ", std::to_string(names.size()), " names, and zip( ) has ",
-                        std::to_string(zip->arguments.size()), " sweeps"}),
+                text::Concat({"here are ", std::to_string(names.size()), " names, and zip( ) has ",
+                              std::to_string(zip->arguments.size()), " sweeps"}),
                 "each name is one of the sweeps");
   auto all = std::make_shared<Zip>();
   all->span = zip->span;
@@ -186,7 +187,7 @@ std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {
       return fail(value.span, "zip( ) takes sweeps only", kForm);
     if (value.axis)
       return fail(value.axis->span, "the sweeps of zip( ) are one axis, which has one name",
-                  Concat({"write it behind zip( ): zip(…) as ", value.axis->text}));
+                  text::Concat({"write it behind zip( ): zip(…) as ", value.axis->text}));
     all->sweeps.push_back(&value);
   }
   std::vector<Let> lets;
@@ -228,7 +229,7 @@ Benchmark StatementParser::ParseBenchmark() {
       cursor_.Report(kMissingName, cursor_.SpanOf(token),
                      "'from' needs the name of a benchmark after it");
   }
-  const Span owner = cursor_.SpanFrom(word.begin);
+  const text::Span owner = cursor_.SpanFrom(word.begin);
   if (!ParseBlock(benchmark.block, owner)) {
     benchmark.block.span = owner;
     AddDamage(Damage::kMisnested);
@@ -238,7 +239,7 @@ Benchmark StatementParser::ParseBenchmark() {
   return benchmark;
 }
 
-File Parse(std::shared_ptr<const Source> source, Diagnostics& diagnostics) {
+File Parse(std::shared_ptr<const text::Source> source, Diagnostics& diagnostics) {
   File file;
   file.source = std::move(source);
   StatementParser(*file.source, diagnostics).ParseItems(file);

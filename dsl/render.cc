@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "dsl/concat.h"
-#include "dsl/utf8.h"
+#include "dsl/text/concat.h"
+#include "dsl/text/utf8.h"
 
 namespace cdb::dsl {
 namespace {
@@ -35,12 +35,12 @@ struct Glyph {
 };
 
 Glyph GlyphAt(std::string_view line, std::size_t at) {
-  const CodePoint point = DecodeUtf8(line, at);
+  const text::CodePoint point = text::DecodeUtf8(line, at);
   if (point.bytes == 0) return {"\uFFFD", 1, 1};
   const auto bytes = static_cast<std::size_t>(point.bytes);
   if (point.value == '\t') return {"\t", 1, bytes};
   if (Hidden(point.value)) return {"\uFFFD", 1, bytes};
-  return {line.substr(at, bytes), ColumnsOf(point.value), bytes};
+  return {line.substr(at, bytes), text::ColumnsOf(point.value), bytes};
 }
 
 std::size_t StepBack(std::string_view line, std::size_t at) {
@@ -50,7 +50,7 @@ std::size_t StepBack(std::string_view line, std::size_t at) {
 }
 
 // No message moves the cursor of a terminal, whatever the file said.
-std::string Printable(std::string_view text) {
+std::string WithoutControls(std::string_view text) {
   std::string shown;
   for (std::size_t at = 0; at < text.size();) {
     const Glyph glyph = GlyphAt(text, at);
@@ -80,28 +80,28 @@ class Renderer {
     if (options_.color) out_ += kPlain;
   }
 
-  void AddPlace(const Span& span, std::string_view word, std::string_view color,
+  void AddPlace(const text::Span& span, std::string_view word, std::string_view color,
                 std::string_view message, const DiagnosticKind* kind, std::string_view help) {
-    Position position;
+    text::Position position;
     if (span.source != nullptr) {
       position = span.source->PositionAt(span.begin);
-      Colored(kBold, Printable(span.source->name()) + ':' + std::to_string(position.line) + ':' +
-                         std::to_string(position.column) + ':');
+      Colored(kBold, WithoutControls(span.source->name()) + ':' + std::to_string(position.line) +
+                         ':' + std::to_string(position.column) + ':');
       out_ += ' ';
     }
     Colored(color, std::string(word) + ':');
     out_ += ' ';
-    Colored(kBold, Printable(message));
-    if (kind != nullptr) out_ += Concat({" [", kind->code, " ", kind->id, "]"});
+    Colored(kBold, WithoutControls(message));
+    if (kind != nullptr) out_ += text::Concat({" [", kind->code, " ", kind->id, "]"});
     out_ += '\n';
     if (span.source != nullptr) {
-      AddExcerpt(span, position.line, color, Printable(help));
+      AddExcerpt(span, position.line, color, WithoutControls(help));
     } else if (!help.empty()) {
-      out_ += Concat({"  ", Printable(help), "\n"});
+      out_ += text::Concat({"  ", WithoutControls(help), "\n"});
     }
   }
 
-  void AddExcerpt(const Span& span, int line_number, std::string_view color,
+  void AddExcerpt(const text::Span& span, int line_number, std::string_view color,
                   const std::string& help) {
     const std::string_view line = span.source->Line(line_number);
     const std::uint32_t line_begin = span.source->LineStart(line_number);
@@ -143,8 +143,8 @@ class Renderer {
     if (at < line.size()) shown += "…";
     if (carets.find('^') == std::string::npos) carets += '^';
 
-    out_ += Concat({"  ", number, shown.empty() ? " |" : " | ", shown, "\n"});
-    out_ += Concat({"  ", std::string(number.size(), ' '), " | "});
+    out_ += text::Concat({"  ", number, shown.empty() ? " |" : " | ", shown, "\n"});
+    out_ += text::Concat({"  ", std::string(number.size(), ' '), " | "});
     const std::size_t first = carets.find('^');
     out_ += carets.substr(0, first);
     Colored(color, carets.substr(first));
@@ -170,7 +170,7 @@ class Renderer {
 }  // namespace
 
 std::vector<const Diagnostic*> InOrder(const Diagnostics& diagnostics) {
-  std::vector<const Source*> sources{nullptr};
+  std::vector<const text::Source*> sources{nullptr};
   std::vector<std::pair<std::size_t, const Diagnostic*>> order;
   for (const Diagnostic& diagnostic : diagnostics.all()) {
     const auto found = std::find(sources.begin(), sources.end(), diagnostic.span.source);
@@ -202,7 +202,8 @@ std::string Render(const Diagnostics& diagnostics, const RenderOptions& options)
   const auto rest = [&options](std::size_t count, std::string_view what) {
     if (count <= options.most) return std::string();
     const std::size_t more = count - options.most;
-    return Concat({"… and ", std::to_string(more), " more ", what, more == 1 ? "" : "s", "\n"});
+    return text::Concat(
+        {"… and ", std::to_string(more), " more ", what, more == 1 ? "" : "s", "\n"});
   };
   return renderer.Take() + rest(errors, "error") + rest(warnings, "warning");
 }

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
-#include "dsl/units.h"
+#include "dsl/text/concat.h"
+#include "dsl/text/units.h"
 
 namespace cdb::dsl {
 
@@ -35,7 +35,7 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
     if (sign.kind == TokenKind::kAssign || sign.kind == TokenKind::kColon) {
       if (!sign.faulty)
         cursor_.Report(kEqualsInSetting, cursor_.SpanOf(sign),
-                       Concat({"a setting is written without ", cursor_.Quote(sign)}),
+                       text::Concat({"a setting is written without ", cursor_.Quote(sign)}),
                        "write a space between the name and its value");
       cursor_.Take();
     }
@@ -58,7 +58,7 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
     else if (!first.faulty)
       cursor_.Report(
           kUnexpectedToken, cursor_.SpanOf(first),
-          Concat({"a statement begins with a name, not with ", cursor_.Describe(first)}));
+          text::Concat({"a statement begins with a name, not with ", cursor_.Describe(first)}));
     AddDamage(Damage::kLost);
     cursor_.Take();
     SkipStatement();
@@ -66,7 +66,7 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
   EndStatement();
   std::vector<Let> more = std::exchange(more_lets_, {});
   if (!statement) return;
-  const Span span = statement->span;
+  const text::Span span = statement->span;
   Poison(*statement, faults);
   statements.push_back(std::move(*statement));
   for (Let& let : more) {
@@ -140,7 +140,7 @@ std::optional<Group> StatementParser::ParseGroup(Name kind, bool faulty) {
   if (!faulty && kind.text.find('.') != std::string::npos)
     cursor_.Report(kBadName, kind.span, "the name of a block has no '.' in it",
                    "put one block into the other");
-  const Span owner = kind.span;
+  const text::Span owner = kind.span;
   group.kind = std::move(kind);
   if (!ParseBlock(group.block, owner)) return std::nullopt;
   return group;
@@ -154,7 +154,7 @@ Setting StatementParser::ParseSetting(Name path) {
                       cursor_.Previous().kind == TokenKind::kColon;
     if (!sign)
       cursor_.Report(kMissingValue, setting.path.span,
-                     Concat({"'", setting.path.text, "' is given no value"}));
+                     text::Concat({"'", setting.path.text, "' is given no value"}));
   } else if (!ParseMoreValues(setting)) {
     SkipStatement();
   }
@@ -196,9 +196,9 @@ bool StatementParser::ParseMoreValues(Setting& setting) {
     if (RefuseMissingSemicolon(kind, word)) return true;
     if (!comma_reported)
       cursor_.Report(kMissingComma, cursor_.SpanOf(next),
-                     Concat({"a ',' is missing before ", cursor_.Quote(next)}),
+                     text::Concat({"a ',' is missing before ", cursor_.Quote(next)}),
                      kind == ExprKind::kPath && next.kind != TokenKind::kPath
-                         ? Concat({"arguments stand in brackets: ", word, "(…)"})
+                         ? text::Concat({"arguments stand in brackets: ", word, "(…)"})
                          : "");
     comma_reported = true;
   }
@@ -222,9 +222,9 @@ bool StatementParser::RefuseSecondArgument(const Expr& value) {
   if (!value.bare || !(values_.AtLabel() || (after_comma && values_.AtLabel(1)))) return false;
   const Token& label = cursor_.Peek(after_comma ? 1 : 0);
   cursor_.Report(kMissingBrackets, cursor_.SpanOf(label),
-                 Concat({"several arguments of '", value.text, "' stand in brackets"}),
-                 Concat({"write: ", value.text, "(", value.arguments[0].name->text, ": …, ",
-                         cursor_.Text(label), ": …)"}));
+                 text::Concat({"several arguments of '", value.text, "' stand in brackets"}),
+                 text::Concat({"write: ", value.text, "(", value.arguments[0].name->text, ": …, ",
+                               cursor_.Text(label), ": …)"}));
   return true;
 }
 
@@ -235,7 +235,7 @@ bool StatementParser::RefuseCommaBetweenStatements(const Setting& setting, const
   const bool is_list_of_words = setting.values.front()->kind == ExprKind::kPath;
   if (is_list_of_words || value.kind != ExprKind::kPath || !cursor_.AtValueStart()) return false;
   cursor_.Report(kMissingSemicolon, cursor_.SpanOf(comma), "a ',' does not end a statement",
-                 Concat({"write ';', or begin a new line with ", cursor_.Quote(value.span)}));
+                 text::Concat({"write ';', or begin a new line with ", cursor_.Quote(value.span)}));
   cursor_.Rewind(start);
   statement_begins_ = true;
   return true;
@@ -248,20 +248,21 @@ bool StatementParser::RefuseUnit(ExprKind last) {
   const std::string_view word = cursor_.Text(next);
   const bool is_number = last == ExprKind::kNumber || last == ExprKind::kBinary ||
                          last == ExprKind::kNegate || last == ExprKind::kVector;
-  const std::string_view unit = UnitCalled(word);
+  const std::string_view unit = text::UnitCalled(word);
   const bool ends = cursor_.Peek(1).kind == TokenKind::kNewline ||
                     cursor_.Peek(1).kind == TokenKind::kSemicolon ||
                     cursor_.Peek(1).kind == TokenKind::kRightBrace ||
                     cursor_.Peek(1).kind == TokenKind::kEnd;
   if (is_number && (!unit.empty() || ends)) {
     cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), cursor_.Quote(next) + " is not a unit",
-                   unit.empty() ? Concat({"units are ", UnitNames()}) : Concat({"write ", unit}));
+                   unit.empty() ? text::Concat({"units are ", text::UnitNames()})
+                                : text::Concat({"write ", unit}));
     return true;
   }
-  if (last != ExprKind::kPath || !ends || !IsUnitName(word)) return false;
+  if (last != ExprKind::kPath || !ends || !text::IsUnitName(word)) return false;
   const Token name = cursor_.Previous();
   cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), "a unit follows a number or a bracket",
-                 Concat({"write (", cursor_.Text(name), ") ", word}));
+                 text::Concat({"write (", cursor_.Text(name), ") ", word}));
   return true;
 }
 
@@ -273,10 +274,10 @@ bool StatementParser::RefuseSecondNumber(const Setting& setting) {
   const Token next = cursor_.Peek();
   const std::string_view first =
       cursor_.source().text().substr(last.span.begin, last.span.end - last.span.begin);
-  cursor_.Report(
-      kTwoValues, cursor_.SpanOf(next),
-      Concat({"'", setting.path.text, "' is given a second value"}),
-      Concat({"to make a run with each, write sweep(", first, ", ", cursor_.Text(next), ")"}));
+  cursor_.Report(kTwoValues, cursor_.SpanOf(next),
+                 text::Concat({"'", setting.path.text, "' is given a second value"}),
+                 text::Concat({"to make a run with each, write sweep(", first, ", ",
+                               cursor_.Text(next), ")"}));
   return true;
 }
 
@@ -289,7 +290,7 @@ bool StatementParser::RefuseLoop() {
     return false;
   if (!cursor_.AtValueStart(1)) return false;
   cursor_.Report(kNoLoops, cursor_.SpanOf(word),
-                 Concat({"there is no ", cursor_.Quote(word), " in this language"}),
+                 text::Concat({"there is no ", cursor_.Quote(word), " in this language"}),
                  is_branch ? "skip when … leaves out runs; cases { } set several values together"
                            : "sweep(1 .. 3) makes a run for each value");
   AddDamage(Damage::kLost);
@@ -307,12 +308,13 @@ bool StatementParser::RefuseMissingSemicolon(ExprKind last, const std::string& w
        cursor_.Peek(1).kind == TokenKind::kAssign || cursor_.Peek(1).kind == TokenKind::kColon ||
        IsReserved(cursor_.Text(next)));
   if (!is_statement) return false;
-  cursor_.Report(kMissingSemicolon, cursor_.SpanOf(next),
-                 Concat({"a ';' or a ',' is missing before ", cursor_.Quote(next)}),
-                 last == ExprKind::kPath
-                     ? Concat({"';' before another statement, ',' before another value; or write: ",
-                               word, "(", cursor_.Text(next), ": …)"})
-                     : "';' before another statement, ',' before another value");
+  cursor_.Report(
+      kMissingSemicolon, cursor_.SpanOf(next),
+      text::Concat({"a ';' or a ',' is missing before ", cursor_.Quote(next)}),
+      last == ExprKind::kPath
+          ? text::Concat({"';' before another statement, ',' before another value; or write: ",
+                          word, "(", cursor_.Text(next), ": …)"})
+          : "';' before another statement, ',' before another value");
   statement_begins_ = true;
   return true;
 }
@@ -321,8 +323,8 @@ std::optional<Cases> StatementParser::ParseCases() {
   Cases cases;
   cases.keyword = cursor_.SpanOf(cursor_.Take());
   if (cursor_.At(TokenKind::kPath)) cases.name = cursor_.ParseName("an axis");
-  const Span owner = cursor_.SpanFrom(cases.keyword.begin);
-  Span braces;
+  const text::Span owner = cursor_.SpanFrom(cases.keyword.begin);
+  text::Span braces;
   const bool parsed = ParseBraces(braces, owner, [&] {
     if (std::optional<Case> one = ParseCase()) cases.cases.push_back(std::move(*one));
   });
@@ -346,14 +348,14 @@ std::optional<Case> StatementParser::ParseCase() {
     if (cursor_.At(TokenKind::kAssign) || cursor_.At(TokenKind::kColon)) {
       const Token sign = cursor_.Take();
       cursor_.Report(kEqualsInSetting, cursor_.SpanOf(sign),
-                     Concat({"a case is written without ", cursor_.Quote(sign)}),
+                     text::Concat({"a case is written without ", cursor_.Quote(sign)}),
                      "write NAME { … }");
     }
     if (cursor_.At(TokenKind::kText)) one.title = TextContents(cursor_.Text(cursor_.Take()));
     const bool setting = cursor_.AtValueStart() && !cursor_.Peek().faulty;
     if (setting) {
       cursor_.Report(kMissingBlock, one.name.span, "a case has a block, and no value of its own",
-                     Concat({"write ", one.name.text, " { … }"}));
+                     text::Concat({"write ", one.name.text, " { … }"}));
       SkipStatement();
     } else if (cursor_.fault_count() > faults && cursor_.AtStatementEnd()) {
       // Its name was reported; a missing block would be a second error for the same slip.
@@ -362,9 +364,10 @@ std::optional<Case> StatementParser::ParseCase() {
     }
   } else {
     if (!first.faulty)
-      cursor_.Report(kUnexpectedToken, cursor_.SpanOf(first),
-                     Concat({"a case begins with its name, not with ", cursor_.Describe(first)}),
-                     "write NAME { … }");
+      cursor_.Report(
+          kUnexpectedToken, cursor_.SpanOf(first),
+          text::Concat({"a case begins with its name, not with ", cursor_.Describe(first)}),
+          "write NAME { … }");
     if (first.kind == TokenKind::kLeftBrace) {
       Block dropped;
       ParseBlock(dropped, cursor_.SpanOf(first));
@@ -386,10 +389,10 @@ Skip StatementParser::ParseSkip() {
   if (cursor_.AtWord("when")) {
     cursor_.Take();
   } else if (cursor_.AtStatementEnd()) {
-    cursor_.Report(
-        kMissingWhen, cursor_.SpanOf(word),
-        Concat({"'", name, "' does not say which points to ", skip.is_only ? "run" : "leave out"}),
-        Concat({"for example: ", name, " when quantity > 3000"}));
+    cursor_.Report(kMissingWhen, cursor_.SpanOf(word),
+                   text::Concat({"'", name, "' does not say which points to ",
+                                 skip.is_only ? "run" : "leave out"}),
+                   text::Concat({"for example: ", name, " when quantity > 3000"}));
     return skip;
   } else {
     const Token next = cursor_.Peek();
@@ -397,8 +400,8 @@ Skip StatementParser::ParseSkip() {
         cursor_.AtWord("if") || cursor_.AtWord("where") || cursor_.AtWord("unless");
     if (!next.faulty)
       cursor_.Report(kMissingWhen, cursor_.SpanOf(instead ? next : word),
-                     Concat({"'", name, "' is followed by 'when'"}),
-                     Concat({"write: ", name, " when …"}));
+                     text::Concat({"'", name, "' is followed by 'when'"}),
+                     text::Concat({"write: ", name, " when …"}));
     if (instead) cursor_.Take();
   }
   skip.when = values_.ParseCondition();

@@ -18,7 +18,7 @@ namespace cdb::dsl {
 /// Every function reports what is wrong, and goes on where the next statement begins.
 class StatementParser {
  public:
-  StatementParser(const Source& source, Diagnostics& diagnostics)
+  StatementParser(const text::Source& source, Diagnostics& diagnostics)
       : cursor_(source, diagnostics), values_(cursor_) {}
 
   void ParseItems(File& file);
@@ -49,9 +49,10 @@ class StatementParser {
   void ParseMisplaced();
 
   /// A block and its braces. False where there is none, which is reported as missing from `owner`.
-  bool ParseBlock(Block& block, const Span& owner);
+  bool ParseBlock(Block& block, const text::Span& owner);
   /// Calls `parse_one` for everything between the braces.
-  bool ParseBraces(Span& span, const Span& owner, const std::function<void()>& parse_one);
+  bool ParseBraces(text::Span& span, const text::Span& owner,
+                   const std::function<void()>& parse_one);
   bool ListInBraces() const;
   void SkipBraces();
   void ReportUnclosed();
@@ -72,7 +73,7 @@ class StatementParser {
   }
 
   struct OpenBlock {
-    Span brace;
+    text::Span brace;
     std::uint32_t indent;  // of the line on which it opens
   };
   std::uint32_t IndentAt(std::uint32_t offset) const;
@@ -82,7 +83,7 @@ class StatementParser {
   std::vector<OpenBlock> open_;
   // The brace of a block that was closed by a '}' further left than it should be: where a '}' is
   // missing at the end, it is this block's, whatever the count says.
-  std::optional<Span> suspect_;
+  std::optional<text::Span> suspect_;
   std::vector<Let> more_lets_;     // of the present statement
   Damage damage_ = Damage::kNone;  // of the present benchmark, or of the file outside of them
   bool unclosed_reported_ = false;

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "dsl/source.h"
+#include "dsl/text/source.h"
 
 namespace cdb::dsl {
 
@@ -17,7 +17,7 @@ using ExprPtr = std::unique_ptr<Expr>;
 /// A name or a dotted path with its place.
 struct Name {
   std::string text;  ///< `objects.quantity`
-  Span span;
+  text::Span span;
 };
 
 /// One argument of a call: `x`, `sd: 3`, or a weighted word `sphere 3`.
@@ -47,7 +47,7 @@ enum class RangeKind { kByOne, kStep, kCount, kCountLog };
 /// `let a, b = zip(sweep(…), sweep(…)) as name`: sweeps that move together. Each is the value of a
 /// let of its own.
 struct Zip {
-  Span span;  ///< of the call
+  text::Span span;  ///< of the call
   std::vector<Name> names;
   std::vector<const Expr*> sweeps;  ///< as many as names
   std::optional<Name> axis;         ///< `as name`
@@ -55,12 +55,12 @@ struct Zip {
 
 struct Expr {
   ExprKind kind = ExprKind::kNumber;
-  int height = 1;  ///< nodes on the longest way down; with what it stands in at most `kMaxDepth`
-  Span span;       ///< with the brackets around it
+  int height = 1;   ///< nodes on the longest way down; with what it stands in at most `kMaxDepth`
+  text::Span span;  ///< with the brackets around it
   std::string text;
   char op = 0;  ///< one of + - * / ^
   RangeKind range = RangeKind::kByOne;
-  Span text_span;  ///< of the unit of a kQuantity
+  text::Span text_span;  ///< of the unit of a kQuantity
   std::vector<ExprPtr> items;
   std::vector<Argument> arguments;
   std::optional<Name> axis;        ///< `as name` after a call
@@ -75,9 +75,9 @@ enum class ConditionKind { kCompare, kIn, kAnd, kOr, kNot };
 
 struct Condition {
   ConditionKind kind = ConditionKind::kCompare;
-  int height = 1;  ///< as that of Expr
-  Span span;       ///< with the brackets around it
-  std::string op;  ///< kCompare: == != < <= > >=
+  int height = 1;   ///< as that of Expr
+  text::Span span;  ///< with the brackets around it
+  std::string op;   ///< kCompare: == != < <= > >=
   ExprPtr left, right;
   std::vector<ConditionPtr> items;  ///< kAnd, kOr: two; kNot: one
   std::vector<ExprPtr> values;      ///< kIn: one or more, of which `left` is one
@@ -85,7 +85,7 @@ struct Condition {
 
 struct Statement;
 struct Block {
-  Span span;  ///< with its braces
+  text::Span span;  ///< with its braces
   std::vector<Statement> statements;
 };
 
@@ -100,7 +100,7 @@ struct Case {
 };
 struct Cases {
   std::optional<Name> name;
-  Span keyword;
+  text::Span keyword;
   std::vector<Case> cases;
 };
 struct Skip {
@@ -118,15 +118,15 @@ struct Setting {
 };
 
 struct Statement {
-  Span span;
+  text::Span span;
   std::variant<Let, Cases, Skip, Group, Setting> what;
 };
 
 struct Use {
-  Span span;
+  text::Span span;
   bool detector = false;
   std::string path;
-  Span path_span;
+  text::Span path_span;
 };
 
 /// What errors have left of a file or a benchmark. A value that cannot be read is a kError and
@@ -139,7 +139,7 @@ enum class Damage {
 
 struct Benchmark {
   Damage damage = Damage::kNone;
-  Span span;
+  text::Span span;
   Name name;
   std::optional<Name> from;
   std::string title;
@@ -149,7 +149,7 @@ struct Benchmark {
 /// One file. `items` keeps the order in which they were written. Holds the source that its spans
 /// point into.
 struct File {
-  std::shared_ptr<const Source> source;
+  std::shared_ptr<const text::Source> source;
   Damage damage = Damage::kNone;  ///< outside the benchmarks
   std::vector<std::variant<Use, Let, Benchmark>> items;
 };

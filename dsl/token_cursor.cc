@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
 #include "dsl/parser.h"
+#include "dsl/text/concat.h"
 
 namespace cdb::dsl {
 namespace {
@@ -29,7 +29,7 @@ bool IsReserved(std::string_view word) {
   return word == "benchmark" || word == "use" || word == "let" || word == "cases" || word == "skip";
 }
 
-TokenCursor::TokenCursor(const Source& source, Diagnostics& diagnostics)
+TokenCursor::TokenCursor(const text::Source& source, Diagnostics& diagnostics)
     : source_(source), diagnostics_(diagnostics), tokens_(Lex(source, diagnostics).tokens) {
   int faulty = 0;
   for (const Token& token : tokens_) {
@@ -111,8 +111,9 @@ std::string_view TokenCursor::Text(const Token& token) const {
 
 std::string TokenCursor::Quote(const Token& token) const { return Quote(SpanOf(token)); }
 
-std::string TokenCursor::Quote(const Span& span) const {
-  return Concat({"'", Shorten(source_.text().substr(span.begin, span.end - span.begin)), "'"});
+std::string TokenCursor::Quote(const text::Span& span) const {
+  return text::Concat(
+      {"'", Shorten(source_.text().substr(span.begin, span.end - span.begin)), "'"});
 }
 
 std::string TokenCursor::Describe(const Token& token) const {
@@ -122,9 +123,9 @@ std::string TokenCursor::Describe(const Token& token) const {
     case TokenKind::kNewline:
       return "the end of the line";
     case TokenKind::kText:
-      return Concat({"the text ", Shorten(Text(token))});
+      return text::Concat({"the text ", Shorten(Text(token))});
     case TokenKind::kNumber:
-      return Concat({"the number ", Shorten(Text(token))});
+      return text::Concat({"the number ", Shorten(Text(token))});
     default:
       return Quote(token);
   }
@@ -135,15 +136,16 @@ void TokenCursor::ReportUnexpected(std::string_view expected, std::string help) 
   if (token.faulty) return;
   const bool line_end = token.kind == TokenKind::kNewline;
   // The end of a line has no width of its own, and CR LF would underline two columns of nothing.
-  const Span span = line_end ? Span{&source_, token.begin, token.begin} : SpanOf(token);
-  Report(kUnexpectedToken, span, Concat({"expected ", expected, ", not ", Describe(token)}),
+  const text::Span span = line_end ? text::Span{&source_, token.begin, token.begin} : SpanOf(token);
+  Report(kUnexpectedToken, span, text::Concat({"expected ", expected, ", not ", Describe(token)}),
          std::move(help));
 }
 
-bool TokenCursor::FitsDepth(int height, const Span& span) {
+bool TokenCursor::FitsDepth(int height, const text::Span& span) {
   if (depth_ + height <= kMaxDepth) return true;
   if (std::exchange(gave_up_, true)) return false;
-  Report(kTooDeep, span, Concat({"this nests deeper than ", std::to_string(kMaxDepth), " levels"}),
+  Report(kTooDeep, span,
+         text::Concat({"this nests deeper than ", std::to_string(kMaxDepth), " levels"}),
          "blocks, brackets, calls and operators count; give parts of it names with 'let'");
   return false;
 }
@@ -164,7 +166,7 @@ Name TokenCursor::TakeHyphened(bool digits_too) {
     name.text += '_' + std::string(Text(part));
     name.span.end = part.end;
   }
-  Report(kBadName, name.span, "a name has no '-' in it", Concat({"write ", name.text}));
+  Report(kBadName, name.span, "a name has no '-' in it", text::Concat({"write ", name.text}));
   return name;
 }
 
@@ -181,8 +183,8 @@ void TokenCursor::RefuseReserved(const Name& path) {
     if (IsReserved(part)) {
       const auto at = path.span.begin + static_cast<std::uint32_t>(begin);
       Report(kReservedWord, {&source_, at, at + static_cast<std::uint32_t>(part.size())},
-             Concat({"'", part,
-                     "' begins a statement of its own, so nothing else can have that name"}));
+             text::Concat({"'", part,
+                           "' begins a statement of its own, so nothing else can have that name"}));
     }
     begin = end + 1;
   }
@@ -195,13 +197,13 @@ std::optional<Name> TokenCursor::ParseName(std::string_view what, bool within_va
     RefuseReserved(name);
     const bool reported = token.faulty || name.span.end != token.end;
     if (!reported && name.text.find('.') != std::string::npos)
-      Report(kBadName, name.span, Concat({"the name of ", what, " has no '.' in it"}));
+      Report(kBadName, name.span, text::Concat({"the name of ", what, " has no '.' in it"}));
     return name;
   }
   if (At(TokenKind::kNumber)) {
     if (!Peek().faulty)
       Report(kBadName, SpanOf(Peek()),
-             Concat({"the name of ", what, " does not begin with a digit"}));
+             text::Concat({"the name of ", what, " does not begin with a digit"}));
     const Token token = Take();
     return Name{std::string(Text(token)), SpanOf(token)};
   }

@@ -22,7 +22,7 @@ bool IsReserved(std::string_view word);
 class TokenCursor {
  public:
   /// Lexes the source, with its errors.
-  TokenCursor(const Source& source, Diagnostics& diagnostics);
+  TokenCursor(const text::Source& source, Diagnostics& diagnostics);
 
   /// The token `ahead` of the current one; the last is kEnd, however far one looks.
   const Token& Peek(std::size_t ahead = 0) const;
@@ -47,15 +47,15 @@ class TokenCursor {
   void Rewind(std::size_t index) { index_ = index; }
 
   std::string_view Text(const Token& token) const;
-  Span SpanOf(const Token& token) const { return {&source_, token.begin, token.end}; }
+  text::Span SpanOf(const Token& token) const { return {&source_, token.begin, token.end}; }
   /// From `begin` to the end of the token that was taken last.
-  Span SpanFrom(std::uint32_t begin) const { return {&source_, begin, Previous().end}; }
+  text::Span SpanFrom(std::uint32_t begin) const { return {&source_, begin, Previous().end}; }
   /// `'size'`, `the end of the line`: for messages.
   std::string Describe(const Token& token) const;
   std::string Quote(const Token& token) const;
-  std::string Quote(const Span& span) const;
+  std::string Quote(const text::Span& span) const;
 
-  void Report(const DiagnosticKind& kind, const Span& span, std::string message,
+  void Report(const DiagnosticKind& kind, const text::Span& span, std::string message,
               std::string help = {}, std::vector<Note> notes = {}) {
     if (kind.severity() == Severity::kError) ++error_count_;
     diagnostics_.Report(kind, span, std::move(message), std::move(help), std::move(notes));
@@ -65,7 +65,7 @@ class TokenCursor {
 
   /// True where `height` more levels still fit below the current one; else reports it, at `span`,
   /// once for each statement.
-  bool FitsDepth(int height, const Span& span);
+  bool FitsDepth(int height, const text::Span& span);
   /// Whether this statement nests too deep, so that the rest of it is not read.
   bool gave_up() const { return gave_up_; }
   void BeginStatement() { gave_up_ = false; }
@@ -79,13 +79,13 @@ class TokenCursor {
   /// Reports the reserved words in a path.
   void RefuseReserved(const Name& path);
 
-  const Source& source() const { return source_; }
+  const text::Source& source() const { return source_; }
 
  private:
   friend class DepthScope;
   Name TakeHyphened(bool digits_too);
 
-  const Source& source_;
+  const text::Source& source_;
   Diagnostics& diagnostics_;
   std::vector<Token> tokens_;
   std::vector<int> faulty_before_;  ///< by token: how many before it

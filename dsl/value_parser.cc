@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "dsl/concat.h"
 #include "dsl/diagnostic_kinds.h"
-#include "dsl/units.h"
+#include "dsl/text/concat.h"
+#include "dsl/text/units.h"
 
 namespace cdb::dsl {
 namespace {
@@ -27,7 +27,7 @@ ExprPtr ValueParser::Make(ExprKind kind, std::uint32_t begin) const {
   return expr;
 }
 
-ExprPtr ValueParser::Finish(ExprPtr expr, const Span& fault) {
+ExprPtr ValueParser::Finish(ExprPtr expr, const text::Span& fault) {
   int below = 0;
   const auto look = [&](const ExprPtr& part) {
     if (part) below = std::max(below, part->height);
@@ -68,10 +68,10 @@ void ValueParser::ReportMissingValue() {
     return;
   }
   const bool line_end = token.kind == TokenKind::kNewline;
-  const Span span =
-      line_end ? Span{&cursor_.source(), before.end, before.end} : cursor_.SpanOf(token);
+  const text::Span span =
+      line_end ? text::Span{&cursor_.source(), before.end, before.end} : cursor_.SpanOf(token);
   cursor_.Report(kMissingValue, span,
-                 Concat({"expected a value here, not ", cursor_.Describe(token)}));
+                 text::Concat({"expected a value here, not ", cursor_.Describe(token)}));
 }
 
 ExprPtr ValueParser::ParseValue() {
@@ -116,9 +116,10 @@ ExprPtr ValueParser::FinishRatio(std::vector<ExprPtr> parts) {
     // A range was meant, most likely.
     ratio->kind = ExprKind::kRange;
   } else if (parts.size() > 3) {
-    cursor_.Report(kRatioParts, ratio->span,
-                   Concat({"a ratio has three parts, and this has ", std::to_string(parts.size())}),
-                   "a ratio is written 1 : y : z");
+    cursor_.Report(
+        kRatioParts, ratio->span,
+        text::Concat({"a ratio has three parts, and this has ", std::to_string(parts.size())}),
+        "a ratio is written 1 : y : z");
     parts.resize(3);
   }
   ratio->items = std::move(parts);
@@ -159,8 +160,8 @@ ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
         meant == "log" || cursor_.AtValueStart(1) || cursor_.Peek(1).kind == TokenKind::kMinus;
     if (meant.empty() || !follows || word == "as") return RangeWord::kNone;
     cursor_.Report(kBadRange, cursor_.SpanOf(token),
-                   Concat({"a range knows no word ", cursor_.Quote(token)}),
-                   Concat({"did you mean '", meant, "'?"}));
+                   text::Concat({"a range knows no word ", cursor_.Quote(token)}),
+                   text::Concat({"did you mean '", meant, "'?"}));
   }
   cursor_.Take();
   if (meant != "log") return ParseRangeNumber(range, token, meant == "step", known);
@@ -226,14 +227,15 @@ bool ValueParser::AtUnit() const {
   const bool can_have_one = before.kind == TokenKind::kNumber ||
                             before.kind == TokenKind::kRightParen ||
                             before.kind == TokenKind::kRightBracket;
-  return can_have_one && cursor_.At(TokenKind::kPath) && IsUnitName(cursor_.Text(cursor_.Peek()));
+  return can_have_one && cursor_.At(TokenKind::kPath) &&
+         text::IsUnitName(cursor_.Text(cursor_.Peek()));
 }
 
 ExprPtr ValueParser::FinishQuantity(ExprPtr value) {
   const Token first = cursor_.Peek();
   const auto at_name = [this](std::size_t ahead) {
     const Token& token = cursor_.Peek(ahead);
-    return token.kind == TokenKind::kPath && IsUnitName(cursor_.Text(token));
+    return token.kind == TokenKind::kPath && text::IsUnitName(cursor_.Text(token));
   };
   std::string unit;
   while (true) {
@@ -252,7 +254,7 @@ ExprPtr ValueParser::FinishQuantity(ExprPtr value) {
   quantity->text = std::move(unit);
   quantity->text_span = cursor_.SpanFrom(first.begin);
   quantity->items.push_back(std::move(value));
-  const Span fault = quantity->text_span;
+  const text::Span fault = quantity->text_span;
   return Finish(std::move(quantity), fault);
 }
 
@@ -268,7 +270,7 @@ bool ValueParser::TakePower(std::string& unit) {
     return false;
   }
   cursor_.Take();
-  unit += Concat({"^", power});
+  unit += text::Concat({"^", power});
   return true;
 }
 
@@ -308,7 +310,7 @@ ExprPtr ValueParser::ParseUnary() {
 ExprPtr ValueParser::ParsePrimary() {
   if (IsOperator(cursor_.Previous().kind) && cursor_.NextLineContinues()) {
     cursor_.Report(kLineBreak, cursor_.SpanOf(cursor_.Previous()),
-                   Concat({"a line cannot break after ", cursor_.Quote(cursor_.Previous())}),
+                   text::Concat({"a line cannot break after ", cursor_.Quote(cursor_.Previous())}),
                    "it can after ',' in a list; else write the value on one line");
     cursor_.Take();
   }

@@ -90,9 +90,9 @@ class ValueParser {
 
   ExprPtr Make(ExprKind kind, std::uint32_t begin) const;
   /// Sets span and height from the parts; null, with a report, where it nests too deep.
-  ExprPtr Finish(ExprPtr expr, const Span& fault);
+  ExprPtr Finish(ExprPtr expr, const text::Span& fault);
   ExprPtr MakeBinary(const Token& op, ExprPtr left, ExprPtr right);
-  ConditionPtr MakeLogic(ConditionKind kind, const Span& fault, ConditionPtr left,
+  ConditionPtr MakeLogic(ConditionKind kind, const text::Span& fault, ConditionPtr left,
                          ConditionPtr right);
   void ReportMissingValue();
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "compiler/plan/expectation.h"
-#include "compiler/plan/kinematic.h"
-#include "compiler/plan/poses.h"
+#include "compiler/analysis/expectation.h"
+#include "compiler/analysis/kinematic.h"
+#include "compiler/analysis/poses.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::checks {
@@ -15,13 +15,13 @@ namespace {
 using schema::IsZero;
 
 bool IsStill(const plan::Group& group) {
-  return plan::PathOf(group) == nullptr && IsZero(group.settings.Get("linear_velocity")) &&
+  return analysis::PathOf(group) == nullptr && IsZero(group.settings.Get("linear_velocity")) &&
          IsZero(group.settings.Get("angular_velocity"));
 }
 
 }  // namespace
 
-void IdleSettings::Look(evaluate::Configuration& configuration, const scenario::ParameterKey& key,
+void IdleSettings::Look(configure::Configuration& configuration, const scenario::ParameterKey& key,
                         bool is_idle, const std::string& message, const std::string& help) {
   if (!configuration.IsSet(key)) return;
   if (!is_idle)
@@ -30,7 +30,7 @@ void IdleSettings::Look(evaluate::Configuration& configuration, const scenario::
     idle_.emplace(key, Finding{configuration.SpanOf(key, benchmark_), message, help});
 }
 
-void IdleSettings::Add(evaluate::Configuration& configuration, const plan::Scene& scene) {
+void IdleSettings::Add(configure::Configuration& configuration, const plan::Scene& scene) {
   for (const plan::Group& group : scene.groups) {
     if (group.settings.Count("quantity") == 0) continue;
     for (const auto velocity :
@@ -41,7 +41,7 @@ void IdleSettings::Add(evaluate::Configuration& configuration, const plan::Scene
            "leave it out, or write mass kinematic: that moves as its velocity says, whatever it "
            "meets");
     }
-    if (plan::HasKinematic(group))
+    if (analysis::HasKinematic(group))
       Look(configuration, {group.name, schema::GroupParameter("mass").get()}, IsStill(group),
            fmt::format("'{}' is kinematic, and nothing moves it", group.name),
            "give it a velocity that is not 0, or location path(\"motion.csv\"); or write mass "
@@ -49,13 +49,13 @@ void IdleSettings::Add(evaluate::Configuration& configuration, const plan::Scene
   }
   // What is said of these is enough.
   if (std::ranges::any_of(scene.groups, [](const plan::Group& group) {
-        return plan::HasKinematic(group) && IsStill(group);
+        return analysis::HasKinematic(group) && IsStill(group);
       }))
     return;
   const std::string_view said = scene.world.WordOr("expect");
   if (said == "rest" || said == "energy")
     Look(configuration, {"", schema::WorldParameter("expect").get()},
-         plan::ExpectationOf(scene) == plan::Expectation::kDriven,
+         analysis::ExpectationOf(scene) == analysis::Expectation::kDriven,
          fmt::format("'expect {}' judges nothing here: a schedule or kinematic objects drive the "
                      "scene, so that {}",
                      said,

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "compiler/evaluate/configuration.h"
+#include "compiler/configure/configuration.h"
 #include "compiler/plan/plan.h"
 #include "dsl/diagnostics.h"
 
@@ -17,23 +17,23 @@ namespace cdb::checks {
 class IdleSettings {
  public:
   /// `benchmark`: where its name stands, for what no setting is to blame for.
-  IdleSettings(dsl::Span benchmark, dsl::Diagnostics& diagnostics)
+  IdleSettings(text::Span benchmark, dsl::Diagnostics& diagnostics)
       : benchmark_(benchmark), diagnostics_(diagnostics) {}
 
   /// The scene at the chosen point of `configuration`.
-  void Add(evaluate::Configuration& configuration, const plan::Scene& scene);
+  void Add(configure::Configuration& configuration, const plan::Scene& scene);
   /// Warns of what was idle in every scene that was added.
   void Report() const;
 
  private:
   struct Finding {
-    dsl::Span span;
+    text::Span span;
     std::string message, help;
   };
-  void Look(evaluate::Configuration& configuration, const scenario::ParameterKey& key, bool is_idle,
-            const std::string& message, const std::string& help);
+  void Look(configure::Configuration& configuration, const scenario::ParameterKey& key,
+            bool is_idle, const std::string& message, const std::string& help);
 
-  dsl::Span benchmark_;
+  text::Span benchmark_;
   dsl::Diagnostics& diagnostics_;
   std::map<scenario::ParameterKey, Finding> idle_;
   std::set<scenario::ParameterKey> useful_;  ///< in some scene

@@ -1,10 +1,10 @@
 // What kinematic objects cannot do, and what only they can; surfaces, which do not move.
 #include <fmt/format.h>
 
+#include "compiler/analysis/kinematic.h"
+#include "compiler/analysis/poses.h"
+#include "compiler/analysis/surface.h"
 #include "compiler/checks/scene_checks.h"
-#include "compiler/plan/kinematic.h"
-#include "compiler/plan/poses.h"
-#include "compiler/plan/surface.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::checks {
@@ -30,21 +30,21 @@ std::optional<MotionFault> FindMarginFault(const plan::Group& group) {
 std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
   const plan::GroupSettings& settings = group.settings;
   if (settings.Count("quantity") == 0) return std::nullopt;
-  if (plan::HasSurface(settings) && settings.WordOr("mass") != "fixed")
+  if (analysis::HasSurface(settings) && settings.WordOr("mass") != "fixed")
     return MotionFault{
-        settings.WordOr("mass") == plan::kKinematicWord ? schema::GroupParameter("mass")
-                                                        : schema::GroupParameter("type"),
+        settings.WordOr("mass") == analysis::kKinematicWord ? schema::GroupParameter("mass")
+                                                            : schema::GroupParameter("type"),
         fmt::format("a surface has no inside and does not move, and the mass of {} is {}",
                     group.name, schema::ToText(settings.Get("mass"))),
         "write mass fixed, or type mesh(…) for a solid that moves"};
-  if (plan::HasSurface(settings))
+  if (analysis::HasSurface(settings))
     if (auto fault = FindMarginFault(group)) return fault;
-  if (plan::PathOf(group) != nullptr && settings.WordOr("mass") != plan::kKinematicWord)
+  if (analysis::PathOf(group) != nullptr && settings.WordOr("mass") != analysis::kKinematicWord)
     return MotionFault{"location",
                        fmt::format("a path moves a kinematic object, and the mass of {} is {}",
                                    group.name, schema::ToText(settings.Get("mass"))),
                        "write mass kinematic"};
-  if (!plan::HasKinematic(group)) return std::nullopt;
+  if (!analysis::HasKinematic(group)) return std::nullopt;
   for (const auto parameter :
        {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
     if (const schema::Call* schedule = schema::AsCall(settings.Get(parameter)))
@@ -62,7 +62,7 @@ std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
 
 }  // namespace
 
-bool SceneChecks::CheckMotion(evaluate::Configuration& configuration, const plan::Scene& scene) {
+bool SceneChecks::CheckMotion(configure::Configuration& configuration, const plan::Scene& scene) {
   bool good = true;
   for (const plan::Group& group : scene.groups) {
     const auto fault = FindMotionFault(group);

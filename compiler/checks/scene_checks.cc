@@ -6,37 +6,37 @@
 #include <cstdint>
 #include <string_view>
 
+#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/collisions.h"
+#include "compiler/analysis/kinematic.h"
+#include "compiler/analysis/poses.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/checks/traced_scene.h"
-#include "compiler/plan/capacity.h"
-#include "compiler/plan/collisions.h"
-#include "compiler/plan/kinematic.h"
-#include "compiler/plan/poses.h"
-#include "compiler/plan/reference.h"
-#include "compiler/plan/trace.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/parametrised_words.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::checks {
 
-bool SceneChecks::Pass(evaluate::Configuration& configuration, const plan::Scene& scene) {
+bool SceneChecks::Pass(configure::Configuration& configuration, const plan::Scene& scene) {
   return CheckCounts(configuration, scene) && CheckOmit(configuration, scene) &&
          CheckAccuracy(configuration, scene);
 }
 
-bool SceneChecks::PassTraced(evaluate::Configuration& configuration, plan::Scene& scene) {
+bool SceneChecks::PassTraced(configure::Configuration& configuration, plan::Scene& scene) {
   return Trace(configuration, scene) && CheckCounts(configuration, scene);
 }
 
 // Makes it a scene of its trace. False where what is set does not go with one.
-bool SceneChecks::Trace(evaluate::Configuration& configuration, plan::Scene& scene) {
+bool SceneChecks::Trace(configure::Configuration& configuration, plan::Scene& scene) {
   std::string why;
-  const auto facts = configuration.scenario().TraceAt(plan::TraceOf(scene)->path, why);
+  const auto facts = configuration.scenario().TraceAt(analysis::TraceOf(scene)->path, why);
   CDB_CHECK(facts);
   const auto faults = LayTrace(configuration.layers(), *facts, scene);
   for (const TracedFault& fault : faults) {
     if (!untraceable_.emplace(fault.key, fault.word).second) continue;
-    dsl::Span span = configuration.SpanOf(fault.key, benchmark_);
+    text::Span span = configuration.SpanOf(fault.key, benchmark_);
     if (!fault.word.empty()) {
       span = configuration.SpanOfWord(fault.key, fault.word);
     } else if (fault.kind == &scenario::kContradiction) {
@@ -48,9 +48,9 @@ bool SceneChecks::Trace(evaluate::Configuration& configuration, plan::Scene& sce
 }
 
 // Limits that several parameters have together.
-bool SceneChecks::CheckCounts(evaluate::Configuration& configuration, const plan::Scene& scene) {
+bool SceneChecks::CheckCounts(configure::Configuration& configuration, const plan::Scene& scene) {
   const std::uint64_t objects = scene.ObjectCount();
-  const std::uint64_t bodies = plan::BodyCount(scene);
+  const std::uint64_t bodies = analysis::BodyCount(scene);
   if (bodies > 2147483647) {
     diagnostics_.Report(scenario::kCapacity, benchmark_,
                         fmt::format("{} objects are more than a run holds", objects),
@@ -81,14 +81,14 @@ bool SceneChecks::CheckCounts(evaluate::Configuration& configuration, const plan
 }
 
 // `at` and `pair` place a number of objects of their own.
-bool SceneChecks::CheckPlaces(evaluate::Configuration& configuration, const plan::Scene& scene) {
+bool SceneChecks::CheckPlaces(configure::Configuration& configuration, const plan::Scene& scene) {
   bool good = true;
   for (const plan::Group& group : scene.groups) {
     const schema::Call* location = schema::AsCall(group.settings.Get("location"));
     const std::uint64_t quantity = group.settings.Count("quantity");
     const bool is_at = location != nullptr && location->name == "at";
     const bool is_pair = location != nullptr && location->name == "pair";
-    if (plan::PosesOf(group) != nullptr || plan::PathOf(group) != nullptr)
+    if (analysis::PosesOf(group) != nullptr || analysis::PathOf(group) != nullptr)
       good = CheckTable(configuration, group) && good;
     if (!is_at && !is_pair) continue;
     const std::uint64_t places = is_pair                          ? 2
@@ -115,10 +115,10 @@ bool SceneChecks::CheckPlaces(evaluate::Configuration& configuration, const plan
 }
 
 // A table has a line for each object, and alone says what it says.
-bool SceneChecks::CheckTable(evaluate::Configuration& configuration, const plan::Group& group) {
-  plan::PoseFault why;
-  const bool is_path = plan::PathOf(group) != nullptr;
-  const schema::Call& poses = is_path ? *plan::PathOf(group) : *plan::PosesOf(group);
+bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan::Group& group) {
+  analysis::PoseFault why;
+  const bool is_path = analysis::PathOf(group) != nullptr;
+  const schema::Call& poses = is_path ? *analysis::PathOf(group) : *analysis::PosesOf(group);
   const auto facts = configuration.scenario().PosesAt(poses, why);
   CDB_CHECK(facts);
   const std::string& file = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
@@ -157,21 +157,21 @@ bool SceneChecks::CheckTable(evaluate::Configuration& configuration, const plan:
 }
 
 // `collides_with` names groups that there are, of no more kinds than Bullet tells apart.
-bool SceneChecks::CheckCollisions(evaluate::Configuration& configuration,
+bool SceneChecks::CheckCollisions(configure::Configuration& configuration,
                                   const plan::Scene& scene) {
   const auto parameter = schema::GroupParameter("collides_with");
-  std::vector<std::string_view> names = {plan::kWallsWord};
+  std::vector<std::string_view> names = {analysis::kWallsWord};
   for (const plan::Group& group : scene.groups) names.push_back(group.name);
-  const bool is_ambiguous = std::ranges::count(names, plan::kWallsWord) > 1;
+  const bool is_ambiguous = std::ranges::count(names, analysis::kWallsWord) > 1;
   bool good = true;
   for (const plan::Group& group : scene.groups) {
     for (const std::string& word : group.settings.Words("collides_with")) {
       if (parameter.get()->HasWord(word)) continue;
       const bool is_known = std::ranges::find(names, word) != names.end();
-      if (is_known && !(is_ambiguous && word == plan::kWallsWord)) continue;
+      if (is_known && !(is_ambiguous && word == analysis::kWallsWord)) continue;
       good = false;
       if (!misplaced_.emplace(group.name, word).second) continue;
-      const dsl::Span span = configuration.SpanOfWord({group.name, parameter.get()}, word);
+      const text::Span span = configuration.SpanOfWord({group.name, parameter.get()}, word);
       const std::string_view near = dsl::DidYouMean(word, names);
       if (is_known)
         diagnostics_.Report(scenario::kContradiction, span,
@@ -184,19 +184,19 @@ bool SceneChecks::CheckCollisions(evaluate::Configuration& configuration,
                                          : fmt::format("did you mean '{}'?", near));
     }
   }
-  const std::size_t classes = plan::Collisions(scene).ClassCount();
-  if (!good || classes <= plan::kMostCollisionClasses) return good;
+  const std::size_t classes = analysis::Collisions(scene).ClassCount();
+  if (!good || classes <= analysis::kMostCollisionClasses) return good;
   if (misplaced_.emplace("", "collides_with").second)
     diagnostics_.Report(scenario::kCapacity, benchmark_,
                         fmt::format("collides_with makes {} kinds of groups, and Bullet tells {} "
                                     "apart",
-                                    classes, plan::kMostCollisionClasses),
+                                    classes, analysis::kMostCollisionClasses),
                         "let more groups touch the same others");
   return false;
 }
 
 // What links cannot hold.
-bool SceneChecks::CheckLinks(evaluate::Configuration& configuration, const plan::Scene& scene) {
+bool SceneChecks::CheckLinks(configure::Configuration& configuration, const plan::Scene& scene) {
   bool good = true;
   for (const plan::Group& group : scene.groups) {
     if (!group.HasLinks()) continue;
@@ -205,7 +205,7 @@ bool SceneChecks::CheckLinks(evaluate::Configuration& configuration, const plan:
     if (group.settings.WordOr("mass") == "fixed") {
       why = "never move, and links would hold nothing";
       hint = "give them a mass";
-    } else if (plan::HasKinematic(group)) {
+    } else if (analysis::HasKinematic(group)) {
       why = "are kinematic, and links would hold nothing";
       hint = "give them a mass";
     } else if (group.settings.Count("quantity") == 1 && !group.settings.On("links.anchor")) {
@@ -227,16 +227,16 @@ bool SceneChecks::CheckLinks(evaluate::Configuration& configuration, const plan:
 }
 
 // A component that `omit` names must not be one that the scene needs.
-bool SceneChecks::CheckOmit(evaluate::Configuration& configuration, const plan::Scene& scene) {
+bool SceneChecks::CheckOmit(configure::Configuration& configuration, const plan::Scene& scene) {
   if (scene.world.Lists("omit", "none")) return true;
   bool good = true;
-  for (const plan::PruningDecision& part : plan::AnalysePruning(scene)) {
-    if (part.decision != plan::Decision::kKept ||
-        plan::RequestFor(scene, part.component) != plan::PruningRequest::kByName)
+  for (const analysis::PruningDecision& part : analysis::AnalysePruning(scene)) {
+    if (part.decision != analysis::Decision::kKept ||
+        analysis::RequestFor(scene, part.component) != analysis::PruningRequest::kByName)
       continue;
     good = false;
     const std::string_view name = schema::InfoOf(part.component).name;
-    const dsl::Span span =
+    const text::Span span =
         configuration.SpanOfWord({"", schema::WorldParameter("omit").get()}, name);
     if (!refused_.emplace(span.source, span.begin, part.component).second) continue;
     diagnostics_.Report(
@@ -247,7 +247,7 @@ bool SceneChecks::CheckOmit(evaluate::Configuration& configuration, const plan::
 }
 
 // What is said of errors has to lead to some, and their samples to lie on everyone's cycles.
-bool SceneChecks::CheckAccuracy(evaluate::Configuration& configuration, const plan::Scene& scene) {
+bool SceneChecks::CheckAccuracy(configure::Configuration& configuration, const plan::Scene& scene) {
   const auto& settings = configuration.layers().settings;
   const scenario::ParameterKey metrics{"", schema::WorldParameter("accuracy.metrics").get()};
   const auto said = std::ranges::find_if(settings, [](const auto& setting) {
@@ -266,10 +266,10 @@ bool SceneChecks::CheckAccuracy(evaluate::Configuration& configuration, const pl
       diagnostics_.Report(kind, configuration.SpanOf({"", parameter}, benchmark_), message, help);
     return false;
   };
-  const plan::AccuracyFault fault = plan::FindAccuracyFault(scene);
+  const analysis::AccuracyFault fault = analysis::FindAccuracyFault(scene);
   if (fault.parameter != nullptr)
     return report(scenario::kContradiction, fault.parameter, fault.message, fault.help);
-  const auto sampling = plan::SamplingOf(scene);
+  const auto sampling = analysis::SamplingOf(scene);
   if (!sampling) return true;
   if (!interval_s_) interval_s_ = sampling->interval_s;
   if (*interval_s_ != sampling->interval_s)

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "compiler/checks/count_text.h"
-#include "compiler/checks/lint_facts.h"
+#include "compiler/lints/count_text.h"
+#include "compiler/lints/lint_facts.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::checks {
@@ -14,7 +14,7 @@ namespace {
 
 using schema::GroupParameter;
 using schema::WorldParameter;
-using Kind = plan::SceneFault::Kind;
+using Kind = analysis::SceneFault::Kind;
 
 /// Objects that keep the default size are warned of where all others are smaller than this part.
 constexpr double kSmall = 0.1;
@@ -41,7 +41,7 @@ std::string DefaultSizeText() {
 
 }  // namespace
 
-std::optional<std::optional<plan::SceneFault>> SceneFaults::Find(const plan::Scene& scene) {
+std::optional<std::optional<analysis::SceneFault>> SceneFaults::Find(const plan::Scene& scene) {
   // Where objects are drawn depends on the seeds, which follow from it.
   plan::NoteRead(*WorldParameter("seed"));
   const std::uint64_t count = scene.ObjectCount();
@@ -58,7 +58,7 @@ std::optional<std::optional<plan::SceneFault>> SceneFaults::Find(const plan::Sce
   return known->second;
 }
 
-void SceneFaults::Add(evaluate::Configuration& configuration, const plan::Scene& scene,
+void SceneFaults::Add(configure::Configuration& configuration, const plan::Scene& scene,
                       std::size_t runs) {
   WarnOfEllipsoids(configuration, scene);
   if (!find_) return;
@@ -66,7 +66,7 @@ void SceneFaults::Add(evaluate::Configuration& configuration, const plan::Scene&
   const auto found = Find(scene);
   if (!found) return;
   looked_at_ += runs;
-  const std::optional<plan::SceneFault>& fault = *found;
+  const std::optional<analysis::SceneFault>& fault = *found;
   if (!fault) return;
   if (fault->kind == Kind::kPlacement) unplaced_runs_ += runs;
   const auto [at, is_first] = findings_.try_emplace({fault->kind, fault->group});
@@ -80,8 +80,8 @@ void SceneFaults::Add(evaluate::Configuration& configuration, const plan::Scene&
 }
 
 // The first setting that may be to blame and that the benchmark has, else its name.
-dsl::Span SceneFaults::SpanOf(evaluate::Configuration& configuration,
-                              const plan::SceneFault& fault) const {
+text::Span SceneFaults::SpanOf(configure::Configuration& configuration,
+                               const analysis::SceneFault& fault) const {
   std::vector<scenario::ParameterKey> keys;
   if (!fault.parameter.empty())
     keys.push_back({fault.group, schema::FindParameter(fault.parameter, true)});
@@ -98,17 +98,18 @@ dsl::Span SceneFaults::SpanOf(evaluate::Configuration& configuration,
   return benchmark_;
 }
 
-void SceneFaults::WarnOfDefaultSizes(evaluate::Configuration& configuration,
+void SceneFaults::WarnOfDefaultSizes(configure::Configuration& configuration,
                                      const plan::Scene& scene) {
   const GroupParameter size = "size";
   double largest = 0;  // of the groups that set their size
   for (const plan::Group& group : scene.groups)
     if (group.settings.Count("quantity") > 0 && configuration.IsSet({group.name, size.get()}))
-      largest = std::max(largest, BoundsOf(group.settings, "size").most);
+      largest = std::max(largest, lints::BoundsOf(group.settings, "size").most);
   for (const plan::Group& group : scene.groups) {
     if (group.settings.Count("quantity") == 0 || configuration.IsSet({group.name, size.get()}))
       continue;
-    if (!(largest > 0) || largest > kSmall * BoundsOf(group.settings, "size").least) continue;
+    if (!(largest > 0) || largest > kSmall * lints::BoundsOf(group.settings, "size").least)
+      continue;
     if (!default_sizes_.insert(group.name).second) continue;
     diagnostics_.Report(scenario::kDefaultSize,
                         SpanOf(configuration, {Kind::kPlacement, group.name, {}, {}, {}}),
@@ -121,7 +122,7 @@ void SceneFaults::WarnOfDefaultSizes(evaluate::Configuration& configuration,
 
 // Where other types stand beside the spheres, sides drawn one by one are what is asked for: cuboids
 // would be cubes without them.
-void SceneFaults::WarnOfEllipsoids(evaluate::Configuration& configuration,
+void SceneFaults::WarnOfEllipsoids(configure::Configuration& configuration,
                                    const plan::Scene& scene) {
   const GroupParameter size = "size";
   for (const plan::Group& group : scene.groups) {
@@ -142,7 +143,7 @@ void SceneFaults::Report(std::size_t runs) const {
     const bool is_form = key.first == Kind::kClosedForm;
     const bool fails_everywhere = unplaced_runs_ == runs;
     std::string message = finding.fault.cause, help = finding.fault.remedy;
-    if (runs > 1) message += "; in " + CountText(finding.runs, looked_at_, runs);
+    if (runs > 1) message += "; in " + lints::CountText(finding.runs, looked_at_, runs);
     if (finding.is_default_size)
       help += fmt::format("{}the size of `{}` is not set, and its default is {}",
                           help.empty() ? "" : "; ", finding.fault.group, DefaultSizeText());

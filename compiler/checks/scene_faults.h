@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/evaluate/configuration.h"
+#include "compiler/analysis/scene_fault.h"
+#include "compiler/configure/configuration.h"
 #include "compiler/plan/plan.h"
-#include "compiler/plan/scene_fault.h"
 #include "dsl/diagnostics.h"
 
 namespace cdb::checks {
@@ -23,7 +23,7 @@ class SceneFaults {
  public:
   /// `benchmark`: where its name stands, for what no setting is to blame for. `find` may be empty:
   /// then there are no faults. `most_objects`: that are placed.
-  SceneFaults(dsl::Span benchmark, plan::FindSceneFault find, dsl::Diagnostics& diagnostics,
+  SceneFaults(text::Span benchmark, analysis::FindSceneFault find, dsl::Diagnostics& diagnostics,
               std::uint64_t most_objects = kMostObjects)
       : benchmark_(benchmark),
         find_(std::move(find)),
@@ -34,7 +34,7 @@ class SceneFaults {
   /// place the same objects are looked at once, and no more than hold `most_objects` together, or
   /// kMostPairs of objects that a closed form may look at, which take a second or two: the rest
   /// shows when it is run.
-  void Add(evaluate::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
+  void Add(configure::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
   /// Of a plan of so many runs. A wrong closed form is an error, and so are objects that cannot be
   /// placed in any run; where only some runs fail of it, the others are worth having: a warning.
   void Report(std::size_t runs) const;
@@ -43,25 +43,26 @@ class SceneFaults {
 
  private:
   struct Finding {
-    plan::SceneFault fault;  ///< of the first run
-    dsl::Span span;
+    analysis::SceneFault fault;  ///< of the first run
+    text::Span span;
     bool is_default_size = false;
     std::size_t runs = 0;
   };
-  using FindingKey = std::pair<plan::SceneFault::Kind, std::string>;  ///< by group
+  using FindingKey = std::pair<analysis::SceneFault::Kind, std::string>;  ///< by group
 
   /// Nullopt where the scene is not looked at.
-  std::optional<std::optional<plan::SceneFault>> Find(const plan::Scene& scene);
-  void WarnOfDefaultSizes(evaluate::Configuration& configuration, const plan::Scene& scene);
+  std::optional<std::optional<analysis::SceneFault>> Find(const plan::Scene& scene);
+  void WarnOfDefaultSizes(configure::Configuration& configuration, const plan::Scene& scene);
   /// Spheres whose sides are drawn one by one.
-  void WarnOfEllipsoids(evaluate::Configuration& configuration, const plan::Scene& scene);
-  dsl::Span SpanOf(evaluate::Configuration& configuration, const plan::SceneFault& fault) const;
+  void WarnOfEllipsoids(configure::Configuration& configuration, const plan::Scene& scene);
+  text::Span SpanOf(configure::Configuration& configuration,
+                    const analysis::SceneFault& fault) const;
 
-  dsl::Span benchmark_;
-  plan::FindSceneFault find_;
+  text::Span benchmark_;
+  analysis::FindSceneFault find_;
   dsl::Diagnostics& diagnostics_;
   std::uint64_t most_objects_;
-  std::map<std::string, std::optional<std::optional<plan::SceneFault>>>
+  std::map<std::string, std::optional<std::optional<analysis::SceneFault>>>
       known_;                              ///< by what decides it
   std::uint64_t objects_ = 0, pairs_ = 0;  ///< looked at so far
   std::size_t unplaced_runs_ = 0, looked_at_ = 0;

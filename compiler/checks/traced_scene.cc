@@ -27,7 +27,7 @@ std::string MeaningfulNames() {
 
 }  // namespace
 
-std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const plan::TraceFacts& facts,
+std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
                                   plan::Scene& scene) {
   std::vector<TracedFault> faults;
   const auto is_set = [&](schema::WorldParameter parameter) {

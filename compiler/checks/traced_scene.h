@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/scenario/layers.h"
 #include "dsl/diagnostics.h"
 
@@ -21,7 +21,7 @@ struct TracedFault {
 /// Gives `scene` what the trace says: as many objects as it has bodies, no walls, its time step and
 /// precision, all of its cycles and what can be recorded, where `layers` does not say otherwise.
 /// Returns what `layers` says that means nothing with it.
-std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const plan::TraceFacts& facts,
+std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
                                   plan::Scene& scene);
 
 }  // namespace cdb::checks

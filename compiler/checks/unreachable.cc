@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "compiler/evaluate/configuration.h"
+#include "compiler/configure/configuration.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/scenario/layers.h"
 #include "compiler/schema/schema.h"
@@ -24,7 +24,7 @@ bool IsSweepCall(const dsl::Expr& value) {
   return value.kind == dsl::ExprKind::kCall && value.text == "sweep";
 }
 
-bool Holds(const dsl::Span& outer, const dsl::Span& inner) {
+bool Holds(const text::Span& outer, const text::Span& inner) {
   return outer.source == inner.source && outer.begin <= inner.begin && inner.end <= outer.end;
 }
 
@@ -83,7 +83,7 @@ class UnreachedValues {
            "take it out of the sweep, or change `skip`");
   }
 
-  void Warn(const dsl::Span& span, const std::string& what, const std::string& help) {
+  void Warn(const text::Span& span, const std::string& what, const std::string& help) {
     diagnostics_.Report(scenario::kUnreachable, span,
                         what + ": `skip` leaves out every point that has it", help);
   }
@@ -97,18 +97,18 @@ class UnreachedValues {
   }
 
   /// Where the axis is swept, in any case.
-  std::optional<dsl::Span> SweepOf(const std::string& axis) const {
+  std::optional<text::Span> SweepOf(const std::string& axis) const {
     dsl::Diagnostics said_before;
     const scenario::LayeredBenchmark layered(scenario_, benchmark_, said_before);
-    evaluate::Point chosen(layered.case_axes().size(), 0);
+    configure::Point chosen(layered.case_axes().size(), 0);
     std::vector<std::size_t> extents;
     for (const scenario::CaseAxis& cases : layered.case_axes())
       extents.push_back(cases.names.size());
     do {
-      const evaluate::Configuration configuration(scenario_, layered.Lay(chosen), said_before);
-      for (const evaluate::SweepAxis& sweep : configuration.axes())
+      const configure::Configuration configuration(scenario_, layered.Lay(chosen), said_before);
+      for (const configure::SweepAxis& sweep : configuration.axes())
         if (sweep.name == axis) return sweep.span;
-    } while (evaluate::Advance(chosen, extents));
+    } while (configure::Advance(chosen, extents));
     return std::nullopt;
   }
 
@@ -119,7 +119,7 @@ class UnreachedValues {
 };
 
 /// The settings and lets of a block by their full names, each with the place of its name.
-using Definitions = std::map<std::string, dsl::Span>;
+using Definitions = std::map<std::string, text::Span>;
 
 void Collect(const dsl::Block& block, const std::string& outer, Definitions& definitions) {
   for (const dsl::Statement& statement : block.statements) {

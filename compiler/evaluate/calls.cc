@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "compiler/evaluate/arguments.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/distributions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/evaluate/functions.h"
-#include "compiler/evaluate/kind_name.h"
-#include "compiler/evaluate/named_files.h"
+#include "compiler/names/arguments.h"
+#include "compiler/names/kind_name.h"
+#include "compiler/names/named_files.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -28,11 +28,11 @@ std::optional<Value> EvaluatePoints(const Expr& expr, const schema::Parametrised
   bool good = true;
   for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
     const Expr& written = *expr.arguments[i].value;
-    const auto value = evaluator.Evaluate(written, ArgumentScope(expr, i, scope));
+    const auto value = evaluator.Evaluate(written, names::ArgumentScope(expr, i, scope));
     good = good && value && AsVector(*value);
     if (value && !AsVector(*value))
       evaluator.Error(scenario::kWrongKind, written.span,
-                      fmt::format("this is {}, and the others are points", KindName(*value)),
+                      fmt::format("this is {}, and the others are points", names::KindName(*value)),
                       "write (x, y, z) for each object");
     if (value) call.arguments.push_back(*value);
   }
@@ -48,7 +48,8 @@ std::optional<bool> HasPoints(const Expr& expr, const schema::ParametrisedWord& 
   if (!info.takes_points || expr.arguments.empty() ||
       !std::ranges::all_of(expr.arguments, is_plain))
     return false;
-  const auto first = evaluator.Evaluate(*expr.arguments[0].value, ArgumentScope(expr, 0, scope));
+  const auto first =
+      evaluator.Evaluate(*expr.arguments[0].value, names::ArgumentScope(expr, 0, scope));
   if (!first) return std::nullopt;
   return AsVector(*first) != nullptr;
 }
@@ -59,7 +60,7 @@ std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWo
   const auto has_points = HasPoints(expr, info, scope, evaluator);
   if (!has_points) return std::nullopt;
   if (*has_points) return EvaluatePoints(expr, info, scope, evaluator);
-  const GivenArguments given(expr, info, evaluator.diagnostics());
+  const names::GivenArguments given(expr, info, evaluator.diagnostics());
   bool good = given.good();
   schema::Call call{std::string(info.name), {}};
   std::vector<std::string_view> missing;
@@ -86,7 +87,7 @@ std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWo
     ReportMissingArguments(info, missing, expr.span, evaluator.diagnostics());
   if (!good || !missing.empty()) return std::nullopt;
   if (schema::NamesFile(info) &&
-      !ReadNamedFile(evaluator.scenario(), call, evaluator.diagnostics()))
+      !names::ReadNamedFile(evaluator.scenario(), call, evaluator.diagnostics()))
     return std::nullopt;
   return call;
 }
@@ -96,7 +97,7 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
   const auto takes_word = [&](const schema::Parameter& parameter) {
     return parameter.HasWord(expr.text, evaluator.scenario().plugins());
   };
-  const Referent referent = evaluator.names().Resolve(expr.text, scope);
+  const names::Referent referent = evaluator.names().Resolve(expr.text, scope);
   if (!referent.IsWord() ||
       (scope.parameter != nullptr ? takes_word(*scope.parameter)
                                   : std::ranges::any_of(schema::Schema(), takes_word)))

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "compiler/evaluate/drawn_settings.h"
-#include "compiler/evaluate/kind_name.h"
+#include "compiler/names/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/cumulative.h"
@@ -21,8 +21,8 @@ constexpr double kLeastChance = 1e-3;
 
 class Converter {
  public:
-  Converter(const schema::Parameter& parameter, const dsl::Span& span,
-            const std::vector<dsl::Span>& choices, std::span<const schema::PluginDetector> plugins,
+  Converter(const schema::Parameter& parameter, const text::Span& span,
+            const std::vector<text::Span>& choices, std::span<const schema::PluginDetector> plugins,
             dsl::Diagnostics& diagnostics)
       : parameter_(parameter),
         span_(span),
@@ -83,7 +83,7 @@ class Converter {
     bool good = true;
     for (std::size_t i = 0; i < drawn.arguments.size(); ++i) {
       Value& choice = drawn.arguments[i];
-      const dsl::Span& at = i < choices_.size() ? choices_[i] : span_;
+      const text::Span& at = i < choices_.size() ? choices_[i] : span_;
       if (AsCall(choice) && !parameter_.ChoosesCalls()) {
         ReportChoice(AsCall(choice)->name, at);
         good = false;
@@ -96,7 +96,7 @@ class Converter {
     return good ? std::optional<Value>(std::move(drawn)) : std::nullopt;
   }
 
-  void ReportChoice(const std::string& call, const dsl::Span& at) const {
+  void ReportChoice(const std::string& call, const text::Span& at) const {
     if (parameter_.type == schema::ParameterType::kVector) {
       diagnostics_.Report(
           scenario::kBadArguments, at,
@@ -136,7 +136,7 @@ class Converter {
                    fmt::format("write {} without quotes", text->text));
     return Error(scenario::kWrongKind,
                  fmt::format("'{}' takes {}; this is {}", parameter_.name,
-                             parameter_.Takes(plugins_), KindName(value)),
+                             parameter_.Takes(plugins_), names::KindName(value)),
                  text != nullptr && parameter_.TakesCall("mesh")
                      ? fmt::format("write mesh({})", ToText(Value(*text)))
                      : "");
@@ -278,8 +278,8 @@ class Converter {
   }
 
   const schema::Parameter& parameter_;
-  const dsl::Span& span_;
-  const std::vector<dsl::Span>& choices_;
+  const text::Span& span_;
+  const std::vector<text::Span>& choices_;
   std::span<const schema::PluginDetector> plugins_;
   dsl::Diagnostics& diagnostics_;
 };
@@ -287,7 +287,7 @@ class Converter {
 }  // namespace
 
 std::optional<Value> Convert(const Value& value, const schema::Parameter& parameter,
-                             const dsl::Span& span, const std::vector<dsl::Span>& choices,
+                             const text::Span& span, const std::vector<text::Span>& choices,
                              std::span<const schema::PluginDetector> plugins,
                              dsl::Diagnostics& diagnostics) {
   const Converter converter(parameter, span, choices, plugins, diagnostics);
@@ -296,7 +296,7 @@ std::optional<Value> Convert(const Value& value, const schema::Parameter& parame
 }
 
 void ReportMissingArguments(const schema::ParametrisedWord& info,
-                            const std::vector<std::string_view>& missing, const dsl::Span& span,
+                            const std::vector<std::string_view>& missing, const text::Span& span,
                             dsl::Diagnostics& diagnostics) {
   std::string usage;
   for (const std::string_view name : schema::RequiredArguments(info))
@@ -306,11 +306,11 @@ void ReportMissingArguments(const schema::ParametrisedWord& info,
                      fmt::format("write {}({})", info.name, usage));
 }
 
-std::optional<Value> ConvertList(const std::vector<std::pair<Value, dsl::Span>>& values,
+std::optional<Value> ConvertList(const std::vector<std::pair<Value, text::Span>>& values,
                                  const schema::Parameter& parameter,
                                  dsl::Diagnostics& diagnostics) {
   schema::WordList words;
-  std::vector<dsl::Span> spans;
+  std::vector<text::Span> spans;
   bool good = true;
   for (const auto& [item, span] : values) {
     const auto value = Converter(parameter, span, {}, {}, diagnostics).Constant(item);

@@ -18,18 +18,18 @@ namespace cdb::evaluate {
 /// nullopt after a diagnostic at `span` that says what the parameter takes. `choices`: the places
 /// of those choices, if known. `plugins`: detectors beside the catalogue's.
 std::optional<schema::Value> Convert(const schema::Value& value, const schema::Parameter& parameter,
-                                     const dsl::Span& span, const std::vector<dsl::Span>& choices,
+                                     const text::Span& span, const std::vector<text::Span>& choices,
                                      std::span<const schema::PluginDetector> plugins,
                                      dsl::Diagnostics& diagnostics);
 
 /// Reports that the word `info` lacks the arguments `missing`.
 void ReportMissingArguments(const schema::ParametrisedWord& info,
-                            const std::vector<std::string_view>& missing, const dsl::Span& span,
+                            const std::vector<std::string_view>& missing, const text::Span& span,
                             dsl::Diagnostics& diagnostics);
 
 /// The words of a list parameter (`record timing, counts`).
 std::optional<schema::Value> ConvertList(
-    const std::vector<std::pair<schema::Value, dsl::Span>>& values,
+    const std::vector<std::pair<schema::Value, text::Span>>& values,
     const schema::Parameter& parameter, dsl::Diagnostics& diagnostics);
 
 }  // namespace cdb::evaluate

@@ -6,17 +6,17 @@
 #include <cstdlib>
 #include <utility>
 
-#include "compiler/evaluate/arguments.h"
 #include "compiler/evaluate/functions.h"
+#include "compiler/names/arguments.h"
 #include "compiler/scenario/diagnostic_kinds.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::evaluate {
 namespace {
 
 using dsl::Expr;
 using dsl::ExprKind;
-using dsl::Unit;
+using text::Unit;
 
 constexpr std::pair<std::string_view, std::string_view> kNamedDimensions[] = {
     {"m", "a length"},
@@ -55,7 +55,7 @@ std::string BaseUnits(const Unit& unit) {
 }
 
 Unit SchemaUnit(std::string_view text) {
-  const auto unit = dsl::ParseUnit(text);
+  const auto unit = text::ParseUnit(text);
   CDB_CHECK(unit.has_value());
   return *unit;
 }
@@ -105,7 +105,7 @@ bool Dimensions::Check(const Expr& expr, const scenario::Scope& scope) {
   return !is_faulty_;
 }
 
-Dimensions::Dimension Dimensions::Report(const dsl::Span& span, std::string message,
+Dimensions::Dimension Dimensions::Report(const text::Span& span, std::string message,
                                          std::string help) {
   is_faulty_ = true;
   evaluator_.Error(scenario::kWrongUnit, span, std::move(message), std::move(help));
@@ -161,7 +161,7 @@ Dimensions::Dimension Dimensions::Find(const Expr& expr, const scenario::Scope& 
 }
 
 Dimensions::Dimension Dimensions::FindPath(const Expr& expr, const scenario::Scope& scope) {
-  const Referent referent = evaluator_.names().Resolve(expr.text, scope);
+  const names::Referent referent = evaluator_.names().Resolve(expr.text, scope);
   if (referent.parameter && IsDrawn(*referent.parameter))
     return {Kind::kDrawn, SchemaUnit(referent.parameter->second->unit)};
   if (!referent.let) return {};
@@ -182,7 +182,7 @@ bool Dimensions::IsDrawn(const scenario::ParameterKey& key) {
 
 bool Dimensions::NamesDrawn(const Expr& path, const scenario::Scope& scope) {
   constexpr int kMostDepth = 500;  // the evaluator refuses longer chains
-  const Referent referent = evaluator_.names().Resolve(path.text, scope);
+  const names::Referent referent = evaluator_.names().Resolve(path.text, scope);
   if (depth_ >= kMostDepth || referent.IsWord() || referent.is_object_count) return false;
   ++depth_;
   bool is_drawn = false;
@@ -216,7 +216,7 @@ Dimensions::Dimension Dimensions::FindBinary(const Expr& expr, const scenario::S
   const Dimension &left = parts[0].dimension, &right = parts[1].dimension;
   if (expr.op == '^') return FindPower(expr, left, right);
   if (left.kind == Kind::kUnknown || right.kind == Kind::kUnknown) return {};
-  const Unit unit = dsl::Multiplied(left.unit, right.unit, expr.op == '*' ? 1 : -1);
+  const Unit unit = text::Multiplied(left.unit, right.unit, expr.op == '*' ? 1 : -1);
   const auto either = [&](Kind kind) { return left.kind == kind || right.kind == kind; };
   if (either(Kind::kUnit)) return Of(unit);
   if (either(Kind::kDrawn)) return {Kind::kDrawn, unit};
@@ -228,10 +228,10 @@ Dimensions::Dimension Dimensions::FindPower(const Expr& expr, const Dimension& b
   RequirePure({exponent, expr.items[1]->span}, "an exponent");
   const auto power = WrittenPower(*expr.items[1]);
   if (base.kind == Kind::kDrawn && power)
-    return {Kind::kDrawn, dsl::Multiplied({}, base.unit, *power)};
+    return {Kind::kDrawn, text::Multiplied({}, base.unit, *power)};
   if (base.kind == Kind::kDrawn) return {};
   if (base.kind != Kind::kUnit) return base;
-  if (power) return Of(dsl::Multiplied({}, base.unit, *power));
+  if (power) return Of(text::Multiplied({}, base.unit, *power));
   return Report(expr.items[1]->span,
                 "a value with a unit is raised to a whole number, from -9 to 9");
 }
@@ -241,7 +241,7 @@ Dimensions::Dimension Dimensions::FindQuantity(const Expr& expr, const scenario:
   if (value.kind == Kind::kUnit || value.kind == Kind::kDrawn)
     return Report(expr.text_span,
                   fmt::format("this has a unit already: it is {}", DimensionName(value.unit)));
-  return Of(*dsl::ParseUnit(expr.text));
+  return Of(*text::ParseUnit(expr.text));
 }
 
 Dimensions::Dimension Dimensions::FindRange(const Expr& expr, const scenario::Scope& scope) {
@@ -326,7 +326,7 @@ Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario:
                        .time = unit.time / 2,
                        .angle = unit.angle / 2,
                        .memory = unit.memory / 2};
-    if (dsl::Multiplied({}, root, 2).HasDimensionOf(unit)) return Of(root);
+    if (text::Multiplied({}, root, 2).HasDimensionOf(unit)) return Of(root);
     return Report(parts[0].span, fmt::format("{} has no root in whole units", DimensionName(unit)));
   }
   const bool is_angle = unit.HasDimensionOf(SchemaUnit("rad"));
@@ -342,7 +342,7 @@ Dimensions::Dimension Dimensions::FindNormal(const Expr& expr, const scenario::S
   if (!is_variance || parts[0].dimension.kind != Kind::kUnit ||
       parts[1].dimension.kind != Kind::kUnit)
     return Join(parts);
-  const Unit square = dsl::Multiplied({}, parts[0].dimension.unit, 2);
+  const Unit square = text::Multiplied({}, parts[0].dimension.unit, 2);
   if (square.HasDimensionOf(parts[1].dimension.unit)) return parts[0].dimension;
   return Report(parts[1].span,
                 fmt::format("this variance is {}; the variance of {} is {}",
@@ -353,13 +353,13 @@ Dimensions::Dimension Dimensions::FindNormal(const Expr& expr, const scenario::S
 void Dimensions::CheckWord(const Expr& call, const schema::ParametrisedWord& info,
                            const scenario::Scope& scope) {
   for (std::size_t i = 0; i < call.arguments.size(); ++i) {
-    const schema::Parameter* argument = ArgumentAt(info, call, i);
+    const schema::Parameter* argument = names::ArgumentAt(info, call, i);
     if (argument == nullptr) continue;
     const bool takes_parameters_unit = argument->unit == schema::kParametersUnit;
     if (takes_parameters_unit && scope.parameter == nullptr) continue;
     CheckFor(takes_parameters_unit ? *scope.parameter : *argument,
              takes_parameters_unit ? scope.parameter->unit : argument->unit,
-             *call.arguments[i].value, ArgumentScope(call, i, scope));
+             *call.arguments[i].value, names::ArgumentScope(call, i, scope));
   }
 }
 
@@ -418,7 +418,7 @@ std::optional<Unit> Dimensions::SideOf(const Expr& expr, const scenario::Scope& 
   const Dimension dimension = Find(expr, scope);
   if (dimension.kind == Kind::kUnit) return dimension.unit;
   if (expr.kind != ExprKind::kPath) return std::nullopt;
-  const Referent referent = evaluator_.names().Resolve(expr.text, scope);
+  const names::Referent referent = evaluator_.names().Resolve(expr.text, scope);
   if (referent.let || !referent.parameter) return std::nullopt;
   return SchemaUnit(referent.parameter->second->unit);
 }

@@ -9,12 +9,12 @@
 
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/schema/parametrised_words.h"
-#include "dsl/units.h"
+#include "dsl/text/units.h"
 
 namespace cdb::evaluate {
 
 /// `a length`, `a mass`, `a stiffness`; in SI units where it has no name: `kg m/s`.
-std::string DimensionName(const dsl::Unit& unit);
+std::string DimensionName(const text::Unit& unit);
 
 /// Derives the dimension of expressions from the units written in them, without their values. A
 /// number without a unit is in the SI unit of its parameter; beside a number with a unit, in a sum,
@@ -42,16 +42,16 @@ class Dimensions {
   };
   struct Dimension {
     Kind kind = Kind::kUnknown;
-    dsl::Unit unit = {};
+    text::Unit unit = {};
   };
   struct Part {
     Dimension dimension;
-    dsl::Span span;
+    text::Span span;
   };
   using Parts = std::vector<Part>;
 
   static Dimension Pure() { return {Kind::kPure, {}}; }
-  static Dimension Of(const dsl::Unit& unit) {
+  static Dimension Of(const text::Unit& unit) {
     return unit.IsPure() ? Pure() : Dimension{Kind::kUnit, unit};
   }
 
@@ -82,8 +82,8 @@ class Dimensions {
                 const scenario::Scope& scope);
   void Check(const dsl::Condition& condition, const scenario::Scope& scope);
   /// The unit of one side of a comparison; nullopt if it goes with every number.
-  std::optional<dsl::Unit> SideOf(const dsl::Expr& expr, const scenario::Scope& scope);
-  Dimension Report(const dsl::Span& span, std::string message, std::string help = {});
+  std::optional<text::Unit> SideOf(const dsl::Expr& expr, const scenario::Scope& scope);
+  Dimension Report(const text::Span& span, std::string message, std::string help = {});
 
   const scenario::Layers& layers_;
   Evaluator& evaluator_;

@@ -9,8 +9,8 @@
 #include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/empirical.h"
 #include "compiler/evaluate/evaluate.h"
-#include "compiler/evaluate/kind_name.h"
 #include "compiler/evaluate/positive_distributions.h"
+#include "compiler/names/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -82,7 +82,7 @@ class PairDistribution {
   }
 
  private:
-  bool Fail(const dsl::DiagnosticKind& kind, const dsl::Span& span, std::string message,
+  bool Fail(const dsl::DiagnosticKind& kind, const text::Span& span, std::string message,
             std::string help = {}) {
     evaluator_.Error(kind, span, std::move(message), std::move(help));
     return false;
@@ -110,10 +110,10 @@ class PairDistribution {
       return false;
     }
     if (!AsNumber(*value) && !AsVector(*value))
-      return Fail(
-          scenario::kWrongKind, argument.value->span,
-          fmt::format("{}( ) takes numbers or vectors, this is {}", call_.text, KindName(*value)),
-          usage_);
+      return Fail(scenario::kWrongKind, argument.value->span,
+                  fmt::format("{}( ) takes numbers or vectors, this is {}", call_.text,
+                              names::KindName(*value)),
+                  usage_);
     arguments_.push_back(*value);
     return true;
   }

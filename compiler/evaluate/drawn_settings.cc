@@ -16,7 +16,7 @@ namespace {
 using schema::Formula;
 using schema::Value;
 
-std::string_view TextOf(const dsl::Span& span) {
+std::string_view TextOf(const text::Span& span) {
   return span.source->text().substr(span.begin, span.end - span.begin);
 }
 
@@ -64,7 +64,7 @@ std::optional<Value> NamedSetting(const dsl::Expr& path, const scenario::Paramet
 }
 
 std::optional<Value> MakeFormula(std::string op, std::vector<Value> arguments,
-                                 const dsl::Span& span, Evaluator& evaluator) {
+                                 const text::Span& span, Evaluator& evaluator) {
   Formula formula;
   formula.op = std::move(op);
   // As a plan holds them: whole numbers and reals are written alike there.

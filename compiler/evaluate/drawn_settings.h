@@ -22,7 +22,7 @@ std::optional<schema::Value> NamedSetting(const dsl::Expr& path, const scenario:
 
 /// `arguments`: numbers and formulae. Nullopt after a diagnostic where it has too many parts.
 std::optional<schema::Value> MakeFormula(std::string op, std::vector<schema::Value> arguments,
-                                         const dsl::Span& span, Evaluator& evaluator);
+                                         const text::Span& span, Evaluator& evaluator);
 
 /// Reports a formula where a value is needed that all objects share.
 void RefuseFormula(const schema::Formula& formula, dsl::Diagnostics& diagnostics);

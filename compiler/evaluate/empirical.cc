@@ -13,8 +13,8 @@
 
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/scenario/diagnostic_kinds.h"
-#include "dsl/characters.h"
-#include "dsl/utf8.h"
+#include "dsl/text/characters.h"
+#include "dsl/text/utf8.h"
 
 namespace cdb::evaluate {
 namespace {
@@ -36,7 +36,7 @@ std::optional<double> TableNumber(std::string_view text) {
 
 /// A heading is a word: `size_mm`, `"size"`.
 bool IsHeading(std::string_view field) {
-  return !field.empty() && (field[0] == '"' || dsl::IsLetter(field[0]));
+  return !field.empty() && (field[0] == '"' || text::IsLetter(field[0]));
 }
 
 /// Reads a table line by line; `fault` says what is wrong with the line that was added last.
@@ -75,7 +75,7 @@ class TableReader {
 
   bool AddValue(std::string_view field) {
     const auto value = TableNumber(field);
-    if (!value) return Refuse(fmt::format("'{}' is not a finite number", dsl::Printable(field)));
+    if (!value) return Refuse(fmt::format("'{}' is not a finite number", text::Printable(field)));
     table_.arguments.emplace_back(*value);
     return true;
   }
@@ -83,7 +83,7 @@ class TableReader {
   bool AddWeight(std::string_view field) {
     const auto weight = TableNumber(field);
     if (!weight || !(*weight > 0))
-      return Refuse(fmt::format("'{}' is not a weight, more than 0", dsl::Printable(field)));
+      return Refuse(fmt::format("'{}' is not a weight, more than 0", text::Printable(field)));
     table_.weights.push_back(*weight);
     return true;
   }

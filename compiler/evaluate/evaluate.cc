@@ -8,13 +8,13 @@
 
 #include "compiler/evaluate/calls.h"
 #include "compiler/evaluate/convert.h"
-#include "compiler/evaluate/defaults.h"
 #include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/functions.h"
-#include "compiler/evaluate/kind_name.h"
-#include "compiler/evaluate/named_files.h"
 #include "compiler/evaluate/operators.h"
 #include "compiler/evaluate/quantities.h"
+#include "compiler/names/defaults.h"
+#include "compiler/names/kind_name.h"
+#include "compiler/names/named_files.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -94,7 +94,7 @@ Evaluator::Evaluator(const scenario::Scenario& scenario, const scenario::Layers&
       names_(scenario, layers),
       sweeps_(*this) {}
 
-std::nullopt_t Evaluator::Error(const dsl::DiagnosticKind& kind, const dsl::Span& span,
+std::nullopt_t Evaluator::Error(const dsl::DiagnosticKind& kind, const text::Span& span,
                                 std::string message, std::string help) {
   diagnostics_.Report(kind, span, std::move(message), std::move(help));
   return std::nullopt;
@@ -155,7 +155,7 @@ std::optional<Number> Evaluator::EvaluateNumber(const Expr& expr, const scenario
   }
   if (!AsNumber(*value))
     return Error(scenario::kWrongKind, expr.span,
-                 fmt::format("{} are numbers, this is {}", what, KindName(*value)),
+                 fmt::format("{} are numbers, this is {}", what, names::KindName(*value)),
                  AsDistribution(*value)
                      ? "put the vectors into the distribution: uniform((0, 0, 0), (1, 2, 3))"
                      : "");
@@ -169,7 +169,7 @@ bool Evaluator::IsWordHere(std::string_view word, const scenario::Scope& scope) 
 }
 
 std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::Scope& scope) {
-  const Referent referent = names_.Resolve(expr.text, scope);
+  const names::Referent referent = names_.Resolve(expr.text, scope);
   if (referent.IsWord()) {
     // It may be the name of a let that could not be read.
     if (layers_.is_incomplete && !IsWordHere(expr.text, scope)) return std::nullopt;
@@ -250,13 +250,14 @@ bool Evaluator::EvaluateSizeOf(const std::string& group) {
 std::optional<Value> Evaluator::EvaluateParameter(const scenario::ParameterKey& key) {
   const auto set = layers_.settings.find(key);
   if (key.second->type == schema::ParameterType::kWords)
-    return set != layers_.settings.end() ? EvaluateList(*set->second.node, set->second.scope, *this)
-                                         : EvaluateList(DefaultSetting(*key.second), {}, *this);
+    return set != layers_.settings.end()
+               ? EvaluateList(*set->second.node, set->second.scope, *this)
+               : EvaluateList(names::DefaultSetting(*key.second), {}, *this);
   if (set != layers_.settings.end() && set->second.node->values.size() == 1)
     return Evaluate(*set->second.node->values[0], set->second.scope);
   if (set == layers_.settings.end() && key.second == schema::GroupParameter("quantity").get())
     if (auto count = CountPlaces(key.first)) return count;
-  return Evaluate(*DefaultSetting(*key.second).values[0], {});
+  return Evaluate(*names::DefaultSetting(*key.second).values[0], {});
 }
 
 bool Evaluator::ListsPlaces(const Expr& expr, const scenario::Scope& scope) {
@@ -269,7 +270,7 @@ bool Evaluator::ListsPlaces(const Expr& expr, const scenario::Scope& scope) {
       return chosen.text == "at" || chosen.text == schema::kPosesCall ||
              chosen.text == schema::kPathCall;
     if (chosen.kind != ExprKind::kPath) return false;
-    const Referent referent = names_.Resolve(chosen.text, inner);
+    const names::Referent referent = names_.Resolve(chosen.text, inner);
     if (!referent.let) return false;
     at = referent.let->node->value.get();
     inner = referent.let->scope;
@@ -288,7 +289,7 @@ std::optional<Value> Evaluator::CountPlaces(const std::string& group) {
   const auto layout = Evaluate(*setting.values[0], set->second.scope);
   active_.pop_back();
   const schema::Call* call = layout ? AsCall(*layout) : nullptr;
-  plan::PoseFault why;
+  analysis::PoseFault why;
   if (call != nullptr && (call->name == schema::kPosesCall || call->name == schema::kPathCall))
     if (const auto facts = scenario_.PosesAt(*call, why)) return Number(facts->count);
   if (call == nullptr || call->name != "at") return std::nullopt;
@@ -311,9 +312,9 @@ std::optional<Value> Evaluator::ConvertFor(const schema::Parameter& parameter, c
                                            const Expr& expr, const scenario::Scope& scope) {
   if (const schema::Text* text = AsText(value);
       text != nullptr && parameter.TakesCall(schema::kTraceCall))
-    return TraceNamed(scenario_, *text, diagnostics_);
+    return names::TraceNamed(scenario_, *text, diagnostics_);
   const Expr& origin = sweeps_.Origin(expr, scope);
-  std::vector<dsl::Span> choices;
+  std::vector<text::Span> choices;
   if (origin.kind == ExprKind::kCall)
     for (const dsl::Argument& argument : origin.arguments) choices.push_back(argument.value->span);
   return Convert(value, parameter, origin.span, choices, scenario_.plugins(), diagnostics_);

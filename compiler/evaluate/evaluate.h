@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "compiler/evaluate/names.h"
 #include "compiler/evaluate/sweeps.h"
+#include "compiler/names/names.h"
 #include "compiler/scenario/layers.h"
 #include "compiler/schema/value.h"
 
@@ -34,11 +34,11 @@ class Evaluator {
   /// Chooses the `index`th value of the sweep `call`, and of those that are zipped with it.
   void Choose(const dsl::Expr& call, std::size_t index);
 
-  std::nullopt_t Error(const dsl::DiagnosticKind& kind, const dsl::Span& span, std::string message,
+  std::nullopt_t Error(const dsl::DiagnosticKind& kind, const text::Span& span, std::string message,
                        std::string help = {});
 
   const scenario::Scenario& scenario() const { return scenario_; }
-  const Names& names() const { return names_; }
+  const names::Names& names() const { return names_; }
   const scenario::Layers& layers() const { return layers_; }
   Sweeps& sweeps() { return sweeps_; }
   dsl::Diagnostics& diagnostics() { return diagnostics_; }
@@ -72,7 +72,7 @@ class Evaluator {
   const scenario::Scenario& scenario_;
   const scenario::Layers& layers_;
   dsl::Diagnostics& diagnostics_;
-  Names names_;
+  names::Names names_;
   Sweeps sweeps_;
   std::map<const dsl::Let*, std::optional<schema::Value>> let_values_;  ///< at the present choice
   std::vector<Active> active_;                                          ///< the innermost last

@@ -8,7 +8,7 @@
 
 #include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/evaluate.h"
-#include "compiler/evaluate/kind_name.h"
+#include "compiler/names/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/functions.h"
 
@@ -58,7 +58,7 @@ std::optional<Value> EvaluateFunction(const dsl::Expr& call, const scenario::Sco
     if (!AsNumber(*value) && !AsFormula(*value))
       return evaluator.Error(
           scenario::kWrongKind, argument.value->span,
-          fmt::format("{}( ) takes numbers; this is {}", call.text, KindName(*value)));
+          fmt::format("{}( ) takes numbers; this is {}", call.text, names::KindName(*value)));
     operands.push_back(*value);
     if (AsNumber(*value)) numbers.push_back(*AsNumber(*value));
   }

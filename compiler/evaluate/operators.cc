@@ -6,7 +6,7 @@
 
 #include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/evaluate.h"
-#include "compiler/evaluate/kind_name.h"
+#include "compiler/names/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/functions.h"
 
@@ -45,7 +45,7 @@ std::nullopt_t ReportOperands(const Expr& expr, const Value& left, const Value& 
                               const scenario::Scope& scope, Evaluator& evaluator) {
   for (const int side : {0, 1}) {
     const Value& value = side == 0 ? left : right;
-    const dsl::Span& span = expr.items[static_cast<std::size_t>(side)]->span;
+    const text::Span& span = expr.items[static_cast<std::size_t>(side)]->span;
     if (const schema::Word* word = AsWord(value)) {
       const std::string_view near = evaluator.names().NearestLet(word->text, scope);
       return evaluator.Error(scenario::kUnknownName, span,
@@ -54,11 +54,11 @@ std::nullopt_t ReportOperands(const Expr& expr, const Value& left, const Value& 
     }
     if (!IsNumeric(value) && !AsVector(value))
       return evaluator.Error(scenario::kWrongKind, span,
-                             fmt::format("cannot calculate with {}", KindName(value)));
+                             fmt::format("cannot calculate with {}", names::KindName(value)));
   }
-  return evaluator.Error(
-      scenario::kWrongKind, expr.span,
-      fmt::format("'{}' does not go between {} and {}", expr.op, KindName(left), KindName(right)));
+  return evaluator.Error(scenario::kWrongKind, expr.span,
+                         fmt::format("'{}' does not go between {} and {}", expr.op,
+                                     names::KindName(left), names::KindName(right)));
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ std::optional<Value> EvaluateNegation(const Expr& expr, const scenario::Scope& s
   if (AsVector(*operand)) return Value(Vector3d(-*AsVector(*operand)));
   if (AsFormula(*operand)) return MakeFormula("-", {*operand}, expr.span, evaluator);
   return evaluator.Error(scenario::kWrongKind, expr.span,
-                         fmt::format("{} cannot be negated", KindName(*operand)));
+                         fmt::format("{} cannot be negated", names::KindName(*operand)));
 }
 
 std::optional<Value> EvaluateBinary(const Expr& expr, const scenario::Scope& scope,

@@ -62,7 +62,7 @@ class PositiveEvaluation {
   }
 
  private:
-  std::nullopt_t Fail(const dsl::Span& span, std::string message) {
+  std::nullopt_t Fail(const text::Span& span, std::string message) {
     return evaluator_.Error(scenario::kBadArguments, span, std::move(message),
                             std::string(schema::InfoOf(kind_).usage));
   }

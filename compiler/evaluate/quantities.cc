@@ -11,9 +11,9 @@
 #include "compiler/evaluate/drawn_settings.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/evaluate/functions.h"
-#include "compiler/evaluate/kind_name.h"
+#include "compiler/names/kind_name.h"
 #include "compiler/scenario/diagnostic_kinds.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::evaluate {
 namespace {
@@ -72,10 +72,10 @@ double TimesPi(double value, double divisor) {
   return quotient + (std::fma(-quotient, divisor, product) + rest) / divisor;
 }
 
-std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const dsl::Unit& unit,
+std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const text::Unit& unit,
                                         schema::Distribution drawn, Evaluator& evaluator);
 
-std::optional<Value> Scaled(const dsl::Expr& expr, const dsl::Unit& unit, const Value& value,
+std::optional<Value> Scaled(const dsl::Expr& expr, const text::Unit& unit, const Value& value,
                             Evaluator& evaluator) {
   if (AsNumber(value)) return InSi(*AsNumber(value), unit);
   if (AsVector(value)) {
@@ -88,10 +88,10 @@ std::optional<Value> Scaled(const dsl::Expr& expr, const dsl::Unit& unit, const 
   if (AsFormula(value))
     return MakeFormula("*", {value, InSi(Number::Whole(1), unit)}, expr.span, evaluator);
   return evaluator.Error(scenario::kWrongUnit, expr.text_span,
-                         fmt::format("{} has no unit", KindName(value)));
+                         fmt::format("{} has no unit", names::KindName(value)));
 }
 
-std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const dsl::Unit& unit,
+std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const text::Unit& unit,
                                         schema::Distribution drawn, Evaluator& evaluator) {
   using enum schema::DistributionKind;
   if (drawn.kind == kLognormal) {
@@ -114,7 +114,7 @@ std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const dsl::Unit& 
 
 }  // namespace
 
-Number InSi(const Number& number, const dsl::Unit& unit) {
+Number InSi(const Number& number, const text::Unit& unit) {
   constexpr double kMostFactor = 1e15;
   const std::string text = number.Text();
   const bool is_negative = text.starts_with('-');
@@ -146,7 +146,7 @@ Number InSi(const Number& number, const dsl::Unit& unit) {
 
 std::optional<Value> EvaluateQuantity(const dsl::Expr& expr, const scenario::Scope& scope,
                                       Evaluator& evaluator) {
-  const auto unit = dsl::ParseUnit(expr.text);
+  const auto unit = text::ParseUnit(expr.text);
   CDB_CHECK(unit.has_value());  // the parser takes no other
   const auto value = evaluator.Evaluate(*expr.items[0], scope);
   if (!value) return std::nullopt;

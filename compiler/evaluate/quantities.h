@@ -5,7 +5,7 @@
 
 #include "compiler/scenario/layers.h"
 #include "compiler/schema/value.h"
-#include "dsl/units.h"
+#include "dsl/text/units.h"
 
 namespace cdb::evaluate {
 
@@ -14,7 +14,7 @@ class Evaluator;
 /// The number in SI units. The shortest decimal text of `number` is scaled exactly and rounded
 /// once, so that `10 ms` is the same double as 0.01; a factor of pi or a divisor (km/h) rounds once
 /// more, and an angle in degrees is within an ulp. Not finite if it does not fit.
-schema::Number InSi(const schema::Number& number, const dsl::Unit& unit);
+schema::Number InSi(const schema::Number& number, const text::Unit& unit);
 
 /// `5 cm`, `(1, 2, 3) cm`, `uniform(1, 5) cm`; nullopt after a diagnostic.
 std::optional<schema::Value> EvaluateQuantity(const dsl::Expr& expr, const scenario::Scope& scope,

@@ -97,7 +97,7 @@ bool Sweeps::AddItems(const Expr& expr, const scenario::Scope& scope,
   scenario::Scope inner = scope;
   if (expr.kind == ExprKind::kPath) {
     // A let may hold a range.
-    const Referent referent = evaluator_.names().Resolve(expr.text, scope);
+    const names::Referent referent = evaluator_.names().Resolve(expr.text, scope);
     if (referent.let && referent.let->node->value->kind == ExprKind::kRange) {
       range = referent.let->node->value.get();
       inner = referent.let->scope;

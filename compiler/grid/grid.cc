@@ -4,9 +4,9 @@
 #include <limits>
 #include <utility>
 
-#include "compiler/plan/plan_yaml_writer.h"
-#include "compiler/plan/reference.h"
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/trace.h"
+#include "compiler/yaml/plan_yaml_writer.h"
 
 namespace cdb::grid {
 namespace {
@@ -152,7 +152,7 @@ void Cursor::MoveTo(std::size_t block, const Point& local) {
 
 plan::Scene Cursor::MakeScene() const {
   plan::Scene scene = configured();
-  if (plan::TraceOf(scene)) grid_.blocks[block_].lay_trace(scene);
+  if (analysis::TraceOf(scene)) grid_.blocks[block_].lay_trace(scene);
   return scene;
 }
 
@@ -186,15 +186,15 @@ plan::Plan ListRuns(const Grid& grid, std::uint64_t most) {
       plan.runs.push_back({plan::RunId(scene, rep), place, rep, scene, {}, {}});
     return --most > 0;
   });
-  if (is_whole) plan::AddReferences(plan);
+  if (is_whole) analysis::AddReferences(plan);
   return plan;
 }
 
 void WriteYaml(const Grid& grid, const std::function<void(std::string_view)>& write) {
-  plan::PlanWriter writer(grid.head, write);
+  yaml::PlanWriter writer(grid.head, write);
   ForEachSkipped(grid, [&](const Point& place) { writer.AddSkipped(place); });
   ForEachPoint(grid, [&](const Cursor& cursor, const Point& place) {
-    const bool is_traced = plan::TraceOf(cursor.configured()).has_value();
+    const bool is_traced = analysis::TraceOf(cursor.configured()).has_value();
     const plan::Scene traced = is_traced ? cursor.MakeScene() : plan::Scene();
     for (std::uint64_t rep = 0; rep < grid.head.repeats; ++rep)
       writer.AddRun(place, rep, is_traced ? traced : cursor.configured());

@@ -11,14 +11,14 @@
 #include <optional>
 #include <utility>
 
+#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/requested_errors.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/grid/survey.h"
-#include "compiler/plan/capacity.h"
-#include "compiler/plan/plan_yaml_writer.h"
-#include "compiler/plan/reference.h"
-#include "compiler/plan/requested_errors.h"
 #include "compiler/plan/sha256.h"
-#include "compiler/plan/trace.h"
 #include "compiler/schema/schema.h"
+#include "compiler/yaml/plan_yaml_writer.h"
 
 namespace cdb::grid {
 namespace {
@@ -35,7 +35,7 @@ void AppendBlock(const Block& block, std::string& text) {
   for (const Point& places : block.places)
     text += fmt::format("places {}\n", fmt::join(places, " "));
   for (const PointCondition& skip : block.skips) AppendCondition(skip, text);
-  plan::RunText base("");
+  yaml::RunText base("");
   base.Set(block.base);
   text += fmt::format("base {}\n", base.Id(0));
   for (const VaryingSetting& setting : block.varying) {
@@ -108,9 +108,9 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
   BoundsFinder bounds(grid);
   bounds.AddLargest([](const plan::Scene& scene) { return scene.world.Count("cycles"); });
   bounds.AddLargest([](const plan::Scene& scene) { return scene.ObjectCount(); });
-  bounds.AddLargest([](const plan::Scene& scene) { return plan::BodyCount(scene); });
+  bounds.AddLargest([](const plan::Scene& scene) { return analysis::BodyCount(scene); });
   bounds.AddLargest([](const plan::Scene& scene) {
-    const auto sampling = plan::SamplingOf(scene);
+    const auto sampling = analysis::SamplingOf(scene);
     return sampling ? sampling->count : 0;
   });
   bounds.AddFirstOfEach([](const plan::Scene& scene) { return scene.world.Words("record"); });
@@ -120,8 +120,8 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
   // Programs are looked for, and series are recorded, by these.
   bounds.AddFirstOfEach([](const plan::Scene& scene) {
     return schema::WordList{std::string(scene.world.WordOr("precision")),
-                            plan::TraceOf(scene) ? "trace" : "scene",
-                            plan::NeedsReference(scene) ? "reference" : "none"};
+                            analysis::TraceOf(scene) ? "trace" : "scene",
+                            analysis::NeedsReference(scene) ? "reference" : "none"};
   });
   return bounds.Take();
 }
@@ -192,9 +192,9 @@ plan::WholePlan MakeWhole(std::shared_ptr<const Grid> grid) {
   whole.bounds = BoundsOf(*grid);
   whole.sha256 = HashOf(*grid, whole.bounds);
   whole.for_each_run = [grid](const plan::WholePlan::VisitRun& visit) {
-    plan::RunText text("");
+    yaml::RunText text("");
     ForEachPoint(*grid, [&](const Cursor& cursor, const Point& place) {
-      if (plan::TraceOf(cursor.configured())) {
+      if (analysis::TraceOf(cursor.configured())) {
         text.Set(cursor.MakeScene());
       } else {
         text.Set(cursor.configured());
@@ -225,7 +225,7 @@ plan::Plan ListPart(const Grid& grid, std::shared_ptr<const plan::WholePlan> who
     } while (groups.within().Advance(place));
   }
   std::ranges::stable_sort(plan.runs, {}, &plan::Run::at);
-  plan::AddReferences(plan);
+  analysis::AddReferences(plan);
   return plan;
 }
 

@@ -8,7 +8,7 @@
 #include "compiler/plan/coordinates.h"
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/schema.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::plan {
 namespace {

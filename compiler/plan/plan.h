@@ -100,7 +100,7 @@ struct WholePlan {
   /// Runs of it: the most cycles, objects, bodies and samples of any run are those of one of these,
   /// and what some run records or asks for, one of these does.
   std::vector<Run> bounds;
-  std::string short_text;                             ///< as YAML (compiler/plan/short_plan.h)
+  std::string short_text;                             ///< as YAML (compiler/yaml/short_plan.h)
   std::function<void(const VisitRun&)> for_each_run;  ///< in grid order
   std::function<void(const VisitPoint&)> for_each_skipped;  ///< in grid order
 };

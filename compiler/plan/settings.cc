@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "compiler/schema/schema.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::plan {
 namespace {

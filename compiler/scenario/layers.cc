@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "compiler/plan/pruning.h"
+#include "compiler/analysis/pruning.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/value.h"
 
@@ -132,7 +132,7 @@ void LayeredBenchmark::DeclareGroup(const std::string& name, const Place& place)
   groups_.push_back({name, place.case_axis, place.case_index});
 }
 
-void LayeredBenchmark::Once(int layer, const std::string& what, const dsl::Span& span,
+void LayeredBenchmark::Once(int layer, const std::string& what, const text::Span& span,
                             const std::string& message) {
   const auto [first, is_new] = seen_.emplace(std::pair(layer, what), span);
   if (!is_new)

@@ -63,7 +63,7 @@ struct Layers {
 /// `cases load { calm { … } storm { … } }`.
 struct CaseAxis {
   std::string name;
-  dsl::Span span;
+  text::Span span;
   int order = 0;
   std::vector<std::string> names;
 };
@@ -118,7 +118,7 @@ class LayeredBenchmark {
   /// Why there is no block of that name here.
   void ReportBlock(const dsl::Name& kind, const Place& place);
   void DeclareGroup(const std::string& name, const Place& place);
-  void Once(int layer, const std::string& what, const dsl::Span& span, const std::string& message);
+  void Once(int layer, const std::string& what, const text::Span& span, const std::string& message);
 
   const Scenario& scenario_;
   dsl::Diagnostics& diagnostics_;
@@ -133,7 +133,7 @@ class LayeredBenchmark {
   std::vector<GroupDeclaration> groups_;
   std::vector<CaseAxis> case_axes_;
   std::vector<Entry> entries_;
-  std::map<std::pair<int, std::string>, dsl::Span> seen_;
+  std::map<std::pair<int, std::string>, text::Span> seen_;
   bool has_base_ = true;
   dsl::Damage damage_ = dsl::Damage::kNone;  ///< of the benchmark, its bases, and the files
   int order_ = 0;

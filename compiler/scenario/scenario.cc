@@ -37,8 +37,8 @@ void ForEachItem(const ScenarioFile& file, Visit visit) {
 }  // namespace
 
 Scenario::Scenario(const std::string& path, const std::string& library, const ReadFile& read,
-                   const PluginSource& plugins, const plan::ReadTrace& read_trace,
-                   const plan::ReadPoses& read_poses, dsl::Diagnostics& diagnostics)
+                   const PluginSource& plugins, const analysis::ReadTrace& read_trace,
+                   const analysis::ReadPoses& read_poses, dsl::Diagnostics& diagnostics)
     : library_(library),
       read_(read),
       describe_(plugins.describe),
@@ -65,8 +65,8 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
   std::optional<std::string> text = read_(path, why);
   if (!text) {
     // The place of a missing main file is the command line; an empty text stands for it.
-    const auto nowhere = std::make_shared<const dsl::Source>(path, "");
-    dsl::Span span = {nowhere.get(), 0, 0};
+    const auto nowhere = std::make_shared<const text::Source>(path, "");
+    text::Span span = {nowhere.get(), 0, 0};
     if (use != nullptr) span = use->path_span;
     auto file = std::make_unique<ScenarioFile>();
     file->path = path;
@@ -79,7 +79,7 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
   files_.push_back(std::make_unique<ScenarioFile>());
   ScenarioFile& file = *files_.back();
   file.path = path;
-  file.tree = dsl::Parse(std::make_shared<const dsl::Source>(path, std::move(*text)), diagnostics);
+  file.tree = dsl::Parse(std::make_shared<const text::Source>(path, std::move(*text)), diagnostics);
   is_complete_ = is_complete_ && file.tree.damage == dsl::Damage::kNone;
   ForEachItem<dsl::Let>(file, [&](const dsl::Let& let) { file.lets.emplace(let.name.text, &let); });
   ForEachItem<dsl::Benchmark>(file, [&](const dsl::Benchmark& benchmark) {
@@ -125,7 +125,7 @@ std::string Scenario::Find(const std::string& wanted, const std::string& path,
 void Scenario::LoadPlugin(const std::string& path, const dsl::Use* use,
                           dsl::Diagnostics& diagnostics) {
   if (!plugin_files_.emplace(path, use).second) return;
-  const dsl::Span span = use != nullptr ? use->path_span : dsl::Span{};
+  const text::Span span = use != nullptr ? use->path_span : text::Span{};
   std::string why;
   const auto bytes = read_(path, why);
   if (!bytes) {
@@ -152,7 +152,7 @@ void Scenario::LoadPlugin(const std::string& path, const dsl::Use* use,
 
 void Scenario::AddDetector(schema::PluginDetector detector, const dsl::Use* use,
                            dsl::Diagnostics& diagnostics) {
-  const dsl::Span span = use != nullptr ? use->path_span : dsl::Span{};
+  const text::Span span = use != nullptr ? use->path_span : text::Span{};
   const auto place =
       std::ranges::lower_bound(plugins_, detector.name, {}, &schema::PluginDetector::name);
   if (place != plugins_.end() && place->name == detector.name) {
@@ -253,18 +253,19 @@ std::optional<std::string> Scenario::HashOf(const std::string& path, std::string
   return hash->second.sha256;
 }
 
-std::optional<plan::TraceFacts> Scenario::TraceAt(const std::string& path, std::string& why) const {
+std::optional<analysis::TraceFacts> Scenario::TraceAt(const std::string& path,
+                                                      std::string& why) const {
   const auto [trace, is_new] = traces_.try_emplace(path);
   if (is_new && read_trace_) trace->second.facts = read_trace_(path, trace->second.why);
   why = read_trace_ ? trace->second.why : "nothing here reads traces";
   return trace->second.facts;
 }
 
-std::optional<plan::PoseFacts> Scenario::PosesAt(const schema::Call& poses,
-                                                 plan::PoseFault& why) const {
+std::optional<analysis::PoseFacts> Scenario::PosesAt(const schema::Call& poses,
+                                                     analysis::PoseFault& why) const {
   const auto [table, is_new] = poses_.try_emplace(schema::LabelOf(poses));
   if (is_new && read_poses_) table->second.facts = read_poses_(poses, table->second.why);
-  why = read_poses_ ? table->second.why : plan::PoseFault{true, "nothing here reads poses", {}};
+  why = read_poses_ ? table->second.why : analysis::PoseFault{true, "nothing here reads poses", {}};
   return table->second.facts;
 }
 

@@ -11,8 +11,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "compiler/plan/poses.h"
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/poses.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/schema/plugins.h"
 #include "dsl/diagnostics.h"
 #include "dsl/syntax.h"
@@ -63,8 +63,8 @@ class Scenario {
   /// be read or parsed, a `use` that leads back to itself, a library that offers no detector, or
   /// one whose name is taken. What is wrong with a library of the command line has no place.
   Scenario(const std::string& path, const std::string& library, const ReadFile& read,
-           const PluginSource& plugins, const plan::ReadTrace& read_trace,
-           const plan::ReadPoses& read_poses, dsl::Diagnostics& diagnostics);
+           const PluginSource& plugins, const analysis::ReadTrace& read_trace,
+           const analysis::ReadPoses& read_poses, dsl::Diagnostics& diagnostics);
 
   /// Reports lets and benchmarks of one name in one file.
   void CheckNames(dsl::Diagnostics& diagnostics) const;
@@ -95,10 +95,11 @@ class Scenario {
   std::span<const schema::PluginDetector> plugins() const { return plugins_; }
   /// What a trace holds, read once; nullopt, and why, where it is of no use. Not for several
   /// threads.
-  std::optional<plan::TraceFacts> TraceAt(const std::string& path, std::string& why) const;
+  std::optional<analysis::TraceFacts> TraceAt(const std::string& path, std::string& why) const;
   /// What the table of a `poses` call holds, read once; nullopt, and why, where it is of no use.
   /// Not for several threads.
-  std::optional<plan::PoseFacts> PosesAt(const schema::Call& poses, plan::PoseFault& why) const;
+  std::optional<analysis::PoseFacts> PosesAt(const schema::Call& poses,
+                                             analysis::PoseFault& why) const;
   /// The main file's text, then each used file's under a comment with its name.
   std::string FullText() const;
 
@@ -127,16 +128,16 @@ class Scenario {
   mutable std::map<std::string, FileHash> hashes_;
   std::vector<schema::PluginDetector> plugins_;
   std::map<std::string, const dsl::Use*> plugin_files_;  ///< by path; null: the command line
-  plan::ReadTrace read_trace_;
+  analysis::ReadTrace read_trace_;
   struct TraceRead {
-    std::optional<plan::TraceFacts> facts;
+    std::optional<analysis::TraceFacts> facts;
     std::string why;
   };
   mutable std::map<std::string, TraceRead> traces_;
-  plan::ReadPoses read_poses_;
+  analysis::ReadPoses read_poses_;
   struct PosesRead {
-    std::optional<plan::PoseFacts> facts;
-    plan::PoseFault why;
+    std::optional<analysis::PoseFacts> facts;
+    analysis::PoseFault why;
   };
   mutable std::map<std::string, PosesRead> poses_;  ///< by the call without its hash
 };

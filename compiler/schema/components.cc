@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::schema {
 namespace {

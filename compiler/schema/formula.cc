@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "compiler/schema/functions.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::schema {
 namespace {

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::schema {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "compiler/schema/parameter_table.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::schema {
 namespace {

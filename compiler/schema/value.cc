@@ -8,7 +8,7 @@
 
 #include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::schema {
 namespace {

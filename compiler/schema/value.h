@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "compiler/schema/number.h"
-#include "dsl/source.h"
+#include "dsl/text/source.h"
 
 namespace cdb::schema {
 
@@ -25,7 +25,7 @@ struct Word {
 struct Text {
   std::string text;
   /// Its place in a scenario, whose folder a relative name is looked up in; empty in a plan.
-  dsl::Span written = {};
+  text::Span written = {};
   bool operator==(const Text& other) const { return text == other.text; }
 };
 
@@ -84,7 +84,7 @@ struct Formula {
   std::string setting;  ///< the name of one of the same group, where `op` is empty
   std::vector<Value> arguments;  ///< numbers and formulae
   /// In a scenario, where the setting is named, and the group that it is of; empty in a plan.
-  dsl::Span written = {};
+  text::Span written = {};
   std::string group = {};
   bool operator==(const Formula&) const;
 };

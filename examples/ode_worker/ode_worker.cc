@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
 #include "compiler/schema/schema.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/initial_state.h"
 #include "library/walls.h"
 #include "runtime/measure/file_descriptor_io.h"
@@ -255,7 +255,7 @@ void RunForErrors(const plan::Scene& scene, const layouts::InitialState& state,
   const auto shape = measure::SampleShapeOf(scene);
   if (!shape) return;
   World world(scene, state);
-  const std::size_t cycles_per_sample = plan::SamplingOf(scene)->cycles;
+  const std::size_t cycles_per_sample = analysis::SamplingOf(scene)->cycles;
   for (std::size_t sample = 0; sample < shape->samples; ++sample) {
     for (std::size_t i = 0; sample > 0 && i < cycles_per_sample; ++i) world.Step();
     TakeSample(world, state, *shape, sample, recording.SampleValues());
@@ -265,7 +265,7 @@ void RunForErrors(const plan::Scene& scene, const layouts::InitialState& state,
 /// The exit status: 0 where the recording says how the run ended.
 int Execute(const std::vector<std::string>&) {
   measure::BindToRunner();
-  const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
+  const plan::Run run = yaml::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
   measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
   measure::RecordingHeader& header = recording.header();
   try {

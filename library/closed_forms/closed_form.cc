@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/closed_forms/fit.h"
 
 namespace cdb::closed_forms {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/plan/collisions.h"
+#include "compiler/analysis/collisions.h"
 #include "compiler/schema/parametrised_words.h"
 
 namespace cdb::closed_forms {
@@ -38,7 +38,7 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
       if (IsScheduled(group.settings.Get(velocity)))
         Refuse(fmt::format("{}.{} is on a schedule", group.name, velocity.name()),
                "give it one value");
-  if (!plan::Collisions(scene).AllMayTouch())
+  if (!analysis::Collisions(scene).AllMayTouch())
     Refuse("collides_with keeps objects from touching", "take it out");
   for (const plan::Group& group : scene.groups)
     if (group.HasLinks() && !IsOfLinks(form))

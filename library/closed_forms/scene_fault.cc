@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "compiler/plan/requested_errors.h"
-#include "compiler/plan/surface.h"
+#include "compiler/analysis/requested_errors.h"
+#include "compiler/analysis/surface.h"
 #include "library/closed_forms/closed_form.h"
 #include "library/layouts/placement.h"
 #include "library/meshes/models.h"
@@ -15,7 +15,7 @@ namespace {
 
 /// Decomposing one takes seconds; a surface is only read.
 bool MayBeMesh(const schema::Value& type) {
-  if (const schema::Call* call = schema::AsCall(type)) return !plan::IsSurface(*call);
+  if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
   if (const auto* word = std::get_if<schema::Word>(&type))
     return meshes::FindModel(word->text) != nullptr;
   const auto* drawn = std::get_if<schema::Distribution>(&type);
@@ -28,16 +28,16 @@ bool HasMeshes(const plan::Scene& scene) {
   });
 }
 
-plan::SceneFault FaultOf(const library::SceneError& error, plan::SceneFault::Kind kind) {
+analysis::SceneFault FaultOf(const library::SceneError& error, analysis::SceneFault::Kind kind) {
   return {kind, error.group(), error.cause(), error.remedy(), error.parameter()};
 }
 
 }  // namespace
 
-std::optional<plan::SceneFault> FindSceneFault(const plan::Scene& scene) {
-  using enum plan::SceneFault::Kind;
+std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene) {
+  using enum analysis::SceneFault::Kind;
   const std::string_view form = scene.world.WordOr("accuracy.closed_form");
-  if (form == "none" || plan::ErrorsOf(scene).empty()) {
+  if (form == "none" || analysis::ErrorsOf(scene).empty()) {
     try {
       if (!HasMeshes(scene)) layouts::CheckPlacement(scene);
     } catch (const library::SceneError& error) {

@@ -3,13 +3,13 @@
 
 #include <optional>
 
-#include "compiler/plan/scene_fault.h"
+#include "compiler/analysis/scene_fault.h"
 
 namespace cdb::closed_forms {
 
 /// Objects that cannot be placed without a place being drawn (layouts/placement.h), or conditions
 /// of the closed form that the scene names and does not meet. Scenes with models or mesh files are
 /// looked at only for a closed form, as decomposing a mesh takes seconds. Threads: any.
-std::optional<plan::SceneFault> FindSceneFault(const plan::Scene& scene);
+std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene);
 
 }  // namespace cdb::closed_forms

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "compiler/schema/parametrised_words.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::distributions {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "compiler/schema/parametrised_words.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::distributions {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "compiler/plan/collisions.h"
-#include "compiler/plan/poses.h"
+#include "compiler/analysis/collisions.h"
+#include "compiler/analysis/poses.h"
 #include "library/layouts/exact_layouts.h"
 #include "library/layouts/hash_grid.h"
 #include "library/objects/distance.h"
@@ -56,7 +56,7 @@ void CheckWalls(const Bodies& bodies, std::size_t index) {
 /// Recorded objects that lie on a wall reach into it a little, as contacts give way.
 bool MayReachThroughWalls(const Bodies& bodies, std::size_t index) {
   const plan::Group& group = bodies.GroupOf(index);
-  return plan::PosesOf(group) != nullptr && group.settings.On("overlap") &&
+  return analysis::PosesOf(group) != nullptr && group.settings.On("overlap") &&
          bodies.core(index).position.cwiseAbs().maxCoeff() < bodies.side() / 2;
 }
 
@@ -128,7 +128,7 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
   const auto may_overlap = [&](std::uint32_t index) {
     return overlaps[bodies.object(index).group] != 0;
   };
-  const plan::Collisions collisions(bodies.scene());
+  const analysis::Collisions collisions(bodies.scene());
   const auto may_touch = [&](std::uint32_t a, std::uint32_t b) {
     return collisions.MayTouch(bodies.object(a).group, bodies.object(b).group);
   };

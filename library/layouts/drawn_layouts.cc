@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/distributions/draw.h"
 #include "library/layouts/coverage.h"
 #include "library/layouts/exact_layouts.h"

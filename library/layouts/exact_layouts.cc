@@ -8,9 +8,9 @@
 #include <optional>
 #include <string_view>
 
-#include "compiler/plan/pile.h"
 #include "compiler/schema/parametrised_words.h"
-#include "dsl/check.h"
+#include "compiler/yaml/pile.h"
+#include "dsl/text/check.h"
 #include "library/distributions/draw.h"
 #include "library/objects/distance.h"
 
@@ -302,7 +302,7 @@ bool HasExactLayout(const plan::Group& group) {
   return schema::AsCall(group.settings.Get("location")) != nullptr;
 }
 
-bool IsPile(const plan::Group& group) { return plan::HasPile(group); }
+bool IsPile(const plan::Group& group) { return yaml::HasPile(group); }
 
 void PlaceExactly(const plan::Scene& scene, const GroupRange& range, Bodies& bodies) {
   if (range.size() == 0) return;

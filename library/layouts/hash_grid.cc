@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::layouts {
 

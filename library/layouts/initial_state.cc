@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "compiler/plan/kinematic.h"
+#include "compiler/analysis/kinematic.h"
 #include "library/distributions/draw.h"
 #include "library/distributions/object_numbers.h"
 #include "library/layouts/placement.h"
@@ -34,7 +34,7 @@ Eigen::Quaterniond BodyTurn(const objects::Solid& solid, const Eigen::Quaternion
 
 /// Positions too: the layout only checks them.
 void TakeTable(const plan::Group& group, std::span<ObjectState> objects) {
-  const schema::Call* poses = plan::PosesOf(group);
+  const schema::Call* poses = analysis::PosesOf(group);
   if (poses == nullptr || objects.empty()) return;
   const PoseTable table = ReadPoseTable(*poses);
   if (table.rows.size() != objects.size())
@@ -55,7 +55,7 @@ void TakeTable(const plan::Group& group, std::span<ObjectState> objects) {
 
 /// The pose too: the one at the start.
 void TakePath(const plan::Group& group, std::span<ObjectState> objects) {
-  const schema::Call* call = plan::PathOf(group);
+  const schema::Call* call = analysis::PathOf(group);
   if (call == nullptr || objects.empty()) return;
   const auto path = std::make_shared<const Path>(ReadPath(*call));
   for (ObjectState& object : objects) {
@@ -99,7 +99,7 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     object.solid = MakeSolid(solids, chosen, numbers.Sides(), aspect, group.name);
     numbers.SetVolume(object.solid.Volume());
     object.mass = numbers.Find("mass").value_or(0);  // the word is `fixed` or `kinematic`
-    object.is_kinematic = numbers.Word("mass") == plan::kKinematicWord;
+    object.is_kinematic = numbers.Word("mass") == analysis::kKinematicWord;
     object.pose.orientation = BodyTurn(object.solid, DrawOrientation(orientation));
     object.linear_velocity = linear_velocity.Vector();
     object.angular_velocity = angular_velocity.Vector();

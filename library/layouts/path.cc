@@ -57,7 +57,7 @@ Eigen::Quaterniond Path::OrientationAt(double time) const {
 
 Path ReadPath(const schema::Call& call) { return {call, ReadPoseTable(call)}; }
 
-plan::PoseFacts FactsOfPath(const Path& path, const std::string& sha256) {
+analysis::PoseFacts FactsOfPath(const Path& path, const std::string& sha256) {
   return {sha256, 1, path.has_orientation(), true, path.has_orientation()};
 }
 

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "compiler/plan/poses.h"
+#include "compiler/analysis/poses.h"
 #include "library/layouts/pose_table.h"
 
 namespace cdb::layouts {
@@ -40,6 +40,6 @@ class Path {
 /// The path that a call of the plan names. Refuses another file than the one that was planned with.
 Path ReadPath(const schema::Call& call);
 /// The path in the compiler's terms: one object, whose velocity it gives.
-plan::PoseFacts FactsOfPath(const Path& path, const std::string& sha256);
+analysis::PoseFacts FactsOfPath(const Path& path, const std::string& sha256);
 
 }  // namespace cdb::layouts

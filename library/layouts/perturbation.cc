@@ -1,6 +1,6 @@
 #include "library/layouts/perturbation.h"
 
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
 #include "library/distributions/stream.h"
 
 namespace cdb::layouts {
@@ -10,7 +10,7 @@ void Perturb(const plan::Scene& scene, InitialState& state) {
   for (ObjectState& object : state.objects) {
     const Eigen::Vector3d direction = stream.Turn() * Eigen::Vector3d::UnitX();
     if (object.IsFixed()) continue;
-    object.pose.position += plan::kPerturbation * object.solid.sides.maxCoeff() * direction;
+    object.pose.position += analysis::kPerturbation * object.solid.sides.maxCoeff() * direction;
   }
 }
 

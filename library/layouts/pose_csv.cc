@@ -9,7 +9,7 @@
 #include <span>
 
 #include "compiler/schema/number.h"
-#include "dsl/utf8.h"
+#include "dsl/text/utf8.h"
 #include "library/layouts/pose_table.h"
 #include "library/scene_error.h"
 
@@ -125,7 +125,7 @@ class CsvReader {
       const auto column = std::ranges::find(kNames, cells_[i]);
       const auto index = static_cast<std::size_t>(column - kNames.begin());
       if (!Takes(index))
-        Refuse(fmt::format("`{}` is no column that is known here", dsl::Printable(cells_[i])),
+        Refuse(fmt::format("`{}` is no column that is known here", text::Printable(cells_[i])),
                std::string(layout_.columns));
       auto& place = places_[index];
       if (place) Refuse(fmt::format("the column `{}` is there twice", *column), "keep one of them");
@@ -178,7 +178,7 @@ class CsvReader {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
       Refuse(fmt::format("{} is `{}`, which is no finite number", kNames[column],
-                         dsl::Printable(written)),
+                         text::Printable(written)),
              "write a number with a decimal point, as -1.5 or 2e-3");
     if (std::abs(value) > kLargest)
       Refuse(fmt::format("{} is {}, beyond {:g}", kNames[column], written, kLargest),

@@ -8,7 +8,7 @@
 #include "compiler/plan/input_file.h"
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/parametrised_words.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/layouts/path.h"
 #include "library/scene_error.h"
 
@@ -39,7 +39,7 @@ struct Unreadable : SceneError {
 
 /// The table, and the hash of what it is made of.
 std::pair<PoseTable, std::string> ReadWithHash(const schema::Call& poses) {
-  if (plan::IsCsv(poses)) {
+  if (analysis::IsCsv(poses)) {
     std::string why;
     const auto bytes = plan::ReadInputFile(FileOf(poses), why);
     if (!bytes) FailToRead(FileOf(poses), why);
@@ -72,14 +72,15 @@ PoseTable ReadPoseTable(const schema::Call& poses) {
   return std::move(table);
 }
 
-std::optional<plan::PoseFacts> ReadPoseFacts(const schema::Call& poses, plan::PoseFault& why) {
+std::optional<analysis::PoseFacts> ReadPoseFacts(const schema::Call& poses,
+                                                 analysis::PoseFault& why) {
   try {
     if (const std::string fault = plan::WhyNotReadable(FileOf(poses)); !fault.empty())
       FailToRead(FileOf(poses), fault);
     const auto [table, sha256] = ReadWithHash(poses);
     if (poses.name == schema::kPathCall) return FactsOfPath(Path(poses, table), sha256);
-    return plan::PoseFacts{sha256, table.rows.size(), table.has_orientation,
-                           table.has_linear_velocity, table.has_angular_velocity};
+    return analysis::PoseFacts{sha256, table.rows.size(), table.has_orientation,
+                               table.has_linear_velocity, table.has_angular_velocity};
   } catch (const SceneError& error) {
     why = {dynamic_cast<const Unreadable*>(&error) != nullptr, error.cause(), error.remedy()};
     return std::nullopt;
@@ -89,8 +90,8 @@ std::optional<plan::PoseFacts> ReadPoseFacts(const schema::Call& poses, plan::Po
 std::string PackPoses(const plan::Scene& scene) {
   std::string packed;
   for (const plan::Group& group : scene.groups) {
-    const schema::Call* poses = plan::PosesOf(group);
-    if (poses == nullptr || plan::IsCsv(*poses)) continue;
+    const schema::Call* poses = analysis::PosesOf(group);
+    if (poses == nullptr || analysis::IsCsv(*poses)) continue;
     const PoseTable table = ReadPoseTable(*poses);
     const std::string key = schema::ToText(schema::Value(*poses)), csv = ToCsv(table);
     packed += HeadOf(table.of_body, key.size(), csv.size()) + key + csv;

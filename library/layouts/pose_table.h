@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan/poses.h"
+#include "compiler/analysis/poses.h"
 
 namespace cdb::layouts {
 
@@ -48,7 +48,8 @@ std::optional<Eigen::Quaterniond> UnitQuaternion(double w, double x, double y, d
 PoseTable ReadPoseTable(const schema::Call& poses);
 /// The same in the compiler's terms, of a path too, which is one object's; the hash is not
 /// compared.
-std::optional<plan::PoseFacts> ReadPoseFacts(const schema::Call& poses, plan::PoseFault& why);
+std::optional<analysis::PoseFacts> ReadPoseFacts(const schema::Call& poses,
+                                                 analysis::PoseFault& why);
 
 /// How HDF5 files are read in this process; without one they are refused. Set it before anything is
 /// read.

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/scene_error.h"
 
 extern "C" {

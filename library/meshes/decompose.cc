@@ -12,7 +12,7 @@
 #include <optional>
 #include <utility>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/overlap_volume.h"
 #include "library/scene_error.h"

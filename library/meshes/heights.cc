@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "dsl/utf8.h"
+#include "dsl/text/utf8.h"
 #include "library/scene_error.h"
 
 namespace cdb::meshes {
@@ -31,7 +31,7 @@ double HeightOf(std::string_view cell, std::string_view name, std::size_t line) 
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), height);
   if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(height) ||
       std::abs(height) > kLargestCoordinate)
-    RefuseHeights(name, line, fmt::format("`{}` is no height", dsl::Printable(cell)),
+    RefuseHeights(name, line, fmt::format("`{}` is no height", text::Printable(cell)),
                   "write numbers, separated by commas");
   return height;
 }

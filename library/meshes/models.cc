@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/meshes/topology.h"
 #include "library/scene_error.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::meshes {
 namespace {

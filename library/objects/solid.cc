@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::objects {
 namespace {

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <string>
 
-#include "compiler/plan/requested_errors.h"
-#include "dsl/check.h"
+#include "compiler/analysis/requested_errors.h"
+#include "dsl/text/check.h"
 
 namespace cdb::accuracy {
 namespace {
@@ -223,7 +223,7 @@ double MeanMove(std::vector<double> from, std::vector<double> to) {
 measure::RunErrors CollectErrors(const plan::Scene& scene, const measure::Samples& run,
                                  const Standard* standard, const measure::Samples* reference,
                                  const measure::Samples* twin) {
-  const auto errors = plan::ErrorsOf(scene);
+  const auto errors = analysis::ErrorsOf(scene);
   measure::RunErrors result;
   const bool is_sure = twin == nullptr;
   const std::size_t horizon = is_sure ? run.shape.samples : HorizonOf(*reference, *twin);

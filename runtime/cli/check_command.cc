@@ -11,12 +11,12 @@
 #include "compiler/grid/part.h"
 #include "runtime/cli/check_stored.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/diagnostics_json.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/report/console.h"
+#include "runtime/cli/options/diagnostics_json.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/schedule/bounds.h"
 #include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -29,9 +29,9 @@ struct CheckArguments {
 
 compiler::Compilation CompileToJson(const std::string& file,
                                     const std::vector<std::string>& plugins) {
-  compiler::Compilation result =
-      CompileWith(FindScenario(file), ReadInput, std::nullopt, plugins, /*lists_runs=*/false);
-  report::PrintExact(DiagnosticsJson(result.diagnostics));
+  compiler::Compilation result = options::CompileWith(
+      options::FindScenario(file), options::ReadInput, std::nullopt, plugins, /*lists_runs=*/false);
+  terminal::PrintExact(options::DiagnosticsJson(result.diagnostics));
   return result;
 }
 
@@ -43,43 +43,45 @@ bool FitsHere(const grid::Grid& grid, const std::string& file) {
   const std::string why =
       schedule::WhyTooLarge(schedule::LeastDemand(plan), schedule::WholeMachine());
   if (!why.empty())
-    report::Say(fmt::format("{}: {}: this machine cannot run it: {}\n", file, plan.benchmark, why));
+    terminal::Say(
+        fmt::format("{}: {}: this machine cannot run it: {}\n", file, plan.benchmark, why));
   return why.empty();
 }
 
-ExitStatus Check(const CheckArguments& arguments) {
-  ExitStatus status = ExitStatus::kGood;
+options::ExitStatus Check(const CheckArguments& arguments) {
+  options::ExitStatus status = options::ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
     if (name != "-" && (store::IsStored(name) || name.ends_with(".h5"))) {
       if (arguments.json)
-        throw CommandError(fmt::format(
+        throw options::CommandError(fmt::format(
             "--json is for scenario files, and '{}' is none; check it without --json", name));
       status = std::max(status, CheckStored(name));
       continue;
     }
-    const std::string file = FileOrStandardInput(name);
-    const auto result = arguments.json ? CompileToJson(file, arguments.plugins)
-                                       : CompileAndReport(file, std::nullopt, LintText::kWhole,
-                                                          arguments.plugins, /*lists_runs=*/false);
+    const std::string file = options::FileOrStandardInput(name);
+    const auto result =
+        arguments.json ? CompileToJson(file, arguments.plugins)
+                       : options::CompileAndReport(file, std::nullopt, options::LintText::kWhole,
+                                                   arguments.plugins, /*lists_runs=*/false);
     if (result.diagnostics.has_errors()) {
-      status = std::max(status, ExitStatus::kScenario);
+      status = std::max(status, options::ExitStatus::kScenario);
       continue;
     }
     for (const grid::Grid& grid : result.grids)
-      if (!FitsHere(grid, file)) status = std::max(status, ExitStatus::kWorld);
+      if (!FitsHere(grid, file)) status = std::max(status, options::ExitStatus::kWorld);
     if (arguments.json) continue;
     for (const grid::Grid& grid : result.grids)
-      report::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),
-                                grid.run_count() == 1 ? "run" : "runs"));
+      terminal::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),
+                                  grid.run_count() == 1 ? "run" : "runs"));
   }
   return status;
 }
 
 }  // namespace
 
-void AddCheckCommand(CLI::App& app, ExitStatus& status) {
+void AddCheckCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<CheckArguments>();
-  Subcommand command(
+  options::Subcommand command(
       app, "check",
       "report every error and warning in scenario files; say whether results are whole");
   command.Required("FILE", arguments->files,

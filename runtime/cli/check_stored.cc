@@ -6,12 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
-#include "runtime/cli/sized_plan.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/console.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "runtime/cli/plans/sized_plan.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -25,21 +26,21 @@ std::string Proof(bool has_digest) {
 const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
 
 [[noreturn]] void RefuseContents(const std::string& file, const std::string& why) {
-  throw store::StoreError(
+  throw files::StoreError(
       fmt::format("{}: is damaged: {}; it was left as it is: {}", file, why, store::kResultRemedy));
 }
 
 /// Nullopt for a file of an earlier version, without a plan or with one that this cdb cannot read.
 /// Throws StoreError where there should be one.
-std::optional<SizedPlan> PlanIn(const store::ResultFile& results, const std::string& file) {
+std::optional<plans::SizedPlan> PlanIn(const store::ResultFile& results, const std::string& file) {
   const std::string text = results.ReadProvenance("plan_text");
   if (text.empty() && results.has_digest()) RefuseContents(file, "it holds no plan");
   if (text.empty()) return std::nullopt;
   try {
-    return ReadSizedPlan(text, file);
-  } catch (const plan::PlanError&) {
+    return plans::ReadSizedPlan(text, file);
+  } catch (const yaml::PlanError&) {
     return std::nullopt;
-  } catch (const CommandError&) {
+  } catch (const options::CommandError&) {
     return std::nullopt;
   }
 }
@@ -58,7 +59,7 @@ struct StatusCounts {
 
 StatusCounts CountCells(const store::ResultFile& results) {
   StatusCounts counts;
-  for (const store::ResultFile::Cell& cell : report::AllCells(results))
+  for (const store::ResultFile::Cell& cell : statistics::AllCells(results))
     counts.Add(results.ReadStatus(cell));
   return counts;
 }
@@ -83,14 +84,15 @@ void CompareWithPlan(const store::ResultFile& results, const plan::Plan& plan,
   });
 }
 
-ExitStatus CheckResults(const std::string& file) {
+options::ExitStatus CheckResults(const std::string& file) {
   const store::ResultFile results(file, store::ProofOf::kEveryValue);
   const std::string plan_name = results.plan_sha256().substr(0, 12);
   if (results.is_shard()) {
-    store::ReadShardInfo(file);  // refuses one that is cut short, as a merge does
-    report::Print(fmt::format("{}: {}: the shard of a run of plan {}; {}\n", file,
-                              State(results.has_digest()), plan_name, Proof(results.has_digest())));
-    return ExitStatus::kGood;
+    shards::ReadShardInfo(file);  // refuses one that is cut short, as a merge does
+    terminal::Print(fmt::format("{}: {}: the shard of a run of plan {}; {}\n", file,
+                                State(results.has_digest()), plan_name,
+                                Proof(results.has_digest())));
+    return options::ExitStatus::kGood;
   }
   const auto sized = PlanIn(results, file);
   if (sized) CompareWithPlan(results, sized->plan, file);
@@ -105,27 +107,27 @@ ExitStatus CheckResults(const std::string& file) {
       text += fmt::format(", {} {}", counts.Of(status), store::StatusName(status));
   text += sized ? fmt::format(", of plan {}", plan_name)
                 : fmt::format(", of plan {}, which this cdb cannot read", plan_name);
-  report::Print(fmt::format("{}; {}\n", text, Proof(results.has_digest())));
-  return missing > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
+  terminal::Print(fmt::format("{}; {}\n", text, Proof(results.has_digest())));
+  return missing > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
-ExitStatus CheckTraceFile(const std::string& file) {
+options::ExitStatus CheckTraceFile(const std::string& file) {
   const store::TraceCheck trace = store::CheckTrace(file);
-  report::Print(fmt::format("{}: {}: a trace of {} cycles of {} bodies, run {}; {}\n", file,
-                            State(trace.has_digest), trace.facts.cycles, trace.facts.bodies,
-                            trace.run_id, Proof(trace.has_digest)));
-  return ExitStatus::kGood;
+  terminal::Print(fmt::format("{}: {}: a trace of {} cycles of {} bodies, run {}; {}\n", file,
+                              State(trace.has_digest), trace.facts.cycles, trace.facts.bodies,
+                              trace.run_id, Proof(trace.has_digest)));
+  return options::ExitStatus::kGood;
 }
 
 }  // namespace
 
-ExitStatus CheckStored(const std::string& file) {
+options::ExitStatus CheckStored(const std::string& file) {
   try {
     return store::ReadSchema(file) == store::kTraceSchema ? CheckTraceFile(file)
                                                           : CheckResults(file);
-  } catch (const store::StoreError& error) {
-    report::Say(fmt::format("cdb: {}\n", error.what()));
-    return ExitStatus::kWorld;
+  } catch (const files::StoreError& error) {
+    terminal::Say(fmt::format("cdb: {}\n", error.what()));
+    return options::ExitStatus::kWorld;
   }
 }
 

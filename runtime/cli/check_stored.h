@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "runtime/cli/exit_status.h"
+#include "runtime/cli/options/exit_status.h"
 
 namespace cdb::cli {
 
 /// Reads every byte of `file`, and prints in one line whether it is as it was written, whether its
 /// runs are those of its plan, and how many are missing (kRuns). Damage is an error (kWorld).
-ExitStatus CheckStored(const std::string& file);
+options::ExitStatus CheckStored(const std::string& file);
 
 }  // namespace cdb::cli

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/subcommand.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/compare/history.h"
 #include "runtime/compare/json.h"
 #include "runtime/compare/text.h"
 #include "runtime/measure/series.h"
-#include "runtime/report/console.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -36,18 +36,19 @@ std::optional<measure::Phase> ParsePhase(const std::string& name) {
   const auto names = measure::PhaseNames();
   const auto found = std::ranges::find(names, name);
   if (found == names.end())
-    throw CommandError(fmt::format("--phase {}: there is no such phase; there are {}", name,
-                                   fmt::join(names, ", ")));
+    throw options::CommandError(fmt::format("--phase {}: there is no such phase; there are {}",
+                                            name, fmt::join(names, ", ")));
   return static_cast<measure::Phase>(found - names.begin());
 }
 
 compare::CompareOptions OptionsOf(const CompareArguments& arguments) {
   if (arguments.files.size() < 2)
-    throw CommandError("compare takes two results files or more, or two folders of them or more");
+    throw options::CommandError(
+        "compare takes two results files or more, or two folders of them or more");
   if (arguments.is_markdown && arguments.is_json)
-    throw CommandError("--markdown and --json are two forms of the same: choose one");
+    throw options::CommandError("--markdown and --json are two forms of the same: choose one");
   return {arguments.select, ParsePhase(arguments.phase),
-          ParsePercent("--fail-above", arguments.fail_above), arguments.is_relative,
+          options::ParsePercent("--fail-above", arguments.fail_above), arguments.is_relative,
           arguments.lists_all};
 }
 
@@ -89,7 +90,8 @@ std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& ar
       arguments, [&](const std::string& path) { return fs::is_directory(path, error); });
   if (folders == 0) return {arguments};
   if (folders < static_cast<std::ptrdiff_t>(arguments.size()))
-    throw CommandError("compare takes files or folders, not both: name the file in each folder");
+    throw options::CommandError(
+        "compare takes files or folders, not both: name the file in each folder");
   std::set<std::string> all;
   std::vector<std::set<std::string>> of_folders;
   for (const std::string& folder : arguments) {
@@ -108,7 +110,7 @@ std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& ar
     }
   }
   if (files.empty())
-    throw CommandError(
+    throw options::CommandError(
         fmt::format("no .h5 file is in all of the folders {}", fmt::join(arguments, ", ")));
   return files;
 }
@@ -148,30 +150,30 @@ compare::Document DocumentOf(const std::vector<compare::BenchmarkHistory>& bench
   return document;
 }
 
-ExitStatus CompareResults(const CompareArguments& arguments) {
+options::ExitStatus CompareResults(const CompareArguments& arguments) {
   const compare::CompareOptions options = OptionsOf(arguments);
   std::vector<std::string> unmatched;
   const auto files = FilesOf(arguments.files, unmatched);
   const auto benchmarks = ReadAll(files, options);
   if (arguments.is_json) {
-    report::PrintExact(compare::CompareJson(benchmarks, unmatched, options));
+    terminal::PrintExact(compare::CompareJson(benchmarks, unmatched, options));
   } else {
     const compare::Document document =
         DocumentOf(benchmarks, NamesOf(arguments.files), unmatched, options);
-    report::Print(arguments.is_markdown ? compare::MarkdownText(document)
-                                        : compare::TerminalText(document));
+    terminal::Print(arguments.is_markdown ? compare::MarkdownText(document)
+                                          : compare::TerminalText(document));
   }
   const bool is_worse = std::ranges::any_of(benchmarks, [&](const auto& benchmark) {
     return compare::IsWorse(benchmark.Whole(), options);
   });
-  return is_worse ? ExitStatus::kWorse : ExitStatus::kGood;
+  return is_worse ? options::ExitStatus::kWorse : options::ExitStatus::kGood;
 }
 
 }  // namespace
 
-void AddCompareCommand(CLI::App& app, ExitStatus& status) {
+void AddCompareCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<CompareArguments>();
-  Subcommand command(app, "compare", "what changed from one results file to another");
+  options::Subcommand command(app, "compare", "what changed from one results file to another");
   command.Required("FILES", arguments->files,
                    "two results files of one benchmark, several in order, or folders of them");
   command.Optional("--fail-above", arguments->fail_above,

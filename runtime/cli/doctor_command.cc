@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "runtime/cli/commands.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/measure/machine.h"
-#include "runtime/measure/noise.h"
-#include "runtime/measure/noise_floor.h"
-#include "runtime/report/console.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/machine/machine.h"
+#include "runtime/machine/noise.h"
+#include "runtime/machine/noise_floor.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -21,23 +21,23 @@ constexpr double kSlowClock = 100;
 
 std::string Percent(double part) { return fmt::format("{:.1f} %", 100 * part); }
 
-std::vector<measure::MachineFact> FactsOf(const measure::NoiseFloor& floor) {
-  std::vector<measure::MachineFact> facts;
+std::vector<machine::MachineFact> FactsOf(const machine::NoiseFloor& floor) {
+  std::vector<machine::MachineFact> facts;
   facts.push_back({"reading the clock", fmt::format("{:.0f} ns", floor.clock_ns),
                    floor.clock_ns > kSlowClock ? "short phases are dominated by it; see the clock "
                                                  "source above"
                                                : ""});
   facts.push_back({"off the processor", Percent(floor.off_processor),
-                   floor.off_processor > measure::kMostOffProcessor
+                   floor.off_processor > machine::kMostOffProcessor
                        ? "other programs take turns with this one"
                        : ""});
   if (!std::isnan(floor.stolen))
     facts.push_back(
         {"stolen time", Percent(floor.stolen),
-         floor.stolen > measure::kMostStolen ? "another virtual machine took the processors" : ""});
+         floor.stolen > machine::kMostStolen ? "another virtual machine took the processors" : ""});
   if (!std::isnan(floor.others))
     facts.push_back({"other programs", fmt::format("on {:.2f} processors meanwhile", floor.others),
-                     floor.others > measure::kMostOthers
+                     floor.others > machine::kMostOthers
                          ? "they share caches, memory and frequency with a run; end them, or wait: "
                            "`top` lists them"
                          : ""});
@@ -51,29 +51,31 @@ std::vector<measure::MachineFact> FactsOf(const measure::NoiseFloor& floor) {
   return facts;
 }
 
-ExitStatus Examine() {
-  std::vector<measure::MachineFact> facts = measure::LookAtMachine();
-  const measure::NoiseFloor floor = measure::MeasureNoiseFloor(kSeconds);
-  for (measure::MachineFact& fact : FactsOf(floor)) facts.push_back(std::move(fact));
+options::ExitStatus Examine() {
+  std::vector<machine::MachineFact> facts = machine::LookAtMachine();
+  const machine::NoiseFloor floor = machine::MeasureNoiseFloor(kSeconds);
+  for (machine::MachineFact& fact : FactsOf(floor)) facts.push_back(std::move(fact));
   int doubts = 0;
-  for (const measure::MachineFact& fact : facts) {
+  for (const machine::MachineFact& fact : facts) {
     const bool is_good = fact.remedy.empty();
     doubts += !is_good;
-    report::Print(fmt::format("  {}  {:20} {}\n", is_good ? "ok" : " !", fact.name, fact.value));
-    if (!is_good) report::Print(fmt::format("      {:20} {}\n", "", fact.remedy));
+    terminal::Print(fmt::format("  {}  {:20} {}\n", is_good ? "ok" : " !", fact.name, fact.value));
+    if (!is_good) terminal::Print(fmt::format("      {:20} {}\n", "", fact.remedy));
   }
-  report::Print(floor.IsQuiet()
-                    ? fmt::format("\nQuiet enough for timings{}.\n",
-                                  doubts > 0 ? "; what is marked may still disturb them" : "")
-                    : "\nNot quiet: timings made now would be marked as noisy, or be wrong by more "
-                      "than they say.\n");
-  return floor.IsQuiet() ? ExitStatus::kGood : ExitStatus::kRuns;
+  terminal::Print(
+      floor.IsQuiet()
+          ? fmt::format("\nQuiet enough for timings{}.\n",
+                        doubts > 0 ? "; what is marked may still disturb them" : "")
+          : "\nNot quiet: timings made now would be marked as noisy, or be wrong by more "
+            "than they say.\n");
+  return floor.IsQuiet() ? options::ExitStatus::kGood : options::ExitStatus::kRuns;
 }
 
 }  // namespace
 
-void AddDoctorCommand(CLI::App& app, ExitStatus& status) {
-  Subcommand command(app, "doctor", "whether this machine is fit for timings, and what to change");
+void AddDoctorCommand(CLI::App& app, options::ExitStatus& status) {
+  options::Subcommand command(app, "doctor",
+                              "whether this machine is fit for timings, and what to change");
   command.Action(status, Examine);
 }
 

@@ -9,10 +9,10 @@
 #include "dsl/parser.h"
 #include "dsl/render.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/report/console.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/store/files/safe_file.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -22,29 +22,29 @@ struct FormatArguments {
   bool check = false;  ///< change nothing; exit status 1 where something would change
 };
 
-ExitStatus FormatFiles(const FormatArguments& arguments) {
-  ExitStatus status = ExitStatus::kGood;
+options::ExitStatus FormatFiles(const FormatArguments& arguments) {
+  options::ExitStatus status = options::ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
-    const std::string file = FileOrStandardInput(name);
-    const auto source = std::make_shared<const dsl::Source>(file, ReadText(file));
+    const std::string file = options::FileOrStandardInput(name);
+    const auto source = std::make_shared<const text::Source>(file, options::ReadText(file));
     dsl::Diagnostics diagnostics;
     dsl::Parse(source, diagnostics);
     if (diagnostics.has_errors()) {
-      report::SayExact(dsl::Render(diagnostics, RenderOptionsForTerminal()));
-      status = ExitStatus::kScenario;
+      terminal::SayExact(dsl::Render(diagnostics, options::RenderOptionsForTerminal()));
+      status = options::ExitStatus::kScenario;
       continue;
     }
     const std::string formatted = dsl::Format(*source);
-    if (file == kStandardInput && !arguments.check) {
-      report::PrintExact(formatted);
+    if (file == options::kStandardInput && !arguments.check) {
+      terminal::PrintExact(formatted);
       continue;
     }
     if (formatted == source->text()) continue;
     if (arguments.check) {
-      report::Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
-      status = ExitStatus::kScenario;
+      terminal::Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
+      status = options::ExitStatus::kScenario;
     } else {
-      store::WriteWhole(formatted, file);
+      files::WriteWhole(formatted, file);
     }
   }
   return status;
@@ -52,9 +52,9 @@ ExitStatus FormatFiles(const FormatArguments& arguments) {
 
 }  // namespace
 
-void AddFormatCommand(CLI::App& app, ExitStatus& status) {
+void AddFormatCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<FormatArguments>();
-  Subcommand command(app, "fmt", "format scenario files");
+  options::Subcommand command(app, "fmt", "format scenario files");
   command.Required("FILE", arguments->files,
                    "scenario files; - reads standard input and writes standard output");
   command.Flag("--check", arguments->check, "change nothing; exit status 1 if it would");

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/subcommand.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/lsp/message_stream.h"
 #include "runtime/lsp/server.h"
-#include "runtime/report/console.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -35,15 +35,15 @@ bool IsQuiet() {
   return poll(&input, 1, kQuietTime) == 0;
 }
 
-ExitStatus ServeLanguage() {
+options::ExitStatus ServeLanguage() {
   const auto compile = [](const std::string& path, const scenario::ReadFile& read) {
-    return CompileWith(path, read, std::nullopt, {}, /*lists_runs=*/false);
+    return options::CompileWith(path, read, std::nullopt, {}, /*lists_runs=*/false);
   };
   const auto send = [](const std::string& message) {
-    report::PrintExact(lsp::Framed(message));
-    report::Flush();
+    terminal::PrintExact(lsp::Framed(message));
+    terminal::Flush();
   };
-  lsp::Server server({compile, ScenarioLibrary(), CDB_VERSION, send});
+  lsp::Server server({compile, options::ScenarioLibrary(), CDB_VERSION, send});
   lsp::MessageReader reader;
   while (!server.has_ended()) {
     if (const auto message = reader.Next()) {
@@ -51,18 +51,19 @@ ExitStatus ServeLanguage() {
       continue;
     }
     if (reader.is_broken())
-      throw CommandError(
+      throw options::CommandError(
           "standard input is not the language server protocol; an editor starts this");
     if (IsQuiet()) server.PublishDiagnostics();
     if (!ReadMore(reader)) break;
   }
-  return server.ended_well() ? ExitStatus::kGood : ExitStatus::kScenario;
+  return server.ended_well() ? options::ExitStatus::kGood : options::ExitStatus::kScenario;
 }
 
 }  // namespace
 
-void AddLspCommand(CLI::App& app, ExitStatus& status) {
-  Subcommand command(app, "lsp", "the language server for editors, on standard input and output");
+void AddLspCommand(CLI::App& app, options::ExitStatus& status) {
+  options::Subcommand command(app, "lsp",
+                              "the language server for editors, on standard input and output");
   command.Action(status, [] { return ServeLanguage(); });
 }
 

@@ -12,18 +12,20 @@
 
 #include "dsl/diagnostics.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/pose_files.h"
-#include "runtime/report/console.h"
+#include "runtime/cli/help/help_commands.h"
+#include "runtime/cli/options/pose_files.h"
+#include "runtime/terminal/console.h"
 
 namespace {
 
-using cdb::cli::CommandError;
-using cdb::cli::ExitStatus;
+using cdb::options::CommandError;
+using cdb::options::ExitStatus;
 
 void AddCommands(CLI::App& app, ExitStatus& status) {
+  using namespace cdb;
   using namespace cdb::cli;
   AddCheckCommand(app, status);
-  AddExplainCommand(app, status);
+  help::AddExplainCommand(app, status);
   AddPlanCommand(app, status);
   AddRunCommand(app, status);
   AddSubmitCommand(app, status);
@@ -39,9 +41,9 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   AddDoctorCommand(app, status);
   AddFormatCommand(app, status);
   AddLspCommand(app, status);
-  AddDocCommand(app, status);
-  AddListCommand(app, status);
-  AddGenerateCommand(app, status);
+  help::AddDocCommand(app, status);
+  help::AddListCommand(app, status);
+  help::AddGenerateCommand(app, status);
 }
 
 /// Throws CommandError where there is no command `name`.
@@ -64,7 +66,7 @@ ExitStatus Main(int argc, char** argv) {
   app.fallthrough(false);
   ExitStatus status = ExitStatus::kGood;
   AddCommands(app, status);
-  cdb::layouts::SetPoseReader(cdb::cli::ReadHdf5Poses);
+  cdb::layouts::SetPoseReader(cdb::options::ReadHdf5Poses);
   if (argc > 1 && argv[1][0] != '-') CheckCommandName(app, argv[1]);
   try {
     app.parse(argc, argv);
@@ -78,7 +80,7 @@ ExitStatus MainWithErrors(int argc, char** argv) {
   try {
     return Main(argc, argv);
   } catch (const std::exception& error) {
-    cdb::report::Say(fmt::format("cdb: {}\n", error.what()));
+    cdb::terminal::Say(fmt::format("cdb: {}\n", error.what()));
   }
   return ExitStatus::kWorld;
 }
@@ -93,9 +95,9 @@ void KeepStandardDescriptors() {
 
 /// Whatever the command printed has to have arrived.
 ExitStatus CheckOutput(ExitStatus status) {
-  const auto fault = cdb::report::FinishOutput();
+  const auto fault = cdb::terminal::FinishOutput();
   if (!fault) return status;
-  cdb::report::Say(fmt::format(
+  cdb::terminal::Say(fmt::format(
       "cdb: cannot write standard output: {}; what was printed is not complete\n", *fault));
   return ExitStatus::kWorld;
 }

@@ -15,16 +15,18 @@
 #include <vector>
 
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/retry.h"
-#include "runtime/cli/shard_files.h"
-#include "runtime/cli/sized_plan.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/console.h"
-#include "runtime/report/processors.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/retry.h"
+#include "runtime/cli/plans/shard_files.h"
+#include "runtime/cli/plans/sized_plan.h"
 #include "runtime/schedule/folder.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/processors.h"
+#include "runtime/store/files/local_disk.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -51,33 +53,33 @@ std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
       plans.push_back(beside);
   }
   if (!plans.empty()) return plans;
-  throw CommandError(fmt::format(
+  throw options::CommandError(fmt::format(
       "there is no plan.yaml in or beside '{}'; merge takes the folders that shards are in, as "
       "`cdb run` makes them",
       fmt::join(shards, "', '")));
 }
 
 /// Of the list beside a short form where this cdb, or its plug-ins, make another plan of that.
-SizedPlan ReadPlan(const std::string& file, const std::string& text) {
+plans::SizedPlan ReadPlan(const std::string& file, const std::string& text) {
   const fs::path list = fs::path(file).parent_path() / "plan.yaml";
   std::error_code error;
   if (!file.ends_with(schedule::kShortPlanName) || !fs::exists(list, error))
-    return ReadSizedPlan(text, file);
+    return plans::ReadSizedPlan(text, file);
   try {
-    return ReadSizedPlan(text, file);
-  } catch (const CommandError&) {
-    return ReadSizedPlan(ReadText(list.string()), list.string());
+    return plans::ReadSizedPlan(text, file);
+  } catch (const options::CommandError&) {
+    return plans::ReadSizedPlan(options::ReadText(list.string()), list.string());
   }
 }
 
 /// The one plan of all files. Throws CommandError where they are of several.
-SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
-  const std::string text = ReadText(files[0]);
-  SizedPlan sized = ReadPlan(files[0], text);
+plans::SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
+  const std::string text = options::ReadText(files[0]);
+  plans::SizedPlan sized = ReadPlan(files[0], text);
   for (const std::string& file : std::span(files).subspan(1)) {
-    const std::string other = ReadText(file);
+    const std::string other = options::ReadText(file);
     if (other != text && ReadPlan(file, other).plan.Sha256() != sized.plan.Sha256())
-      throw CommandError(
+      throw options::CommandError(
           fmt::format("'{}' and '{}' are two plans, and nothing was merged; a results file is of "
                       "one plan: merge the shards of each by themselves",
                       files[0], file));
@@ -99,47 +101,47 @@ void WaitForShards(const std::function<bool()>& is_there, double seconds) {
 
 /// What a reader of the results has to know of the machines.
 void SayProcessors(const store::ResultFile& file) {
-  report::Say(report::ProcessorText(file, report::AllCells(file)));
+  terminal::Say(statistics::ProcessorText(file, statistics::AllCells(file)));
 }
 
-ExitStatus Merge(const MergeArguments& arguments) {
-  const SizedPlan sized = ReadOnePlan(FindPlans(arguments.shards));
+options::ExitStatus Merge(const MergeArguments& arguments) {
+  const plans::SizedPlan sized = ReadOnePlan(FindPlans(arguments.shards));
   const plan::Plan& plan = sized.plan;
-  CheckIsOfPlan(arguments.out, plan);
+  plans::CheckIsOfPlan(arguments.out, plan);
   const std::vector<fs::path> places(arguments.shards.begin(), arguments.shards.end());
   std::error_code error;
   if (arguments.removes && (places.size() != 1 || !fs::is_directory(places[0], error)))
-    throw CommandError("--remove goes with one folder of shards");
-  std::optional<FolderLock> lock;
+    throw options::CommandError("--remove goes with one folder of shards");
+  std::optional<plans::FolderLock> lock;
   if (arguments.removes) lock.emplace(places[0]);
-  const bool is_retry = lock && !FindStartedRetry(places[0]).is_empty();
+  const bool is_retry = lock && !plans::FindStartedRetry(places[0]).is_empty();
   const auto count_not_again = [&] {
-    return is_retry ? CountNotRunAgain(plan, places[0], arguments.out) : 0;
+    return is_retry ? plans::CountNotRunAgain(plan, places[0], arguments.out) : 0;
   };
   const auto is_there = [&] {
-    return is_retry ? count_not_again() == 0 : store::HasAllShards(plan, places);
+    return is_retry ? count_not_again() == 0 : shards::HasAllShards(plan, places);
   };
-  if (!std::ranges::all_of(places, store::IsOnLocalDisk))
+  if (!std::ranges::all_of(places, files::IsOnLocalDisk))
     WaitForShards(is_there, static_cast<double>(arguments.wait_s));
   const std::size_t not_again = count_not_again();
-  MergeOnto(plan, places, arguments.out);
+  plans::MergeOnto(plan, places, arguments.out);
   const store::ResultFile file(arguments.out);
-  const std::size_t missing = CountMissing(file, plan);
+  const std::size_t missing = plans::CountMissing(file, plan);
   const bool removes = lock && missing == 0 && not_again == 0;
-  report::Say(fmt::format(
+  terminal::Say(fmt::format(
       "{} of {} runs in '{}'{}{}\n", plan.RunCount() - missing, plan.RunCount(), arguments.out,
       not_again > 0 ? fmt::format(", {} of them still to be run again", not_again) : "",
       removes ? "" : "; the shards are left where they are"));
   SayProcessors(file);
-  if (removes) RemoveMergedShards(plan, places[0], *lock, /*is_quiet=*/false);
-  return ExitStatus::kGood;
+  if (removes) plans::RemoveMergedShards(plan, places[0], *lock, /*is_quiet=*/false);
+  return options::ExitStatus::kGood;
 }
 
 }  // namespace
 
-void AddMergeCommand(CLI::App& app, ExitStatus& status) {
+void AddMergeCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<MergeArguments>();
-  Subcommand command(app, "merge", "merge shards into a results file, all of them or not");
+  options::Subcommand command(app, "merge", "merge shards into a results file, all of them or not");
   command.Required("-o,--out", arguments->out, "results file");
   command.Required("SHARDS", arguments->shards, "folders of shards, or shards");
   command.Count("--wait", arguments->wait_s,

@@ -8,20 +8,20 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/analysis/pruning.h"
 #include "compiler/plan/coordinates.h"
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/pruning.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/initial_state.h"
 #include "library/scene_error.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/cli/sweep_estimate.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/sweep_estimate.h"
 #include "runtime/process/stop.h"
 #include "runtime/pruning/omissions.h"
-#include "runtime/report/console.h"
-#include "runtime/report/table.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
+#include "runtime/terminal/console.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::cli {
 namespace {
@@ -40,9 +40,9 @@ struct PlanArguments {
 /// What a run leaves out and what that changes a measurement by; `?` where the placed objects
 /// decide.
 std::string LeftOut(const plan::Scene& scene) {
-  using plan::Decision;
+  using analysis::Decision;
   std::string names;
-  for (const plan::PruningDecision& part : plan::AnalysePruning(scene)) {
+  for (const analysis::PruningDecision& part : analysis::AnalysePruning(scene)) {
     const schema::ComponentInfo& info = InfoOf(part.component);
     if (!info.IsVisible() ||
         (part.decision != Decision::kLeftOut && part.decision != Decision::kOpen))
@@ -73,15 +73,15 @@ std::string InColumns(std::string_view decisions) {
 bool SayWhy(const plan::Scene& scene) {
   try {
     const layouts::InitialState state = layouts::MakeInitialState(scene);
-    report::Print(InColumns(DecisionsText(pruning::DecideOmissions(scene, state).decisions)));
+    terminal::Print(InColumns(DecisionsText(pruning::DecideOmissions(scene, state).decisions)));
     return true;
   } catch (const library::SceneError& error) {
-    report::Print(fmt::format("  this run fails: {}\n", error.what()));
+    terminal::Print(fmt::format("  this run fails: {}\n", error.what()));
     return false;
   }
 }
 
-ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string& only) {
+options::ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string& only) {
   bool good = true, found = false;
   for (const plan::Plan& plan : plans) {
     const std::vector<std::size_t>* last = nullptr;
@@ -93,16 +93,16 @@ ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string& only) {
       const std::string alike = only.empty() && plan.repeats > 1
                                     ? fmt::format(" and {} more alike", plan.repeats - 1)
                                     : std::string();
-      report::Print(fmt::format("{}{}  {}: {}{}\n", found ? "\n" : "", run.id, plan.benchmark,
-                                Describe(plan, run), alike));
+      terminal::Print(fmt::format("{}{}  {}: {}{}\n", found ? "\n" : "", run.id, plan.benchmark,
+                                  plan::Describe(plan, run), alike));
       good = SayWhy(run.scene) && good;
-      report::Flush();
+      terminal::Flush();
       found = true;
     }
   }
   if (!found)
-    throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", only));
-  return good ? ExitStatus::kGood : ExitStatus::kScenario;
+    throw options::CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", only));
+  return good ? options::ExitStatus::kGood : options::ExitStatus::kScenario;
 }
 
 /// Runs in a table; a plan in YAML has them all.
@@ -122,7 +122,7 @@ std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped
     text +=
         fmt::format("  compared with {} reference runs, half of them perturbed: cdb doc accuracy\n",
                     plan.references.size());
-  report::Table table;
+  terminal::Table table;
   table.AddColumn("run", false);
   for (const plan::Axis& axis : plan.axes) table.AddColumn(axis.name, !axis.IsText());
   if (plan.repeats > 1) table.AddColumn("rep", true);
@@ -145,7 +145,7 @@ std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped
   text += table.Text();
   if (plan.runs.size() < runs)
     text += fmt::format("and {} more; `cdb plan -o PLAN.yaml {}` writes all\n",
-                        runs - plan.runs.size(), report::ShellWord(plan.source));
+                        runs - plan.runs.size(), terminal::ShellWord(plan.source));
   return text;
 }
 
@@ -156,86 +156,90 @@ std::string PlanTable(const grid::Grid& grid) {
 }
 
 void PrintTables(const std::vector<std::string>& tables) {
-  for (std::size_t i = 0; i < tables.size(); ++i) report::Print((i > 0 ? "\n" : "") + tables[i]);
+  for (std::size_t i = 0; i < tables.size(); ++i) terminal::Print((i > 0 ? "\n" : "") + tables[i]);
 }
 
 /// Writes one run after the other.
 template <typename Write>
 void WritePlan(const std::string& out, Write write) {
   if (out == "-") {
-    write([](std::string_view piece) { report::PrintExact(piece); });
+    write([](std::string_view piece) { terminal::PrintExact(piece); });
   } else {
-    store::WritePieces(write, out);
+    files::WritePieces(write, out);
   }
 }
 
 void RequireOne(std::size_t benchmarks, const std::string& file) {
   if (benchmarks > 1)
-    throw CommandError(fmt::format("{} has {} benchmarks and a plan is of one: choose it by -b",
-                                   file, benchmarks));
+    throw options::CommandError(fmt::format(
+        "{} has {} benchmarks and a plan is of one: choose it by -b", file, benchmarks));
 }
 
 /// Of a plan that was written before.
-ExitStatus PrintPlanFile(const PlanArguments& arguments) {
-  const auto plans =
-      LoadPlans(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+options::ExitStatus PrintPlanFile(const PlanArguments& arguments) {
+  const auto plans = options::LoadPlans(arguments.file, arguments.benchmark,
+                                        options::LintText::kOneLine, arguments.plugins);
   const plan::Plan& plan = plans.at(0);
   if (arguments.out.empty()) {
     PrintTables({PlanTable(plan, plan.runs.size(), static_cast<double>(plan.skipped.size()))});
   } else {
-    WritePlan(arguments.out, [&](const auto& write) { write(plan::ToYaml(plan)); });
+    WritePlan(arguments.out, [&](const auto& write) { write(yaml::ToYaml(plan)); });
   }
-  return ExitStatus::kGood;
+  return options::ExitStatus::kGood;
 }
 
-ExitStatus PrintEstimates(const PlanArguments& arguments) {
+options::ExitStatus PrintEstimates(const PlanArguments& arguments) {
   if (arguments.why || !arguments.out.empty())
-    throw CommandError("--estimate runs a few runs and prints what all cost: without --why and -o");
-  if (IsPlanFile(arguments.file))
-    throw CommandError(
+    throw options::CommandError(
+        "--estimate runs a few runs and prints what all cost: without --why and -o");
+  if (options::IsPlanFile(arguments.file))
+    throw options::CommandError(
         fmt::format("--estimate is of a scenario file, and {} is a plan", arguments.file));
-  const auto grids =
-      LoadGrids(arguments.file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
+  const auto grids = options::LoadGrids(arguments.file, arguments.benchmark,
+                                        options::LintText::kOneLine, arguments.plugins);
   process::StopFlag stop;
   const process::StopOnSignals signals(stop);
   for (const grid::Grid& grid : grids) {
-    const SweepEstimate estimate = EstimateSweep(grid, stop);
-    if (stop.requested()) return StoppedBy(stop.signal());
-    report::Print(EstimateText(estimate, grid.head.benchmark, arguments.jobs));
+    const plans::SweepEstimate estimate = plans::EstimateSweep(grid, stop);
+    if (stop.requested()) return options::StoppedBy(stop.signal());
+    terminal::Print(plans::EstimateText(estimate, grid.head.benchmark, arguments.jobs));
   }
-  return grids.empty() ? ExitStatus::kScenario : ExitStatus::kGood;
+  return grids.empty() ? options::ExitStatus::kScenario : options::ExitStatus::kGood;
 }
 
-ExitStatus PrintPlans(const PlanArguments& arguments) {
+options::ExitStatus PrintPlans(const PlanArguments& arguments) {
   if (arguments.estimate) return PrintEstimates(arguments);
   if (arguments.why && !arguments.out.empty())
-    throw CommandError("--why prints what runs leave out and -o writes a plan: one at a time");
+    throw options::CommandError(
+        "--why prints what runs leave out and -o writes a plan: one at a time");
   if (!arguments.why && !arguments.only.empty())
-    throw CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
-  const std::string file = FileOrStandardInput(arguments.file);
+    throw options::CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
+  const std::string file = options::FileOrStandardInput(arguments.file);
   if (arguments.why) {
-    const auto plans = LoadPlans(file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
-    return plans.empty() ? ExitStatus::kScenario : Why(plans, arguments.only);
+    const auto plans = options::LoadPlans(file, arguments.benchmark, options::LintText::kOneLine,
+                                          arguments.plugins);
+    return plans.empty() ? options::ExitStatus::kScenario : Why(plans, arguments.only);
   }
-  if (IsPlanFile(arguments.file)) return PrintPlanFile(arguments);
-  const auto grids = LoadGrids(file, arguments.benchmark, LintText::kOneLine, arguments.plugins);
-  if (grids.empty()) return ExitStatus::kScenario;
+  if (options::IsPlanFile(arguments.file)) return PrintPlanFile(arguments);
+  const auto grids =
+      options::LoadGrids(file, arguments.benchmark, options::LintText::kOneLine, arguments.plugins);
+  if (grids.empty()) return options::ExitStatus::kScenario;
   if (arguments.out.empty()) {
     std::vector<std::string> tables;
     for (const grid::Grid& grid : grids) tables.push_back(PlanTable(grid));
     PrintTables(tables);
-    return ExitStatus::kGood;
+    return options::ExitStatus::kGood;
   }
   RequireOne(grids.size(), arguments.file);
   WritePlan(arguments.out, [&](const auto& write) { grid::WriteYaml(grids[0], write); });
-  return ExitStatus::kGood;
+  return options::ExitStatus::kGood;
 }
 
 }  // namespace
 
-void AddPlanCommand(CLI::App& app, ExitStatus& status) {
+void AddPlanCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<PlanArguments>();
-  Subcommand command(app, "plan", "print the expanded runs of a scenario file");
+  options::Subcommand command(app, "plan", "print the expanded runs of a scenario file");
   command.Required("FILE", arguments->file,
                    "scenario file, or a plan; - for a scenario on standard input");
   command.Benchmark(arguments->benchmark);

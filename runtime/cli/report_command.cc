@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "runtime/cli/commands.h"
-#include "runtime/cli/subcommand.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/document/results_document.h"
 #include "runtime/page/page.h"
-#include "runtime/report/console.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
 #include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -34,12 +34,12 @@ void CheckPageName(const ReportArguments& arguments) {
   for (const std::string& file : arguments.files) {
     std::error_code error;
     if (std::filesystem::equivalent(file, PageName(arguments), error))
-      throw CommandError(
+      throw options::CommandError(
           fmt::format("{} is the results file; name another file for the page with -o", file));
   }
 }
 
-ExitStatus WriteReport(const ReportArguments& arguments) {
+options::ExitStatus WriteReport(const ReportArguments& arguments) {
   CheckPageName(arguments);
   std::string title, documents;
   std::size_t bad_cells = 0;
@@ -58,17 +58,18 @@ ExitStatus WriteReport(const ReportArguments& arguments) {
   }
   const std::string page = page::Assemble(page::ReportTemplate(), title,
                                           fmt::format("{{\"documents\":[{}]}}", documents));
-  store::WriteWhole(page, PageName(arguments));
-  report::Print(fmt::format("{}: {:.1f} MB; open it in a browser\n", PageName(arguments),
-                            static_cast<double>(page.size()) / 1e6));
-  return bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
+  files::WriteWhole(page, PageName(arguments));
+  terminal::Print(fmt::format("{}: {:.1f} MB; open it in a browser\n", PageName(arguments),
+                              static_cast<double>(page.size()) / 1e6));
+  return bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
 }  // namespace
 
-void AddReportCommand(CLI::App& app, ExitStatus& status) {
+void AddReportCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<ReportArguments>();
-  Subcommand command(app, "report", "results files as one page for a browser, with figures");
+  options::Subcommand command(app, "report",
+                              "results files as one page for a browser, with figures");
   command.Required("FILE", arguments->files, "results files");
   command.Out(arguments->out, "the page; default: the name of the first file with .html");
   command.Optional(

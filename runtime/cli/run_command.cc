@@ -11,18 +11,18 @@
 #include <system_error>
 #include <vector>
 
-#include "compiler/plan/plan_yaml_writer.h"
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/yaml/plan_yaml_writer.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/plan_runner.h"
-#include "runtime/cli/provenance.h"
-#include "runtime/cli/result_path.h"
-#include "runtime/cli/sized_plan.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/cli/until.h"
-#include "runtime/report/console.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/provenance.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/plan_runner.h"
+#include "runtime/cli/plans/result_path.h"
+#include "runtime/cli/plans/sized_plan.h"
+#include "runtime/cli/plans/until.h"
 #include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -55,7 +55,7 @@ schedule::ShardChoice ParseShard(const std::string& text) {
     if (second == std::errc{} && stop == end && choice.index >= 1 && choice.index <= choice.count)
       return choice;
   }
-  throw CommandError(
+  throw options::CommandError(
       fmt::format("--shard {} is not K/N: the K-th of N parts, from 1/N to N/N", text));
 }
 
@@ -71,12 +71,12 @@ plan::Plan PlanOfOne(const plan::Plan& head, plan::Run run) {
   run.rep = 0;
   run.id = plan::RunId(run.scene, run.rep);
   one.runs = {std::move(run)};
-  plan::AddReferences(one);
+  analysis::AddReferences(one);
   return one;
 }
 
 std::optional<plan::Plan> FindRun(const grid::Grid& grid, const std::string& id) {
-  plan::RunText text("");
+  yaml::RunText text("");
   std::optional<plan::Plan> found;
   grid::ForEachPoint(grid, [&](const grid::Cursor& cursor, const grid::Point& place) {
     const plan::Scene scene = cursor.MakeScene();
@@ -89,11 +89,12 @@ std::optional<plan::Plan> FindRun(const grid::Grid& grid, const std::string& id)
 }
 
 /// The run `id` by itself. Other runs are not listed.
-std::vector<SizedPlan> OnlyRun(const RunArguments& arguments) {
-  const LintText lints = arguments.quiet ? LintText::kNone : LintText::kOneLine;
-  if (IsPlanFile(arguments.file)) {
-    for (const SizedPlan& sized :
-         LoadSizedPlans(arguments.file, arguments.benchmark, lints, arguments.plugins)) {
+std::vector<plans::SizedPlan> OnlyRun(const RunArguments& arguments) {
+  const options::LintText lints =
+      arguments.quiet ? options::LintText::kNone : options::LintText::kOneLine;
+  if (options::IsPlanFile(arguments.file)) {
+    for (const plans::SizedPlan& sized :
+         plans::LoadSizedPlans(arguments.file, arguments.benchmark, lints, arguments.plugins)) {
       if (sized.grid != nullptr) {
         if (auto one = FindRun(*sized.grid, arguments.only)) return {{*std::move(one), nullptr}};
         continue;
@@ -102,24 +103,26 @@ std::vector<SizedPlan> OnlyRun(const RunArguments& arguments) {
       if (run != sized.plan.runs.end()) return {{PlanOfOne(sized.plan, *run), nullptr}};
     }
   } else {
-    const auto grids = LoadGrids(arguments.file, arguments.benchmark, lints, arguments.plugins);
+    const auto grids =
+        options::LoadGrids(arguments.file, arguments.benchmark, lints, arguments.plugins);
     if (grids.empty()) return {};
     for (const grid::Grid& grid : grids)
       if (auto one = FindRun(grid, arguments.only)) return {{*std::move(one), nullptr}};
   }
-  throw CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", arguments.only));
+  throw options::CommandError(
+      fmt::format("no run has the id '{}'; `cdb plan` lists them", arguments.only));
 }
 
 /// The plan whose results `-o` names already, where it has the run of `--only`: that run is run
 /// again there. Empty where there is no such file, or it is of another plan.
-std::vector<SizedPlan> PlanOfExisting(const RunArguments& arguments) {
+std::vector<plans::SizedPlan> PlanOfExisting(const RunArguments& arguments) {
   std::error_code error;
   if (arguments.only.empty() || arguments.out.empty() || arguments.fresh ||
       !fs::is_regular_file(arguments.out, error))
     return {};
   const std::string there = store::ResultFile(arguments.out).plan_sha256();
-  for (SizedPlan& sized :
-       LoadSizedPlans(arguments.file, arguments.benchmark, LintText::kNone, arguments.plugins)) {
+  for (plans::SizedPlan& sized : plans::LoadSizedPlans(
+           arguments.file, arguments.benchmark, options::LintText::kNone, arguments.plugins)) {
     bool has_run = false;
     sized.plan.ForEachRun([&](const std::string& id, const auto&, std::uint64_t) {
       has_run = has_run || id == arguments.only;
@@ -129,71 +132,73 @@ std::vector<SizedPlan> PlanOfExisting(const RunArguments& arguments) {
   return {};
 }
 
-ExitStatus RunPlan(const SizedPlan& plan, const fs::path& out, const PlanRunner& runner,
-                   bool is_quiet) {
-  const ExecutedPlan end = runner.Execute(plan, out);
+options::ExitStatus RunPlan(const plans::SizedPlan& plan, const fs::path& out,
+                            const plans::PlanRunner& runner, bool is_quiet) {
+  const plans::ExecutedPlan end = runner.Execute(plan, out);
   if (end.summary.signal != 0) return runner.StoppedStatus();
-  if (end.is_merged) return ShowResult(out, is_quiet);
+  if (end.is_merged) return plans::ShowResult(out, is_quiet);
   if (!is_quiet)
-    report::Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n",
-                              schedule::Describe(end.summary), out.string(), end.shards.string()));
-  return end.summary.HasBadRuns() ? ExitStatus::kRuns : ExitStatus::kGood;
+    terminal::Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n",
+                                schedule::Describe(end.summary), out.string(),
+                                end.shards.string()));
+  return end.summary.HasBadRuns() ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
 /// Runs side by side are slower than each alone, by what the others do then.
-void CheckJobs(const RunArguments& arguments, const std::vector<SizedPlan>& plans) {
+void CheckJobs(const RunArguments& arguments, const std::vector<plans::SizedPlan>& plans) {
   if (arguments.jobs == 1 || arguments.shares_timings) return;
-  for (const SizedPlan& sized : plans)
+  for (const plans::SizedPlan& sized : plans)
     if (sized.plan.Records("timing"))
-      throw CommandError(fmt::format(
+      throw options::CommandError(fmt::format(
           "--jobs {}: '{}' records times, and runs side by side disturb one another's; leave "
           "--jobs out, leave timing out of `record`, or say --shared-timings too if these times do "
           "not matter; nothing was started",
           arguments.jobs, sized.plan.benchmark));
 }
 
-ExitStatus Run(const RunArguments& arguments) {
+options::ExitStatus Run(const RunArguments& arguments) {
   const schedule::ShardChoice shard = ParseShard(arguments.shard);
-  RetryChoice retry(arguments.retry);
+  plans::RetryChoice retry(arguments.retry);
   if (!retry.is_empty() && (arguments.fresh || !arguments.only.empty()))
-    throw CommandError(
+    throw options::CommandError(
         fmt::format("--retry keeps the other runs, and {}; one of them alone",
                     arguments.fresh ? "--fresh forgets all" : "--only runs one run by its id"));
   std::optional<double> until;
   if (!arguments.until.empty()) {
     if (!arguments.shard.empty() || !arguments.only.empty() || !retry.is_empty())
-      throw CommandError(
+      throw options::CommandError(
           "--until looks at all repeats of all points; leave out --shard, --only and --retry");
-    until = ParsePercent("--until", arguments.until);
-    if (*until == 0) throw CommandError("--until 0%: no number of repeats comes so near");
+    until = options::ParsePercent("--until", arguments.until);
+    if (*until == 0) throw options::CommandError("--until 0%: no number of repeats comes so near");
   }
   auto plans = PlanOfExisting(arguments);
   if (!plans.empty()) {
-    retry = RetryChoice::Only(arguments.only);
+    retry = plans::RetryChoice::Only(arguments.only);
   } else {
     plans = !arguments.only.empty()
                 ? OnlyRun(arguments)
-                : LoadSizedPlans(arguments.file, arguments.benchmark,
-                                 arguments.quiet ? LintText::kNone : LintText::kOneLine,
-                                 arguments.plugins);
+                : plans::LoadSizedPlans(
+                      arguments.file, arguments.benchmark,
+                      arguments.quiet ? options::LintText::kNone : options::LintText::kOneLine,
+                      arguments.plugins);
   }
-  if (plans.empty()) return ExitStatus::kScenario;
+  if (plans.empty()) return options::ExitStatus::kScenario;
   CheckJobs(arguments, plans);
   if (until)
-    for (const SizedPlan& sized : plans) CheckUntil(sized.plan);
+    for (const plans::SizedPlan& sized : plans) plans::CheckUntil(sized.plan);
   std::vector<fs::path> outs;
-  for (const SizedPlan& plan : plans)
-    outs.push_back(ResultPath(arguments.out,
-                              arguments.only.empty() ? plan.plan.benchmark : arguments.only,
-                              arguments.file, plans.size()));
-  if (BuildType() != "Release" && !arguments.quiet)
-    report::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
-                            BuildType()));
-  const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet, shard,
-                           arguments.plugins, retry, arguments.noisy_retries, until});
-  ExitStatus status = ExitStatus::kGood;
+  for (const plans::SizedPlan& plan : plans)
+    outs.push_back(plans::ResultPath(arguments.out,
+                                     arguments.only.empty() ? plan.plan.benchmark : arguments.only,
+                                     arguments.file, plans.size()));
+  if (options::BuildType() != "Release" && !arguments.quiet)
+    terminal::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
+                              options::BuildType()));
+  const plans::PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet, shard,
+                                  arguments.plugins, retry, arguments.noisy_retries, until});
+  options::ExitStatus status = options::ExitStatus::kGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
-    const ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
+    const options::ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
     if (runner.is_stopped()) return one;
     status = std::max(status, one);
   }
@@ -202,9 +207,10 @@ ExitStatus Run(const RunArguments& arguments) {
 
 }  // namespace
 
-void AddRunCommand(CLI::App& app, ExitStatus& status) {
+void AddRunCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<RunArguments>();
-  Subcommand command(app, "run", "run a scenario file or a plan; goes on where it stopped");
+  options::Subcommand command(app, "run",
+                              "run a scenario file or a plan; goes on where it stopped");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "results file, or a folder for them (default: BENCHMARK.h5)");

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "dsl/render.h"
-#include "runtime/cli/inputs.h"
+#include "runtime/cli/options/inputs.h"
 #include "runtime/process/stop.h"
-#include "runtime/report/console.h"
 #include "runtime/serve/server.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -27,26 +27,28 @@ scenario::ReadFile ReadEdited(const std::string& file, const std::string& text) 
 std::string ChooseBenchmark(const std::string& file, const std::string& text,
                             const std::optional<std::string>& wanted) {
   const std::vector<std::string> names =
-      CompileWith(file, ReadEdited(file, text), std::nullopt).benchmarks;
+      options::CompileWith(file, ReadEdited(file, text), std::nullopt).benchmarks;
   if (names.empty())
-    throw CommandError(
+    throw options::CommandError(
         fmt::format("{}: there is no benchmark to edit; `cdb check` says why", file));
   if (!wanted) return names[0];
   if (std::ranges::find(names, *wanted) == names.end())
-    throw CommandError(fmt::format("{} has no benchmark '{}'; there are {}", file, *wanted,
-                                   fmt::join(names, ", ")));
+    throw options::CommandError(fmt::format("{} has no benchmark '{}'; there are {}", file, *wanted,
+                                            fmt::join(names, ", ")));
   return *wanted;
 }
 
 }  // namespace
 
-ExitStatus ServeScenario(const std::string& file, const std::optional<std::string>& benchmark) {
-  if (FindScenario(file) != file)
-    throw CommandError(fmt::format(
+options::ExitStatus ServeScenario(const std::string& file,
+                                  const std::optional<std::string>& benchmark) {
+  if (options::FindScenario(file) != file)
+    throw options::CommandError(fmt::format(
         "{} comes with cdb and is not edited: write a file that extends it, or copy it", file));
-  const std::string text = ReadText(file);
+  const std::string text = options::ReadText(file);
   const auto check = [file](const std::string& edited) {
-    compiler::Compilation result = CompileWith(file, ReadEdited(file, edited), std::nullopt);
+    compiler::Compilation result =
+        options::CompileWith(file, ReadEdited(file, edited), std::nullopt);
     return serve::Checked{dsl::Render(result.diagnostics), std::move(result.plans)};
   };
   process::StopFlag stop;
@@ -54,11 +56,11 @@ ExitStatus ServeScenario(const std::string& file, const std::optional<std::strin
   serve::Editor editor({file, ChooseBenchmark(file, text, benchmark), text, check},
                        std::filesystem::read_symlink("/proc/self/exe"));
   serve::Serve(editor, stop.fd(), [](const std::string& address) {
-    report::Print(fmt::format("{}\n", address));
-    report::Flush();  // a program may be waiting for it
-    report::Say("open this address in a browser on this machine; Ctrl-C ends\n");
+    terminal::Print(fmt::format("{}\n", address));
+    terminal::Flush();  // a program may be waiting for it
+    terminal::Say("open this address in a browser on this machine; Ctrl-C ends\n");
   });
-  return ExitStatus::kGood;
+  return options::ExitStatus::kGood;
 }
 
 }  // namespace cdb::cli

@@ -4,12 +4,13 @@
 #include <optional>
 #include <string>
 
-#include "runtime/cli/exit_status.h"
+#include "runtime/cli/options/exit_status.h"
 
 namespace cdb::cli {
 
 /// Serves until Ctrl-C. `benchmark`: default, the first of the file. Throws CommandError for a file
 /// that is not there, a scenario that comes with cdb, or a benchmark that it has not got.
-ExitStatus ServeScenario(const std::string& file, const std::optional<std::string>& benchmark);
+options::ExitStatus ServeScenario(const std::string& file,
+                                  const std::optional<std::string>& benchmark);
 
 }  // namespace cdb::cli

@@ -12,14 +12,14 @@
 #include <vector>
 
 #include "runtime/cli/commands.h"
-#include "runtime/cli/subcommand.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/document/csv.h"
 #include "runtime/document/results_document.h"
-#include "runtime/report/console.h"
-#include "runtime/report/selection.h"
 #include "runtime/report/show.h"
 #include "runtime/report/show_error.h"
+#include "runtime/statistics/selection.h"
 #include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -46,12 +46,12 @@ struct Misfit {
 
 void CheckMisfits(std::initializer_list<Misfit> misfits) {
   for (const Misfit& misfit : misfits)
-    if (misfit.is_given) throw CommandError(misfit.why);
+    if (misfit.is_given) throw options::CommandError(misfit.why);
 }
 
 /// Throws CommandError for options that say nothing to what is printed.
 void CheckOptions(const ShowArguments& a) {
-  if (a.json && a.csv) throw CommandError("--json and --csv are two forms: choose one");
+  if (a.json && a.csv) throw options::CommandError("--json and --csv are two forms: choose one");
   if (a.json)
     CheckMisfits(
         {{!a.error.empty() || !a.each.empty(),
@@ -84,7 +84,8 @@ std::size_t PlaceOf(std::string_view option, const std::string& name,
                     std::span<const std::string_view> names) {
   const auto found = std::ranges::find(names, name);
   if (found == names.end())
-    throw CommandError(fmt::format("{} takes {}, not '{}'", option, fmt::join(names, ", "), name));
+    throw options::CommandError(
+        fmt::format("{} takes {}, not '{}'", option, fmt::join(names, ", "), name));
   return static_cast<std::size_t>(found - names.begin());
 }
 
@@ -95,10 +96,10 @@ std::vector<measure::Phase> PhasesOf(const ShowArguments& arguments) {
   return phases;
 }
 
-report::CycleStatistic StatisticOf(const ShowArguments& arguments) {
-  if (arguments.statistic.empty()) return report::CycleStatistic::kMean;
-  return static_cast<report::CycleStatistic>(
-      PlaceOf("--stat", arguments.statistic, report::CycleStatisticNames()));
+statistics::CycleStatistic StatisticOf(const ShowArguments& arguments) {
+  if (arguments.statistic.empty()) return statistics::CycleStatistic::kMean;
+  return static_cast<statistics::CycleStatistic>(
+      PlaceOf("--stat", arguments.statistic, statistics::CycleStatisticNames()));
 }
 
 report::ShowText TextOf(const store::ResultFile& file, const ShowArguments& arguments) {
@@ -113,26 +114,26 @@ report::ShowText TextOf(const store::ResultFile& file, const ShowArguments& argu
     return report::ShowError(file,
                              {arguments.error, arguments.by, arguments.each, arguments.only_sound});
   const std::vector<measure::Phase> phases = PhasesOf(arguments);
-  const report::CycleStatistic statistic = StatisticOf(arguments);
+  const statistics::CycleStatistic statistic = StatisticOf(arguments);
   if (arguments.csv) return document::CsvText(file, {phases, statistic, arguments.only_sound});
   return report::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
                              statistic, arguments.plots});
 }
 
-ExitStatus Show(const ShowArguments& arguments) {
+options::ExitStatus Show(const ShowArguments& arguments) {
   CheckOptions(arguments);
   store::ResultFile file(arguments.file);
-  report::SelectPart(file, arguments.select);
+  statistics::SelectPart(file, arguments.select);
   const report::ShowText shown = TextOf(file, arguments);
-  (arguments.json || arguments.csv ? report::PrintExact : report::Print)(shown.text);
-  return shown.bad_cells > 0 ? ExitStatus::kRuns : ExitStatus::kGood;
+  (arguments.json || arguments.csv ? terminal::PrintExact : terminal::Print)(shown.text);
+  return shown.bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
 }  // namespace
 
-void AddShowCommand(CLI::App& app, ExitStatus& status) {
+void AddShowCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<ShowArguments>();
-  Subcommand command(app, "show", "a summary of a results file: tables, or CSV or JSON");
+  options::Subcommand command(app, "show", "a summary of a results file: tables, or CSV or JSON");
   command.Required("FILE", arguments->file, "results file");
   command.List("--by", arguments->by, "axes that make the rows (quantity,detector)");
   command.Optional(

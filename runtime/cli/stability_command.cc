@@ -12,11 +12,11 @@
 #include "compiler/cross.h"
 #include "dsl/diagnostics.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/plan_runner.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/report/console.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/plan_runner.h"
 #include "runtime/report/stability_map.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -35,13 +35,13 @@ struct StabilityArguments {
 constexpr std::string_view kSuite = "stability";
 
 std::vector<std::string> SuiteFiles() {
-  const fs::path folder = fs::path(ScenarioLibrary()) / kSuite;
+  const fs::path folder = fs::path(options::ScenarioLibrary()) / kSuite;
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
     if (entry.path().extension() == ".cdb") names.push_back(entry.path().stem());
   if (names.empty())
-    throw CommandError(
+    throw options::CommandError(
         "the stability suite does not lie beside this program; installing cdb "
         "brings it");
   std::ranges::sort(names);
@@ -55,42 +55,44 @@ std::vector<std::string> Choose(const std::vector<std::string>& asked) {
   for (const std::string& name : asked) {
     if (std::ranges::find(names, name) != names.end()) continue;
     const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
-    throw CommandError(fmt::format("the stability suite has no '{}'; {}", name,
-                                   near.empty() ? fmt::format("it has {}", fmt::join(names, ", "))
+    throw options::CommandError(fmt::format("the stability suite has no '{}'; {}", name,
+                                            near.empty()
+                                                ? fmt::format("it has {}", fmt::join(names, ", "))
                                                 : fmt::format("did you mean '{}'?", near)));
   }
   return asked;
 }
 
-ExitStatus RunSuite(const StabilityArguments& arguments) {
-  CheckWords("precision", arguments.precisions);
-  CheckWords("detector", arguments.detectors);
+options::ExitStatus RunSuite(const StabilityArguments& arguments) {
+  options::CheckWords("precision", arguments.precisions);
+  options::CheckWords("detector", arguments.detectors);
   std::vector<plan::Plan> plans;
   for (const std::string& name : Choose(arguments.scenes)) {
     const std::string file = fmt::format("{}/{}", kSuite, name);
     // What the lints say of it is what it is for.
-    const auto loaded = LoadPlans(file, {}, LintText::kNone);
-    if (loaded.empty()) return ExitStatus::kScenario;
+    const auto loaded = options::LoadPlans(file, {}, options::LintText::kNone);
+    if (loaded.empty()) return options::ExitStatus::kScenario;
     for (const plan::Plan& plan : loaded)
       plans.push_back(compiler::Cross(compiler::Cross(plan, "detector", arguments.detectors),
                                       "precision", arguments.precisions));
   }
-  MakeResultsFolder(arguments.out);
-  const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
+  plans::MakeResultsFolder(arguments.out);
+  const plans::PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
   for (const plan::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
     if (runner.Execute(plan, out).summary.signal != 0) return runner.StoppedStatus();
-    report::Print(report::StabilityMap(store::ResultFile(out)) + "\n");
+    terminal::Print(report::StabilityMap(store::ResultFile(out)) + "\n");
   }
-  return ExitStatus::kGood;
+  return options::ExitStatus::kGood;
 }
 
 }  // namespace
 
-void AddStabilityCommand(CLI::App& app, ExitStatus& status) {
+void AddStabilityCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<StabilityArguments>();
-  Subcommand command(app, "stability",
-                     "run the stability suite and map where each configuration stops being sound");
+  options::Subcommand command(
+      app, "stability",
+      "run the stability suite and map where each configuration stops being sound");
   command.Optional("SCENE", arguments->scenes, "scenes of the suite (default: all)");
   command.List("--precision", arguments->precisions, "default: single,double");
   command.List("--detector", arguments->detectors, "default: dbvt");

@@ -14,25 +14,25 @@
 
 #include "compiler/plan/input_file.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/result_path.h"
-#include "runtime/cli/retry.h"
-#include "runtime/cli/shard_files.h"
-#include "runtime/cli/sized_plan.h"
-#include "runtime/cli/subcommand.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/result_path.h"
+#include "runtime/cli/plans/retry.h"
+#include "runtime/cli/plans/shard_files.h"
+#include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cluster/follow.h"
 #include "runtime/cluster/job_script.h"
 #include "runtime/cluster/slurm.h"
 #include "runtime/cluster/submission.h"
 #include "runtime/process/stop.h"
-#include "runtime/report/console.h"
 #include "runtime/schedule/bounds.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/order.h"
 #include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress_bar.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
 #include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -61,7 +61,7 @@ struct SubmitArguments {
 
 /// One plan on its way to a results file.
 struct Target {
-  SizedPlan sized;
+  plans::SizedPlan sized;
   fs::path out, shards;
   const plan::Plan& plan() const { return sized.plan; }
 };
@@ -70,7 +70,7 @@ fs::path ThisProgram() {
   std::error_code error;
   fs::path path = fs::read_symlink("/proc/self/exe", error);
   if (error)
-    throw CommandError(
+    throw options::CommandError(
         fmt::format("cannot tell where this program is (/proc/self/exe): {}", error.message()));
   return path;
 }
@@ -97,7 +97,7 @@ std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& pl
       plan.whole ? plan.RunCount() : schedule::ListShards(plan, plan.runs.size()).size();
   const std::uint64_t most = std::max<std::uint64_t>(1, std::min(capacity.most_tasks, points));
   if (arguments.tasks > capacity.most_tasks)
-    throw CommandError(fmt::format(
+    throw options::CommandError(fmt::format(
         "--tasks {}: an array of this cluster has at most {} tasks (MaxArraySize of slurm.conf)",
         arguments.tasks, capacity.most_tasks));
   if (arguments.tasks > 0) return std::min(arguments.tasks, most);
@@ -112,7 +112,7 @@ std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& pl
 /// Those with a run that is not in `kept`, which may be null, and that has no whole shard, or one
 /// of whose references has none.
 std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks,
-                                       const KeptRuns* kept, bool is_quiet) {
+                                       const plans::KeptRuns* kept, bool is_quiet) {
   const plan::Plan& plan = target.plan();
   const schedule::ShardFolder folder(plan, target.shards, /*fresh=*/false);
   std::vector<std::uint64_t> missing;
@@ -127,7 +127,7 @@ std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks
     for (const plan::Run& run : *runs)
       if (!folder.Find(run, warnings)) missing_runs.insert(run.id);
   if (!is_quiet)
-    for (const std::string& warning : warnings) report::Say("warning: " + warning + "\n");
+    for (const std::string& warning : warnings) terminal::Say("warning: " + warning + "\n");
   const auto shards = schedule::ListShards(plan, tasks);
   for (std::size_t i = 0; i < shards.size(); ++i)
     if (std::ranges::any_of(shards[i], [&](const plan::Run* run) {
@@ -151,22 +151,22 @@ cluster::Sweep SweepOf(const Target& target, std::uint64_t tasks) {
 
 /// The command that writes the plan which a dry run's script needs.
 std::string PlanCommand(const SubmitArguments& arguments, const Target& target) {
-  const std::string file = report::ShellWord(arguments.file);
+  const std::string file = terminal::ShellWord(arguments.file);
   const std::string to =
-      report::ShellWord((fs::absolute(target.shards).lexically_normal() / "plan.yaml").string());
-  if (IsPlanFile(arguments.file)) return fmt::format("cp {} {}", file, to);
-  std::string words = fmt::format("{} plan {} -b {}", report::ShellWord(ThisProgram().string()),
+      terminal::ShellWord((fs::absolute(target.shards).lexically_normal() / "plan.yaml").string());
+  if (options::IsPlanFile(arguments.file)) return fmt::format("cp {} {}", file, to);
+  std::string words = fmt::format("{} plan {} -b {}", terminal::ShellWord(ThisProgram().string()),
                                   file, target.plan().benchmark);
   for (const std::string& plugin : arguments.plugins)
-    words += " --plugin " + report::ShellWord(plugin);
+    words += " --plugin " + terminal::ShellWord(plugin);
   return words + " -o " + to;
 }
 
 /// `--fresh` keeps its state in the folder of shards, and knows only one machine.
 void RefuseOtherWork(const Target& target) {
   std::error_code error;
-  if (fs::exists(FreshMark(target.shards), error))
-    throw CommandError(
+  if (fs::exists(plans::FreshMark(target.shards), error))
+    throw options::CommandError(
         fmt::format("'{}' holds what a stopped `cdb run --fresh` has done; let `cdb run` end it "
                     "first, or remove the folder",
                     target.shards.string()));
@@ -178,22 +178,24 @@ class Submitter {
       : arguments_(arguments), retry_(arguments.retry), signals_(stop_) {
     std::signal(SIGPIPE, SIG_IGN);
     if (arguments.is_dry && !retry_.is_empty())
-      throw CommandError("--dry-run prints the script of all runs; leave out --retry");
+      throw options::CommandError("--dry-run prints the script of all runs; leave out --retry");
   }
 
-  ExitStatus Run() {
-    const LintText lints = arguments_.quiet ? LintText::kNone : LintText::kOneLine;
-    auto plans = LoadSizedPlans(arguments_.file, arguments_.benchmark, lints, arguments_.plugins);
-    if (plans.empty()) return ExitStatus::kScenario;
+  options::ExitStatus Run() {
+    const options::LintText lints =
+        arguments_.quiet ? options::LintText::kNone : options::LintText::kOneLine;
+    auto plans =
+        plans::LoadSizedPlans(arguments_.file, arguments_.benchmark, lints, arguments_.plugins);
+    if (plans.empty()) return options::ExitStatus::kScenario;
     if (!arguments_.is_dry) cluster::RequireSlurm();
     std::vector<Target> targets;
-    for (SizedPlan& sized : plans) {
+    for (plans::SizedPlan& sized : plans) {
       fs::path out =
-          ResultPath(arguments_.out, sized.plan.benchmark, arguments_.file, plans.size());
-      fs::path shards = ShardFolderOf(out);
+          plans::ResultPath(arguments_.out, sized.plan.benchmark, arguments_.file, plans.size());
+      fs::path shards = plans::ShardFolderOf(out);
       targets.push_back({std::move(sized), std::move(out), std::move(shards)});
     }
-    ExitStatus status = ExitStatus::kGood;
+    options::ExitStatus status = options::ExitStatus::kGood;
     // All are submitted before the first is waited for.
     std::vector<std::optional<cluster::Submission>> submitted;
     for (const Target& target : targets) submitted.push_back(Submit(target));
@@ -209,7 +211,7 @@ class Submitter {
         if (stop_.requested()) {
           for (std::size_t left = i; left < targets.size(); ++left)
             if (submitted[left]) SayHowToGoOn(targets[left], *submitted[left]);
-          return StoppedBy(stop_.signal());
+          return options::StoppedBy(stop_.signal());
         }
       }
       status = std::max(status, Finish(targets[i], submitted[i]));
@@ -221,13 +223,13 @@ class Submitter {
   /// The jobs of the plan, those that are at work already or new ones. Nullopt where every run has
   /// ended, and for a dry run.
   std::optional<cluster::Submission> Submit(const Target& target) {
-    CheckIsOfPlan(target.out.string(), target.plan());
+    plans::CheckIsOfPlan(target.out.string(), target.plan());
     if (arguments_.is_dry) {
       PrintScript(target);
       return std::nullopt;
     }
-    const RetryChoice retry = RetryOf(target);
-    const bool is_complete = IsThereAlready(target.out, target.plan());
+    const plans::RetryChoice retry = RetryOf(target);
+    const bool is_complete = plans::IsThereAlready(target.out, target.plan());
     if (is_complete && retry.is_empty()) {
       Say(fmt::format("'{}' is complete; remove it to run it again\n", target.out.string()));
       return std::nullopt;
@@ -235,16 +237,17 @@ class Submitter {
     RefuseOtherWork(target);
     const auto before = cluster::ReadSubmission(target.shards);
     if (before && before->plan_sha256 == target.plan().Sha256() && IsAtWork(*before)) {
-      if (retry.Words() != FindStartedRetry(target.shards).Words())
-        throw CommandError(fmt::format("job {} is at work on '{}'; retry when it has ended",
-                                       before->array, target.out.string()));
+      if (retry.Words() != plans::FindStartedRetry(target.shards).Words())
+        throw options::CommandError(
+            fmt::format("job {} is at work on '{}'; retry when it has ended", before->array,
+                        target.out.string()));
       Say(fmt::format("job {} is at work on '{}'; following it\n", before->array,
                       target.out.string()));
       return before;
     }
-    if (!retry.is_empty() && FindStartedRetry(target.shards).is_empty()) {
+    if (!retry.is_empty() && plans::FindStartedRetry(target.shards).is_empty()) {
       const std::string why =
-          PrepareRetry(target.plan(), target.shards, target.out, retry, is_complete);
+          plans::PrepareRetry(target.plan(), target.shards, target.out, retry, is_complete);
       if (!why.empty()) {
         Say(why);
         return std::nullopt;
@@ -254,7 +257,7 @@ class Submitter {
   }
 
   /// What is run again in the result that is there: by --retry, or by one that has not ended.
-  RetryChoice RetryOf(const Target& target) const {
+  plans::RetryChoice RetryOf(const Target& target) const {
     std::error_code error;
     if (!fs::exists(target.out, error)) {
       if (!retry_.is_empty())
@@ -262,14 +265,14 @@ class Submitter {
                         target.out.string()));
       return {};
     }
-    return retry_.With(FindStartedRetry(target.shards));
+    return retry_.With(plans::FindStartedRetry(target.shards));
   }
 
   bool IsAtWork(const cluster::Submission& before) {
     std::string why;
     const auto active = cluster::FindActive(before.array, before.merge, why);
     if (!active)
-      throw CommandError(
+      throw options::CommandError(
           fmt::format("cannot tell whether job {} still runs: {}; nothing was submitted: try again "
                       "when Slurm answers",
                       before.array, why));
@@ -277,17 +280,17 @@ class Submitter {
   }
 
   std::optional<cluster::Submission> SubmitMissing(
-      const Target& target, const RetryChoice& retry,
+      const Target& target, const plans::RetryChoice& retry,
       const std::optional<cluster::Submission>& before) {
     const plan::Plan& plan = target.plan();
     const std::uint64_t tasks =
         before && arguments_.tasks == 0 && before->plan_sha256 == plan.Sha256()
             ? before->tasks
             : ChooseTasks(arguments_, plan);
-    const FolderLock lock(target.shards);
+    const plans::FolderLock lock(target.shards);
     const cluster::SubmissionLock submitting(target.shards);
     if (!submitting.is_held())
-      throw CommandError(
+      throw options::CommandError(
           fmt::format("another cdb is submitting '{}'; nothing was submitted: the same command "
                       "follows its jobs when it has ended",
                       target.out.string()));
@@ -297,11 +300,11 @@ class Submitter {
         (!before || before->array != meanwhile->array) && IsAtWork(*meanwhile))
       return meanwhile;
     cluster::Sweep sweep = SweepOf(target, tasks);
-    std::optional<KeptRuns> kept;
+    std::optional<plans::KeptRuns> kept;
     if (!retry.is_empty()) {
       kept.emplace(target.out, retry);
       // Tasks go by it.
-      store::WriteWhole(retry.Text(), target.shards / schedule::kRetryMarkName);
+      files::WriteWhole(retry.Text(), target.shards / schedule::kRetryMarkName);
     }
     sweep.missing = FindMissing(target, tasks, kept ? &*kept : nullptr, arguments_.quiet);
     const schedule::ShardFolder folder(plan, target.shards, /*fresh=*/false);
@@ -332,36 +335,39 @@ class Submitter {
     const std::uint64_t tasks = ChooseTasks(arguments_, target.plan());
     cluster::Sweep sweep = SweepOf(target, tasks);
     for (std::uint64_t task = 1; task <= tasks; ++task) sweep.missing.push_back(task);
-    report::PrintExact(cluster::DryRunText(sweep, arguments_.job, PlanCommand(arguments_, target)));
+    terminal::PrintExact(
+        cluster::DryRunText(sweep, arguments_.job, PlanCommand(arguments_, target)));
   }
 
   /// After the jobs: their merge may have been lost with a controller.
-  ExitStatus Finish(const Target& target, const std::optional<cluster::Submission>& submission) {
+  options::ExitStatus Finish(const Target& target,
+                             const std::optional<cluster::Submission>& submission) {
     const plan::Plan& plan = target.plan();
-    FolderLock lock(target.shards);
-    const std::size_t not_again = CountNotRunAgain(plan, target.shards, target.out);
-    const bool is_retried = !FindStartedRetry(target.shards).is_empty();
-    if (!IsThereAlready(target.out, plan) || is_retried) {
+    plans::FolderLock lock(target.shards);
+    const std::size_t not_again = plans::CountNotRunAgain(plan, target.shards, target.out);
+    const bool is_retried = !plans::FindStartedRetry(target.shards).is_empty();
+    if (!plans::IsThereAlready(target.out, plan) || is_retried) {
       std::error_code error;
       const bool has_result = fs::exists(target.out, error);
-      if (!HasShards(target.shards)) {
+      if (!plans::HasShards(target.shards)) {
         SayMissing(target, submission,
-                   has_result
-                       ? std::max(not_again, CountMissing(store::ResultFile(target.out), plan))
-                       : plan.RunCount());
-        return ExitStatus::kWorld;
+                   has_result ? std::max(not_again,
+                                         plans::CountMissing(store::ResultFile(target.out), plan))
+                              : plan.RunCount());
+        return options::ExitStatus::kWorld;
       }
       // What the merge job has merged, if it ran, and what came after it.
-      MergeOnto(plan, {target.shards}, target.out);
+      plans::MergeOnto(plan, {target.shards}, target.out);
       const std::size_t missing =
-          std::max(not_again, CountMissing(store::ResultFile(target.out), plan));
+          std::max(not_again, plans::CountMissing(store::ResultFile(target.out), plan));
       if (missing > 0) {
         SayMissing(target, submission, missing);
-        return std::max(ShowResult(target.out, arguments_.quiet), ExitStatus::kWorld);
+        return std::max(plans::ShowResult(target.out, arguments_.quiet),
+                        options::ExitStatus::kWorld);
       }
     }
-    RemoveMergedShards(plan, target.shards, lock, /*is_quiet=*/true);
-    return ShowResult(target.out, arguments_.quiet);
+    plans::RemoveMergedShards(plan, target.shards, lock, /*is_quiet=*/true);
+    return plans::ShowResult(target.out, arguments_.quiet);
   }
 
   void SayMissing(const Target& target, const std::optional<cluster::Submission>& submission,
@@ -384,7 +390,7 @@ class Submitter {
         text += fmt::format("  the logs of its tasks are {}\n",
                             (target.shards / "slurm-*.log").string());
     }
-    report::Say(text);
+    terminal::Say(text);
   }
 
   /// Its last line, or where it would be.
@@ -404,21 +410,21 @@ class Submitter {
   }
 
   void Say(const std::string& text) const {
-    if (!arguments_.quiet) report::Say(text);
+    if (!arguments_.quiet) terminal::Say(text);
   }
 
   const SubmitArguments& arguments_;
-  const RetryChoice retry_;
+  const plans::RetryChoice retry_;
   process::StopFlag stop_;
   process::StopOnSignals signals_;
 };
 
 }  // namespace
 
-void AddSubmitCommand(CLI::App& app, ExitStatus& status) {
+void AddSubmitCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<SubmitArguments>();
-  Subcommand command(app, "submit",
-                     "run a scenario file or a plan on a Slurm cluster; goes on where it stopped");
+  options::Subcommand command(
+      app, "submit", "run a scenario file or a plan on a Slurm cluster; goes on where it stopped");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,

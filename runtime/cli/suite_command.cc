@@ -12,16 +12,16 @@
 #include "dsl/diagnostics.h"
 #include "runtime/cli/check_stored.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/plan_runner.h"
-#include "runtime/cli/provenance.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/cli/suite_folder.h"
-#include "runtime/cli/suite_plan.h"
+#include "runtime/cli/options/provenance.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/plan_runner.h"
+#include "runtime/cli/plans/suite_folder.h"
+#include "runtime/cli/plans/suite_plan.h"
 #include "runtime/page/page.h"
-#include "runtime/report/console.h"
-#include "runtime/report/wrap.h"
 #include "runtime/suite/against.h"
 #include "runtime/suite/text.h"
+#include "runtime/terminal/console.h"
+#include "runtime/terminal/wrap.h"
 
 namespace cdb::cli {
 namespace {
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 struct SuiteArguments {
   std::vector<std::string> only;  ///< kinds or scenes; empty: all
   std::string out = "suite";      ///< folder of the results
-  SuiteChoice choice;
+  plans::SuiteChoice choice;
   std::uint64_t seed = 0;          ///< 0: the published ones
   std::vector<std::string> retry;  ///< how runs ended that are run again
   std::uint64_t noisy_retries = 0;
@@ -58,10 +58,10 @@ std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
   for (const std::string& word : only) {
     if (std::ranges::find(names, word) != names.end()) continue;
     const std::string_view near = dsl::DidYouMean(word, {names.begin(), names.end()});
-    throw CommandError(fmt::format("--only {}: the standard suite has no such kind or scene; {}",
-                                   word,
-                                   near.empty() ? fmt::format("it has {}", fmt::join(names, ", "))
-                                                : fmt::format("did you mean '{}'?", near)));
+    throw options::CommandError(
+        fmt::format("--only {}: the standard suite has no such kind or scene; {}", word,
+                    near.empty() ? fmt::format("it has {}", fmt::join(names, ", "))
+                                 : fmt::format("did you mean '{}'?", near)));
   }
   std::vector<StandardScene> chosen;
   for (const StandardScene& scene : suite::StandardScenes())
@@ -72,7 +72,7 @@ std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
 }
 
 /// Void timings or no timings at all.
-bool HasBadRuns(const SuiteFolder& read) {
+bool HasBadRuns(const plans::SuiteFolder& read) {
   for (const suite::SceneFigures& scene : read.scenes)
     for (const suite::ConfigurationFigures& of : scene.configurations)
       if (of.verdict == measure::Verdict::kUnknown || measure::HasVoidTimings(of.verdict))
@@ -80,102 +80,104 @@ bool HasBadRuns(const SuiteFolder& read) {
   return false;
 }
 
-bool HasDisturbedRuns(const SuiteFolder& read) {
+bool HasDisturbedRuns(const plans::SuiteFolder& read) {
   return std::ranges::any_of(read.scenes, [](const suite::SceneFigures& scene) {
     return std::ranges::any_of(scene.configurations, &suite::ConfigurationFigures::is_disturbed);
   });
 }
 
 /// Its name, or why there is none: the figures are there without it.
-std::string WritePage(const SuiteFolder& read, const fs::path& folder) {
+std::string WritePage(const plans::SuiteFolder& read, const fs::path& folder) {
   try {
-    WriteSuiteSummary(read, folder);
-    return (folder / kSuitePage).string();
+    plans::WriteSuiteSummary(read, folder);
+    return (folder / plans::kSuitePage).string();
   } catch (const page::PageError& error) {
     return fmt::format("no page: {}", error.what());
   }
 }
 
-ExitStatus Show(const SuiteArguments& arguments) {
+options::ExitStatus Show(const SuiteArguments& arguments) {
   const fs::path folder = arguments.out;
-  const SuiteFolder read = ReadSuiteFolder(folder);
+  const plans::SuiteFolder read = plans::ReadSuiteFolder(folder);
   const std::string page = WritePage(read, folder);
   std::string text = fmt::format("Standard suite {}, {}{}\n\n", suite::kSuiteVersion,
                                  read.facts.is_long ? "long" : "short",
                                  read.facts.seed ? fmt::format(", seed {}", *read.facts.seed) : "");
   text += suite::ScoreText(suite::ScoreKinds(read.scenes));
   text += suite::RecommendationText(read.scenes) + "\n";
-  text += report::Wrapped(suite::DefaultsText(read.scenes), 0) + "\n";
+  text += terminal::Wrapped(suite::DefaultsText(read.scenes), 0) + "\n";
   if (!read.facts.missing.empty())
-    text += report::Wrapped(
+    text += terminal::Wrapped(
         fmt::format("Not a complete suite, without {}", fmt::join(read.facts.missing, ", ")), 0);
   if (HasDisturbedRuns(read))
-    text += report::Wrapped(
+    text += terminal::Wrapped(
         fmt::format("The machine was disturbed (`cdb doctor`); on an idle one, `cdb suite -o {} "
                     "--retry noisy` runs the noisy runs again",
-                    report::ShellWord(arguments.out)),
+                    terminal::ShellWord(arguments.out)),
         0);
   text += page + "\n";
-  if (!arguments.quiet) report::Print(text);
-  return HasBadRuns(read) ? ExitStatus::kRuns : ExitStatus::kGood;
+  if (!arguments.quiet) terminal::Print(text);
+  return HasBadRuns(read) ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
-ExitStatus RunSuite(const SuiteArguments& arguments) {
-  SuiteChoice choice = arguments.choice;
+options::ExitStatus RunSuite(const SuiteArguments& arguments) {
+  plans::SuiteChoice choice = arguments.choice;
   if (arguments.seed != 0) choice.seed = arguments.seed;
   if (!arguments.retry.empty() && arguments.fresh)
-    throw CommandError("--retry keeps the other runs, and --fresh forgets all; one of them alone");
+    throw options::CommandError(
+        "--retry keeps the other runs, and --fresh forgets all; one of them alone");
   if (choice.seed && choice.is_long)
-    throw CommandError(
+    throw options::CommandError(
         "--long has seeds of its own, and --seed replaces the one of the short suite; one of them "
         "alone");
   const auto scenes = Chosen(arguments.only);
   std::vector<plan::Plan> plans;
-  for (const StandardScene& scene : scenes) plans.push_back(StandardPlan(scene, choice));
-  MakeResultsFolder(arguments.out);
-  if (BuildType() != "Release" && !arguments.quiet)
-    report::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
-                            BuildType()));
-  PlanRunnerOptions options;
+  for (const StandardScene& scene : scenes) plans.push_back(plans::StandardPlan(scene, choice));
+  plans::MakeResultsFolder(arguments.out);
+  if (options::BuildType() != "Release" && !arguments.quiet)
+    terminal::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
+                              options::BuildType()));
+  plans::PlanRunnerOptions options;
   options.fresh = arguments.fresh;
   options.is_quiet = arguments.quiet;
   options.plugins = choice.plugins;
-  options.retry = RetryChoice(arguments.retry);
+  options.retry = plans::RetryChoice(arguments.retry);
   options.noisy_retries = arguments.noisy_retries;
-  const PlanRunner runner(options);
+  const plans::PlanRunner runner(options);
   for (std::size_t i = 0; i < plans.size(); ++i) {
     if (!arguments.quiet)
-      report::Say(
+      terminal::Say(
           fmt::format("{} ({} of {}): {}\n", scenes[i].Id(), i + 1, plans.size(), scenes[i].what));
-    const ExecutedPlan end =
+    const plans::ExecutedPlan end =
         runner.Execute(plans[i], fs::path(arguments.out) / scenes[i].ResultName());
     if (end.summary.signal != 0) return runner.StoppedStatus();
   }
   return Show(arguments);
 }
 
-ExitStatus Check(const fs::path& folder) {
-  ExitStatus status = ExitStatus::kGood;
+options::ExitStatus Check(const fs::path& folder) {
+  options::ExitStatus status = options::ExitStatus::kGood;
   std::error_code error;
   for (const StandardScene& scene : suite::StandardScenes())
     if (const fs::path file = folder / scene.ResultName(); fs::exists(file, error))
       status = std::max(status, CheckStored(file.string()));
-  if (status == ExitStatus::kWorld) return status;
-  const SuiteFolder read = ReadSuiteFolder(folder);
-  const SuiteFaults made = CheckSuite(read, folder);
+  if (status == options::ExitStatus::kWorld) return status;
+  const plans::SuiteFolder read = plans::ReadSuiteFolder(folder);
+  const plans::SuiteFaults made = plans::CheckSuite(read, folder);
   std::string text = "\n";
-  for (const std::string& fact : made.facts) text += report::Wrapped(fact, 2);
+  for (const std::string& fact : made.facts) text += terminal::Wrapped(fact, 2);
   text += made.faults.empty()
               ? fmt::format("\nComplete and comparable: version {} of the suite, {}\n",
                             suite::kSuiteVersion, read.facts.is_long ? "long" : "short")
               : "\nNot complete and comparable:\n";
-  for (const std::string& fault : made.faults) text += report::Wrapped(fault, 2);
-  report::Print(text);
-  return made.faults.empty() ? ExitStatus::kGood : ExitStatus::kRuns;
+  for (const std::string& fault : made.faults) text += terminal::Wrapped(fault, 2);
+  terminal::Print(text);
+  return made.faults.empty() ? options::ExitStatus::kGood : options::ExitStatus::kRuns;
 }
 
-ExitStatus Against(const fs::path& other, const fs::path& mine) {
-  const SuiteFolder claimed = ReadSuiteFolder(other), here = ReadSuiteFolder(mine);
+options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
+  const plans::SuiteFolder claimed = plans::ReadSuiteFolder(other),
+                           here = plans::ReadSuiteFolder(mine);
   std::vector<suite::SceneVerification> verified;
   std::vector<std::string> unverified;
   for (std::size_t i = 0; i < claimed.scenes.size(); ++i) {
@@ -193,22 +195,24 @@ ExitStatus Against(const fs::path& other, const fs::path& mine) {
   std::string text = fmt::format("{} verified by {}\n{}", other.string(), mine.string(),
                                  suite::VerificationText(verified));
   if (!unverified.empty())
-    text += report::Wrapped(fmt::format("Not verified, as '{}' does not have them: {}",
-                                        mine.string(), fmt::join(unverified, ", ")),
-                            2);
-  report::Print(text);
+    text += terminal::Wrapped(fmt::format("Not verified, as '{}' does not have them: {}",
+                                          mine.string(), fmt::join(unverified, ", ")),
+                              2);
+  terminal::Print(text);
   const bool disagrees = std::ranges::any_of(verified, [](const auto& of) {
     return of.outcome == suite::SceneVerification::Outcome::kDisagrees;
   });
   const bool is_whole = unverified.empty() && std::ranges::all_of(verified, [](const auto& of) {
                           return of.claimed > 0 && of.timed == of.claimed;
                         });
-  return disagrees ? ExitStatus::kWorse : is_whole ? ExitStatus::kGood : ExitStatus::kRuns;
+  return disagrees  ? options::ExitStatus::kWorse
+         : is_whole ? options::ExitStatus::kGood
+                    : options::ExitStatus::kRuns;
 }
 
-ExitStatus Suite(const SuiteArguments& arguments) {
+options::ExitStatus Suite(const SuiteArguments& arguments) {
   if (!arguments.check.empty() && !arguments.against.empty())
-    throw CommandError("--check and --against each read results; one of them alone");
+    throw options::CommandError("--check and --against each read results; one of them alone");
   if (!arguments.check.empty()) return Check(arguments.check);
   if (!arguments.against.empty()) return Against(arguments.against, arguments.out);
   return RunSuite(arguments);
@@ -216,9 +220,9 @@ ExitStatus Suite(const SuiteArguments& arguments) {
 
 }  // namespace
 
-void AddSuiteCommand(CLI::App& app, ExitStatus& status) {
+void AddSuiteCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<SuiteArguments>();
-  Subcommand command(app, "suite", "run the standard suite, and score each configuration");
+  options::Subcommand command(app, "suite", "run the standard suite, and score each configuration");
   command.Out(arguments->out, "folder of the results (default: suite)");
   command.List("--only", arguments->only, "kinds or scenes: games, stiff/stack (default: all)");
   command.Flag("--long", arguments->choice.is_long, "three seeds and more repeats, about an hour");

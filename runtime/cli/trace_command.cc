@@ -9,18 +9,18 @@
 #include <system_error>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/cli/trace_plan.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/trace_plan.h"
 #include "runtime/measure/recorded_trace.h"
 #include "runtime/process/stop.h"
 #include "runtime/process/worker.h"
-#include "runtime/report/console.h"
 #include "runtime/schedule/bounds.h"
-#include "runtime/store/temporary_file.h"
+#include "runtime/store/files/temporary_file.h"
 #include "runtime/store/trace_file.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -46,21 +46,21 @@ class Tracer {
         launcher_(process::FindWorkers(plan), 1, &stop) {}
 
   /// ExitStatus::kRuns for a failed run, of which there is no file.
-  ExitStatus Trace(const plan::Run& run, const fs::path& file) {
-    store::RemoveStaleTemporariesBeside(file);
+  options::ExitStatus Trace(const plan::Run& run, const fs::path& file) {
+    files::RemoveStaleTemporariesBeside(file);
     if (!arguments_.fresh && store::TracedRun(file) == run.id) {
       Tell(file, "is there already; --fresh makes it anew");
-      return ExitStatus::kGood;
+      return options::ExitStatus::kGood;
     }
     CheckIsOurs(file);
     launcher_.Start(0, run, "");
     std::optional<process::Ending> ending;
     while (!ending && !stop_.requested()) ending = launcher_.Wait(1);
-    if (!ending) return ExitStatus::kGood;  // whoever asked to stop sees to the status
+    if (!ending) return options::ExitStatus::kGood;  // whoever asked to stop sees to the status
     if (ending->result.status != store::Status::kDone) {
-      report::Say(fmt::format("{}: {}: {}\n", plan::Describe(plan_, run),
-                              store::StatusName(ending->result.status), ending->result.message));
-      return ExitStatus::kRuns;
+      terminal::Say(fmt::format("{}: {}: {}\n", plan::Describe(plan_, run),
+                                store::StatusName(ending->result.status), ending->result.message));
+      return options::ExitStatus::kRuns;
     }
     const measure::TraceMemory trace = measure::TraceOf(run.scene, *ending->recording);
     const store::TraceOrigin origin = {plan_.benchmark,
@@ -69,24 +69,24 @@ class Tracer {
                                        ending->result.state_hash,
                                        run.scene.world.Real("timestep"),
                                        plan_.scenario_text,
-                                       plan::RunToYaml(run)};
+                                       yaml::RunToYaml(run)};
     store::WriteTrace(trace, origin, run.scene.ObjectCount(), ending->recording->Reals("poses"),
                       file);
     Tell(file, fmt::format("{} bodies, {} cycles; {:.1f} s", trace.shape().bodies,
                            trace.shape().cycles, ending->wall_s));
-    return ExitStatus::kGood;
+    return options::ExitStatus::kGood;
   }
 
  private:
   void Tell(const fs::path& file, const std::string& what) const {
-    if (!arguments_.quiet) report::Print(fmt::format("{}: {}\n", file.string(), what));
+    if (!arguments_.quiet) terminal::Print(fmt::format("{}: {}\n", file.string(), what));
   }
 
   /// What is written over is a trace, or asked for.
   void CheckIsOurs(const fs::path& file) const {
     std::error_code error;
     if (!arguments_.fresh && fs::exists(file, error))
-      throw CommandError(
+      throw options::CommandError(
           fmt::format("'{}' is there and is no trace of this run; name another place "
                       "by -o, or say --fresh to write over it",
                       file.string()));
@@ -98,21 +98,22 @@ class Tracer {
   process::ProcessLauncher launcher_;
 };
 
-ExitStatus TracePlans(const TraceArguments& arguments) {
-  auto plans = LoadPlans(arguments.file, arguments.benchmark,
-                         arguments.quiet ? LintText::kNone : LintText::kOneLine, arguments.plugins);
-  if (plans.empty()) return ExitStatus::kScenario;
+options::ExitStatus TracePlans(const TraceArguments& arguments) {
+  auto plans = options::LoadPlans(
+      arguments.file, arguments.benchmark,
+      arguments.quiet ? options::LintText::kNone : options::LintText::kOneLine, arguments.plugins);
+  if (plans.empty()) return options::ExitStatus::kScenario;
   process::StopFlag stop;
   const process::StopOnSignals signals(stop);
-  ExitStatus status = ExitStatus::kGood;
+  options::ExitStatus status = options::ExitStatus::kGood;
   for (plan::Plan& plan : plans) {
-    plan = MakeTracePlan(std::move(plan));
+    plan = plans::MakeTracePlan(std::move(plan));
     schedule::CheckFits(plan.benchmark, schedule::LeastDemand(plan), arguments.out);
-    const std::vector<fs::path> files = TraceFiles(plan, arguments.out, plans.size());
+    const std::vector<fs::path> files = plans::TraceFiles(plan, arguments.out, plans.size());
     Tracer tracer(plan, arguments, stop);
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {
       status = std::max(status, tracer.Trace(plan.runs[i], files[i]));
-      if (stop.requested()) return StoppedBy(stop.signal());
+      if (stop.requested()) return options::StoppedBy(stop.signal());
     }
   }
   return status;
@@ -120,9 +121,9 @@ ExitStatus TracePlans(const TraceArguments& arguments) {
 
 }  // namespace
 
-void AddTraceCommand(CLI::App& app, ExitStatus& status) {
+void AddTraceCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<TraceArguments>();
-  Subcommand command(app, "trace", "record the boxes of runs for detectors to be run on");
+  options::Subcommand command(app, "trace", "record the boxes of runs for detectors to be run on");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,

@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/plan_runner.h"
-#include "runtime/cli/subcommand.h"
-#include "runtime/cli/verify_plan.h"
-#include "runtime/report/console.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/plan_runner.h"
+#include "runtime/cli/plans/verify_plan.h"
 #include "runtime/report/verify_table.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -38,22 +38,23 @@ struct VerifyArguments {
 
 /// Beside the results, so that one run of them can be seen by itself.
 void WritePlan(const plan::Plan& plan, const fs::path& path) {
-  store::WriteWhole(plan::ToYaml(plan), path);
+  files::WriteWhole(yaml::ToYaml(plan), path);
 }
 
-ExitStatus Verify(const VerifyArguments& arguments) {
-  VerifyOptions options = {arguments.detectors, arguments.cycles, {}};
-  const auto plans = LoadPlans(arguments.file, arguments.benchmark, LintText::kNone,
-                               arguments.plugins, &options.plugins);
-  if (plans.empty()) return ExitStatus::kScenario;
-  if (!options.WantsAll()) CheckWords("detector", options.detectors, options.plugins);
-  std::vector<VerifyPlan> verified;
-  for (const plan::Plan& plan : plans) verified.push_back(MakeVerifyPlan(plan, options));
+options::ExitStatus Verify(const VerifyArguments& arguments) {
+  plans::VerifyOptions options = {arguments.detectors, arguments.cycles, {}};
+  const auto plans =
+      options::LoadPlans(arguments.file, arguments.benchmark, options::LintText::kNone,
+                         arguments.plugins, &options.plugins);
+  if (plans.empty()) return options::ExitStatus::kScenario;
+  if (!options.WantsAll()) options::CheckWords("detector", options.detectors, options.plugins);
+  std::vector<plans::VerifyPlan> verified;
+  for (const plan::Plan& plan : plans) verified.push_back(plans::MakeVerifyPlan(plan, options));
   const fs::path folder = arguments.out;
-  if (!folder.empty()) MakeResultsFolder(folder);
-  const PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
-  ExitStatus status = ExitStatus::kGood;
-  for (VerifyPlan& one : verified) {
+  if (!folder.empty()) plans::MakeResultsFolder(folder);
+  const plans::PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
+  options::ExitStatus status = options::ExitStatus::kGood;
+  for (plans::VerifyPlan& one : verified) {
     const std::string name = (folder / one.plan.benchmark).string();
     const std::string plan_file = name + ".verify.yaml";
     const fs::path out = name + ".verify.h5";
@@ -61,18 +62,18 @@ ExitStatus Verify(const VerifyArguments& arguments) {
     if (runner.Execute(one.plan, out).summary.signal != 0) return runner.StoppedStatus();
     WritePlan(one.plan, plan_file);
     const report::VerifyText text = report::VerifyTable(store::ResultFile(out), one.left_out);
-    report::Print(text.text + "\n");
-    if (!text.is_good) status = ExitStatus::kRuns;
+    terminal::Print(text.text + "\n");
+    if (!text.is_good) status = options::ExitStatus::kRuns;
   }
   return status;
 }
 
 }  // namespace
 
-void AddVerifyCommand(CLI::App& app, ExitStatus& status) {
+void AddVerifyCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<VerifyArguments>();
-  Subcommand command(app, "verify",
-                     "compare every detector's pairs and contacts with exact ones, in each cycle");
+  options::Subcommand command(
+      app, "verify", "compare every detector's pairs and contacts with exact ones, in each cycle");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.List("--detector", arguments->detectors,

@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "dsl/characters.h"
+#include "dsl/text/characters.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/inputs.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/serve_scenario.h"
-#include "runtime/cli/subcommand.h"
 #include "runtime/page/page.h"
-#include "runtime/report/console.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
 #include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
 #include "runtime/view/glb.h"
 #include "runtime/view/scene_document.h"
 #include "runtime/view/selection.h"
@@ -36,7 +36,7 @@ struct ViewArguments {
 /// A .glb file is shorter than 4 GB; its poses take less than twice the bytes of a page's.
 constexpr std::size_t kGltfBudget = 1'000'000'000;
 
-using report::AxisSelection;
+using statistics::AxisSelection;
 using view::SceneRecording;
 
 /// By its contents; a missing or an empty file is known by its name.
@@ -46,7 +46,7 @@ bool IsResults(const std::string& file) {
 
 std::vector<AxisSelection> ParseAll(const std::vector<std::string>& words) {
   std::vector<AxisSelection> selections;
-  for (const std::string& word : words) selections.push_back(report::ParseSelection(word));
+  for (const std::string& word : words) selections.push_back(statistics::ParseSelection(word));
   return selections;
 }
 
@@ -78,7 +78,7 @@ view::FrameChoice FramesOf(const ViewArguments& arguments, std::size_t runs) {
   const char* end = arguments.every.data() + arguments.every.size();
   const auto parsed = std::from_chars(arguments.every.data(), end, every);
   if (parsed.ec != std::errc() || parsed.ptr != end || every == 0)
-    throw CommandError(
+    throw options::CommandError(
         fmt::format("--every {}: a whole number of cycles, from 1", arguments.every));
   choice.every = every;
   return choice;
@@ -107,7 +107,7 @@ void ViewResults(const std::string& name, const ViewArguments& arguments,
     recordings.back().file = name;
   } catch (const std::exception& error) {
     const std::string what = error.what();
-    throw CommandError(what.starts_with(name) ? what : fmt::format("{}: {}", name, what));
+    throw options::CommandError(what.starts_with(name) ? what : fmt::format("{}: {}", name, what));
   }
 }
 
@@ -116,20 +116,20 @@ const plan::Run& RunAt(const plan::Plan& plan, const std::vector<AxisSelection>&
   view::Select(plan.axes, plan.repeats, selections, cell);
   for (const plan::Run& run : plan.runs)
     if (run.at == cell.at && run.rep == cell.rep) return run;
-  throw CommandError(
+  throw options::CommandError(
       fmt::format("`skip` leaves out {}", view::CellName(plan.axes, plan.repeats, cell)));
 }
 
 /// False after diagnostics were printed.
 bool ViewScenario(const std::string& name, const ViewArguments& arguments, Viewed& viewed) {
   std::vector<SceneRecording>& recordings = viewed.recordings;
-  const std::vector<plan::Plan> plans = LoadPlans(name, arguments.benchmark);
+  const std::vector<plan::Plan> plans = options::LoadPlans(name, arguments.benchmark);
   if (plans.empty()) return false;
   if (plans.size() > 1 && !arguments.benchmark) {
     std::string names;
     for (const plan::Plan& plan : plans) names += (names.empty() ? "" : ", ") + plan.benchmark;
-    report::Say(fmt::format("{} has the benchmarks {}: this is {}; -b names another\n", name, names,
-                            plans[0].benchmark));
+    terminal::Say(fmt::format("{} has the benchmarks {}: this is {}; -b names another\n", name,
+                              names, plans[0].benchmark));
   }
   try {
     std::vector<AxisSelection> selections =
@@ -140,34 +140,35 @@ bool ViewScenario(const std::string& name, const ViewArguments& arguments, Viewe
     for (AxisSelection& other : ParseAll(arguments.beside)) selections.push_back(std::move(other));
     recordings.push_back(view::StartOf(plans[0], RunAt(plans[0], selections)));
     recordings.back().file = name;
-  } catch (const CommandError&) {
+  } catch (const options::CommandError&) {
     throw;
   } catch (const std::exception& error) {
-    throw CommandError(fmt::format("{}: {}", name, error.what()));
+    throw options::CommandError(fmt::format("{}: {}", name, error.what()));
   }
   return true;
 }
 
 void CheckArguments(const ViewArguments& arguments) {
   if (!arguments.gltf.empty() && (arguments.files.size() > 1 || !arguments.beside.empty()))
-    throw CommandError("--gltf writes one run: name one file, and no --beside");
+    throw options::CommandError("--gltf writes one run: name one file, and no --beside");
   if (!arguments.gltf.empty() && !arguments.gltf.ends_with(".glb"))
-    throw CommandError(fmt::format("--gltf {}: binary glTF is written, whose files end with .glb",
-                                   arguments.gltf));
+    throw options::CommandError(fmt::format(
+        "--gltf {}: binary glTF is written, whose files end with .glb", arguments.gltf));
   if (arguments.files.size() > 2)
-    throw CommandError("a page shows one run, or two side by side: name one or two files");
+    throw options::CommandError("a page shows one run, or two side by side: name one or two files");
   if (arguments.files.size() == 2 && !arguments.beside.empty())
-    throw CommandError("--beside is for two runs of one file; two files are already side by side");
+    throw options::CommandError(
+        "--beside is for two runs of one file; two files are already side by side");
   const bool has_results = std::ranges::any_of(arguments.files, IsResults);
   if (!has_results && !(arguments.cycles.empty() && arguments.every.empty()))
-    throw CommandError("--cycles and --every are for results; a scenario shows its start");
+    throw options::CommandError("--cycles and --every are for results; a scenario shows its start");
   if (has_results && arguments.benchmark)
-    throw CommandError("-b is for a scenario; a results file has one benchmark");
+    throw options::CommandError("-b is for a scenario; a results file has one benchmark");
 }
 
 void Write(const std::string& file, const std::string& bytes, const char* use) {
-  store::WriteWhole(bytes, file);
-  report::Say(
+  files::WriteWhole(bytes, file);
+  terminal::Say(
       fmt::format("{}: {:.1f} MB; {}\n", file, static_cast<double>(bytes.size()) / 1e6, use));
 }
 
@@ -177,22 +178,23 @@ void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>
   const std::string page = page::Assemble(page::ViewTemplate(), title + " (cdb view)",
                                           view::SceneDocument(title, recordings));
   // A results file may say anything, and its name of the benchmark is to be a file here.
-  const std::string name = dsl::IsPlainName(first.benchmark) ? first.benchmark : "view";
+  const std::string name = text::IsPlainName(first.benchmark) ? first.benchmark : "view";
   Write(arguments.out.empty() ? name + ".scene.html" : arguments.out, page, "open it in a browser");
 }
 
 /// `--serve` shows what the browser asks for.
 void CheckServe(const ViewArguments& arguments) {
   if (arguments.files.size() != 1 || IsResults(arguments.files[0]))
-    throw CommandError("--serve edits one scenario file: name it");
+    throw options::CommandError("--serve edits one scenario file: name it");
   for (const auto& [name, is_given] : {std::pair("-o", !arguments.out.empty()),
                                        {"--gltf", !arguments.gltf.empty()},
                                        {"--select", !arguments.select.empty()},
                                        {"--beside", !arguments.beside.empty()}})
-    if (is_given) throw CommandError(fmt::format("{} is for a page in a file, not --serve", name));
+    if (is_given)
+      throw options::CommandError(fmt::format("{} is for a page in a file, not --serve", name));
 }
 
-ExitStatus View(const ViewArguments& arguments) {
+options::ExitStatus View(const ViewArguments& arguments) {
   CheckArguments(arguments);
   if (arguments.serve) {
     CheckServe(arguments);
@@ -205,31 +207,31 @@ ExitStatus View(const ViewArguments& arguments) {
     if (IsResults(file)) {
       ViewResults(file, arguments, choice, viewed);
     } else if (!ViewScenario(file, arguments, viewed)) {
-      return ExitStatus::kScenario;
+      return options::ExitStatus::kScenario;
     }
   }
   for (const AxisSelection& selection : ParseAll(arguments.select))
     if (!viewed.axes.contains(selection.axis))
-      throw CommandError(fmt::format("no file has the axis '{}'", selection.axis));
+      throw options::CommandError(fmt::format("no file has the axis '{}'", selection.axis));
   const std::vector<SceneRecording>& recordings = viewed.recordings;
   for (const SceneRecording& recording : recordings) {
-    report::Say(fmt::format(
+    terminal::Say(fmt::format(
         "{}{}{}: {} objects, {}\n", recording.file, recording.name.empty() ? "" : ", ",
         recording.name, recording.ObjectCount(),
         recording.cycles.empty() ? "the start" : fmt::format("{} frames", recording.FrameCount())));
-    for (const std::string& notice : recording.notices) report::Say("  " + notice + "\n");
+    for (const std::string& notice : recording.notices) terminal::Say("  " + notice + "\n");
   }
   if (!arguments.gltf.empty())
     Write(arguments.gltf, view::SceneGlb(recordings[0]), "open it in a program that reads glTF");
   if (arguments.gltf.empty() || !arguments.out.empty()) WritePage(arguments, recordings);
-  return ExitStatus::kGood;
+  return options::ExitStatus::kGood;
 }
 
 }  // namespace
 
-void AddViewCommand(CLI::App& app, ExitStatus& status) {
+void AddViewCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<ViewArguments>();
-  Subcommand command(app, "view", "a run, or the start of a scenario, in 3-D as a page");
+  options::Subcommand command(app, "view", "a run, or the start of a scenario, in 3-D as a page");
   command.Required("FILE", arguments->files, "results file or scenario; two: side by side");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "the page; default: BENCHMARK.scene.html");

@@ -11,6 +11,7 @@
 
 #include "runtime/cluster/slurm.h"
 #include "runtime/schedule/folder.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 
 namespace cdb::cluster {
@@ -131,7 +132,7 @@ void ShardCount::Update() {
     if (id.empty() || seen_.contains(id)) continue;
     if (!is_first_) {
       try {
-        bad_ += !store::ReadShardInfo(entry->path()).outcome.IsGood();
+        bad_ += !shards::ReadShardInfo(entry->path()).outcome.IsGood();
       } catch (const std::runtime_error&) {
         continue;  // not seen yet as it is written, or just merged
       }

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "runtime/report/console.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cluster {
 namespace {
@@ -27,7 +27,7 @@ std::string Quoted(const fs::path& path) {
         fmt::format("'{}' has a line break in its name, which a job script cannot hold; name "
                     "another file or folder",
                     text));
-  return report::ShellWord(text);
+  return terminal::ShellWord(text);
 }
 
 /// Until the node sees what the script needs.
@@ -65,8 +65,9 @@ std::vector<std::string> CommonWords(const Sweep& sweep, const JobOptions& optio
 std::string CommandText(const Job& job) {
   std::string text;
   for (const std::string& word : job.words)
-    text += (text.empty() ? "" : " ") +
-            (word == "--dependency=afterany:$array" ? "\"" + word + "\"" : report::ShellWord(word));
+    text +=
+        (text.empty() ? "" : " ") +
+        (word == "--dependency=afterany:$array" ? "\"" + word + "\"" : terminal::ShellWord(word));
   return text;
 }
 

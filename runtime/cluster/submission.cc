@@ -10,7 +10,7 @@
 
 #include "compiler/plan/input_file.h"
 #include "runtime/cluster/job_script.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
 
 namespace cdb::cluster {
 namespace {
@@ -33,7 +33,7 @@ std::optional<Submission> ReadSubmission(const fs::path& shards) {
 }
 
 void WriteSubmission(const Submission& submission, const fs::path& shards) {
-  store::WriteWhole(fmt::format("{} {} {} {}\n", submission.plan_sha256, submission.tasks,
+  files::WriteWhole(fmt::format("{} {} {} {}\n", submission.plan_sha256, submission.tasks,
                                 submission.array, submission.merge),
                     shards / kName);
 }

@@ -9,13 +9,14 @@ namespace {
 /// Throws StoreError as MatchPoints does; if these are different benchmarks, it says so first.
 PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b,
                            const CompareOptions& options) {
-  std::vector<report::AxisSelection> selections;
-  for (const std::string& word : options.select) selections.push_back(report::ParseSelection(word));
+  std::vector<statistics::AxisSelection> selections;
+  for (const std::string& word : options.select)
+    selections.push_back(statistics::ParseSelection(word));
   try {
     return MatchPoints(a, b, selections);
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     if (a.file.benchmark() == b.file.benchmark()) throw;
-    throw store::StoreError(fmt::format("{} is of the benchmark '{}', {} of '{}': {}", a.name,
+    throw files::StoreError(fmt::format("{} is of the benchmark '{}', {} of '{}': {}", a.name,
                                         a.file.benchmark(), b.name, b.file.benchmark(),
                                         error.what()));
   }
@@ -30,7 +31,7 @@ Comparison Compare(const ComparedFile& a, const ComparedFile& b, const CompareOp
   made.facts = CompareFacts(a, b, made.match);
   made.times = CompareTimes(a, b, made.match, options.phase);
   if (options.is_relative && !made.times.common)
-    throw store::StoreError(fmt::format(
+    throw files::StoreError(fmt::format(
         "--relative takes {} detectors or more, whose median shows what all have in common; {} and "
         "{} have {}",
         TimeComparison::kLeastGroups, a.name, b.name, made.times.groups.size()));

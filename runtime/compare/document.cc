@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "runtime/report/table.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::compare {
 namespace {
@@ -40,7 +40,7 @@ std::string Escaped(const std::string& text) {
 }
 
 std::string TableText(const DocumentTable& of) {
-  report::Table table;
+  terminal::Table table;
   for (const auto& [head, right] : of.columns) table.AddColumn(head, right);
   for (const auto& row : of.rows) table.AddRow(row);
   return table.Text();
@@ -101,7 +101,7 @@ std::string PercentRange(double low, double high) {
 }
 
 std::string TimeText(double ns, double like_ns) {
-  const report::TimeUnit unit = report::TimeUnit::For(like_ns);
+  const terminal::TimeUnit unit = terminal::TimeUnit::For(like_ns);
   return fmt::format("{} {}", FourDigits(ns / unit.ns), unit.name);
 }
 

@@ -9,12 +9,12 @@
 #include <numeric>
 #include <set>
 
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/compare/statistics.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/figures.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/figures.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::compare {
 namespace {
@@ -25,7 +25,7 @@ using Kind = FactComparison::Kind;
 /// Of the peak memory of a process, where there are too few repeats to know it.
 constexpr double kSpreadOfFew = 0.05;
 
-std::vector<Cell> CellsAt(const store::ResultFile& file, const report::Point& at) {
+std::vector<Cell> CellsAt(const store::ResultFile& file, const statistics::Point& at) {
   std::vector<Cell> cells;
   for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
     const store::Status status = file.ReadStatus({at, rep});
@@ -36,7 +36,7 @@ std::vector<Cell> CellsAt(const store::ResultFile& file, const report::Point& at
 }
 
 /// Nothing for a run that failed before its last cycle.
-std::set<std::string> StatesAt(const store::ResultFile& file, const report::Point& at) {
+std::set<std::string> StatesAt(const store::ResultFile& file, const statistics::Point& at) {
   std::set<std::string> states;
   for (const Cell& cell : CellsAt(file, at))
     if (std::string state = file.ReadText("state_hash", cell); !state.empty())
@@ -52,12 +52,12 @@ struct Ending {
   bool is_known = false;
 };
 
-Ending EndingAt(const store::ResultFile& file, const report::Point& at) {
+Ending EndingAt(const store::ResultFile& file, const statistics::Point& at) {
   Ending worst;
   for (const Cell& cell : CellsAt(file, at)) {
     const store::Status status = file.ReadStatus(cell);
     const measure::Judgement judgement = file.ReadJudgement(cell);
-    Ending ending = {static_cast<int>(judgement.verdict), report::FaultOf(file, cell),
+    Ending ending = {static_cast<int>(judgement.verdict), statistics::FaultOf(file, cell),
                      judgement.first_bad_cycle, true};
     if (status == store::Status::kDone) {
       ending.is_known = judgement.verdict != measure::Verdict::kUnknown;
@@ -89,8 +89,8 @@ FactComparison CompareVerdicts(const ComparedFile& a, const ComparedFile& b,
     if (of_a.rank == of_b.rank && of_a.first_bad_cycle == of_b.first_bad_cycle) continue;
     const bool is_worse = of_a.rank != of_b.rank ? of_b.rank > of_a.rank
                                                  : of_b.first_bad_cycle < of_a.first_bad_cycle;
-    fact.changes.push_back({i, is_worse ? Direction::kWorse : Direction::kBetter, report::kNone,
-                            report::kNone, EndingText(of_a), EndingText(of_b)});
+    fact.changes.push_back({i, is_worse ? Direction::kWorse : Direction::kBetter, terminal::kNone,
+                            terminal::kNone, EndingText(of_a), EndingText(of_b)});
   }
   return fact;
 }
@@ -103,9 +103,9 @@ struct NumberFact {
   bool less_is_better = true;
   bool varies = false;  ///< between repeats: a difference up to the floor is none
   double scale = 1;     ///< of the unit
-  std::function<double(const ComparedFile&, const report::Point&)> value = {};
+  std::function<double(const ComparedFile&, const statistics::Point&)> value = {};
   /// Differences up to it say nothing.
-  std::function<double(const ComparedFile&, const report::Point&)> floor = {};
+  std::function<double(const ComparedFile&, const statistics::Point&)> floor = {};
 };
 
 std::string NumberText(double value, const std::string& unit) {
@@ -145,8 +145,8 @@ FactComparison CompareNumbers(const ComparedFile& a, const ComparedFile& b, cons
 }
 
 /// Over the cycles that have a value; NaN where none has.
-double SumOf(const ComparedFile& of, const char* series, const report::Point& at) {
-  double sum = report::kNone;
+double SumOf(const ComparedFile& of, const char* series, const statistics::Point& at) {
+  double sum = terminal::kNone;
   const std::vector<Cell> cells = CellsAt(of.file, at);
   if (cells.empty()) return sum;
   for (const double value : of.file.ReadSeries(series, cells[0]))
@@ -154,15 +154,15 @@ double SumOf(const ComparedFile& of, const char* series, const report::Point& at
   return sum;
 }
 
-double LargestOf(const ComparedFile& of, const char* series, const report::Point& at) {
-  double most = report::kNone;
+double LargestOf(const ComparedFile& of, const char* series, const statistics::Point& at) {
+  double most = terminal::kNone;
   for (const Cell& cell : CellsAt(of.file, at))
     for (const double value : of.file.ReadSeries(series, cell)) most = std::fmax(most, value);
   return most;
 }
 
 /// Of the repeats, sorted.
-std::vector<double> PeaksAt(const ComparedFile& of, const report::Point& at) {
+std::vector<double> PeaksAt(const ComparedFile& of, const statistics::Point& at) {
   std::vector<double> peaks;
   for (const Cell& cell : CellsAt(of.file, at))
     if (const double bytes = of.file.ReadReal("peak_rss", cell); std::isfinite(bytes))
@@ -172,21 +172,21 @@ std::vector<double> PeaksAt(const ComparedFile& of, const report::Point& at) {
 }
 
 /// The spread of the repeats, and what any other run changes: a few say little about it.
-double PeakSpread(const ComparedFile& of, const report::Point& at) {
+double PeakSpread(const ComparedFile& of, const statistics::Point& at) {
   const std::vector<double> peaks = PeaksAt(of, at);
   if (peaks.empty()) return 0;
   const double least =
-      peaks.size() < report::Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
-  return std::fmax(peaks.back() - peaks.front(), least * report::Percentile(peaks, 0.5));
+      peaks.size() < statistics::Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
+  return std::fmax(peaks.back() - peaks.front(), least * statistics::Percentile(peaks, 0.5));
 }
 
 void AddErrorFacts(std::vector<NumberFact>& facts) {
   for (const schema::ErrorInfo& error : schema::Errors()) {
     const std::string dataset = fmt::format("accuracy/{}", error.name);
     const auto read = [](const std::string& name) {
-      return [name](const ComparedFile& of, const report::Point& at) {
+      return [name](const ComparedFile& of, const statistics::Point& at) {
         const std::vector<Cell> cells = CellsAt(of.file, at);
-        return cells.empty() || !of.file.Has(name) ? report::kNone
+        return cells.empty() || !of.file.Has(name) ? terminal::kNone
                                                    : of.file.ReadReal(name, cells[0]);
       };
     };
@@ -195,7 +195,7 @@ void AddErrorFacts(std::vector<NumberFact>& facts) {
                      .unit = std::string(error.unit),
                      .value = read(dataset),
                      .floor = [floor = read(dataset + "_floor")](const ComparedFile& of,
-                                                                 const report::Point& at) {
+                                                                 const statistics::Point& at) {
                        const double value = floor(of, at);
                        return std::isnan(value) ? 0 : value;
                      }});
@@ -207,7 +207,7 @@ void AddCountFacts(std::vector<NumberFact>& facts) {
     facts.push_back({.kind = kind,
                      .name = series,
                      .less_is_better = less_is_better,
-                     .value = [series](const ComparedFile& of, const report::Point& at) {
+                     .value = [series](const ComparedFile& of, const statistics::Point& at) {
                        return SumOf(of, series, at);
                      }});
   };
@@ -218,18 +218,18 @@ void AddCountFacts(std::vector<NumberFact>& facts) {
 }
 
 void AddMemoryFacts(std::vector<NumberFact>& facts) {
-  const auto heap = [](const ComparedFile& of, const report::Point& at) {
+  const auto heap = [](const ComparedFile& of, const statistics::Point& at) {
     return LargestOf(of, "heap", at);
   };
-  const auto peak = [](const ComparedFile& of, const report::Point& at) {
-    return report::Percentile(PeaksAt(of, at), 0.5);
+  const auto peak = [](const ComparedFile& of, const statistics::Point& at) {
+    return statistics::Percentile(PeaksAt(of, at), 0.5);
   };
   facts.push_back({.kind = Kind::kMemory,
                    .name = "heap",
                    .unit = "MB",
                    .scale = 1e-6,
                    .value = heap,
-                   .floor = [heap](const ComparedFile& of, const report::Point& at) {
+                   .floor = [heap](const ComparedFile& of, const statistics::Point& at) {
                      return kNegligible * heap(of, at);
                    }});
   facts.push_back({.kind = Kind::kMemory,
@@ -275,7 +275,7 @@ StateComparison CompareStates(const ComparedFile& a, const ComparedFile& b,
                               const PointMatch& match) {
   StateComparison states;
   states.of_pairs = a.plan && std::ranges::all_of(a.plan->runs, [](const plan::Run& run) {
-                      return plan::TraceOf(run.scene).has_value();
+                      return analysis::TraceOf(run.scene).has_value();
                     });
   const bool has_both = a.file.Has("state_hash") && b.file.Has("state_hash");
   for (std::size_t i = 0; i < match.points.size(); ++i) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "runtime/compare/match.h"
-#include "runtime/report/numbers.h"
+#include "runtime/terminal/numbers.h"
 
 namespace cdb::compare {
 
@@ -28,7 +28,7 @@ enum class Direction { kBetter, kWorse, kOther };
 struct FactChange {
   std::size_t point;
   Direction direction;
-  double a = report::kNone, b = report::kNone;
+  double a = terminal::kNone, b = terminal::kNone;
   std::string text_a, text_b;  ///< with units
   /// Of the values; infinite from 0, or where one is missing.
   double RelativeChange() const;

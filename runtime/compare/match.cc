@@ -9,13 +9,13 @@
 #include <set>
 #include <utility>
 
-#include "runtime/report/cells.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::compare {
 namespace {
 
-using report::AxisSelection;
+using statistics::AxisSelection;
 using Cell = store::ResultFile::Cell;
 
 /// An axis as far as it is selected.
@@ -33,7 +33,7 @@ std::vector<std::size_t> SelectValues(const plan::Axis& axis,
   for (const AxisSelection& selection : selections) {
     if (selection.axis != axis.name) continue;
     is_selected = true;
-    const report::NamedValues values = report::FindValues(axis, selection.text);
+    const statistics::NamedValues values = statistics::FindValues(axis, selection.text);
     indices.insert(values.indices.begin(), values.indices.end());
   }
   if (is_selected) return {indices.begin(), indices.end()};
@@ -48,8 +48,8 @@ SelectedAxes SelectAxes(const ComparedFile& of, const std::vector<AxisSelection>
   for (std::size_t i = 0; i < axes.size(); ++i) {
     selected[axes[i].name] = {i, SelectValues(axes[i], selections)};
     if (!selected[axes[i].name].values.empty()) continue;
-    throw store::StoreError(fmt::format("--select {}: {} has none of these values; it has {}",
-                                        axes[i].name, of.name, report::ValuesText(axes[i])));
+    throw files::StoreError(fmt::format("--select {}: {} has none of these values; it has {}",
+                                        axes[i].name, of.name, statistics::ValuesText(axes[i])));
   }
   return selected;
 }
@@ -62,12 +62,12 @@ void CheckSelections(const ComparedFile& a, const ComparedFile& b,
       if (std::ranges::find(names, axis.name) == names.end()) names.push_back(axis.name);
   for (const AxisSelection& selection : selections)
     if (std::ranges::find(names, selection.axis) == names.end())
-      throw store::StoreError(fmt::format("--select: there is no axis '{}'; there are {}",
+      throw files::StoreError(fmt::format("--select: there is no axis '{}'; there are {}",
                                           selection.axis, fmt::join(names, ", ")));
 }
 
 /// Its cells were neither skipped nor are they missing.
-bool Ran(const store::ResultFile& file, const report::Point& at) {
+bool Ran(const store::ResultFile& file, const statistics::Point& at) {
   for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
     const store::Status status = file.ReadStatus({at, rep});
     if (status != store::Status::kSkipped && status != store::Status::kMissing) return true;
@@ -87,7 +87,7 @@ class Matcher {
       if (!axes_a_.contains(name)) IgnoreAxis(b_, name, axis);
     MatchCells();
     if (match_.points.empty())
-      throw store::StoreError(fmt::format(
+      throw files::StoreError(fmt::format(
           "{} and {} have no point in common: {} has {}{}; {} has {}{}", a_.name, b_.name, a_.name,
           FirstOf(match_.only_a), match_.only_a.size() > 1 ? ", …" : "", b_.name,
           FirstOf(match_.only_b), match_.only_b.size() > 1 ? ", …" : ""));
@@ -103,12 +103,12 @@ class Matcher {
 
   /// An axis that the other file lacks, or has with another value.
   void IgnoreAxis(const ComparedFile& of, const std::string& name, const SelectedAxis& axis) {
-    const std::string values = report::ValuesText(of.file.axes()[axis.place], axis.values);
+    const std::string values = statistics::ValuesText(of.file.axes()[axis.place], axis.values);
     if (axis.values.size() > 1)
-      throw store::StoreError(fmt::format(
+      throw files::StoreError(fmt::format(
           "only {} has the axis '{}' ({}): choose one of its values, as in --select "
           "{}={}",
-          of.name, name, values, name, report::CoordinateText(of.file.axes()[axis.place], 0)));
+          of.name, name, values, name, terminal::CoordinateText(of.file.axes()[axis.place], 0)));
     match_.notes.push_back(
         fmt::format("only {} has the axis {}, with the value {}", of.name, name, values));
   }
@@ -126,8 +126,8 @@ class Matcher {
       if (here.values.size() == 1 && there->second.values.size() == 1 &&
           axis.values[here.values[0]] != other.values[there->second.values[0]]) {
         match_.notes.push_back(fmt::format(
-            "{}: {} in {}, {} in {}", axis.name, report::CoordinateText(axis, here.values[0]),
-            a.name, report::CoordinateText(other, there->second.values[0]), b.name));
+            "{}: {} in {}, {} in {}", axis.name, terminal::CoordinateText(axis, here.values[0]),
+            a.name, terminal::CoordinateText(other, there->second.values[0]), b.name));
         continue;
       }
       if (axis.IsText() &&
@@ -141,10 +141,10 @@ class Matcher {
   }
 
   /// The selected points that ran, by their values on the axes of the match.
-  std::vector<std::pair<Key, report::Point>> PointsOf(const ComparedFile& of,
-                                                      const SelectedAxes& selected) const {
-    std::vector<std::pair<Key, report::Point>> points;
-    for (const Cell& cell : report::AllCells(of.file)) {
+  std::vector<std::pair<Key, statistics::Point>> PointsOf(const ComparedFile& of,
+                                                          const SelectedAxes& selected) const {
+    std::vector<std::pair<Key, statistics::Point>> points;
+    for (const Cell& cell : statistics::AllCells(of.file)) {
       if (cell.rep != 0) continue;
       const bool is_selected = std::ranges::all_of(selected, [&](const auto& axis) {
         return std::ranges::find(axis.second.values, cell.at[axis.second.place]) !=
@@ -162,18 +162,18 @@ class Matcher {
   }
 
   std::vector<std::string> PlaceOf(const ComparedFile& of, const SelectedAxes& selected,
-                                   const report::Point& at) const {
+                                   const statistics::Point& at) const {
     std::vector<std::string> place;
     for (const std::string& name : match_.axes) {
       const std::size_t axis = selected.at(name).place;
-      place.push_back(report::CoordinateText(of.file.axes()[axis], at[axis]));
+      place.push_back(terminal::CoordinateText(of.file.axes()[axis], at[axis]));
     }
     return place;
   }
 
   void MatchCells() {
     auto of_b = PointsOf(b_, axes_b_);
-    std::map<Key, report::Point> left(of_b.begin(), of_b.end());
+    std::map<Key, statistics::Point> left(of_b.begin(), of_b.end());
     for (const auto& [key, at] : PointsOf(a_, axes_a_)) {
       MatchedPoint point = {at, {}, PlaceOf(a_, axes_a_, at)};
       const auto found = left.find(key);
@@ -202,8 +202,8 @@ class Matcher {
 ComparedFile::ComparedFile(const std::filesystem::path& path, std::string name_of)
     : name(std::move(name_of)),
       file(path),
-      plan(report::ReadPlan(file)),
-      points(report::MeasuredPoints(file, false)) {}
+      plan(statistics::ReadPlan(file)),
+      points(statistics::MeasuredPoints(file, false)) {}
 
 std::string MatchedPoint::PlaceText(const std::vector<std::string>& axes) const {
   std::string text;

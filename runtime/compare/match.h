@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/axis_values.h"
-#include "runtime/report/points.h"
+#include "runtime/statistics/axis_values.h"
+#include "runtime/statistics/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::compare {
@@ -22,12 +22,12 @@ struct ComparedFile {
   const std::string name;
   const store::ResultFile file;
   const std::optional<plan::Plan> plan;  ///< nullopt for that of another version of cdb
-  const std::vector<report::MeasuredPoint> points;
+  const std::vector<statistics::MeasuredPoint> points;
 };
 
 /// A point that both files have.
 struct MatchedPoint {
-  report::Point a, b;              ///< its place in each
+  statistics::Point a, b;          ///< its place in each
   std::vector<std::string> place;  ///< its value on each axis of PointMatch
   std::string PlaceText(const std::vector<std::string>& axes) const;
 };
@@ -45,6 +45,6 @@ struct PointMatch {
 /// axis of several values that only one file has, for a selection that neither has, and if no point
 /// is left.
 PointMatch MatchPoints(const ComparedFile& a, const ComparedFile& b,
-                       const std::vector<report::AxisSelection>& selections);
+                       const std::vector<statistics::AxisSelection>& selections);
 
 }  // namespace cdb::compare

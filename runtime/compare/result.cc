@@ -105,7 +105,7 @@ class ResultText {
       why = fmt::format(
           "there {} {} repeat{}, and an interval takes {} in each file (facts below are exact)",
           least == 1 ? "is" : "are", least, least == 1 ? "" : "s",
-          report::Bootstrap::kLeastForInterval);
+          statistics::Bootstrap::kLeastForInterval);
     lines.push_back(fmt::format("Cannot tell, as {}: {}", why, PlacesText(groups)));
   }
 

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "compiler/schema/value.h"
-#include "runtime/report/cells.h"
+#include "runtime/statistics/cells.h"
 
 namespace cdb::compare {
 namespace {
@@ -116,8 +116,8 @@ class SceneDifferences {
 };
 
 /// The scene of each point, from the plan.
-std::map<report::Point, const plan::Scene*> ScenesOf(const plan::Plan& plan) {
-  std::map<report::Point, const plan::Scene*> scenes;
+std::map<statistics::Point, const plan::Scene*> ScenesOf(const plan::Plan& plan) {
+  std::map<statistics::Point, const plan::Scene*> scenes;
   for (const plan::Run& run : plan.runs) scenes.emplace(run.at, &run.scene);
   return scenes;
 }
@@ -144,7 +144,7 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
     unlike += fmt::format("{}{} ({} in {}, {} in {})", unlike.empty() ? "" : "; ", of.name, of.a,
                           a.name, of.b, b.name);
   if (!unlike.empty())
-    throw store::StoreError(fmt::format(
+    throw files::StoreError(fmt::format(
         "{} and {} are of unlike scenes: {}; a difference between them would be that of the "
         "scenes. Run the same scenario with both, or sweep the parameter in one file and use "
         "`cdb show`",
@@ -156,7 +156,7 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
 std::vector<double> StartsOf(const ComparedFile& of) {
   std::vector<double> starts;
   if (!of.file.Has("started")) return starts;
-  for (const store::ResultFile::Cell& cell : report::AllCells(of.file))
+  for (const store::ResultFile::Cell& cell : statistics::AllCells(of.file))
     if (const double started = of.file.ReadReal("started", cell); started > 0)
       starts.push_back(started);
   std::ranges::sort(starts);

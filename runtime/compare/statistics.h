@@ -17,8 +17,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "runtime/report/bootstrap.h"
-#include "runtime/report/numbers.h"
+#include "runtime/statistics/bootstrap.h"
+#include "runtime/terminal/numbers.h"
 
 namespace cdb::compare {
 
@@ -29,20 +29,21 @@ inline constexpr double kSignificance = 0.05;
 
 /// A figure of file b over that of file a.
 struct Change {
-  report::Estimate over_a;  ///< with each draw of the repeats of a
-  report::Estimate over_b;  ///< with each draw of those of b
+  statistics::Estimate over_a;  ///< with each draw of the repeats of a
+  statistics::Estimate over_b;  ///< with each draw of those of b
   double ratio() const { return over_a.value; }
 };
-Change ChangeOf(const report::Estimate& a, const report::Estimate& b);
+Change ChangeOf(const statistics::Estimate& a, const statistics::Estimate& b);
 /// `parts` are of the same two files, and not empty.
 Change GeometricMeanOf(const std::vector<Change>& parts);
 Change MedianOf(const std::vector<Change>& parts);
 Change RatioOf(const Change& above, const Change& below);
 
 struct TestedChange {
-  double ratio = report::kNone;
-  report::Interval interval = {report::kNone, report::kNone};  ///< of 95 %; NaN where there is none
-  double p = report::kNone;                                    ///< NaN without an interval
+  double ratio = terminal::kNone;
+  statistics::Interval interval = {terminal::kNone,
+                                   terminal::kNone};  ///< of 95 %; NaN where there is none
+  double p = terminal::kNone;                         ///< NaN without an interval
   bool IsTested() const { return !std::isnan(p); }
   /// The farthest that the ratio may be from 1, both ways: 0.02 for an interval of 0.99 .. 1.02.
   double Bound() const { return std::fmax(interval.high - 1, 1 - interval.low); }
@@ -51,13 +52,13 @@ struct TestedChange {
 /// Tests changes between two files.
 class ChangeTest {
  public:
-  ChangeTest(const report::Bootstrap& a, const report::Bootstrap& b) : a_(a), b_(b) {}
+  ChangeTest(const statistics::Bootstrap& a, const statistics::Bootstrap& b) : a_(a), b_(b) {}
   /// Both files have the repeats that an interval takes.
   bool HasIntervals() const;
   TestedChange Of(const Change& change) const;
 
  private:
-  const report::Bootstrap &a_, &b_;
+  const statistics::Bootstrap &a_, &b_;
 };
 
 /// Adjusted p-values: an effect is significant if its own is at most kSignificance. NaN stays NaN,

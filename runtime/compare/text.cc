@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "runtime/compare/result.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/cycle_times.h"
-#include "runtime/report/figures.h"
 #include "runtime/report/show_noise.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/cycle_times.h"
+#include "runtime/statistics/figures.h"
 
 namespace cdb::compare {
 namespace {
@@ -54,7 +54,7 @@ class ComparisonText {
     if (of_.setup.is_interleaved)
       head.notes.push_back("The runs of both files were interleaved in time");
     for (const ComparedFile* file : {of_.a, of_.b}) {
-      std::string noise = report::NoiseText(file->file, report::GroupCells(file->file).good);
+      std::string noise = report::NoiseText(file->file, statistics::GroupCells(file->file).good);
       noise.erase(0, noise.find_first_not_of(' '));
       noise.erase(noise.find_last_not_of('\n') + 1);
       if (!noise.empty()) head.notes.push_back(file->name + ": " + noise);
@@ -130,7 +130,7 @@ class ComparisonText {
   std::vector<std::string> StatisticNotes() const {
     const std::size_t n_a = of_.a->file.begun_repeats(), n_b = of_.b->file.begun_repeats();
     std::string statistic = "Mean";
-    if (const std::size_t m = report::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
+    if (const std::size_t m = statistics::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
       statistic = fmt::format(
           "Fastest of {} repeats per cycle, the mean over all choices of so many (of {} and {}), "
           "then mean",

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-#include "runtime/report/cycle_times.h"
+#include "runtime/statistics/cycle_times.h"
 
 namespace cdb::compare {
 namespace {
@@ -17,11 +17,11 @@ using measure::Phase;
 
 /// Of how many repeats the fastest counts: cycle_times.h.
 std::size_t FastestOf(const ComparedFile& a, const ComparedFile& b) {
-  return report::FastestOf(std::min(a.file.begun_repeats(), b.file.begun_repeats()));
+  return statistics::FastestOf(std::min(a.file.begun_repeats(), b.file.begun_repeats()));
 }
 
-report::CycleTimes TimesOf(const ComparedFile& of, const ComparedFile& other) {
-  return report::CycleTimes(of.file, report::CycleStatistic::kMean, FastestOf(of, other));
+statistics::CycleTimes TimesOf(const ComparedFile& of, const ComparedFile& other) {
+  return statistics::CycleTimes(of.file, statistics::CycleStatistic::kMean, FastestOf(of, other));
 }
 
 class TimeComparer {
@@ -34,8 +34,8 @@ class TimeComparer {
         times_a_(TimesOf(a, b)),
         times_b_(TimesOf(b, a)),
         test_(times_a_.bootstrap(), times_b_.bootstrap()) {
-    for (const report::MeasuredPoint& point : a.points) measured_a_[point.at] = &point;
-    for (const report::MeasuredPoint& point : b.points) measured_b_[point.at] = &point;
+    for (const statistics::MeasuredPoint& point : a.points) measured_a_[point.at] = &point;
+    for (const statistics::MeasuredPoint& point : b.points) measured_b_[point.at] = &point;
     for (std::size_t i = 0; i < measure::kPhaseCount; ++i)
       if (!phase || measure::IndexOf(*phase) == i) phases_.push_back(static_cast<Phase>(i));
     made_.has_intervals = test_.HasIntervals();
@@ -58,18 +58,18 @@ class TimeComparer {
   }
 
  private:
-  const report::MeasuredPoint* MeasuredA(std::size_t i) const {
+  const statistics::MeasuredPoint* MeasuredA(std::size_t i) const {
     const auto found = measured_a_.find(match_.points[i].a);
     return found == measured_a_.end() ? nullptr : found->second;
   }
-  const report::MeasuredPoint* MeasuredB(std::size_t i) const {
+  const statistics::MeasuredPoint* MeasuredB(std::size_t i) const {
     const auto found = measured_b_.find(match_.points[i].b);
     return found == measured_b_.end() ? nullptr : found->second;
   }
 
   /// Why the times of a point cannot be compared; empty if they can.
   std::string WhyNot(std::size_t i) const {
-    const report::MeasuredPoint *a = MeasuredA(i), *b = MeasuredB(i);
+    const statistics::MeasuredPoint *a = MeasuredA(i), *b = MeasuredB(i);
     for (const auto& [point, file] : {std::pair{a, &a_}, std::pair{b, &b_}}) {
       if (point == nullptr) return fmt::format("no timed cycle in {}", file->name);
       if (!point->IsSound()) return fmt::format("{} in {}", point->fault, file->name);
@@ -88,8 +88,8 @@ class TimeComparer {
   void AddPoint(std::size_t i) {
     TimedPoint timed = {i, {}};
     for (const Phase phase : phases_) {
-      const report::Estimate &a = times_a_.Of(*MeasuredA(i), phase).mean,
-                             &b = times_b_.Of(*MeasuredB(i), phase).mean;
+      const statistics::Estimate &a = times_a_.Of(*MeasuredA(i), phase).mean,
+                                 &b = times_b_.Of(*MeasuredB(i), phase).mean;
       // A phase that was omitted has no times.
       if (!(a.value > 0) || !(b.value > 0)) continue;
       const Change change = ChangeOf(a, b);
@@ -119,8 +119,8 @@ class TimeComparer {
         }
         const Change mean = GeometricMeanOf(parts);
         group.phases.push_back({phase,
-                                report::GeometricMean(of_a),
-                                report::GeometricMean(of_b),
+                                terminal::GeometricMean(of_a),
+                                terminal::GeometricMean(of_b),
                                 mean,
                                 {test_.Of(mean)},
                                 {}});
@@ -148,14 +148,14 @@ class TimeComparer {
   }
 
   /// Points are to the overhead what cycles are to a time: one measurement of each in each repeat.
-  report::Estimate HarnessOf(const ComparedFile& of, bool is_a) {
+  statistics::Estimate HarnessOf(const ComparedFile& of, bool is_a) {
     std::vector<std::vector<double>> repeats(of.file.begun_repeats());
     for (const TimedPoint& point : made_.points)
       for (const store::ResultFile::Cell& cell :
            (is_a ? MeasuredA(point.point) : MeasuredB(point.point))->cells)
         repeats[cell.rep].push_back(of.file.ReadReal("harness", cell));
-    return report::TimesOver(repeats, (is_a ? times_a_ : times_b_).bootstrap(),
-                             report::CycleStatistic::kMean, FastestOf(a_, b_))
+    return statistics::TimesOver(repeats, (is_a ? times_a_ : times_b_).bootstrap(),
+                                 statistics::CycleStatistic::kMean, FastestOf(a_, b_))
         .mean;
   }
 
@@ -167,9 +167,9 @@ class TimeComparer {
 
   const ComparedFile &a_, &b_;
   const PointMatch& match_;
-  report::CycleTimes times_a_, times_b_;
+  statistics::CycleTimes times_a_, times_b_;
   const ChangeTest test_;
-  std::map<report::Point, const report::MeasuredPoint*> measured_a_, measured_b_;
+  std::map<statistics::Point, const statistics::MeasuredPoint*> measured_a_, measured_b_;
   std::vector<Phase> phases_;
   TimeComparison made_;
 };

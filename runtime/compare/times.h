@@ -16,7 +16,7 @@ namespace cdb::compare {
 /// A test and what follows from it.
 struct JudgedChange {
   TestedChange tested;
-  double adjusted_p = report::kNone;
+  double adjusted_p = terminal::kNone;
   ChangeVerdict verdict = ChangeVerdict::kCannotTell;
   /// Slower, and the whole interval by more than `margin`.
   bool IsSlowerThan(double margin) const {

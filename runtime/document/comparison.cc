@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "compiler/schema/metrics.h"
-#include "runtime/document/scene_axes.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/detector_ratios.h"
-#include "runtime/report/error_figures.h"
+#include "runtime/conclusions/scene_axes.h"
 #include "runtime/report/show_ratios.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/detector_ratios.h"
+#include "runtime/statistics/error_figures.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::document {
 namespace {
@@ -20,12 +20,13 @@ using measure::Phase;
 
 class RatioColumns {
  public:
-  RatioColumns(const DocumentSource& source, std::size_t axis, const report::Comparison& comparison)
+  RatioColumns(const DocumentSource& source, std::size_t axis,
+               const statistics::Comparison& comparison)
       : source_(source), axis_(axis), comparison_(comparison) {}
 
   Json All() const {
     const plan::Axis& detectors = source_.file().axes()[axis_];
-    Json all = {{"baseline", report::CoordinateText(detectors, comparison_.baseline)},
+    Json all = {{"baseline", terminal::CoordinateText(detectors, comparison_.baseline)},
                 {"cells", comparison_.points.size()},
                 {"matched", comparison_.MatchedCount()},
                 {"is_void", comparison_.is_void}};
@@ -44,12 +45,12 @@ class RatioColumns {
   Json ColumnsOf(Phase phase) const {
     const std::size_t n = source_.points().size();
     Json value(n, nullptr), low(n, nullptr), high(n, nullptr), is_matched(n, false);
-    for (const report::ComparedPoint& point : comparison_.points)
+    for (const statistics::ComparedPoint& point : comparison_.points)
       for (std::size_t i = 0; i < point.detectors.size(); ++i) {
-        const auto ratio = report::RatioAt(comparison_, point, i, phase, source_.times());
+        const auto ratio = statistics::RatioAt(comparison_, point, i, phase, source_.times());
         if (!ratio) continue;
         const std::size_t row = source_.IndexOf(point.detectors[i]->at);
-        const report::Interval interval = source_.times().IntervalOf(*ratio);
+        const statistics::Interval interval = source_.times().IntervalOf(*ratio);
         value[row] = source_.Number(ratio->value);
         low[row] = source_.Number(interval.low);
         high[row] = source_.Number(interval.high);
@@ -63,9 +64,9 @@ class RatioColumns {
 
   /// Geometric, over the matched points.
   Json MeanOf(std::size_t detector, Phase phase) const {
-    const std::vector<report::Estimate> ratios =
-        report::MatchedRatios(comparison_, detector, phase, source_.times());
-    Json mean = {{"detector", report::CoordinateText(source_.file().axes()[axis_], detector)},
+    const std::vector<statistics::Estimate> ratios =
+        statistics::MatchedRatios(comparison_, detector, phase, source_.times());
+    Json mean = {{"detector", terminal::CoordinateText(source_.file().axes()[axis_], detector)},
                  {"value", nullptr},
                  {"low", nullptr},
                  {"high", nullptr},
@@ -74,9 +75,9 @@ class RatioColumns {
                  {"cells", ratios.size()},
                  {"of", comparison_.points.size()}};
     if (ratios.empty()) return mean;
-    const report::Estimate all = report::GeometricMeanOf(ratios);
-    const report::Interval interval = source_.times().IntervalOf(all);
-    const auto [least, most] = std::ranges::minmax(ratios, {}, &report::Estimate::value);
+    const statistics::Estimate all = statistics::GeometricMeanOf(ratios);
+    const statistics::Interval interval = source_.times().IntervalOf(all);
+    const auto [least, most] = std::ranges::minmax(ratios, {}, &statistics::Estimate::value);
     mean["value"] = source_.Number(all.value);
     mean["low"] = source_.Number(interval.low);
     mean["high"] = source_.Number(interval.high);
@@ -87,22 +88,22 @@ class RatioColumns {
 
   const DocumentSource& source_;
   const std::size_t axis_;
-  const report::Comparison& comparison_;
+  const statistics::Comparison& comparison_;
 };
 
 /// Those that a comparison takes.
 std::optional<std::size_t> ComparedAxis(const DocumentSource& source) {
-  const auto axis = report::DetectorAxis(source.file());
+  const auto axis = statistics::DetectorAxis(source.file());
   if (!axis || source.file().axes()[*axis].values.size() < 2 || !source.HasTimes() ||
       source.measured().empty())
     return std::nullopt;
   return axis;
 }
 
-Json FrontRow(const DocumentSource& source, const report::ErrorFigures& figures,
-              const report::ErrorRow& row) {
+Json FrontRow(const DocumentSource& source, const statistics::ErrorFigures& figures,
+              const statistics::ErrorRow& row) {
   Json points = Json::array();
-  for (const report::MeasuredPoint* point : row.row.points)
+  for (const statistics::MeasuredPoint* point : row.row.points)
     points.push_back(source.IndexOf(point->at));
   return {{"at", source.Place(figures.rows, row.row.at)},
           {"mark", row.row.mark},
@@ -119,11 +120,12 @@ Json FrontRow(const DocumentSource& source, const report::ErrorFigures& figures,
           {"points", std::move(points)}};
 }
 
-void AddFronts(const DocumentSource& source, const report::ErrorFigures& figures,
+void AddFronts(const DocumentSource& source, const statistics::ErrorFigures& figures,
                const schema::ErrorInfo& error, Json& fronts) {
   for (const auto& [key, table] : figures.tables) {
     Json rows = Json::array();
-    for (const report::ErrorRow& row : table.rows) rows.push_back(FrontRow(source, figures, row));
+    for (const statistics::ErrorRow& row : table.rows)
+      rows.push_back(FrontRow(source, figures, row));
     fronts.push_back({{"error", error.name},
                       {"unit", error.unit},
                       {"label", error.doc},
@@ -136,7 +138,7 @@ void AddFronts(const DocumentSource& source, const report::ErrorFigures& figures
 }  // namespace
 
 Json DocumentDetectorAxis(const DocumentSource& source) {
-  const auto axis = report::DetectorAxis(source.file());
+  const auto axis = statistics::DetectorAxis(source.file());
   return axis ? Json(*axis) : Json(nullptr);
 }
 
@@ -144,8 +146,8 @@ Json DocumentRatios(const DocumentSource& source, const std::string& baseline) {
   const auto asked = report::FindBaseline(source.file(), baseline);
   const auto axis = ComparedAxis(source);
   if (!axis) return nullptr;
-  const report::Comparison comparison =
-      report::CompareDetectors(source.file(), source.measured(), *axis, asked);
+  const statistics::Comparison comparison =
+      statistics::CompareDetectors(source.file(), source.measured(), *axis, asked);
   return RatioColumns(source, *axis, comparison).All();
 }
 
@@ -153,13 +155,14 @@ Json DocumentFronts(const DocumentSource& source, bool only_sound) {
   Json fronts = Json::array();
   if (!source.HasTimes()) return fronts;
   const store::ResultFile& file = source.file();
-  report::ShowErrorOptions options;
+  statistics::ErrorOptions options;
   options.only_sound = only_sound;
-  for (const std::size_t axis : SceneAxes(file)) options.each.push_back(file.axes()[axis].name);
+  for (const std::size_t axis : conclusions::SceneAxes(file))
+    options.each.push_back(file.axes()[axis].name);
   for (const schema::ErrorInfo& error : schema::Errors()) {
     options.error = error.name;
     if (!file.Has("accuracy/" + options.error)) continue;
-    AddFronts(source, report::CollectErrors(file, options, source.times()), error, fronts);
+    AddFronts(source, statistics::CollectErrors(file, options, source.times()), error, fronts);
   }
   return fronts;
 }

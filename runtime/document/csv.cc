@@ -9,8 +9,8 @@
 
 #include "compiler/schema/metrics.h"
 #include "runtime/document/source.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/numbers.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/terminal/numbers.h"
 
 namespace cdb::document {
 namespace {
@@ -27,10 +27,10 @@ class CsvTable {
       : source_(source), file_(source.file()) {
     AddAxes();
     Add("verdict",
-        [this](const GridPoint& point) { return report::WorstVerdict(file_, point.at).word; });
+        [this](const GridPoint& point) { return statistics::WorstVerdict(file_, point.at).word; });
     Add("mark", [this](const GridPoint& point) {
       return point.measured != nullptr ? point.measured->Mark()
-                                       : report::WorstVerdict(file_, point.at).word;
+                                       : statistics::WorstVerdict(file_, point.at).word;
     });
     Add("repeats", [](const GridPoint& point) {
       return std::to_string(point.measured == nullptr ? 0 : point.measured->cells.size());
@@ -62,7 +62,7 @@ class CsvTable {
     columns_.push_back({std::move(head), std::move(value)});
   }
   /// A number of points with cycles.
-  void AddNumber(std::string head, std::function<double(const report::MeasuredPoint&)> value) {
+  void AddNumber(std::string head, std::function<double(const statistics::MeasuredPoint&)> value) {
     Add(std::move(head), [value = std::move(value)](const GridPoint& point) {
       return point.measured == nullptr ? std::string() : CsvNumber(value(*point.measured));
     });
@@ -78,18 +78,18 @@ class CsvTable {
   }
 
   void AddPhase(measure::Phase phase) {
-    report::CycleTimes& times = source_.times();
+    statistics::CycleTimes& times = source_.times();
     const std::string name(measure::PhaseNames()[measure::IndexOf(phase)]);
-    const auto figure = [&times,
-                         phase](const report::MeasuredPoint& point) -> const report::Estimate& {
+    const auto figure =
+        [&times, phase](const statistics::MeasuredPoint& point) -> const statistics::Estimate& {
       return times.FigureOf(point, phase);
     };
     AddNumber(fmt::format("{}_{}_ns", name, times.StatisticName()),
-              [figure](const report::MeasuredPoint& point) { return figure(point).value; });
-    AddNumber(name + "_low_ns", [figure, &times](const report::MeasuredPoint& point) {
+              [figure](const statistics::MeasuredPoint& point) { return figure(point).value; });
+    AddNumber(name + "_low_ns", [figure, &times](const statistics::MeasuredPoint& point) {
       return times.IntervalOf(figure(point)).low;
     });
-    AddNumber(name + "_high_ns", [figure, &times](const report::MeasuredPoint& point) {
+    AddNumber(name + "_high_ns", [figure, &times](const statistics::MeasuredPoint& point) {
       return times.IntervalOf(figure(point)).high;
     });
   }
@@ -97,12 +97,12 @@ class CsvTable {
   void AddCounts() {
     for (const char* series : {"pairs", "manifolds", "contacts", "missed_pairs"})
       if (file_.Has(series))
-        AddNumber(series, [this, series](const report::MeasuredPoint& point) {
-          return report::Mean(file_.ReadSeries(series, point.cells[0]));
+        AddNumber(series, [this, series](const statistics::MeasuredPoint& point) {
+          return terminal::Mean(file_.ReadSeries(series, point.cells[0]));
         });
     if (file_.Has("peak_rss"))
-      AddNumber("peak_rss_bytes", [this](const report::MeasuredPoint& point) {
-        double most = report::kNone;
+      AddNumber("peak_rss_bytes", [this](const statistics::MeasuredPoint& point) {
+        double most = terminal::kNone;
         for (const auto& cell : point.cells)
           most = std::fmax(most, file_.ReadReal("peak_rss", cell));
         return most;
@@ -115,7 +115,7 @@ class CsvTable {
         const std::string name = std::string(error.name) + suffix;
         if (!file_.Has("accuracy/" + name)) continue;
         // An axis may have the name.
-        AddNumber("error_" + name, [this, name](const report::MeasuredPoint& point) {
+        AddNumber("error_" + name, [this, name](const statistics::MeasuredPoint& point) {
           return file_.ReadReal("accuracy/" + name, point.cells[0]);
         });
       }

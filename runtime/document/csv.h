@@ -5,15 +5,15 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/report/cycle_times.h"
 #include "runtime/report/show.h"
+#include "runtime/statistics/cycle_times.h"
 #include "runtime/store/store.h"
 
 namespace cdb::document {
 
 struct CsvOptions {
   std::vector<measure::Phase> phases = {};  ///< empty: all
-  report::CycleStatistic statistic = report::CycleStatistic::kMean;
+  statistics::CycleStatistic statistic = statistics::CycleStatistic::kMean;
   bool only_sound = false;  ///< without runs whose timings a verdict voids
 };
 

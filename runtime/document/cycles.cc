@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/report/cells.h"
-#include "runtime/report/numbers.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/terminal/numbers.h"
 
 namespace cdb::document {
 namespace {
@@ -24,7 +24,7 @@ constexpr int kDigits = 4;  // more than a screen shows
 
 /// The points whose cycles are drawn: as many of each detector.
 std::vector<std::size_t> ChooseTimelines(const DocumentSource& source) {
-  const auto axis = report::DetectorAxis(source.file());
+  const auto axis = statistics::DetectorAxis(source.file());
   const std::size_t detectors = axis ? source.file().axes()[*axis].values.size() : 1;
   const std::size_t each = source.points().size() <= kMaxTimelines
                                ? source.points().size()
@@ -66,15 +66,16 @@ Json QuantilesOf(std::vector<double> cycles) {
   std::erase_if(cycles, [](double time) { return std::isnan(time); });
   std::ranges::sort(cycles);
   return JsonColumn(std::size(kPercents), [&](std::size_t i) {
-    return JsonNumber(report::Percentile(cycles, kPercents[i] / 100.0), kDigits);
+    return JsonNumber(statistics::Percentile(cycles, kPercents[i] / 100.0), kDigits);
   });
 }
 
 /// The mean over the cycles of each repeat of a point.
-Json RepeatMeans(const store::ResultFile& file, const report::MeasuredPoint& point, Phase phase) {
+Json RepeatMeans(const store::ResultFile& file, const statistics::MeasuredPoint& point,
+                 Phase phase) {
   Json means = Json::array();
   for (const store::ResultFile::Cell& cell : point.cells)
-    means.push_back(JsonNumber(report::Mean(file.ReadDuration(phase, cell)), kDigits));
+    means.push_back(JsonNumber(terminal::Mean(file.ReadDuration(phase, cell)), kDigits));
   return means;
 }
 
@@ -92,7 +93,7 @@ Json DocumentCycles(const DocumentSource& source) {
   Json all = {{"points", chosen}, {"of", source.measured().size()}, {"bins", bins}};
   for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
     all[std::string(measure::PhaseNames()[phase])] = JsonColumn(chosen.size(), [&](std::size_t i) {
-      const report::MeasuredPoint& point = *source.points()[chosen[i]].measured;
+      const statistics::MeasuredPoint& point = *source.points()[chosen[i]].measured;
       return Binned(source.times().Of(point, static_cast<Phase>(phase)).cycles, bins);
     });
   return all;
@@ -108,7 +109,7 @@ Json DocumentDistributions(const DocumentSource& source) {
     const std::string name(measure::PhaseNames()[i]);
     Json quantiles = Json::array(), means = Json::array();
     for (const DocumentSource::GridPoint& point : source.points()) {
-      const report::MeasuredPoint* measured = point.measured;
+      const statistics::MeasuredPoint* measured = point.measured;
       quantiles.push_back(measured == nullptr
                               ? Json(nullptr)
                               : QuantilesOf(source.times().Of(*measured, phase).cycles));

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "compiler/schema/components.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/detector_figures.h"
-#include "runtime/report/numbers.h"
 #include "runtime/report/show_detectors.h"
 #include "runtime/report/show_noise.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/detector_figures.h"
+#include "runtime/terminal/numbers.h"
 
 namespace cdb::document {
 namespace {
@@ -45,9 +45,9 @@ std::string ReasonIn(const std::string& decisions, std::string_view component) {
 }  // namespace
 
 Json DocumentRuns(const DocumentSource& source) {
-  const report::CellGroups& groups = source.groups();
+  const statistics::CellGroups& groups = source.groups();
   std::size_t failed = 0;
-  for (const report::CellGroups::Bad& bad : groups.bad)
+  for (const statistics::CellGroups::Bad& bad : groups.bad)
     failed += source.file().ReadStatus(bad.cell) == store::Status::kDone ? 0 : 1;
   return {{"all", groups.NotSkipped() + groups.skipped},
           {"good", groups.good.size()},
@@ -66,7 +66,7 @@ Json DocumentOmissions(const DocumentSource& source) {
   for (const schema::ComponentInfo& info : schema::Components()) {
     if (!info.IsVisible()) continue;
     std::map<std::string, std::vector<std::size_t>> by_reason;
-    for (const report::MeasuredPoint& point : source.measured())
+    for (const statistics::MeasuredPoint& point : source.measured())
       if (std::ranges::find(point.left_out, info.name) != point.left_out.end())
         by_reason[ReasonIn(file.ReadText("needs", point.cells[0]), info.name)].push_back(
             source.IndexOf(point.at));
@@ -83,7 +83,7 @@ Json DocumentOmissions(const DocumentSource& source) {
 
 Json DocumentFindings(const DocumentSource& source) {
   Json all = Json::array();
-  for (const report::DetectorFindings& of : source.findings())
+  for (const statistics::DetectorFindings& of : source.findings())
     if (of.cycles > 0)
       all.push_back({{"detector", of.detector},
                      {"runs", of.runs},
@@ -99,11 +99,11 @@ Json DocumentFindings(const DocumentSource& source) {
 
 Json DocumentFailures(const DocumentSource& source, std::size_t most) {
   Json all = Json::array();
-  for (const report::CellGroups::Bad& bad : source.groups().bad) {
+  for (const statistics::CellGroups::Bad& bad : source.groups().bad) {
     if (all.size() == most) break;
-    all.push_back({{"place", report::PlaceText(source.file(), bad.cell)},
+    all.push_back({{"place", statistics::PlaceText(source.file(), bad.cell)},
                    {"why", bad.why},
-                   {"command", report::OnlyCommand(source.file(), bad.cell)}});
+                   {"command", statistics::OnlyCommand(source.file(), bad.cell)}});
   }
   return all;
 }
@@ -112,12 +112,12 @@ Json DocumentNoise(const DocumentSource& source) {
   const store::ResultFile& file = source.file();
   const std::vector<Cell>& cells = source.groups().good;
   std::size_t quiet = 0, noisy = 0;
-  double least = report::kNone, most = report::kNone;
+  double least = terminal::kNone, most = terminal::kNone;
   for (const Cell& cell : cells) {
     if (file.Has("noise")) {
-      const auto noise = static_cast<measure::Noise>(file.ReadReal("noise", cell));
-      quiet += noise == measure::Noise::kQuiet ? 1 : 0;
-      noisy += noise == measure::Noise::kNoisy ? 1 : 0;
+      const auto noise = static_cast<machine::Noise>(file.ReadReal("noise", cell));
+      quiet += noise == machine::Noise::kQuiet ? 1 : 0;
+      noisy += noise == machine::Noise::kNoisy ? 1 : 0;
     }
     if (!file.Has("load_average")) continue;
     least = std::fmin(least, file.ReadReal("load_average", cell));

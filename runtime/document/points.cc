@@ -11,8 +11,8 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
 #include "runtime/document/time_steps.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/numbers.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/terminal/numbers.h"
 
 namespace cdb::document {
 namespace {
@@ -119,7 +119,7 @@ class PointColumns {
   void AddFacts(Json& all) const {
     all["mark"] = Column([&](const GridPoint& point) -> Json {
       return point.measured != nullptr ? point.measured->Mark()
-                                       : report::WorstVerdict(file_, point.at).word;
+                                       : statistics::WorstVerdict(file_, point.at).word;
     });
     all["is_void"] = Column([](const GridPoint& point) -> Json {
       return point.measured == nullptr || !point.measured->IsSound();
@@ -127,10 +127,11 @@ class PointColumns {
     all["repeats"] = Column([](const GridPoint& point) -> Json {
       return point.measured == nullptr ? 0 : point.measured->cells.size();
     });
-    all["verdict"] = Column(
-        [&](const GridPoint& point) -> Json { return report::WorstVerdict(file_, point.at).word; });
+    all["verdict"] = Column([&](const GridPoint& point) -> Json {
+      return statistics::WorstVerdict(file_, point.at).word;
+    });
     all["first_bad_cycle"] = Column([&](const GridPoint& point) -> Json {
-      const std::int64_t cycle = report::WorstVerdict(file_, point.at).first_bad_cycle;
+      const std::int64_t cycle = statistics::WorstVerdict(file_, point.at).first_bad_cycle;
       return cycle < 0 ? Json(nullptr) : Json(cycle);
     });
     all["cycles"] = Column([&](const GridPoint& point) -> Json {
@@ -150,37 +151,39 @@ class PointColumns {
     }
     if (source_.IsLarge()) return;
     const TimeSteps steps(file_);
-    const auto scale = [&](const report::MeasuredPoint& point) {
+    const auto scale = [&](const statistics::MeasuredPoint& point) {
       return 1e-6 / steps.Of(point.cells[0]);
     };
-    const auto mean = [&](const report::MeasuredPoint& point) -> const report::Estimate& {
+    const auto mean = [&](const statistics::MeasuredPoint& point) -> const statistics::Estimate& {
       return source_.times().Of(point, measure::Phase::kStep).mean;
     };
     all["time_step"] = MeasuredColumn(
-        [&](const report::MeasuredPoint& point) { return steps.Of(point.cells[0]); });
+        [&](const statistics::MeasuredPoint& point) { return steps.Of(point.cells[0]); });
     all["ms_per_s"] = MeasuredColumn(
-        [&](const report::MeasuredPoint& point) { return mean(point).value * scale(point); });
-    all["ms_per_s_low"] = MeasuredColumn([&](const report::MeasuredPoint& point) {
+        [&](const statistics::MeasuredPoint& point) { return mean(point).value * scale(point); });
+    all["ms_per_s_low"] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
       return source_.times().IntervalOf(mean(point)).low * scale(point);
     });
-    all["ms_per_s_high"] = MeasuredColumn([&](const report::MeasuredPoint& point) {
+    all["ms_per_s_high"] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
       return source_.times().IntervalOf(mean(point)).high * scale(point);
     });
   }
 
   Json TimesOf(measure::Phase phase) const {
-    const auto of = [&, phase](const report::MeasuredPoint& point) -> const report::PhaseTimes& {
+    const auto of =
+        [&, phase](const statistics::MeasuredPoint& point) -> const statistics::PhaseTimes& {
       return source_.times().Of(point, phase);
     };
-    const auto interval = [&](const report::MeasuredPoint& point) {
+    const auto interval = [&](const statistics::MeasuredPoint& point) {
       return source_.times().IntervalOf(of(point).mean);
     };
     Json times = Json::object();
     times["mean"] =
-        MeasuredColumn([&](const report::MeasuredPoint& p) { return of(p).mean.value; });
-    times["low"] = MeasuredColumn([&](const report::MeasuredPoint& p) { return interval(p).low; });
+        MeasuredColumn([&](const statistics::MeasuredPoint& p) { return of(p).mean.value; });
+    times["low"] =
+        MeasuredColumn([&](const statistics::MeasuredPoint& p) { return interval(p).low; });
     times["high"] =
-        MeasuredColumn([&](const report::MeasuredPoint& p) { return interval(p).high; });
+        MeasuredColumn([&](const statistics::MeasuredPoint& p) { return interval(p).high; });
     if (source_.IsLarge()) return times;
     constexpr std::pair<const char*, double> kPercentiles[] = {
         {"median", 0.5}, {"p5", 0.05}, {"p95", 0.95}, {"min", 0}, {"max", 1}};
@@ -192,7 +195,7 @@ class PointColumns {
     }
     for (const auto& [name, p] : kPercentiles)
       times[name] = JsonColumn(sorted.size(), [&, p = p](std::size_t i) {
-        return source_.Number(report::Percentile(sorted[i], p));
+        return source_.Number(statistics::Percentile(sorted[i], p));
       });
     return times;
   }
@@ -201,23 +204,23 @@ class PointColumns {
   void AddCounts(Json& all) const {
     for (const char* series : {"pairs", "manifolds", "contacts", "exact_pairs", "missed_pairs"})
       if (file_.Has(series))
-        all["counts"][series] = MeasuredColumn([&](const report::MeasuredPoint& point) {
-          return report::Mean(file_.ReadSeries(series, point.cells[0]));
+        all["counts"][series] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
+          return terminal::Mean(file_.ReadSeries(series, point.cells[0]));
         });
-    const auto most = [](const report::MeasuredPoint& point, auto read) {
-      double bytes = report::kNone;
+    const auto most = [](const statistics::MeasuredPoint& point, auto read) {
+      double bytes = terminal::kNone;
       for (const Cell& cell : point.cells) bytes = std::fmax(bytes, read(cell));
       return bytes;
     };
     if (file_.Has("peak_rss"))
-      all["memory"]["peak_rss"] = MeasuredColumn([&](const report::MeasuredPoint& point) {
+      all["memory"]["peak_rss"] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
         return most(point, [&](const Cell& cell) { return file_.ReadReal("peak_rss", cell); });
       });
     if (file_.Has("heap"))
-      all["memory"]["heap"] = MeasuredColumn([&](const report::MeasuredPoint& point) {
+      all["memory"]["heap"] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
         return most(point, [&](const Cell& cell) {
           const std::vector<double> heap = file_.ReadSeries("heap", cell);
-          return heap.empty() ? report::kNone : std::ranges::max(heap);
+          return heap.empty() ? terminal::kNone : std::ranges::max(heap);
         });
       });
   }
@@ -229,11 +232,11 @@ class PointColumns {
       Json& columns = all["errors"][std::string(error.name)];
       columns["unit"] = error.unit;
       columns["label"] = error.doc;
-      columns["value"] = MeasuredColumn([&](const report::MeasuredPoint& point) {
+      columns["value"] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
         return file_.ReadReal(dataset, point.cells[0]);
       });
       if (file_.Has(dataset + "_floor"))
-        columns["floor"] = MeasuredColumn([&](const report::MeasuredPoint& point) {
+        columns["floor"] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
           return file_.ReadReal(dataset + "_floor", point.cells[0]);
         });
     }

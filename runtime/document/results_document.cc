@@ -4,8 +4,8 @@
 
 #include <limits>
 
+#include "runtime/conclusions/conclusions.h"
 #include "runtime/document/comparison.h"
-#include "runtime/document/conclusions.h"
 #include "runtime/document/cycles.h"
 #include "runtime/document/head.h"
 #include "runtime/document/points.h"
@@ -25,7 +25,7 @@ std::string GeneratorOf(const store::ResultFile& file) {
 }
 
 Json IntervalWords(const DocumentSource& source) {
-  const report::CycleTimes& times = source.times();
+  const statistics::CycleTimes& times = source.times();
   const std::string name = times.IntervalName();
   return {{"name", name.empty() ? Json(nullptr) : Json(name)},
           {"text", Sentence(times.IntervalLine())}};
@@ -34,18 +34,18 @@ Json IntervalWords(const DocumentSource& source) {
 Json DocumentConclusions(const DocumentSource& source, bool only_sound) {
   Json all = Json::array();
   if (source.IsLarge()) return all;
-  for (const Conclusion& of : Conclusions(
+  for (const conclusions::Conclusion& of : conclusions::Conclusions(
            {source.file(), source.measured(), source.findings(), source.times(), only_sound}))
     all.push_back({{"question", of.question},
                    {"answer", of.answer},
                    {"kind", of.kind},
-                   {"certainty", CertaintyName(of.certainty)}});
+                   {"certainty", conclusions::CertaintyName(of.certainty)}});
   return all;
 }
 
 void CheckSize(const DocumentSource& source) {
   if (source.points().size() > kMaxDocumentPoints)
-    throw store::StoreError(
+    throw files::StoreError(
         fmt::format("{} points are more than a document holds ({}): take a part of them, by "
                     "`cdb show --json --select AXIS=VALUE`",
                     source.points().size(), kMaxDocumentPoints));

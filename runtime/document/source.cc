@@ -3,21 +3,21 @@
 #include <utility>
 #include <variant>
 
-#include "runtime/report/cells.h"
+#include "runtime/statistics/cells.h"
 
 namespace cdb::document {
 
 DocumentSource::DocumentSource(const store::ResultFile& file, bool only_sound,
-                               report::CycleStatistic statistic)
+                               statistics::CycleStatistic statistic)
     : file_(file),
-      measured_(report::MeasuredPoints(file, only_sound)),
+      measured_(statistics::MeasuredPoints(file, only_sound)),
       times_(file, statistic),
-      groups_(report::GroupCells(file)),
-      findings_(report::FindingsOf(file)),
+      groups_(statistics::GroupCells(file)),
+      findings_(statistics::FindingsOf(file)),
       references_(file.ReadReferenceTroubles()) {
-  std::map<report::Point, const report::MeasuredPoint*> measured;
-  for (const report::MeasuredPoint& point : measured_) measured[point.at] = &point;
-  for (const store::ResultFile::Cell& cell : report::AllCells(file)) {
+  std::map<statistics::Point, const statistics::MeasuredPoint*> measured;
+  for (const statistics::MeasuredPoint& point : measured_) measured[point.at] = &point;
+  for (const store::ResultFile::Cell& cell : statistics::AllCells(file)) {
     const store::Status status = file.ReadStatus(cell);
     if (status == store::Status::kSkipped || status == store::Status::kMissing) continue;
     if (!points_.empty() && points_.back().at == cell.at) continue;
@@ -34,7 +34,8 @@ Json DocumentSource::Value(std::size_t axis, std::size_t index) const {
   return std::get<std::string>(value);
 }
 
-Json DocumentSource::Place(const std::vector<std::size_t>& axes, const report::Point& at) const {
+Json DocumentSource::Place(const std::vector<std::size_t>& axes,
+                           const statistics::Point& at) const {
   Json place = Json::object();
   for (std::size_t i = 0; i < axes.size(); ++i)
     place[file_.axes()[axes[i]].name] = Value(axes[i], at[i]);

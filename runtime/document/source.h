@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "runtime/document/json_numbers.h"
-#include "runtime/report/cycle_times.h"
-#include "runtime/report/figures.h"
-#include "runtime/report/findings.h"
-#include "runtime/report/points.h"
+#include "runtime/statistics/cycle_times.h"
+#include "runtime/statistics/figures.h"
+#include "runtime/statistics/findings.h"
+#include "runtime/statistics/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::document {
@@ -23,25 +23,25 @@ class DocumentSource {
  public:
   /// A point of the grid that some run was made at.
   struct GridPoint {
-    report::Point at;
-    const report::MeasuredPoint* measured;  ///< null where no repeat has cycles
+    statistics::Point at;
+    const statistics::MeasuredPoint* measured;  ///< null where no repeat has cycles
   };
 
   /// Throws StoreError.
   DocumentSource(const store::ResultFile& file, bool only_sound,
-                 report::CycleStatistic statistic = report::CycleStatistic::kMean);
+                 statistics::CycleStatistic statistic = statistics::CycleStatistic::kMean);
   DocumentSource(const DocumentSource&) = delete;
   DocumentSource& operator=(const DocumentSource&) = delete;
 
   const store::ResultFile& file() const { return file_; }
-  const std::vector<report::MeasuredPoint>& measured() const { return measured_; }
+  const std::vector<statistics::MeasuredPoint>& measured() const { return measured_; }
   /// The rows of the document's columns, in grid order.
   const std::vector<GridPoint>& points() const { return points_; }
   /// The place of a point among `points()`.
-  std::size_t IndexOf(const report::Point& at) const { return index_.at(at); }
-  report::CycleTimes& times() const { return times_; }
-  const report::CellGroups& groups() const { return groups_; }
-  const std::vector<report::DetectorFindings>& findings() const { return findings_; }
+  std::size_t IndexOf(const statistics::Point& at) const { return index_.at(at); }
+  statistics::CycleTimes& times() const { return times_; }
+  const statistics::CellGroups& groups() const { return groups_; }
+  const std::vector<statistics::DetectorFindings>& findings() const { return findings_; }
   /// Why reference runs are of no use, a line each.
   const std::vector<std::string>& references() const { return references_; }
 
@@ -54,16 +54,16 @@ class DocumentSource {
   /// A value on an axis: a number or a text.
   Json Value(std::size_t axis, std::size_t index) const;
   /// `{"quantity": 100}`: the values on the axes `axes`, at the point `at` on them.
-  Json Place(const std::vector<std::size_t>& axes, const report::Point& at) const;
+  Json Place(const std::vector<std::size_t>& axes, const statistics::Point& at) const;
 
  private:
   const store::ResultFile& file_;
-  const std::vector<report::MeasuredPoint> measured_;
+  const std::vector<statistics::MeasuredPoint> measured_;
   std::vector<GridPoint> points_;
-  std::map<report::Point, std::size_t> index_;
-  mutable report::CycleTimes times_;  ///< computes when asked
-  const report::CellGroups groups_;
-  const std::vector<report::DetectorFindings> findings_;
+  std::map<statistics::Point, std::size_t> index_;
+  mutable statistics::CycleTimes times_;  ///< computes when asked
+  const statistics::CellGroups groups_;
+  const std::vector<statistics::DetectorFindings> findings_;
   const std::vector<std::string> references_;
 };
 

@@ -1,14 +1,14 @@
 #include "runtime/document/time_steps.h"
 
-#include "runtime/report/cells.h"
-#include "runtime/report/numbers.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/terminal/numbers.h"
 
 namespace cdb::document {
 
 TimeSteps::TimeSteps(const store::ResultFile& file)
     : file_(file), is_stated_(file.Has("accuracy/timestep")) {
   if (is_stated_) return;
-  const auto plan = report::ReadPlan(file);
+  const auto plan = statistics::ReadPlan(file);
   if (!plan) return;
   for (const plan::Run& run : plan->runs) by_run_.emplace(run.id, run.scene.world.Real("timestep"));
 }
@@ -16,7 +16,7 @@ TimeSteps::TimeSteps(const store::ResultFile& file)
 double TimeSteps::Of(const store::ResultFile::Cell& cell) const {
   if (is_stated_) return file_.ReadReal("accuracy/timestep", cell);
   const auto found = by_run_.find(file_.ReadText("run_id", cell));
-  return found == by_run_.end() ? report::kNone : found->second;
+  return found == by_run_.end() ? terminal::kNone : found->second;
 }
 
 }  // namespace cdb::document

@@ -10,10 +10,10 @@
 #include <string>
 #include <utility>
 
-#include "runtime/report/cells.h"
-#include "runtime/report/detector_ratios.h"
-#include "runtime/report/processors.h"
 #include "runtime/report/show_noise.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/detector_ratios.h"
+#include "runtime/statistics/processors.h"
 
 namespace cdb::document {
 namespace {
@@ -53,7 +53,7 @@ class WarningList {
   }
 
   void AddFindings() {
-    for (const report::DetectorFindings& of : source_.findings())
+    for (const statistics::DetectorFindings& of : source_.findings())
       if (of.missed > 0)
         Add("missed_pairs",
             fmt::format("{} missed {} of {} pairs, in {} of {} {}: its times are of less work than "
@@ -64,8 +64,8 @@ class WarningList {
 
   void AddBadRuns() {
     std::map<std::string, std::size_t> faults;
-    for (const report::CellGroups::Bad& bad : groups_.bad)
-      ++faults[report::FaultOf(file_, bad.cell)];
+    for (const statistics::CellGroups::Bad& bad : groups_.bad)
+      ++faults[statistics::FaultOf(file_, bad.cell)];
     std::vector<std::string> texts;
     for (const auto& [fault, count] : faults) texts.push_back(fmt::format("{} {}", count, fault));
     if (!texts.empty())
@@ -97,7 +97,7 @@ class WarningList {
   }
 
   void AddProcessors() {
-    const std::string text = report::ProcessorText(file_, groups_.good);
+    const std::string text = statistics::ProcessorText(file_, groups_.good);
     if (text.empty()) return;
     std::vector<std::string> lines;
     std::istringstream all(text);
@@ -108,7 +108,7 @@ class WarningList {
   /// Detectors that are compared did not leave out the same.
   void AddUnlike() {
     std::set<std::string> components;
-    for (const report::MeasuredPoint& point : source_.measured())
+    for (const statistics::MeasuredPoint& point : source_.measured())
       components.insert(point.unlike.begin(), point.unlike.end());
     if (!components.empty())
       Add("unlike", fmt::format("Some points ran without {} and others with; they are marked.",
@@ -125,15 +125,15 @@ class WarningList {
     if (!source_.HasTimes()) return;
     if (file_.begun_repeats() == 1) {
       Add("repeats", "One repeat: there are no intervals.");
-    } else if (file_.begun_repeats() < report::Bootstrap::kLeastForInterval) {
+    } else if (file_.begun_repeats() < statistics::Bootstrap::kLeastForInterval) {
       Add("repeats", fmt::format("{} repeats: ranges stand in place of intervals, which take {}.",
-                                 file_.begun_repeats(), report::Bootstrap::kLeastForInterval));
+                                 file_.begun_repeats(), statistics::Bootstrap::kLeastForInterval));
     }
   }
 
   const DocumentSource& source_;
   const store::ResultFile& file_;
-  const report::CellGroups& groups_;
+  const statistics::CellGroups& groups_;
   Json all_ = Json::array();
 };
 

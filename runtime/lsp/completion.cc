@@ -79,7 +79,7 @@ class Completer {
 
   void AddNames(SymbolKind kind, ItemKind item, std::string_view detail) {
     for (const Definition& definition : analysis_.symbols.definitions()) {
-      const dsl::Span& span = definition.name;
+      const text::Span& span = definition.name;
       if (definition.kind == kind && span.source != nullptr)
         Add(std::string(span.source->text().substr(span.begin, span.end - span.begin)), item,
             detail);

@@ -16,14 +16,14 @@ using scenario::Joined;
 
 class ContextFinder {
  public:
-  ContextFinder(const dsl::Source& source, std::uint32_t offset)
+  ContextFinder(const text::Source& source, std::uint32_t offset)
       : source_(source), offset_(offset), word_begin_(WordBegin()) {}
 
   Context Find() {
     dsl::Diagnostics unused;
     const dsl::TokenList list = dsl::Lex(source_, unused);
     context_.begin = context_.end = offset_;
-    for (const dsl::Span& comment : list.comments)
+    for (const text::Span& comment : list.comments)
       if (comment.begin < offset_ && offset_ <= comment.end) return context_;
     for (const Token& token : list.tokens) {
       if (token.kind == TokenKind::kEnd || token.begin >= offset_) break;
@@ -170,7 +170,7 @@ class ContextFinder {
     }
   }
 
-  const dsl::Source& source_;
+  const text::Source& source_;
   const std::uint32_t offset_, word_begin_;
   Context context_;
   std::vector<Block> blocks_;
@@ -179,7 +179,7 @@ class ContextFinder {
 
 }  // namespace
 
-Context ContextAt(const dsl::Source& source, std::uint32_t offset) {
+Context ContextAt(const text::Source& source, std::uint32_t offset) {
   return ContextFinder(source, offset).Find();
 }
 

@@ -7,7 +7,7 @@
 
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
-#include "dsl/source.h"
+#include "dsl/text/source.h"
 
 namespace cdb::lsp {
 
@@ -32,7 +32,7 @@ struct Context {
 };
 
 /// At the byte `offset`.
-Context ContextAt(const dsl::Source& source, std::uint32_t offset);
+Context ContextAt(const text::Source& source, std::uint32_t offset);
 
 /// The parameter that a path names in a block; null if there is none.
 const schema::Parameter* ParameterAt(const Context& context, const std::string& path);

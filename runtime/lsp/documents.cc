@@ -5,8 +5,8 @@
 
 namespace cdb::lsp {
 
-const dsl::Source& Analysis::source() const {
-  static const dsl::Source nothing("", "");
+const text::Source& Analysis::source() const {
+  static const text::Source nothing("", "");
   const scenario::ScenarioFile* main = compilation.scenario->main();
   return main != nullptr ? *main->tree.source : nothing;
 }
@@ -26,7 +26,7 @@ void Documents::Change(const std::string& uri, std::int64_t version, const Json&
       document->text = TextIn(change, "text");
       continue;
     }
-    const dsl::Source source("", document->text);
+    const text::Source source("", document->text);
     const std::uint32_t mark = source.FileOffset(0);  // a byte order mark stays where it is
     const std::uint32_t first = OffsetOf(source, PositionIn(range, "start"));
     const std::uint32_t last = OffsetOf(source, PositionIn(range, "end"));

@@ -22,7 +22,7 @@ struct Analysis {
   compiler::Compilation compilation;
   Symbols symbols;
   /// The text that was compiled.
-  const dsl::Source& source() const;
+  const text::Source& source() const;
 };
 
 struct Document {

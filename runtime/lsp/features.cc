@@ -17,16 +17,16 @@
 namespace cdb::lsp {
 namespace {
 
-std::string_view TextOf(const dsl::Span& span) {
+std::string_view TextOf(const text::Span& span) {
   return span.source->text().substr(span.begin, span.end - span.begin);
 }
 
-Json LocationJson(const dsl::Span& span) {
+Json LocationJson(const text::Span& span) {
   return {{"uri", UriOf(span.source->name())}, {"range", RangeJson(span)}};
 }
 
 /// The first `use` of the main file, for what is wrong behind it.
-dsl::Span FirstUse(const Analysis& analysis) {
+text::Span FirstUse(const Analysis& analysis) {
   for (const auto& item : analysis.compilation.scenario->main()->tree.items)
     if (const auto* use = std::get_if<dsl::Use>(&item)) return use->span;
   return {&analysis.source(), 0, 0};
@@ -55,11 +55,11 @@ Json DiagnosticJson(const dsl::Diagnostic& diagnostic, const Analysis& analysis)
 }
 
 /// The name or the word at the place, as the text writes it.
-std::optional<dsl::Span> WordAt(const dsl::Source& source, std::uint32_t offset) {
+std::optional<text::Span> WordAt(const text::Source& source, std::uint32_t offset) {
   dsl::Diagnostics unused;
   for (const dsl::Token& token : dsl::Lex(source, unused).tokens)
     if (token.kind == dsl::TokenKind::kPath && token.begin <= offset && offset <= token.end)
-      return dsl::Span{&source, token.begin, token.end};
+      return text::Span{&source, token.begin, token.end};
   return std::nullopt;
 }
 
@@ -89,7 +89,7 @@ Json DiagnosticsOf(const Analysis& analysis) {
 }
 
 Json HoverAt(const Analysis& analysis, std::uint32_t offset) {
-  const dsl::Source& source = analysis.source();
+  const text::Source& source = analysis.source();
   const auto word = WordAt(source, offset);
   if (!word) return nullptr;
   const std::string name(TextOf(*word));
@@ -111,7 +111,7 @@ Json HoverAt(const Analysis& analysis, std::uint32_t offset) {
 
 Json DefinitionOf(const Analysis& analysis, const std::string& path, std::uint32_t offset,
                   const std::string& library) {
-  const dsl::Source& source = analysis.source();
+  const text::Source& source = analysis.source();
   if (const Occurrence* symbol = analysis.symbols.At(source, offset))
     return LocationJson(analysis.symbols.definitions()[symbol->definition].name);
   if (analysis.compilation.scenario->main() == nullptr) return nullptr;
@@ -135,7 +135,7 @@ Json DefinitionOf(const Analysis& analysis, const std::string& path, std::uint32
 Json ReferencesTo(const Analysis& analysis, std::uint32_t offset) {
   Json all = Json::array();
   if (const Occurrence* symbol = analysis.symbols.At(analysis.source(), offset))
-    for (const dsl::Span& span : analysis.symbols.FamilyOf(symbol->definition))
+    for (const text::Span& span : analysis.symbols.FamilyOf(symbol->definition))
       all.push_back(LocationJson(span));
   return all;
 }

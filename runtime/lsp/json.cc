@@ -28,7 +28,7 @@ Json ToJson(const Position& position) {
   return {{"line", position.line}, {"character", position.character}};
 }
 
-Json RangeJson(const dsl::Span& span) {
+Json RangeJson(const text::Span& span) {
   if (span.source == nullptr) return {{"start", ToJson({})}, {"end", ToJson({})}};
   return {{"start", ToJson(PositionOf(*span.source, span.begin))},
           {"end", ToJson(PositionOf(*span.source, span.end))}};

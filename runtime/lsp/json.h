@@ -20,6 +20,6 @@ Position PositionIn(const Json& object, const char* name);
 
 Json ToJson(const Position& position);
 /// Of a span of `source`.
-Json RangeJson(const dsl::Span& span);
+Json RangeJson(const text::Span& span);
 
 }  // namespace cdb::lsp

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "dsl/utf8.h"
+#include "dsl/text/utf8.h"
 
 namespace cdb::lsp {
 namespace {
@@ -20,7 +20,7 @@ struct CharacterSize {
 };
 
 CharacterSize SizeAt(std::string_view text, std::size_t at) {
-  const dsl::CodePoint point = dsl::DecodeUtf8(text, at);
+  const text::CodePoint point = text::DecodeUtf8(text, at);
   if (point.bytes == 0) return {1, 1};
   return {static_cast<std::uint32_t>(point.bytes), point.value > 0xFFFF ? 2 : 1};
 }
@@ -34,7 +34,7 @@ int HexDigit(char c) {
 
 }  // namespace
 
-Position PositionOf(const dsl::Source& source, std::uint32_t offset) {
+Position PositionOf(const text::Source& source, std::uint32_t offset) {
   offset = std::min(offset, static_cast<std::uint32_t>(source.text().size()));
   const int line = source.PositionAt(offset).line;
   Position position{line - 1, 0};
@@ -47,7 +47,7 @@ Position PositionOf(const dsl::Source& source, std::uint32_t offset) {
   return position;
 }
 
-std::uint32_t OffsetOf(const dsl::Source& source, const Position& position) {
+std::uint32_t OffsetOf(const text::Source& source, const Position& position) {
   if (position.line < 0) return 0;
   if (position.line >= source.LineCount()) return static_cast<std::uint32_t>(source.text().size());
   const int line = static_cast<int>(position.line) + 1;

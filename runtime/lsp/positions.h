@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "dsl/source.h"
+#include "dsl/text/source.h"
 
 namespace cdb::lsp {
 
@@ -15,11 +15,11 @@ struct Position {
 
 /// Of a byte of the text; within a character, that of its begin. A byte that is not UTF-8 counts as
 /// one unit.
-Position PositionOf(const dsl::Source& source, std::uint32_t offset);
+Position PositionOf(const text::Source& source, std::uint32_t offset);
 
 /// The byte at a position; the end of the line behind it, the end of the text behind the last line,
 /// the begin before the first.
-std::uint32_t OffsetOf(const dsl::Source& source, const Position& position);
+std::uint32_t OffsetOf(const text::Source& source, const Position& position);
 
 /// `file:///tmp/a%20b.cdb` as a path; other addresses, such as those of unsaved texts, as they are.
 std::string PathOf(const std::string& uri);

@@ -10,7 +10,7 @@ namespace cdb::lsp {
 namespace {
 
 struct Edit {
-  dsl::Span span;
+  text::Span span;
   std::string path;
 };
 
@@ -48,7 +48,7 @@ std::vector<std::string> RunIds(const compiler::Compilation& compilation) {
 std::vector<Edit> EditsOf(const Analysis& analysis, std::size_t definition,
                           const std::string& library) {
   std::vector<Edit> edits;
-  for (const dsl::Span& span : analysis.symbols.FamilyOf(definition)) {
+  for (const text::Span& span : analysis.symbols.FamilyOf(definition)) {
     const std::string& path = span.source->name();
     if (!library.empty() && path.starts_with(library + "/"))
       throw RenameError(fmt::format("{} comes with cdb and is not changed", path));

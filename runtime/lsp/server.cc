@@ -166,14 +166,14 @@ Json Server::Initialize() {
 }
 
 Json Server::Format(const Document& document) {
-  const auto source = std::make_shared<const dsl::Source>(document.path, document.text);
+  const auto source = std::make_shared<const text::Source>(document.path, document.text);
   dsl::Diagnostics diagnostics;
   dsl::Parse(source, diagnostics);
   if (diagnostics.has_errors())
     throw Failure{kRequestFailed, "a text with errors of syntax cannot be formatted"};
   const std::string formatted = dsl::Format(*source);
   if (formatted == source->text()) return Json::array();
-  const dsl::Span whole{source.get(), 0, static_cast<std::uint32_t>(source->text().size())};
+  const text::Span whole{source.get(), 0, static_cast<std::uint32_t>(source->text().size())};
   return Json::array({{{"range", RangeJson(whole)}, {"newText", formatted}}});
 }
 

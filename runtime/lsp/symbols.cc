@@ -48,7 +48,7 @@ class SymbolCollector {
     families_.push_back(index);
     return index;
   }
-  void Refer(const dsl::Span& span, std::size_t definition) {
+  void Refer(const text::Span& span, std::size_t definition) {
     if (span.source != nullptr) symbols_.occurrences_.push_back({span, definition});
   }
   std::size_t FamilyOf(std::size_t index) const {
@@ -72,11 +72,11 @@ class SymbolCollector {
     }
   }
 
-  static dsl::Span WholeOf(const dsl::Let& let) {
+  static text::Span WholeOf(const dsl::Let& let) {
     return let.value->span.source == let.name.span.source ? Join(let.name.span, let.value->span)
                                                           : let.name.span;
   }
-  static dsl::Span HeadOf(const dsl::Span& whole, const dsl::Block& block) {
+  static text::Span HeadOf(const text::Span& whole, const dsl::Block& block) {
     return {whole.source, whole.begin, std::max(whole.begin, block.span.begin)};
   }
 
@@ -122,7 +122,7 @@ class SymbolCollector {
   }
 
   std::string_view NameOf(std::size_t index) const {
-    const dsl::Span& span = symbols_.definitions_[index].name;
+    const text::Span& span = symbols_.definitions_[index].name;
     return span.source->text().substr(span.begin, span.end - span.begin);
   }
 
@@ -158,7 +158,7 @@ class SymbolCollector {
   }
 
   /// `pebbles` of `pebbles.size`.
-  void ReferGroup(const std::string& path, const dsl::Span& span, const Place& place) {
+  void ReferGroup(const std::string& path, const text::Span& span, const Place& place) {
     const std::string head = path.substr(0, path.find('.'));
     if (head.size() == path.size() || span.source == nullptr) return;
     const auto found =
@@ -250,18 +250,18 @@ class SymbolCollector {
 
 Symbols::Symbols(const scenario::Scenario& scenario) { SymbolCollector(scenario, *this).Run(); }
 
-const Occurrence* Symbols::At(const dsl::Source& source, std::uint32_t offset) const {
+const Occurrence* Symbols::At(const text::Source& source, std::uint32_t offset) const {
   for (const Occurrence& one : occurrences_)
     if (one.span.source == &source && one.span.begin <= offset && offset <= one.span.end)
       return &one;
   return nullptr;
 }
 
-std::vector<dsl::Span> Symbols::FamilyOf(std::size_t definition) const {
-  std::vector<dsl::Span> spans;
+std::vector<text::Span> Symbols::FamilyOf(std::size_t definition) const {
+  std::vector<text::Span> spans;
   for (const Occurrence& one : occurrences_) {
     if (definitions_[one.definition].family != definitions_[definition].family) continue;
-    const bool is_known = std::ranges::any_of(spans, [&](const dsl::Span& span) {
+    const bool is_known = std::ranges::any_of(spans, [&](const text::Span& span) {
       return span.source == one.span.source && span.begin == one.span.begin;
     });
     if (!is_known) spans.push_back(one.span);

@@ -17,8 +17,8 @@ enum class SymbolKind { kLet, kBenchmark, kGroup };
 
 struct Definition {
   SymbolKind kind;
-  dsl::Span name;
-  dsl::Span whole;                            ///< the let, or the head of the block
+  text::Span name;
+  text::Span whole;                           ///< the let, or the head of the block
   std::string block;                          ///< of a let: the blocks around it, `objects.links`
   const dsl::Benchmark* benchmark = nullptr;  ///< that it is in; null outside of them
   /// Definitions of one family have one meaning: a let, and those that override it.
@@ -27,7 +27,7 @@ struct Definition {
 
 /// A name that is a definition, or refers to one.
 struct Occurrence {
-  dsl::Span span;
+  text::Span span;
   std::size_t definition = 0;  ///< index into definitions()
 };
 
@@ -39,9 +39,9 @@ class Symbols {
   std::span<const Definition> definitions() const { return definitions_; }
   std::span<const Occurrence> occurrences() const { return occurrences_; }
   /// Null where no name of the source touches the byte.
-  const Occurrence* At(const dsl::Source& source, std::uint32_t offset) const;
+  const Occurrence* At(const text::Source& source, std::uint32_t offset) const;
   /// Every name of the family of `definition`, each once.
-  std::vector<dsl::Span> FamilyOf(std::size_t definition) const;
+  std::vector<text::Span> FamilyOf(std::size_t definition) const;
 
  private:
   friend class SymbolCollector;

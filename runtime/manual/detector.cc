@@ -8,7 +8,7 @@
 
 #include "compiler/schema/catalogue.h"
 #include "runtime/manual/language.h"
-#include "runtime/report/table.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::manual {
 namespace {
@@ -50,7 +50,7 @@ std::vector<std::string> Lines(std::string_view text, std::size_t columns) {
 
 std::string PhaseTable(const char* title, std::string_view phase) {
   constexpr std::size_t kColumns = 80;
-  report::Table table;
+  terminal::Table table;
   table.KeepWhole();
   for (const char* head : {title, "from", ""}) table.AddColumn(head, false);
   for (const DetectorInfo& detector : schema::Detectors()) {
@@ -74,7 +74,7 @@ bool IsOfFamily(const DetectorInfo& detector, std::string_view family) {
 
 std::string FamilyTable() {
   std::string without;
-  report::Table table;
+  terminal::Table table;
   table.KeepWhole();
   for (const char* head : {"family of the paper's section 2", "source", "here"})
     table.AddColumn(head, false);

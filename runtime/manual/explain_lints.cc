@@ -1,16 +1,16 @@
-// The lints of compiler/checks/lints.h. `cdb doc lints` prints their limits.
+// The lints of compiler/lints/lints.h. `cdb doc lints` prints their limits.
 #include <fmt/format.h>
 
 #include <deque>
 #include <string>
 
-#include "compiler/checks/lints.h"
+#include "compiler/lints/lints.h"
 #include "runtime/manual/explanation.h"
 
 namespace cdb::manual {
 namespace {
 
-using checks::Lint;
+using lints::Lint;
 
 struct LintExample {
   Lint lint;
@@ -101,7 +101,7 @@ constexpr LintExample kExamples[] = {
 };
 
 /// What a lint of the table says, and its limit.
-std::string LintText(const checks::LintInfo& info) {
+std::string LintText(const lints::LintInfo& info) {
   return fmt::format(
       "{} if a number of the scene is beyond its limit. The number: {}. The limit: {}.",
       fmt::format(fmt::runtime(info.predicts), "may"), info.number, info.threshold);
@@ -111,7 +111,7 @@ std::vector<Explanation> MakeRows() {
   static std::deque<std::string> texts;  // of the rows, which point into it
   std::vector<Explanation> rows;
   for (const LintExample& example : kExamples) {
-    const checks::LintInfo& info = checks::InfoOf(example.lint);
+    const lints::LintInfo& info = lints::InfoOf(example.lint);
     rows.push_back({&info.kind, texts.emplace_back(LintText(info)), example.wrong, example.right});
   }
   return rows;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "runtime/report/table.h"
-#include "runtime/report/wrap.h"
+#include "runtime/terminal/table.h"
+#include "runtime/terminal/wrap.h"
 
 namespace cdb::manual {
 namespace {
@@ -55,12 +55,12 @@ std::string ExplanationText(const Explanation& explanation, std::string_view ren
   const bool is_error = explanation.kind->severity() == dsl::Severity::kError;
   return fmt::format("{} {} ({})\n{}\nWRONG\n{}\n{}\nRIGHT\n{}", explanation.kind->code,
                      explanation.kind->id, is_error ? "error" : "warning",
-                     report::Wrapped(explanation.text, 2), ExampleText(explanation.wrong), rendered,
-                     ExampleText(explanation.right));
+                     terminal::Wrapped(explanation.text, 2), ExampleText(explanation.wrong),
+                     rendered, ExampleText(explanation.right));
 }
 
 std::string ExplanationList() {
-  report::Table table;
+  terminal::Table table;
   table.KeepWhole();
   for (const char* head : {"code", "name", ""}) table.AddColumn(head, false);
   for (const Explanation* row : AllExplanations()) {

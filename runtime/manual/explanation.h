@@ -22,7 +22,7 @@ struct Explanation {
 // In the order of their codes. Any thread.
 std::span<const Explanation> SyntaxExplanations();
 std::span<const Explanation> ScenarioExplanations();
-/// The text of a lint is made from its row in compiler/checks/lints.h.
+/// The text of a lint is made from its row in compiler/lints/lints.h.
 std::span<const Explanation> LintExplanations();
 std::vector<const Explanation*> AllExplanations();
 

@@ -16,7 +16,7 @@
 #include "runtime/manual/word.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
-#include "runtime/report/wrap.h"
+#include "runtime/terminal/wrap.h"
 
 namespace cdb::manual {
 namespace {
@@ -70,7 +70,7 @@ std::string LanguageWordText(const schema::LanguageWord& word) {
                                                 "value"};
   return fmt::format("{} ({})\n{}  syntax   {}\n  example  {}\n  more     cdb doc language\n",
                      word.name, kRoles[static_cast<std::size_t>(word.role)],
-                     report::Wrapped(word.doc, 2), word.syntax, word.example);
+                     terminal::Wrapped(word.doc, 2), word.syntax, word.example);
 }
 
 /// `walls: a word of omit, world.walls`, and what these are; empty if no parameter takes it.
@@ -83,7 +83,8 @@ std::string TakersText(std::string_view name) {
     about += "\n" + ParameterReference(parameter);
   }
   if (takers.empty()) return {};
-  return report::Wrapped(fmt::format("{}: a word of {}", name, fmt::join(takers, ", ")), 0) + about;
+  return terminal::Wrapped(fmt::format("{}: a word of {}", name, fmt::join(takers, ", ")), 0) +
+         about;
 }
 
 std::string DiagnosticText(const Explanation& row) {
@@ -106,7 +107,7 @@ std::string TextAbout(std::string_view name) {
     if (name == word.name) add(WordReference(word));
   for (const CatalogueWord& word : CatalogueWords())
     if (name == word.name)
-      add(fmt::format("{} ({})\n{}", word.name, word.kind, report::Wrapped(word.doc, 2)));
+      add(fmt::format("{} ({})\n{}", word.name, word.kind, terminal::Wrapped(word.doc, 2)));
   add(TakersText(name));
   for (const Explanation* row : FindExplanations(name)) add(DiagnosticText(*row));
   return text;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compiler/schema/catalogue.h"
-#include "runtime/report/table.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::manual {
 namespace {
@@ -28,7 +28,7 @@ std::string Signature(const ParametrisedWord& info) {
 
 /// A table of every argument.
 std::string Arguments(const std::vector<const ParametrisedWord*>& calls) {
-  report::Table table;
+  terminal::Table table;
   table.KeepWhole();
   for (const char* head : {"argument", "of", "takes", "unit", ""}) table.AddColumn(head, false);
   for (const ParametrisedWord* info : calls)
@@ -49,7 +49,7 @@ std::vector<const ParametrisedWord*> CallsOf(const Parameter& parameter) {
 template <typename Rows>
 std::string Words(const char* title, const Rows& rows,
                   const std::vector<const ParametrisedWord*>& calls) {
-  report::Table table;
+  terminal::Table table;
   table.KeepWhole();
   table.AddColumn(title, false);
   table.AddColumn("", false);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
 
 namespace cdb::measure {
 
 const std::vector<const Series*>& RecordedSeriesOf::Find(const plan::Scene& scene) {
-  const bool is_of_trace = plan::TraceOf(scene).has_value();
+  const bool is_of_trace = analysis::TraceOf(scene).has_value();
   const schema::Value& record = scene.world.Get("record");
   if (is_begun_ && is_of_trace == is_of_trace_ && record == record_) return series_;
   is_begun_ = true;

@@ -56,7 +56,7 @@ struct RecordingHeader {
   Settling settling;
   FixedText<20> state_hash;   ///< 16 hex digits after the last cycle; empty before
   FixedText<2048> message;    ///< why it failed, in the user's words, or starts again
-  FixedText<256> omitted;     ///< names of the omitted components (compiler/plan/pruning.h)
+  FixedText<256> omitted;     ///< names of the omitted components (compiler/analysis/pruning.h)
   FixedText<4096> decisions;  ///< the decision about each component, and its reason
   FixedText<4096> models;     ///< the hulls of the compounds in the scene (ModelsText)
   RunScalars scalars;

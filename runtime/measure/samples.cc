@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
 
 namespace cdb::measure {
 
@@ -31,7 +31,7 @@ std::string_view ObservableUnits() {
 std::string_view StateUnits() { return "m m m 1 1 1 1 m/s m/s m/s rad/s rad/s rad/s"; }
 
 std::optional<SampleShape> SampleShapeOf(const plan::Scene& scene) {
-  const auto sampling = plan::SamplingOf(scene);
+  const auto sampling = analysis::SamplingOf(scene);
   if (!sampling) return std::nullopt;
   return SampleShape{sampling->count, scene.ObjectCount()};
 }

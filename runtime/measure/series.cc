@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "compiler/plan/capacity.h"
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/schema/schema.h"
 
 namespace cdb::measure {
@@ -153,7 +153,7 @@ std::span<const Dimension> DimensionsOf(SeriesShape shape) {
 }
 
 RunExtents ExtentsOf(const plan::Scene& scene) {
-  return {scene.world.Count("cycles"), scene.ObjectCount(), plan::BodyCount(scene)};
+  return {scene.world.Count("cycles"), scene.ObjectCount(), analysis::BodyCount(scene)};
 }
 
 std::optional<std::size_t> Series::CycleDimension() const {
@@ -176,7 +176,7 @@ std::size_t Series::ValueCount(const RunExtents& run) const {
 }
 
 bool Series::IsRecordedBy(const plan::Scene& scene) const {
-  if (!on_traces && plan::TraceOf(scene)) return false;
+  if (!on_traces && analysis::TraceOf(scene)) return false;
   const auto* asked = std::get_if<schema::WordList>(&scene.world.Get("record"));
   return asked != nullptr &&
          std::any_of(asked->begin(), asked->end(),

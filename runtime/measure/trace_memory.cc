@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "compiler/plan/sha256.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "runtime/measure/alignment.h"
 
 namespace cdb::measure {

@@ -5,13 +5,13 @@
 #include <iterator>
 #include <vector>
 
-#include "compiler/plan/expectation.h"
-#include "dsl/check.h"
+#include "compiler/analysis/expectation.h"
+#include "dsl/text/check.h"
 
 namespace cdb::measure {
 namespace {
 
-using plan::Expectation;
+using analysis::Expectation;
 using enum Verdict;
 
 // The measured thresholds. Lengths are in sides of the object, energies in the run's energy scale.
@@ -55,7 +55,7 @@ class Case {
         n_(n_cycles),
         late_(n_cycles -
               static_cast<std::size_t>(std::ceil(kLate * static_cast<double>(n_cycles)))),
-        expectation_(ExpectationOf(scene)) {}
+        expectation_(analysis::ExpectationOf(scene)) {}
 
   std::int64_t First(Verdict verdict) const {
     switch (verdict) {
@@ -163,7 +163,7 @@ class Case {
 
   std::int64_t Drifting() const {
     std::int64_t first = FirstRise(kDrift);
-    if (expectation_ == Expectation::kEnergy || FliesFreely(scene_)) {
+    if (expectation_ == Expectation::kEnergy || analysis::FliesFreely(scene_)) {
       const auto energy = Reals("energy");
       const auto contacts = Ints("contacts");
       std::size_t end = energy.size();

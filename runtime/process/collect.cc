@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "compiler/schema/value.h"
-#include "dsl/utf8.h"
+#include "dsl/text/utf8.h"
 #include "runtime/measure/plugin_call.h"
 #include "runtime/process/process.h"
 
@@ -138,7 +138,7 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
         where.empty() ? "" : ", in ", where);
   } else if (has_exited && outcome == measure::WorkerOutcome::kFailed) {
     result.status = store::Status::kFailed;
-    result.message = dsl::Printable(header.message.str());
+    result.message = text::Printable(header.message.str());
     std::ranges::replace(result.message, '\n', ' ');
     if (result.message.empty()) result.message = "the worker failed without a reason";
   } else if (end.is_timed_out && (!has_exited || outcome == measure::WorkerOutcome::kAgain)) {

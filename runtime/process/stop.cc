@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <system_error>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::process {
 namespace {

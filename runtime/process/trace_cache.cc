@@ -6,7 +6,7 @@
 
 namespace cdb::process {
 
-int TraceCache::Get(const plan::TraceName& name) {
+int TraceCache::Get(const analysis::TraceName& name) {
   const auto found =
       std::ranges::find_if(traces_, [&](const auto& trace) { return trace.first == name; });
   if (found != traces_.end()) {

@@ -5,7 +5,7 @@
 #include <list>
 #include <utility>
 
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
 #include "runtime/measure/trace_memory.h"
 
 namespace cdb::process {
@@ -18,11 +18,11 @@ class TraceCache {
 
   /// The descriptor of the trace, valid until as many others were asked for as there are places.
   /// Throws StoreError, std::system_error.
-  int Get(const plan::TraceName& name);
+  int Get(const analysis::TraceName& name);
 
  private:
   std::size_t places_;
-  std::list<std::pair<plan::TraceName, measure::TraceMemory>>
+  std::list<std::pair<analysis::TraceName, measure::TraceMemory>>
       traces_;  ///< the last asked for first
 };
 

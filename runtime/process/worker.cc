@@ -16,13 +16,13 @@
 #include <system_error>
 #include <utility>
 
-#include "compiler/plan/trace.h"
-#include "dsl/check.h"
-#include "dsl/utf8.h"
+#include "compiler/analysis/trace.h"
+#include "dsl/text/check.h"
+#include "dsl/text/utf8.h"
 #include "library/layouts/pose_table.h"
 #include "library/scene_error.h"
+#include "runtime/machine/host.h"
 #include "runtime/measure/file_descriptor_io.h"
-#include "runtime/measure/host.h"
 #include "runtime/measure/plugin_call.h"
 #include "runtime/process/collect.h"
 #include "runtime/process/process.h"
@@ -91,7 +91,7 @@ double SecondsSinceEpoch() {
 
 /// What the worker cannot read by itself; none where there is nothing.
 std::optional<Descriptor> PosesFile(const plan::Scene& scene) {
-  if (plan::TraceOf(scene)) return std::nullopt;  // nothing is placed
+  if (analysis::TraceOf(scene)) return std::nullopt;  // nothing is placed
   try {
     const std::string packed = layouts::PackPoses(scene);
     if (packed.empty()) return std::nullopt;
@@ -131,7 +131,7 @@ std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_
                      std::chrono::duration<double>(std::min(seconds, kLongest)));
 }
 
-measure::NoiseJudgement NoiseOf(const plan::Run& run, const store::RunResult& result,
+machine::NoiseJudgement NoiseOf(const plan::Run& run, const store::RunResult& result,
                                 const measure::Recording& recording) {
   if (result.status != store::Status::kDone) return {};
   const auto duration = recording.Reals("duration");
@@ -140,7 +140,7 @@ measure::NoiseJudgement NoiseOf(const plan::Run& run, const store::RunResult& re
       duration.empty() ? duration
                        : duration.subspan(measure::IndexOf(measure::Phase::kStep) * cycles, cycles);
   // The load is that of the machine: all processors count, not the one that the worker stays on.
-  return measure::JudgeNoise(result.scalars, {result.load, measure::ProcessorCount()},
+  return machine::JudgeNoise(result.scalars, {result.load, machine::ProcessorCount()},
                              run.scene.world.Count("threads"), steps);
 }
 
@@ -188,7 +188,7 @@ std::string TextTail::LastLines() const {
   // The first bytes may be the end of a character that was cut in two.
   while (is_cut && !rest.empty() && (static_cast<unsigned char>(rest[0]) & 0xc0) == 0x80)
     rest.remove_prefix(1);
-  return text + dsl::Printable(rest);
+  return text + text::Printable(rest);
 }
 
 // ---- processes ----------------------------------------------------------------------------------
@@ -295,7 +295,7 @@ void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::s
     throw ScheduleError(fmt::format("{} ({})", error.what(), run.id));
   }
   worker->kept = kept;
-  worker->load = measure::LoadAverage();
+  worker->load = machine::LoadAverage();
   worker->started_s = SecondsSinceEpoch();
   worker->start = Clock::now();
   worker->deadline = Deadline(run.scene, worker->start);
@@ -327,12 +327,12 @@ bool ProcessLauncher::TryToLaunch(Worker& worker, const std::vector<std::string>
   spawn.Give(worker.contacts.get(), measure::kContactsFd);
   const auto poses = PosesFile(scene);
   if (poses) spawn.Give(poses->get(), measure::kPosesFd);
-  if (const auto trace = plan::TraceOf(scene)) {
+  if (const auto trace = analysis::TraceOf(scene)) {
     try {
       spawn.Give(traces_.Get(*trace), measure::kTraceFd);
     } catch (const std::system_error& error) {
       throw ScheduleError(error.what());
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       throw ScheduleError(error.what());
     }
   }
@@ -447,7 +447,7 @@ std::optional<Ending> ProcessLauncher::Reap(Worker& worker) {
   ending.result.started_s = worker.started_s;
   ending.result.load = worker.load;
   ending.result.noise = NoiseOf(*worker.run, ending.result, *worker.recording);
-  ending.result.host = measure::HostName();
+  ending.result.host = machine::HostName();
   ending.recording = std::move(worker.recording);
   workers_[worker.slot].reset();
   return ending;

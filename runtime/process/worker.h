@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "compiler/plan/plan_yaml_writer.h"
+#include "compiler/yaml/plan_yaml_writer.h"
 #include "runtime/process/fork_server.h"
 #include "runtime/process/launcher.h"
 #include "runtime/process/processors.h"
@@ -81,7 +81,7 @@ class ProcessLauncher : public Launcher {
   std::optional<Ending> Reap(Worker& worker);
 
   WorkerPrograms programs_;
-  plan::RunText text_{""};
+  yaml::RunText text_{""};
   const StopFlag* stop_;
   TraceCache traces_;
   const ClaimedProcessors processors_;

@@ -6,7 +6,7 @@
 #include <bit>
 #include <utility>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/scene_error.h"
 #include "runtime/pruning/reachability.h"
 #include "runtime/pruning/trajectory.h"
@@ -14,12 +14,12 @@
 namespace cdb::pruning {
 namespace {
 
-using plan::Decision;
-using plan::PruningDecision;
+using analysis::Decision;
+using analysis::PruningDecision;
 using schema::Component;
 
 /// Half of the diagonal, m, at which Bullet switches off a body, to be safe.
-constexpr double kSafeBox = plan::kLargestBox / 2;
+constexpr double kSafeBox = analysis::kLargestBox / 2;
 /// Entries of Bullet's pools, and enough for boxes that overlap where nothing touches.
 constexpr int kBulletsPool = 4096, kFewPairs = 64;
 
@@ -150,7 +150,7 @@ void Omissions::Keep(Component component, std::string why) {
 
 Omissions DecideOmissions(const plan::Scene& scene, const layouts::InitialState& state) {
   Omissions omissions;
-  omissions.decisions = plan::AnalysePruning(scene);
+  omissions.decisions = analysis::AnalysePruning(scene);
   const bool has_open =
       std::ranges::count(omissions.decisions, Decision::kOpen, &PruningDecision::decision) > 0;
   if (!has_open) return omissions;
@@ -158,7 +158,7 @@ Omissions DecideOmissions(const plan::Scene& scene, const layouts::InitialState&
   for (PruningDecision& part : omissions.decisions) {
     if (part.decision == Decision::kOpen) part = settlement.Settle(part.component);
     if (part.decision == Decision::kKept &&
-        plan::RequestFor(scene, part.component) == plan::PruningRequest::kByName)
+        analysis::RequestFor(scene, part.component) == analysis::PruningRequest::kByName)
       throw library::SceneError(
           fmt::format("omit {}: this scene needs it: {}", InfoOf(part.component).name, part.why));
   }
@@ -169,7 +169,7 @@ Omissions DecideOmissions(const plan::Scene& scene, const layouts::InitialState&
 
 Omissions KeepEverything(const plan::Scene& scene) {
   Omissions omissions;
-  omissions.decisions = plan::AnalysePruning(scene);
+  omissions.decisions = analysis::AnalysePruning(scene);
   for (PruningDecision& part : omissions.decisions)
     if (part.decision != Decision::kAbsent) part = {part.component, Decision::kKept, "omit none"};
   return omissions;

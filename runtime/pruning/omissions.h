@@ -6,22 +6,23 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan/engine_constants.h"
+#include "compiler/analysis/engine_constants.h"
+#include "compiler/analysis/pruning.h"
 #include "compiler/plan/plan.h"
-#include "compiler/plan/pruning.h"
 #include "library/layouts/initial_state.h"
 
 namespace cdb::pruning {
 
-using plan::kWallCount;
-using plan::kWallThickness;
+using analysis::kWallCount;
+using analysis::kWallThickness;
 /// Bits of the walls, in the order in which the engine adds them.
 inline constexpr const char* kWallNames[kWallCount] = {"-x", "+x", "-y", "+y", "-z", "+z"};
 /// The bits of the walls that are present in `scene`.
 std::uint8_t StandingWalls(const plan::Scene& scene);
 
 struct Omissions {
-  std::vector<plan::PruningDecision> decisions;  ///< one for each component, none of them undecided
+  std::vector<analysis::PruningDecision>
+      decisions;  ///< one for each component, none of them undecided
   /// By object: the bits of the walls that it keeps. If empty, every object keeps all walls.
   std::vector<std::uint8_t> walls;
   /// If the pools are omitted: the number of pairs that they hold; more come from the heap.

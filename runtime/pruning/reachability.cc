@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "compiler/plan/kinematic.h"
+#include "compiler/analysis/kinematic.h"
 #include "compiler/schema/parametrised_words.h"
 #include "library/layouts/exact_layouts.h"
 #include "runtime/pruning/contact_clusters.h"
@@ -107,7 +107,7 @@ std::optional<std::string> WhatChanges(const plan::Scene& scene) {
          {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
       if (schema::AsCall(group.settings.Get(velocity)) != nullptr)
         return fmt::format("the {} of {} is set again while it runs", velocity.name(), group.name);
-    if (plan::HasKinematic(group))
+    if (analysis::HasKinematic(group))
       return fmt::format("{} are kinematic and push what they meet", group.name);
     if (layouts::IsPile(group)) return fmt::format("{} settle before the first cycle", group.name);
     if (group.HasLinks()) return fmt::format("{} are linked and pull at one another", group.name);

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "compiler/plan/engine_constants.h"
+#include "compiler/analysis/engine_constants.h"
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 
@@ -102,9 +102,9 @@ double FirstTime(double end, const Predicate& is_true) {
   return before;
 }
 
-using plan::kSleepAfter;
-using plan::kSlowSpeed;
-using plan::kSlowSpin;
+using analysis::kSleepAfter;
+using analysis::kSlowSpeed;
+using analysis::kSlowSpin;
 /// The longest uninterrupted time, s, that a moving object in free flight is slow, at most `end`.
 /// As Bullet counts: one step for each step in which it finds the object slow.
 double LongestRest(const layouts::ObjectState& object, const Eigen::Vector3d& acceleration,

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/report/table.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::report {
 
@@ -16,24 +16,25 @@ std::string JoinWords(const std::vector<std::string>& words) {
   return text;
 }
 
-std::string IntervalNote(const CycleTimes& times, const Estimate& estimate, double scale) {
-  const Interval interval = times.IntervalOf(estimate);
+std::string IntervalNote(const statistics::CycleTimes& times, const statistics::Estimate& estimate,
+                         double scale) {
+  const statistics::Interval interval = times.IntervalOf(estimate);
   if (std::isnan(interval.low) || std::isnan(interval.high)) return {};
   return fmt::format(" ({} {})", times.IntervalName(),
-                     IntervalText({interval.low * scale, interval.high * scale}));
+                     statistics::IntervalText({interval.low * scale, interval.high * scale}));
 }
 
 std::string TimeText(double ns) {
-  const TimeUnit unit = TimeUnit::For(ns);
-  return fmt::format("{} {}", ShortNumber(ns / unit.ns), unit.name);
+  const terminal::TimeUnit unit = terminal::TimeUnit::For(ns);
+  return fmt::format("{} {}", terminal::ShortNumber(ns / unit.ns), unit.name);
 }
 
 std::string SettingText(const store::ResultFile& file, const std::vector<std::size_t>& axes,
-                        const Point& at) {
+                        const statistics::Point& at) {
   std::string text;
   for (std::size_t i = 0; i < axes.size(); ++i)
     text += fmt::format("{}{} {}", i == 0 ? "" : ", ", file.axes()[axes[i]].name,
-                        CoordinateText(file.axes()[axes[i]], at[i]));
+                        terminal::CoordinateText(file.axes()[axes[i]], at[i]));
   return text;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/cycle_times.h"
-#include "runtime/report/points.h"
+#include "runtime/statistics/cycle_times.h"
+#include "runtime/statistics/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
@@ -14,12 +14,13 @@ namespace cdb::report {
 /// `a`, `a and b`, `a, b and c`.
 std::string JoinWords(const std::vector<std::string>& words);
 /// ` (95 % interval 0.98 .. 1.02)`, ` (range 0.98 .. 1.02)`; empty where there is none.
-std::string IntervalNote(const CycleTimes& times, const Estimate& estimate, double scale = 1);
+std::string IntervalNote(const statistics::CycleTimes& times, const statistics::Estimate& estimate,
+                         double scale = 1);
 /// `1.23 ms`.
 std::string TimeText(double ns);
 /// `hz 240, iterations 20`: values on the axes `axes`, at the point `at` on them.
 std::string SettingText(const store::ResultFile& file, const std::vector<std::size_t>& axes,
-                        const Point& at);
+                        const statistics::Point& at);
 /// The axes of a file but one.
 std::vector<std::size_t> OtherAxes(const store::ResultFile& file, std::size_t axis);
 /// `the number of objects`, `hz`: an axis in a sentence.

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/report/points.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/points.h"
 #include "runtime/store/store.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::report {
 
@@ -21,12 +21,13 @@ class RowTable {
   /// Of figures, aligned to the right.
   void AddColumn(std::string_view head) { heads_.emplace_back(head); }
   /// A figure for each column. `note` stands before the row's mark.
-  void AddRow(const Row& row, std::vector<std::string> figures, const std::string& note = "");
+  void AddRow(const statistics::Row& row, std::vector<std::string> figures,
+              const std::string& note = "");
   std::string Text() const;
 
  private:
   struct Line {
-    const Row& row;
+    const statistics::Row& row;
     std::vector<std::string> figures;
     std::string note;
   };
@@ -40,6 +41,7 @@ class RowTable {
 
 /// The first columns of a row.
 std::vector<std::string> Coordinates(const store::ResultFile& file,
-                                     const std::vector<std::size_t>& axes, const Point& at);
+                                     const std::vector<std::size_t>& axes,
+                                     const statistics::Point& at);
 
 }  // namespace cdb::report

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/cycle_times.h"
+#include "runtime/statistics/cycle_times.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
@@ -20,7 +20,7 @@ struct ShowOptions {
   bool only_sound = false;
   /// The phases of the tables. Empty: all; ratios of detect and step.
   std::vector<measure::Phase> phases = {};
-  CycleStatistic statistic = CycleStatistic::kMean;
+  statistics::CycleStatistic statistic = statistics::CycleStatistic::kMean;
   /// With plots of characters: times over the cycles, and over axes of numbers.
   bool plots = false;
 };

@@ -7,12 +7,12 @@
 #include <numeric>
 #include <utility>
 
-#include "runtime/report/cells.h"
-#include "runtime/report/detector_figures.h"
-#include "runtime/report/figures.h"
 #include "runtime/report/row_table.h"
 #include "runtime/report/show.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/detector_figures.h"
+#include "runtime/statistics/figures.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::report {
 namespace {
@@ -39,23 +39,25 @@ std::string ExponentText(double p) {
 }
 
 /// The unit in which most means are read easily.
-TimeUnit UnitOf(const std::vector<DetectorCosts>& costs) {
+terminal::TimeUnit UnitOf(const std::vector<statistics::DetectorCosts>& costs) {
   std::vector<double> means;
-  for (const DetectorCosts& row : costs) means.push_back(row.mean.value);
+  for (const statistics::DetectorCosts& row : costs) means.push_back(row.mean.value);
   std::ranges::sort(means);
-  return TimeUnit::For(Percentile(means, 0.5));
+  return terminal::TimeUnit::For(statistics::Percentile(means, 0.5));
 }
 
-std::string CostsText(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                      const std::vector<std::size_t>& by, CycleTimes& times) {
-  const Rows rows = MatchRows(points, by);
-  std::vector<DetectorCosts> costs;
-  for (const Row& row : rows.rows) costs.push_back(CostsOf(file, row, times));
-  const TimeUnit unit = UnitOf(costs);
-  const bool has_intervals = times.bootstrap().kind() != IntervalKind::kAbsent;
+std::string CostsText(const store::ResultFile& file,
+                      const std::vector<statistics::MeasuredPoint>& points,
+                      const std::vector<std::size_t>& by, statistics::CycleTimes& times) {
+  const statistics::Rows rows = statistics::MatchRows(points, by);
+  std::vector<statistics::DetectorCosts> costs;
+  for (const statistics::Row& row : rows.rows)
+    costs.push_back(statistics::CostsOf(file, row, times));
+  const terminal::TimeUnit unit = UnitOf(costs);
+  const bool has_intervals = times.bootstrap().kind() != statistics::IntervalKind::kAbsent;
   RowTable table(file, by, rows.pools);
-  table.AddColumn(times.statistic() == CycleStatistic::kWorst ? "worst of any repeat"
-                                                              : times.StatisticName());
+  table.AddColumn(times.statistic() == statistics::CycleStatistic::kWorst ? "worst of any repeat"
+                                                                          : times.StatisticName());
   if (has_intervals) table.AddColumn(times.IntervalName());
   table.AddColumn("worst");
   if (file.Has("pairs")) table.AddColumn("pairs");
@@ -64,16 +66,17 @@ std::string CostsText(const store::ResultFile& file, const std::vector<MeasuredP
   table.AddColumn("peak rss, MB");
   if (file.Has("heap")) table.AddColumn("heap, MB");
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
-    const DetectorCosts& row = costs[i];
-    std::vector<std::string> texts = {ShortNumber(row.mean.value / unit.ns)};
+    const statistics::DetectorCosts& row = costs[i];
+    std::vector<std::string> texts = {terminal::ShortNumber(row.mean.value / unit.ns)};
     if (has_intervals)
-      texts.push_back(IntervalText(times.IntervalOf(Scaled(row.mean, 1 / unit.ns))));
-    texts.push_back(ShortNumber(row.worst / unit.ns));
-    if (file.Has("pairs")) texts.push_back(ShortNumber(row.pairs));
+      texts.push_back(
+          statistics::IntervalText(times.IntervalOf(statistics::Scaled(row.mean, 1 / unit.ns))));
+    texts.push_back(terminal::ShortNumber(row.worst / unit.ns));
+    if (file.Has("pairs")) texts.push_back(terminal::ShortNumber(row.pairs));
     if (file.Has("exact_pairs"))
       for (const double count : {row.missed, row.phantom}) texts.push_back(CountText(count));
-    texts.push_back(ShortNumber(row.peak_rss / 1e6));
-    if (file.Has("heap")) texts.push_back(ShortNumber(row.heap / 1e6));
+    texts.push_back(terminal::ShortNumber(row.peak_rss / 1e6));
+    if (file.Has("heap")) texts.push_back(terminal::ShortNumber(row.heap / 1e6));
     table.AddRow(rows.rows[i], std::move(texts));
   }
   return fmt::format("\nDetectors: a cycle's detect, {}\n{}{}{}", unit.name, table.Text(),
@@ -81,12 +84,12 @@ std::string CostsText(const store::ResultFile& file, const std::vector<MeasuredP
 }
 
 /// The numbers of objects that an exponent is fitted over: `10 .. 40`.
-std::string ObjectsText(const DetectorGrowth::Exponent& exponent) {
+std::string ObjectsText(const statistics::DetectorGrowth::Exponent& exponent) {
   return CountText(exponent.least) + " .. " + CountText(exponent.most);
 }
 
 /// What to know before the exponents of two rows are compared.
-std::string GrowthNotes(const DetectorGrowth& growth) {
+std::string GrowthNotes(const statistics::DetectorGrowth& growth) {
   std::string text;
   if (!growth.is_matched) text += "  Rows are of unlike numbers of objects: do not compare them.\n";
   if (growth.dropped > 0)
@@ -99,11 +102,12 @@ std::string GrowthNotes(const DetectorGrowth& growth) {
   return text;
 }
 
-std::string GrowthText(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                       const std::vector<std::size_t>& rows, CycleTimes& times) {
-  const auto growth = GrowthByRow(file, points, rows, times);
+std::string GrowthText(const store::ResultFile& file,
+                       const std::vector<statistics::MeasuredPoint>& points,
+                       const std::vector<std::size_t>& rows, statistics::CycleTimes& times) {
+  const auto growth = statistics::GrowthByRow(file, points, rows, times);
   if (!growth || growth->exponents.empty()) return {};
-  Table table;
+  terminal::Table table;
   for (const std::size_t axis : growth->rows)
     table.AddColumn(file.axes()[axis].name, !file.axes()[axis].IsText());
   table.AddColumn("p", true);
@@ -121,25 +125,27 @@ std::string GrowthText(const store::ResultFile& file, const std::vector<Measured
 
 }  // namespace
 
-std::string ShowDetectors(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                          const std::vector<std::size_t>& by, CycleTimes& times) {
-  const auto axis = DetectorAxis(file);
+std::string ShowDetectors(const store::ResultFile& file,
+                          const std::vector<statistics::MeasuredPoint>& points,
+                          const std::vector<std::size_t>& by, statistics::CycleTimes& times) {
+  const auto axis = statistics::DetectorAxis(file);
   if (!axis || file.axes()[*axis].values.size() < 2 || !file.Has("duration") || points.empty())
     return {};
   const std::vector<std::size_t> rows = RowsOf(file, points.size(), *axis, by);
   return CostsText(file, points, rows, times) + GrowthText(file, points, rows, times);
 }
 
-std::string HarnessText(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                        CycleTimes& times) {
-  const auto cost = HarnessCostOf(file, points, times);
+std::string HarnessText(const store::ResultFile& file,
+                        const std::vector<statistics::MeasuredPoint>& points,
+                        statistics::CycleTimes& times) {
+  const auto cost = statistics::HarnessCostOf(file, points, times);
   if (!cost) return {};
-  std::string text = fmt::format("  Harness: {} ns a cycle", ShortNumber(cost->median));
+  std::string text = fmt::format("  Harness: {} ns a cycle", terminal::ShortNumber(cost->median));
   if (const auto& fastest = cost->fastest)
-    text +=
-        fmt::format(", {} % of the detect of {}{}", ShortNumber(100 * cost->median / fastest->time),
-                    fastest->detector.empty() ? "the detector" : fastest->detector,
-                    fastest->is_only ? "" : ", the fastest");
+    text += fmt::format(", {} % of the detect of {}{}",
+                        terminal::ShortNumber(100 * cost->median / fastest->time),
+                        fastest->detector.empty() ? "the detector" : fastest->detector,
+                        fastest->is_only ? "" : ", the fastest");
   return text + "; nothing is subtracted.\n";
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/cycle_times.h"
-#include "runtime/report/points.h"
+#include "runtime/statistics/cycle_times.h"
+#include "runtime/statistics/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
@@ -16,12 +16,14 @@ namespace cdb::report {
 /// makes no rows is pooled. And where one axis of three numbers or more changes how many objects
 /// there are: p of detect ~ objects^p, by least squares over the logarithms of means. Empty where
 /// the file sweeps no detectors or holds no timings. Throws StoreError.
-std::string ShowDetectors(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                          const std::vector<std::size_t>& by, CycleTimes& times);
+std::string ShowDetectors(const store::ResultFile& file,
+                          const std::vector<statistics::MeasuredPoint>& points,
+                          const std::vector<std::size_t>& by, statistics::CycleTimes& times);
 
 /// One line: what calling a detector costs beside its own work, and what part of the fastest
 /// detector's time that is. Empty where no run says it.
-std::string HarnessText(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                        CycleTimes& times);
+std::string HarnessText(const store::ResultFile& file,
+                        const std::vector<statistics::MeasuredPoint>& points,
+                        statistics::CycleTimes& times);
 
 }  // namespace cdb::report

@@ -1,23 +1,11 @@
 // Error against run time as tables and plots on a terminal (`cdb show --error`).
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "runtime/report/show.h"
+#include "runtime/statistics/error_figures.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
-
-struct ShowErrorOptions {
-  std::string error;  ///< an array of /accuracy: `position`
-  /// Axes that make the rows; over the others errors and times are averaged. Empty: all but seeds.
-  std::vector<std::string> by;
-  /// Axes each value of which has a table and a front of its own: other scenes than the rest.
-  std::vector<std::string> each;
-  /// Without runs whose timings a verdict voids.
-  bool only_sound = false;
-};
 
 /// Each configuration, the fastest first: how much faster than real time it is, what a simulated
 /// second takes (the statistic of cycle_times.h over the time step), its error, and whether it is
@@ -26,6 +14,6 @@ struct ShowErrorOptions {
 /// those of errors are of seeds, where the file sweeps them. Void configurations are last, marked
 /// and not on the front; those without the error or without a time are listed by themselves. Throws
 /// StoreError, also for an error or an axis that the file has not got.
-ShowText ShowError(const store::ResultFile& file, const ShowErrorOptions& options);
+ShowText ShowError(const store::ResultFile& file, const statistics::ErrorOptions& options);
 
 }  // namespace cdb::report

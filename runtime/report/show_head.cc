@@ -8,12 +8,12 @@
 #include <set>
 #include <sstream>
 
-#include "compiler/plan/pruning.h"
+#include "compiler/analysis/pruning.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/processors.h"
 #include "runtime/report/show_noise.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/processors.h"
 
 namespace cdb::report {
 namespace {
@@ -29,12 +29,13 @@ class Head {
   Head(const store::ResultFile& file, const HeadParts& parts)
       : file_(file), parts_(parts), groups_(parts.groups), measured_(groups_.good) {
     if (!measured_.empty()) return;
-    for (const CellGroups::Bad& bad : groups_.bad) measured_.push_back(bad.cell);
+    for (const statistics::CellGroups::Bad& bad : groups_.bad) measured_.push_back(bad.cell);
   }
 
   std::string Text() const {
-    std::string text = Grid() + NoiseText(file_, measured_) + ProcessorText(file_, measured_) +
-                       WrongDetectors(file_, parts_.findings) + Timing();
+    std::string text = Grid() + NoiseText(file_, measured_) +
+                       statistics::ProcessorText(file_, measured_) +
+                       statistics::WrongDetectors(file_, parts_.findings) + Timing();
     for (const std::string& trouble : parts_.references)
       text += fmt::format("  A reference is missing: {}\n", trouble);
     text += parts_.harness + LeftOut() + Models() + Verdicts() + Errors();
@@ -110,9 +111,10 @@ class Head {
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
       const auto& [verdict, runs] = *row;
       if (verdict <= measure::Verdict::kStable) continue;
-      doubts += fmt::format("    {} {}: {} from cycle {} on{}\n", runs.size(),
-                            measure::VerdictName(verdict), PlaceText(file_, runs[0].cell),
-                            runs[0].first_bad_cycle, runs.size() > 1 ? ", and others" : "");
+      doubts +=
+          fmt::format("    {} {}: {} from cycle {} on{}\n", runs.size(),
+                      measure::VerdictName(verdict), statistics::PlaceText(file_, runs[0].cell),
+                      runs[0].first_bad_cycle, runs.size() > 1 ? ", and others" : "");
     }
     const auto stable = groups_.verdicts.find(measure::Verdict::kStable);
     const std::size_t sound = stable == groups_.verdicts.end() ? 0 : stable->second.size();
@@ -168,7 +170,8 @@ class Head {
   /// `40 frozen, 5 failed`.
   std::string Faults() const {
     std::map<std::string, std::size_t> counts;
-    for (const CellGroups::Bad& bad : groups_.bad) ++counts[FaultOf(file_, bad.cell)];
+    for (const statistics::CellGroups::Bad& bad : groups_.bad)
+      ++counts[statistics::FaultOf(file_, bad.cell)];
     std::string text;
     for (const auto& [fault, count] : counts)
       text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, fault);
@@ -184,16 +187,16 @@ class Head {
                     parts_.only_sound ? "left out by --sound"
                                       : "marked below and in no mean or ratio with others");
     for (std::size_t i = 0; i < std::min(bad.size(), kMaxBadListed); ++i)
-      text += fmt::format("    {}: {}\n", PlaceText(file_, bad[i].cell), bad[i].why);
+      text += fmt::format("    {}: {}\n", statistics::PlaceText(file_, bad[i].cell), bad[i].why);
     if (bad.size() > kMaxBadListed)
       text += fmt::format("    and {} more\n", bad.size() - kMaxBadListed);
     return text + fmt::format("  To run the first of them by itself: {}\n",
-                              OnlyCommand(file_, bad[0].cell));
+                              statistics::OnlyCommand(file_, bad[0].cell));
   }
 
   const store::ResultFile& file_;
   const HeadParts& parts_;
-  const CellGroups& groups_;
+  const statistics::CellGroups& groups_;
   std::vector<Cell> measured_;  ///< the good ones; where there are none, the others
 };
 

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/figures.h"
-#include "runtime/report/findings.h"
+#include "runtime/statistics/figures.h"
+#include "runtime/statistics/findings.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
 
 struct HeadParts {
-  const CellGroups& groups;
-  const std::vector<DetectorFindings>& findings;
+  const statistics::CellGroups& groups;
+  const std::vector<statistics::DetectorFindings>& findings;
   const std::vector<std::string>& references;  ///< the failed reference runs
   bool only_sound;                             ///< void runs are in no table
   std::string harness;                         ///< a line

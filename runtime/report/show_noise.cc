@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "runtime/measure/noise.h"
-#include "runtime/report/cells.h"
+#include "runtime/machine/noise.h"
+#include "runtime/statistics/cells.h"
 
 namespace cdb::report {
 
@@ -16,7 +16,7 @@ std::string NoiseText(const store::ResultFile& file,
   const store::ResultFile::Cell* worst = nullptr;
   double least_share = std::numeric_limits<double>::infinity();
   for (const store::ResultFile::Cell& cell : cells) {
-    if (file.ReadReal("noise", cell) != static_cast<double>(measure::Noise::kNoisy)) continue;
+    if (file.ReadReal("noise", cell) != static_cast<double>(machine::Noise::kNoisy)) continue;
     ++noisy;
     const double share = file.ReadReal("cpu_time", cell) / file.ReadReal("cycles_time", cell);
     if (worst != nullptr && !(share < least_share)) continue;
@@ -26,7 +26,7 @@ std::string NoiseText(const store::ResultFile& file,
   if (worst == nullptr) return {};
   return fmt::format(
       "  The machine was noisy in {} of {} run{}; worst in {}: {} (cdb doc noise).\n", noisy,
-      cells.size(), cells.size() == 1 ? "" : "s", PlaceText(file, *worst),
+      cells.size(), cells.size() == 1 ? "" : "s", statistics::PlaceText(file, *worst),
       file.ReadText("noise_cause", *worst));
 }
 

@@ -6,26 +6,26 @@
 #include <string_view>
 #include <utility>
 
-#include "runtime/report/figures.h"
-#include "runtime/report/numbers.h"
 #include "runtime/report/row_table.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/figures.h"
+#include "runtime/terminal/numbers.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::report {
 namespace {
 
 class PhaseTables {
  public:
-  PhaseTables(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+  PhaseTables(const store::ResultFile& file, const std::vector<statistics::MeasuredPoint>& points,
               const std::vector<std::size_t>& by, const std::vector<measure::Phase>& phases,
-              CycleTimes& times)
+              statistics::CycleTimes& times)
       : file_(file),
         times_(times),
         by_(by),
         phases_(phases.empty() ? AllPhases() : phases),
-        rows_(MatchRows(points, by)),
+        rows_(statistics::MatchRows(points, by)),
         has_times_(file.Has("duration")),
-        has_intervals_(has_times_ && times.bootstrap().kind() != IntervalKind::kAbsent),
+        has_intervals_(has_times_ && times.bootstrap().kind() != statistics::IntervalKind::kAbsent),
         unit_(UnitOf()) {}
 
   std::string Text() {
@@ -63,33 +63,34 @@ class PhaseTables {
   std::string Unit() const { return has_times_ ? fmt::format(", {}", unit_.name) : ""; }
 
   bool LacksRepeats() {
-    return std::ranges::any_of(rows_.rows, [this](const Row& row) {
+    return std::ranges::any_of(rows_.rows, [this](const statistics::Row& row) {
       return MeanOfRow(row, measure::Phase::kStep).things < times_.bootstrap().size();
     });
   }
 
   /// That of the median step.
-  TimeUnit UnitOf() {
+  terminal::TimeUnit UnitOf() {
     std::vector<double> steps;
     if (has_times_)
-      for (const Row& row : rows_.rows)
+      for (const statistics::Row& row : rows_.rows)
         steps.push_back(MeanOfRow(row, measure::Phase::kStep).value);
     std::ranges::sort(steps);
-    return TimeUnit::For(Percentile(steps, 0.5));
+    return terminal::TimeUnit::For(statistics::Percentile(steps, 0.5));
   }
 
-  Estimate MeanOfRow(const Row& row, measure::Phase phase) {
-    std::vector<Estimate> means;
-    for (const MeasuredPoint* point : row.points) means.push_back(times_.FigureOf(*point, phase));
-    return MeanOf(means);
+  statistics::Estimate MeanOfRow(const statistics::Row& row, measure::Phase phase) {
+    std::vector<statistics::Estimate> means;
+    for (const statistics::MeasuredPoint* point : row.points)
+      means.push_back(times_.FigureOf(*point, phase));
+    return statistics::MeanOf(means);
   }
 
   /// Repeats have the same.
-  double MeanCount(const Row& row, const char* series) const {
+  double MeanCount(const statistics::Row& row, const char* series) const {
     std::vector<double> means;
-    for (const MeasuredPoint* point : row.points)
-      means.push_back(Mean(file_.ReadSeries(series, point->cells[0])));
-    return Mean(means);
+    for (const statistics::MeasuredPoint* point : row.points)
+      means.push_back(terminal::Mean(file_.ReadSeries(series, point->cells[0])));
+    return terminal::Mean(means);
   }
 
   std::string Means() {
@@ -98,13 +99,13 @@ class PhaseTables {
       for (const measure::Phase phase : phases_) table.AddColumn(NameOf(phase));
     for (const char* series : {"pairs", "contacts"})
       if (file_.Has(series)) table.AddColumn(series);
-    for (const Row& row : rows_.rows) {
+    for (const statistics::Row& row : rows_.rows) {
       std::vector<std::string> figures;
       if (has_times_)
         for (const measure::Phase phase : phases_)
-          figures.push_back(ShortNumber(MeanOfRow(row, phase).value / unit_.ns));
+          figures.push_back(terminal::ShortNumber(MeanOfRow(row, phase).value / unit_.ns));
       for (const char* series : {"pairs", "contacts"})
-        if (file_.Has(series)) figures.push_back(ShortNumber(MeanCount(row, series)));
+        if (file_.Has(series)) figures.push_back(terminal::ShortNumber(MeanCount(row, series)));
       table.AddRow(row, std::move(figures));
     }
     return table.Text();
@@ -115,11 +116,11 @@ class PhaseTables {
   std::string Ranges(RangeOf range_of) {
     RowTable table(file_, by_, rows_.pools);
     for (const measure::Phase phase : phases_) table.AddColumn(NameOf(phase));
-    for (const Row& row : rows_.rows) {
+    for (const statistics::Row& row : rows_.rows) {
       std::vector<std::string> figures;
       for (const measure::Phase phase : phases_) {
-        const Interval ns = range_of(row, phase);
-        figures.push_back(IntervalText({ns.low / unit_.ns, ns.high / unit_.ns}));
+        const statistics::Interval ns = range_of(row, phase);
+        figures.push_back(statistics::IntervalText({ns.low / unit_.ns, ns.high / unit_.ns}));
       }
       table.AddRow(row, std::move(figures));
     }
@@ -127,34 +128,36 @@ class PhaseTables {
   }
 
   std::string Spreads() {
-    return Ranges([this](const Row& row, measure::Phase phase) -> Interval {
+    return Ranges([this](const statistics::Row& row, measure::Phase phase) -> statistics::Interval {
       std::vector<double> cycles;
-      for (const MeasuredPoint* point : row.points) Append(cycles, times_.Of(*point, phase).cycles);
+      for (const statistics::MeasuredPoint* point : row.points)
+        terminal::Append(cycles, times_.Of(*point, phase).cycles);
       std::ranges::sort(cycles);
-      return {Percentile(cycles, 0.05), Percentile(cycles, 0.95)};
+      return {statistics::Percentile(cycles, 0.05), statistics::Percentile(cycles, 0.95)};
     });
   }
 
   std::string Intervals() {
-    return Ranges([this](const Row& row, measure::Phase phase) {
+    return Ranges([this](const statistics::Row& row, measure::Phase phase) {
       return times_.IntervalOf(MeanOfRow(row, phase));
     });
   }
 
   const store::ResultFile& file_;
-  CycleTimes& times_;
+  statistics::CycleTimes& times_;
   const std::vector<std::size_t>& by_;
   const std::vector<measure::Phase> phases_;
-  const Rows rows_;
+  const statistics::Rows rows_;
   const bool has_times_, has_intervals_;
-  const TimeUnit unit_;
+  const terminal::TimeUnit unit_;
 };
 
 }  // namespace
 
-std::string ShowPhases(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+std::string ShowPhases(const store::ResultFile& file,
+                       const std::vector<statistics::MeasuredPoint>& points,
                        const std::vector<std::size_t>& by,
-                       const std::vector<measure::Phase>& phases, CycleTimes& times) {
+                       const std::vector<measure::Phase>& phases, statistics::CycleTimes& times) {
   return points.empty() ? "" : PhaseTables(file, points, by, phases, times).Text();
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/cycle_times.h"
-#include "runtime/report/points.h"
+#include "runtime/statistics/cycle_times.h"
+#include "runtime/statistics/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
@@ -15,8 +15,9 @@ namespace cdb::report {
 /// those in `phases` where that is not empty, and the means of pairs and of contacts; the 5th and
 /// 95th percentile over the cycles; and the intervals of the means. Empty for a file without
 /// timings and pairs. Throws StoreError.
-std::string ShowPhases(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+std::string ShowPhases(const store::ResultFile& file,
+                       const std::vector<statistics::MeasuredPoint>& points,
                        const std::vector<std::size_t>& by,
-                       const std::vector<measure::Phase>& phases, CycleTimes& times);
+                       const std::vector<measure::Phase>& phases, statistics::CycleTimes& times);
 
 }  // namespace cdb::report

@@ -8,11 +8,12 @@
 #include <string_view>
 #include <utility>
 
-#include "runtime/report/cells.h"
 #include "runtime/report/conclusion_words.h"
-#include "runtime/report/log_plot.h"
-#include "runtime/report/numbers.h"
-#include "runtime/report/table.h"
+#include "runtime/report/row_table.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/terminal/log_plot.h"
+#include "runtime/terminal/numbers.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::report {
 namespace {
@@ -39,9 +40,10 @@ std::vector<double> Bins(const std::vector<double>& values, std::size_t width) {
   return bins;
 }
 
-std::string OverCycles(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                       measure::Phase phase, CycleTimes& times) {
-  Table table(file.axes().size());
+std::string OverCycles(const store::ResultFile& file,
+                       const std::vector<statistics::MeasuredPoint>& points, measure::Phase phase,
+                       statistics::CycleTimes& times) {
+  terminal::Table table(file.axes().size());
   for (const plan::Axis& axis : file.axes()) table.AddColumn(axis.name, !axis.IsText());
   table.AddColumn("over the cycles", false);
   table.AddColumn("least", true);
@@ -50,7 +52,7 @@ std::string OverCycles(const store::ResultFile& file, const std::vector<Measured
   for (std::size_t i = 0; i < file.axes().size(); ++i) all.push_back(i);
   for (std::size_t i = 0; i < std::min(points.size(), kMaxSparklines); ++i) {
     const std::vector<double>& cycles = times.Of(points[i], phase).cycles;
-    double least = kNone, most = kNone;
+    double least = terminal::kNone, most = terminal::kNone;
     for (const double ns : cycles) {
       least = std::fmin(least, ns);
       most = std::fmax(most, ns);
@@ -70,29 +72,31 @@ std::string OverCycles(const store::ResultFile& file, const std::vector<Measured
 }
 
 /// The geometric mean over all other axes but that of detectors, a letter for each of these.
-std::string OverAxis(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                     std::size_t axis, measure::Phase phase, CycleTimes& times) {
-  const auto detectors = DetectorAxis(file);
+std::string OverAxis(const store::ResultFile& file,
+                     const std::vector<statistics::MeasuredPoint>& points, std::size_t axis,
+                     measure::Phase phase, statistics::CycleTimes& times) {
+  const auto detectors = statistics::DetectorAxis(file);
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> found;
-  for (const MeasuredPoint& point : points)
+  for (const statistics::MeasuredPoint& point : points)
     if (point.IsSound())
       found[{detectors ? point.at[*detectors] : 0, point.at[axis]}].push_back(
           times.FigureOf(point, phase).value);
-  std::vector<PlotPoint> plotted;
+  std::vector<terminal::PlotPoint> plotted;
   std::string legend;
   std::size_t last = kLetters.size();
   for (const auto& [key, values] : found) {
     const auto& [detector, value] = key;
-    const double x = std::get<double>(file.axes()[axis].values[value]), y = GeometricMean(values);
+    const double x = std::get<double>(file.axes()[axis].values[value]),
+                 y = terminal::GeometricMean(values);
     if (!(x > 0) || !(y > 0)) continue;
     const char letter = detectors ? kLetters[detector % kLetters.size()] : 'o';
     if (detectors && detector != last)
       legend += fmt::format("{}{} {}", legend.empty() ? ": " : ", ", letter,
-                            CoordinateText(file.axes()[*detectors], detector));
+                            terminal::CoordinateText(file.axes()[*detectors], detector));
     last = detector;
-    plotted.push_back({x, y, PlotMark::kOff, letter});
+    plotted.push_back({x, y, terminal::PlotMark::kOff, letter});
   }
-  const std::string plot = LogPlot(
+  const std::string plot = terminal::LogPlot(
       plotted, file.axes()[axis].name,
       fmt::format("{} {} over {}, ns{}", times.StatisticHead(),
                   measure::PhaseNames()[measure::IndexOf(phase)], file.axes()[axis].name, legend));
@@ -103,7 +107,7 @@ std::string OverAxis(const store::ResultFile& file, const std::vector<MeasuredPo
 
 std::string Sparkline(const std::vector<double>& values, std::size_t width) {
   const std::vector<double> bins = Bins(values, width);
-  double least = kNone, most = kNone;
+  double least = terminal::kNone, most = terminal::kNone;
   for (const double value : bins) {
     least = std::fmin(least, value);
     most = std::fmax(most, value);
@@ -118,8 +122,9 @@ std::string Sparkline(const std::vector<double>& values, std::size_t width) {
   return text;
 }
 
-std::string ShowPlots(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                      const std::vector<measure::Phase>& phases, CycleTimes& times) {
+std::string ShowPlots(const store::ResultFile& file,
+                      const std::vector<statistics::MeasuredPoint>& points,
+                      const std::vector<measure::Phase>& phases, statistics::CycleTimes& times) {
   if (!file.Has("duration") || points.empty()) return {};
   std::string text;
   for (const measure::Phase phase : phases.empty() ? std::vector{measure::Phase::kStep} : phases) {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "runtime/measure/series.h"
-#include "runtime/report/cycle_times.h"
-#include "runtime/report/points.h"
+#include "runtime/statistics/cycle_times.h"
+#include "runtime/statistics/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
@@ -17,7 +17,8 @@ std::string Sparkline(const std::vector<double>& values, std::size_t width);
 
 /// The phases (the step where `phases` is empty) over the cycles, a line for each of at most 24
 /// points; and over each axis of three numbers or more. Empty for a file without timings.
-std::string ShowPlots(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
-                      const std::vector<measure::Phase>& phases, CycleTimes& times);
+std::string ShowPlots(const store::ResultFile& file,
+                      const std::vector<statistics::MeasuredPoint>& points,
+                      const std::vector<measure::Phase>& phases, statistics::CycleTimes& times);
 
 }  // namespace cdb::report

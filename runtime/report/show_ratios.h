@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/cycle_times.h"
-#include "runtime/report/points.h"
+#include "runtime/statistics/cycle_times.h"
+#include "runtime/statistics/points.h"
 #include "runtime/store/store.h"
 
 namespace cdb::report {
@@ -21,8 +21,9 @@ std::optional<std::size_t> FindBaseline(const store::ResultFile& file, const std
 /// each ratio, paired by repeat. The geometric mean is over the points that all detectors have,
 /// sound and with the same omissions; ratios of other points are in parentheses. Empty where the
 /// file sweeps no detectors or holds no timings. Throws StoreError.
-std::string ShowRatios(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
+std::string ShowRatios(const store::ResultFile& file,
+                       const std::vector<statistics::MeasuredPoint>& points,
                        std::optional<std::size_t> baseline,
-                       const std::vector<measure::Phase>& phases, CycleTimes& times);
+                       const std::vector<measure::Phase>& phases, statistics::CycleTimes& times);
 
 }  // namespace cdb::report

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/report/cells.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::report {
 namespace {
@@ -37,7 +37,7 @@ std::string AlongAxis(const store::ResultFile& file, std::vector<std::size_t> at
     std::string here;
     if (i < axis.values.size()) {
       at[own] = i;
-      here = WorstVerdict(file, at).word;
+      here = statistics::WorstVerdict(file, at).word;
       if (i == 0) before = here;
     }
     if (here == before) continue;
@@ -54,7 +54,7 @@ std::string StabilityMap(const store::ResultFile& file) {
   const auto& axes = file.axes();
   const auto own = OwnAxis(axes);
   std::string text = fmt::format("{}\n", file.title());
-  Table table;
+  terminal::Table table;
   for (std::size_t i = 0; i < axes.size(); ++i)
     if (i != own) table.AddColumn(axes[i].name, !axes[i].IsText());
   table.AddColumn(
@@ -64,8 +64,8 @@ std::string StabilityMap(const store::ResultFile& file) {
   for (;;) {
     std::vector<std::string> row;
     for (std::size_t i = 0; i < axes.size(); ++i)
-      if (i != own) row.push_back(CoordinateText(axes[i], at[i]));
-    row.push_back(own ? AlongAxis(file, at, *own) : WorstVerdict(file, at).word);
+      if (i != own) row.push_back(terminal::CoordinateText(axes[i], at[i]));
+    row.push_back(own ? AlongAxis(file, at, *own) : statistics::WorstVerdict(file, at).word);
     table.AddRow(std::move(row));
     std::size_t i = axes.size();
     const auto advance = [&] {

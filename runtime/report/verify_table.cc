@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "runtime/report/findings.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/findings.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::report {
 namespace {
@@ -15,13 +15,13 @@ namespace {
 /// What is wrong with a detector, the worst first.
 enum class Fault { kMissesPairs, kMissesContacts, kFails, kNone };
 
-Fault FaultOf(const DetectorFindings& of) {
+Fault FaultOf(const statistics::DetectorFindings& of) {
   if (of.missed > 0) return Fault::kMissesPairs;
   if (of.missed_contacts > 0) return Fault::kMissesContacts;
   return of.failed_runs > 0 ? Fault::kFails : Fault::kNone;
 }
 
-std::string Verdict(const DetectorFindings& of) {
+std::string Verdict(const statistics::DetectorFindings& of) {
   switch (FaultOf(of)) {
     case Fault::kMissesPairs:
       return "wrong: misses pairs";
@@ -43,8 +43,8 @@ std::string ErrorText(double value) {
 
 class Verified {
  public:
-  Verified(const store::ResultFile& file) : file_(file), all_(FindingsOf(file)) {
-    std::erase_if(all_, [](const DetectorFindings& of) { return of.AllRuns() == 0; });
+  Verified(const store::ResultFile& file) : file_(file), all_(statistics::FindingsOf(file)) {
+    std::erase_if(all_, [](const statistics::DetectorFindings& of) { return of.AllRuns() == 0; });
     std::ranges::stable_sort(all_, {}, FaultOf);
   }
 
@@ -53,14 +53,14 @@ class Verified {
   }
 
   std::string Text() const {
-    Table table;
+    terminal::Table table;
     table.AddColumn("detector", false);
     for (const char* head : {"points", "cycles", "exact pairs", "missed", "phantom", "duplicate",
                              "contacts missed", "depth error", "normal error"})
       table.AddColumn(head, true);
     table.AddColumn("verdict", false);
     std::string below;
-    for (const DetectorFindings& of : all_) {
+    for (const statistics::DetectorFindings& of : all_) {
       std::vector<std::string> row = {of.detector};
       for (const std::uint64_t count : {std::uint64_t{of.AllRuns()}, of.cycles, of.exact, of.missed,
                                         of.false_positives, of.duplicate, of.missed_contacts})
@@ -75,15 +75,17 @@ class Verified {
 
  private:
   /// Where it goes wrong, and how to see that.
-  std::string Below(const DetectorFindings& of) const {
+  std::string Below(const statistics::DetectorFindings& of) const {
     std::string text;
     const auto add = [&](const std::string& what, const store::ResultFile::Cell& cell) {
-      text += fmt::format("  {} {}\n    {}\n", of.detector, what, OnlyCommand(file_, cell));
+      text +=
+          fmt::format("  {} {}\n    {}\n", of.detector, what, statistics::OnlyCommand(file_, cell));
     };
-    const auto from = [&](const char* what, const std::optional<DetectorFindings::Place>& first) {
+    const auto from = [&](const char* what,
+                          const std::optional<statistics::DetectorFindings::Place>& first) {
       if (first)
         add(fmt::format("{} from cycle {} of {} on", what, first->cycle,
-                        PlaceText(file_, first->cell)),
+                        statistics::PlaceText(file_, first->cell)),
             first->cell);
     };
     from("misses pairs", of.first_missed);
@@ -91,14 +93,14 @@ class Verified {
     from("lists pairs twice", of.first_duplicate);
     if (of.first_failed)
       add(fmt::format("{} at {}: {}", store::StatusName(file_.ReadStatus(*of.first_failed)),
-                      PlaceText(file_, *of.first_failed),
+                      statistics::PlaceText(file_, *of.first_failed),
                       file_.ReadText("message", *of.first_failed)),
           *of.first_failed);
     return text;
   }
 
   const store::ResultFile& file_;
-  std::vector<DetectorFindings> all_;
+  std::vector<statistics::DetectorFindings> all_;
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <set>
 #include <string_view>
 
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
 #include "library/meshes/models.h"
 #include "library/scene_error.h"
 #include "runtime/measure/recorded_series.h"
@@ -92,7 +92,7 @@ Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs
     demand.recorded = std::max(demand.recorded, 2 * (series + 3 * samples));
     demand.disk += 2 / kBestCompression * series;
     demand.time += SecondsOf(*run);
-    if (plan::TraceOf(run->scene)) continue;  // nothing is placed
+    if (analysis::TraceOf(run->scene)) continue;  // nothing is placed
     demand.objects = std::max(demand.objects, static_cast<double>(run->scene.ObjectCount()));
   }
   demand.scene = demand.objects * kBytesOfObject;

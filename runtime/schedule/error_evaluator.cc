@@ -6,8 +6,8 @@
 #include <exception>
 #include <utility>
 
-#include "compiler/plan/reference.h"
-#include "dsl/check.h"
+#include "compiler/analysis/reference.h"
+#include "dsl/text/check.h"
 #include "library/closed_forms/closed_form.h"
 #include "runtime/accuracy/errors.h"
 
@@ -34,14 +34,14 @@ ErrorEvaluator::ErrorEvaluator(const plan::Plan& plan, std::filesystem::path fol
   for (const plan::Run& run : plan.references) references_.emplace(run.id, &run);
 }
 
-const store::ReferenceShard& ErrorEvaluator::Find(const std::string& id) {
+const shards::ReferenceShard& ErrorEvaluator::Find(const std::string& id) {
   const auto kept = std::ranges::find(kept_, id, [](const auto& one) { return one.first; });
   if (kept != kept_.end()) {
     kept_.splice(kept_.begin(), kept_, kept);
     return kept_.front().second;
   }
   const plan::Run& run = *references_.at(id);
-  kept_.emplace_front(id, store::ReadReference(plan_sha256_, run, folder_ / (id + ".h5")));
+  kept_.emplace_front(id, shards::ReadReference(plan_sha256_, run, folder_ / (id + ".h5")));
   if (kept_.size() > kKept) kept_.pop_back();
   return kept_.front().second;
 }
@@ -56,7 +56,7 @@ measure::RunErrors ErrorEvaluator::ErrorsOf(const plan::Run& run, store::Status 
     errors.truth = truth;
     return errors;
   }
-  const auto sampling = plan::SamplingOf(run.scene);
+  const auto sampling = analysis::SamplingOf(run.scene);
   CDB_CHECK(sampling);
   const measure::Samples samples{*measure::SampleShapeOf(run.scene), sampling->interval_s,
                                  recording.SampleValues()};
@@ -80,7 +80,7 @@ measure::RunErrors ErrorEvaluator::AgainstReference(const plan::Run& run,
   std::string trouble;
   const auto find = [&](const std::string& id) -> std::optional<measure::Samples> {
     try {
-      const store::ReferenceShard& shard = Find(id);
+      const shards::ReferenceShard& shard = Find(id);
       const std::string name = Describe(plan_, *references_.at(id));
       measure::Samples found{shard.shape, samples.interval_s, shard.values};
       if (shard.status != store::Status::kDone) {
@@ -93,7 +93,7 @@ measure::RunErrors ErrorEvaluator::AgainstReference(const plan::Run& run,
       } else {
         return found;
       }
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       Append(trouble, error.what());
     }
     return std::nullopt;

@@ -9,7 +9,7 @@
 
 #include "compiler/plan/plan.h"
 #include "runtime/measure/recording.h"
-#include "runtime/store/reference_shard.h"
+#include "runtime/store/shards/reference_shard.h"
 
 namespace cdb::schedule {
 
@@ -26,14 +26,14 @@ class ErrorEvaluator {
  private:
   /// The shard of a reference, read once and kept while it is one of the last that were asked for.
   /// Throws StoreError.
-  const store::ReferenceShard& Find(const std::string& id);
+  const shards::ReferenceShard& Find(const std::string& id);
   measure::RunErrors AgainstReference(const plan::Run& run, const measure::Samples& samples);
 
   const plan::Plan& plan_;
   const std::string plan_sha256_;
   const std::filesystem::path folder_;
   std::map<std::string, const plan::Run*, std::less<>> references_;
-  std::list<std::pair<std::string, store::ReferenceShard>> kept_;  ///< the last asked for first
+  std::list<std::pair<std::string, shards::ReferenceShard>> kept_;  ///< the last asked for first
 };
 
 }  // namespace cdb::schedule

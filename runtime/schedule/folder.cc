@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "compiler/plan/input_file.h"
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/short_plan.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "compiler/yaml/short_plan.h"
 #include "runtime/process/launcher.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
 
 namespace cdb::schedule {
 
@@ -35,7 +35,7 @@ std::string ShardRunId(std::string_view name, std::string_view ending) {
 }
 
 [[noreturn]] void FailStore(std::string_view doing, const fs::path& file, int error) {
-  throw store::StoreError(fmt::format("cannot {} {}: {}", doing, file.string(),
+  throw files::StoreError(fmt::format("cannot {} {}: {}", doing, file.string(),
                                       std::generic_category().message(error)));
 }
 
@@ -102,7 +102,7 @@ ShardFolder::ShardFolder(const plan::Plan& plan, fs::path folder, bool fresh)
   fs::create_directories(folder_, error);
   if (error) FailStore("make the folder", folder_, error.value());
   if (!fresh) RefuseOthers(plan);
-  store::RemoveStaleTemporaries(folder_);
+  files::RemoveStaleTemporaries(folder_);
   if (fresh) RemoveFilesOfPlans(folder_);
 }
 
@@ -111,7 +111,7 @@ void ShardFolder::RefuseOtherWhole() const {
   const fs::path file = folder_ / kPlanName;
   std::string why;
   if (const auto text = plan::ReadInputFile(file, why)) {
-    const auto there = plan::FindShortPlan(*text, file.string());
+    const auto there = yaml::FindShortPlan(*text, file.string());
     if (!there || there->sha256 != plan_sha256_) RefuseMixture(file);
     return;
   }
@@ -132,17 +132,17 @@ void ShardFolder::RefuseOthers(const plan::Plan& plan) const {
 }
 
 void ShardFolder::WritePlan(const plan::Plan& plan) const {
-  const std::string text = plan.whole ? plan.whole->short_text : plan::ToYaml(plan);
+  const std::string text = plan.whole ? plan.whole->short_text : yaml::ToYaml(plan);
   const fs::path file = folder_ / kPlanName;
   std::string why;
   if (plan::ReadInputFile(file, why) == text) return;
   std::error_code ignored;
   fs::remove(folder_ / kShortPlanName, ignored);
-  store::WriteWhole(text, file);
+  files::WriteWhole(text, file);
 }
 
 void ShardFolder::WriteShortPlan(const std::string& text) const {
-  store::WriteWhole(text, folder_ / kShortPlanName);
+  files::WriteWhole(text, folder_ / kShortPlanName);
 }
 
 fs::path ShardFolder::ShardOf(const plan::Run& run) const {
@@ -154,8 +154,8 @@ bool ShardFolder::Has(const plan::Run& run) const {
   return fs::is_regular_file(ShardOf(run), error);
 }
 
-std::optional<store::ShardInfo> ShardFolder::Find(const plan::Run& run,
-                                                  std::vector<std::string>& warnings) const {
+std::optional<shards::ShardInfo> ShardFolder::Find(const plan::Run& run,
+                                                   std::vector<std::string>& warnings) const {
   const fs::path shard = ShardOf(run);
   // What the system refuses to open is not broken: setting it aside would hide a good shard.
   const int fd = open(shard.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
@@ -165,13 +165,13 @@ std::optional<store::ShardInfo> ShardFolder::Find(const plan::Run& run,
 
   std::string fault;
   try {
-    const store::ShardInfo info = store::ReadShardInfo(shard);
+    const shards::ShardInfo info = shards::ReadShardInfo(shard);
     if (info.plan_sha256 != plan_sha256_) RefuseMixture(shard);
     if (info.run_id == run.id && info.outcome.status != store::Status::kMissing &&
         info.outcome.status != store::Status::kSkipped)
       return info;
     fault = shard.string() + ": is the shard of another run";
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     // Without what it tells a person to do: it is done here.
     fault = error.what();
     fault = fault.substr(0, fault.find("; it was left as it is"));

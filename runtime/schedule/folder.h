@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "runtime/store/files/temporary_file.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 
 namespace cdb::schedule {
 
-/// The plan by the texts that it is compiled from (compiler/plan/short_plan.h), in the folder
+/// The plan by the texts that it is compiled from (compiler/yaml/short_plan.h), in the folder
 /// beside a plan.yaml that lists its runs: for readers in a hurry.
 inline constexpr const char* kShortPlanName = "plan.short.yaml";
 /// Holds what is run again (`cdb run --retry`) until that has ended, in the folder.
@@ -40,8 +42,8 @@ class ShardFolder {
   /// What the shard of a run says, if it has a whole one. A broken one is set aside as
   /// `<name>.broken` and reported in `warnings`. Throws ScheduleError for a shard of another plan,
   /// StoreError for one that cannot be read.
-  std::optional<store::ShardInfo> Find(const plan::Run& run,
-                                       std::vector<std::string>& warnings) const;
+  std::optional<shards::ShardInfo> Find(const plan::Run& run,
+                                        std::vector<std::string>& warnings) const;
 
   /// Where the shard of a run is, or would be.
   std::filesystem::path ShardOf(const plan::Run& run) const;

@@ -9,11 +9,11 @@
 #include <string>
 
 #include "compiler/plan/input_file.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "runtime/process/worker.h"
 #include "runtime/schedule/bounds.h"
 #include "runtime/schedule/folder.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
 
 namespace cdb::schedule {
 namespace {
@@ -38,7 +38,7 @@ std::optional<Summary> ReadMark(const fs::path& mark, const std::string& plan_sh
 void WriteMark(const Summary& summary, const fs::path& mark, const std::string& plan_sha256) {
   std::string text = plan_sha256;
   for (const auto count : kCounts) text += fmt::format(" {}", summary.*count);
-  store::WriteWhole(text + "\n", mark);
+  files::WriteWhole(text + "\n", mark);
 }
 
 /// The marks of the parts of all shards of a plan.

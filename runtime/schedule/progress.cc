@@ -14,7 +14,7 @@ std::string Ended(const store::RunResult& result, double wall_s) {
   if (result.outcome().IsGood() && result.scalars.attempts > 1)
     return fmt::format(
         "done in {}, {} of {:.0f} attempts", DurationText(wall_s),
-        result.noise.noise == measure::Noise::kNoisy ? "the least noisy" : "the last",
+        result.noise.noise == machine::Noise::kNoisy ? "the least noisy" : "the last",
         result.scalars.attempts);
   if (result.outcome().IsGood()) return "done in " + DurationText(wall_s);
   if (result.status == store::Status::kDone)

@@ -13,7 +13,7 @@
 #include <span>
 #include <tuple>
 
-#include "dsl/utf8.h"
+#include "dsl/text/utf8.h"
 #include "runtime/measure/file_descriptor_io.h"
 
 namespace cdb::schedule {
@@ -132,7 +132,7 @@ std::string ProgressBar::Text(const ProgressState& state, std::size_t columns) c
 
 void ProgressBar::Line(const std::string& text) {
   Clear();
-  output_.write("cdb: " + dsl::Printable(text) + "\n");
+  output_.write("cdb: " + text::Printable(text) + "\n");
 }
 
 void ProgressBar::Clear() {
@@ -148,7 +148,7 @@ void ProgressBar::Draw(bool is_urgent, const std::function<ProgressState()>& sta
   const double now_s = output_.now_s();
   if (drawn_width_ > 0 && !is_urgent && now_s - drawn_s_ < kDrawInterval) return;
   const std::size_t columns = output_.columns();
-  const std::string line = dsl::Printable(Text(state(), columns));
+  const std::string line = text::Printable(Text(state(), columns));
   const std::size_t above =
       drawn_width_ > 0 ? (drawn_width_ - 1) / std::max<std::size_t>(columns, 1) : 0;
   // In one piece, the new line before the rest of the old is cleared: nothing flickers.

@@ -8,11 +8,11 @@
 #include <unordered_set>
 #include <utility>
 
-#include "compiler/plan/pile.h"
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
 #include "compiler/schema/components.h"
 #include "compiler/schema/schema.h"
-#include "dsl/check.h"
+#include "compiler/yaml/pile.h"
+#include "dsl/text/check.h"
 #include "runtime/process/worker.h"
 #include "runtime/schedule/bounds.h"
 #include "runtime/schedule/error_evaluator.h"
@@ -147,7 +147,7 @@ class Execution {
   void WatchPiles() {
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
       const plan::Run* run = slots_[slot];
-      if (run == nullptr || !plan::HasPile(run->scene)) continue;
+      if (run == nullptr || !yaml::HasPile(run->scene)) continue;
       std::string settling = launcher_.PulseOf(slot).settling;
       if (settling == settling_[slot]) continue;
       settling_[slot] = std::move(settling);
@@ -186,7 +186,7 @@ class Execution {
   }
 
   /// A run that ended before this call, or that another runner carried out.
-  void CountFound(const plan::Run& run, const store::ShardInfo& shard) {
+  void CountFound(const plan::Run& run, const shards::ShardInfo& shard) {
     summary_.Count(shard.outcome);
     ++summary_.resumed;
     if (shard.outcome.status == store::Status::kDone)
@@ -239,7 +239,7 @@ class Execution {
     if (is_first || ended.result.noise.IsQuieterThan(attempts.quietest->result.noise))
       attempts.quietest = std::move(ended);
     attempts.quietest->result.scalars.attempts = static_cast<double>(attempts.count);
-    if (attempts.quietest->result.noise.noise == measure::Noise::kNoisy &&
+    if (attempts.quietest->result.noise.noise == machine::Noise::kNoisy &&
         attempts.count <= options_.noisy_retries && !IsStopped()) {
       if (is_first && !is_repeating_) WriteSafely(run, *attempts.quietest);
       return launcher_.Start(attempts.quietest->slot, run, omissions_.KeptFor(run));
@@ -273,7 +273,7 @@ class Execution {
   /// A merge would take runs whose shards are gone for runs that nobody has started.
   void CheckShardsAreThere() const {
     if (IsStopped() || CountSafe() == all_.size()) return;
-    throw store::StoreError(
+    throw files::StoreError(
         fmt::format("{}: shards were removed from it while the runs went; nothing was merged\n{}",
                     folder_->path().string(), SafeText()));
   }
@@ -293,18 +293,18 @@ class Execution {
   void WriteSafely(const plan::Run& run, process::Ending& ending) {
     try {
       Write(run, ending);
-    } catch (const store::StoreError& error) {
-      throw store::StoreError(fmt::format("{}\n{}", error.what(), SafeText()));
+    } catch (const files::StoreError& error) {
+      throw files::StoreError(fmt::format("{}\n{}", error.what(), SafeText()));
     }
   }
 
   void Write(const plan::Run& run, process::Ending& ending) {
     if (run.scene.role != plan::Role::kMeasured) {
-      store::WriteReference(plan_sha256_, run, ending.result, ending.recording->SampleValues(),
-                            options_.provenance, folder_->path());
+      shards::WriteReference(plan_sha256_, run, ending.result, ending.recording->SampleValues(),
+                             options_.provenance, folder_->path());
       return;
     }
-    if (plan::SamplingOf(run.scene)) {
+    if (analysis::SamplingOf(run.scene)) {
       ending.result.errors =
           error_evaluator_.ErrorsOf(run, ending.result.status, *ending.recording);
       const measure::RunErrors& errors = ending.result.errors;
@@ -319,7 +319,7 @@ class Execution {
   const ExecuteOptions& options_;
   process::Launcher& launcher_;
   ProgressListener& listener_;
-  const store::ShardWriter writer_{plan_, options_.provenance};
+  const shards::ShardWriter writer_{plan_, options_.provenance};
   const std::string plan_sha256_ = plan_.Sha256();
   ErrorEvaluator error_evaluator_{plan_, options_.folder};
   SharedOmissions omissions_;

@@ -13,6 +13,7 @@
 #include "runtime/process/launcher.h"
 #include "runtime/process/stop.h"
 #include "runtime/schedule/order.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 
 namespace cdb::schedule {
@@ -24,14 +25,14 @@ struct ExecuteOptions {
   bool fresh = false;     ///< forget what the folder holds
   bool has_plan = false;  ///< the folder has the plan.yaml, which takes long to compare
   /// How often at most a run is measured again because the machine disturbed it
-  /// (measure/noise.h). The quietest is kept.
+  /// (machine/noise.h). The quietest is kept.
   std::size_t noisy_retries = 0;
   /// A run that is executed although the folder has its shard, which stays until the new one is
   /// written; null: none.
   std::function<bool(const plan::Run&, const std::filesystem::path& shard)> is_repeated = {};
   /// What is known of a run that is kept elsewhere, and neither executed nor counted; nullopt for
   /// others. Null: all are to be in the folder.
-  std::function<std::optional<store::ShardInfo>(const plan::Run&)> find_elsewhere = {};
+  std::function<std::optional<shards::ShardInfo>(const plan::Run&)> find_elsewhere = {};
   /// The plan in its short form, which takes a merge a tenth of the time and memory to read; empty
   /// where there is none.
   std::string short_plan = {};

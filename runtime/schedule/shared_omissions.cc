@@ -1,6 +1,6 @@
 #include "runtime/schedule/shared_omissions.h"
 
-#include "compiler/plan/pruning.h"
+#include "compiler/analysis/pruning.h"
 #include "compiler/schema/components.h"
 
 namespace cdb::schedule {
@@ -39,10 +39,10 @@ void SharedOmissions::Note(const plan::Run& run, std::string_view omitted,
   Components left_out = 0, kept = 0;
   for (const ComponentInfo& info : schema::Components()) {
     if (!info.IsVisible() ||
-        plan::RequestFor(run.scene, info.component) != plan::PruningRequest::kAuto)
+        analysis::RequestFor(run.scene, info.component) != analysis::PruningRequest::kAuto)
       continue;
     if (schema::ListsWord(omitted, info.name)) left_out |= BitOf(info);
-    if (plan::SaysKept(decisions, info.component)) kept |= BitOf(info);
+    if (analysis::SaysKept(decisions, info.component)) kept |= BitOf(info);
   }
   omitted_[run.id] = left_out;
   if (kept != 0) kept_[GroupOf(run)] |= kept;

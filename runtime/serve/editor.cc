@@ -14,7 +14,7 @@
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/schema.h"
 #include "runtime/serve/text_edit.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
 #include "runtime/store/store.h"
 #include "runtime/view/scene_document.h"
 
@@ -129,7 +129,7 @@ std::string Editor::SaveFile(const std::string& text) {
         "{} was changed by another program and is not saved: copy your text, then "
         "open the page again",
         scenario_.file.string());
-  store::WriteWhole(text, scenario_.file);
+  files::WriteWhole(text, scenario_.file);
   scenario_.text = text;
   return {};
 }

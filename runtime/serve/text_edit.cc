@@ -16,7 +16,7 @@ class ParsedBenchmark {
  public:
   ParsedBenchmark(const std::string& text, const std::string& name) {
     dsl::Diagnostics diagnostics;
-    file_ = dsl::Parse(std::make_shared<const dsl::Source>("scenario", text), diagnostics);
+    file_ = dsl::Parse(std::make_shared<const text::Source>("scenario", text), diagnostics);
     if (diagnostics.has_errors()) throw EditError(dsl::Render(diagnostics));
     for (const auto& item : file_.items)
       if (const auto* found = std::get_if<dsl::Benchmark>(&item);

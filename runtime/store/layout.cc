@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "runtime/measure/samples.h"
 #include "runtime/store/hdf5/chunks.h"
 
@@ -65,7 +65,7 @@ class Maker {
   void CheckRank() const {
     // HDF5 has at most 32 dimensions.
     if (plan_.axes.size() > 28)
-      throw StoreError(
+      throw files::StoreError(
           fmt::format("{}: {} axes are more than a result has room for (28); nothing "
                       "was written: sweep fewer parameters",
                       plan_.benchmark, plan_.axes.size()));

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/short_plan.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "compiler/yaml/short_plan.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/run_facts.h"
 #include "runtime/store/versions.h"
@@ -17,9 +17,9 @@ namespace {
 
 std::optional<plan::Plan> ReadListedPlan(const std::string& text) {
   try {
-    if (plan::FindShortPlan(text, "plan_text")) return std::nullopt;
-    return plan::FromYaml(text, "plan_text");
-  } catch (const plan::PlanError&) {
+    if (yaml::FindShortPlan(text, "plan_text")) return std::nullopt;
+    return yaml::FromYaml(text, "plan_text");
+  } catch (const yaml::PlanError&) {
     return std::nullopt;
   }
 }

@@ -19,7 +19,7 @@ std::vector<double> ReadRows(const hdf5::File& file, const std::string& path, co
   const bool fits = dataset.type() != hdf5::Type::kText && shape.size() == 2 && shape[1] == width &&
                     shape[0] > 0 && shape[0] <= kMostObjects && (rows == 0 || shape[0] == rows);
   if (!fits)
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: its `{}` should be an array of numbers with {} and {} columns", path, name,
                     rows == 0 ? "a row for each object" : fmt::format("{} rows", rows), width));
   return dataset.Read();
@@ -40,7 +40,8 @@ std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path) {
     arrays.angular_velocity = ReadRows(file, name, "angular_velocity", 3, rows);
     return arrays;
   } catch (const hdf5::Error& error) {
-    throw StoreError(fmt::format("{}: it is not HDF5 that can be read: {}", name, error.what()));
+    throw files::StoreError(
+        fmt::format("{}: it is not HDF5 that can be read: {}", name, error.what()));
   }
 }
 

@@ -7,9 +7,9 @@
 #include <system_error>
 
 #include "runtime/store/examine.h"
+#include "runtime/store/files/limited_process.h"
+#include "runtime/store/files/seal.h"
 #include "runtime/store/hdf5/heaps.h"
-#include "runtime/store/limited_process.h"
-#include "runtime/store/seal.h"
 #include "runtime/store/store.h"
 #include "runtime/store/versions.h"
 
@@ -35,9 +35,9 @@ void ReadShard(const hdf5::File& file, const std::string& name) {
 
 bool ProveFile(const fs::path& path, std::string_view remedy, ProofOf of,
                const std::function<void(bool reads_values)>& read) {
-  const SealState seal = CheckSeal(path);
-  if (seal == SealState::kBroken)
-    throw StoreError(
+  const files::SealState seal = files::CheckSeal(path);
+  if (seal == files::SealState::kBroken)
+    throw files::StoreError(
         fmt::format("{}: is damaged: its digest differs, so that some of its bytes are not as they "
                     "were written; it was left as it is: {}",
                     path.string(), remedy));
@@ -49,32 +49,34 @@ bool ProveFile(const fs::path& path, std::string_view remedy, ProofOf of,
     if (reads_values) hdf5::CheckGlobalHeaps(path);
     read(reads_values);
   };
-  const std::string why = RunLimited(prove, LimitsForFile(error ? 0 : bytes));
-  if (why.empty()) return seal == SealState::kGood;
-  if (why.starts_with(path.string() + ": ")) throw StoreError(why);
-  throw StoreError(fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: {}",
-                               path.string(), why, remedy));
+  const std::string why = files::RunLimited(prove, files::LimitsForFile(error ? 0 : bytes));
+  if (why.empty()) return seal == files::SealState::kGood;
+  if (why.starts_with(path.string() + ": ")) throw files::StoreError(why);
+  throw files::StoreError(
+      fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: {}", path.string(),
+                  why, remedy));
 }
 
 void RequireSeal(const hdf5::File& file, const fs::path& path) {
-  if (!file.Text(kDigestAttribute).empty() && !IsSealed(path))
+  if (!file.Text(kDigestAttribute).empty() && !files::IsSealed(path))
     throw hdf5::Error("its digest is missing, as its end was cut off or changed");
 }
 
-bool IsStored(const fs::path& path) { return hdf5::IsHdf5(path) || IsSealed(path); }
+bool IsStored(const fs::path& path) { return hdf5::IsHdf5(path) || files::IsSealed(path); }
 
 std::string ReadSchema(const fs::path& path) {
   if (std::error_code error; !fs::exists(path, error))
-    throw StoreError(fmt::format("{}: there is no such file; `cdb run` makes one", path.string()));
+    throw files::StoreError(
+        fmt::format("{}: there is no such file; `cdb run` makes one", path.string()));
   if (!hdf5::IsHdf5(path))
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: is damaged: it ends as a file of cdb does, but does not begin as HDF5; it "
                     "was left as it is: restore a copy, or run it again",
                     path.string()));
   const auto read = [&] { return hdf5::File::Open(path).Text("schema"); };
-  const std::string why = RunLimited([&] { read(); }, LimitsForFile(0));
+  const std::string why = files::RunLimited([&] { read(); }, files::LimitsForFile(0));
   if (!why.empty())
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: is damaged: {}; it was left as it is: restore a copy, or run "
                     "it again",
                     path.string(), why));
@@ -83,15 +85,15 @@ std::string ReadSchema(const fs::path& path) {
 
 void ProveShard(const fs::path& path, std::span<const std::byte> image) {
   static std::set<std::uint64_t> proven;
-  const std::uint64_t checksum = Checksum(image);
+  const std::uint64_t checksum = files::Checksum(image);
   if (proven.contains(checksum)) return;
   const auto prove = [&] {
     hdf5::CheckGlobalHeaps(image);
     ReadShard(hdf5::File::OpenImage(image), path.string());
   };
-  const std::string why = RunLimited(prove, LimitsForFile(image.size()));
+  const std::string why = files::RunLimited(prove, files::LimitsForFile(image.size()));
   if (!why.empty()) {
-    if (why.starts_with(path.string() + ": ")) throw StoreError(why);
+    if (why.starts_with(path.string() + ": ")) throw files::StoreError(why);
     throw hdf5::Error(why);
   }
   proven.insert(checksum);

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <utility>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "runtime/store/dimensions.h"
 #include "runtime/store/examine.h"
 #include "runtime/store/hdf5/file.h"
@@ -173,10 +173,10 @@ struct ResultFile::Impl {
     try {
       return read();
     } catch (const hdf5::Error& error) {
-      throw StoreError(
+      throw files::StoreError(
           fmt::format("{}: cannot be read: {}; it was left as it is", name, error.what()));
     } catch (const std::bad_alloc&) {
-      throw StoreError(
+      throw files::StoreError(
           fmt::format("{}: cannot be read: it needs more memory than there is; it was left as it "
                       "is: show a part of it (--select), or use another machine",
                       name));
@@ -226,9 +226,10 @@ ResultFile::ResultFile(const std::filesystem::path& file, ProofOf of) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status))
-    throw StoreError(fmt::format("{}: there is no such file; `cdb run` makes one", file.string()));
+    throw files::StoreError(
+        fmt::format("{}: there is no such file; `cdb run` makes one", file.string()));
   if (std::filesystem::is_directory(status))
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: is a folder, not a result; name the .h5 file", file.string()));
   const auto open = [&] { return std::make_unique<Impl>(file, hdf5::File::Open(file)); };
   const bool has_digest = ProveFile(file, kResultRemedy, of, [&](bool reads_values) {
@@ -244,8 +245,9 @@ ResultFile::ResultFile(const std::filesystem::path& file, ProofOf of) {
     impl_ = open();
     impl_->has_digest = has_digest;
   } catch (const hdf5::Error& failed) {
-    throw StoreError(fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: {}",
-                                 file.string(), failed.what(), kResultRemedy));
+    throw files::StoreError(
+        fmt::format("{}: is not a whole result of cdb: {}; it was left as it is: {}", file.string(),
+                    failed.what(), kResultRemedy));
   }
 }
 
@@ -302,7 +304,7 @@ bool ResultFile::Has(std::string_view dataset) const {
 Status ResultFile::ReadStatus(const Cell& cell) const {
   const double status = impl_->Reading([&] { return impl_->Number("status", cell); });
   if (!(status >= 0 && status < static_cast<double>(std::size(kStatusNames))))
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: holds the status {}, which this cdb does not know; it was "
                     "left as it is: use the cdb that wrote it",
                     impl_->name, status));
@@ -314,7 +316,7 @@ measure::Judgement ResultFile::ReadJudgement(const Cell& cell) const {
   return impl_->Reading([&]() -> measure::Judgement {
     const double verdict = impl_->Number("verdict", cell);
     if (!(verdict >= 0 && verdict < static_cast<double>(measure::Verdicts().size())))
-      throw StoreError(
+      throw files::StoreError(
           fmt::format("{}: holds the verdict {}, which this cdb does not know; it was left as it "
                       "is: use the cdb that wrote it",
                       impl_->name, verdict));

@@ -7,9 +7,9 @@
 #include <limits>
 #include <utility>
 
-#include "compiler/plan/capacity.h"
-#include "compiler/plan/reference.h"
-#include "compiler/plan/requested_errors.h"
+#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/requested_errors.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/result_names.h"
 #include "runtime/measure/recorded_series.h"
@@ -65,7 +65,7 @@ void AddErrors(const plan::Plan& plan, PlanFacts& facts) {
     add_as(name, name, unit, std::move(doc));
   };
   bool needs_truth = false;
-  for (const schema::ErrorInfo* error : plan::ErrorsOf(plan)) {
+  for (const schema::ErrorInfo* error : analysis::ErrorsOf(plan)) {
     const std::string name(error->name);
     add(name, error->unit, std::string(error->doc));
     needs_truth = needs_truth || error->needs_truth;
@@ -92,8 +92,8 @@ void AddErrors(const plan::Plan& plan, PlanFacts& facts) {
 /// Before the first run, as the results would have no place.
 void CheckAxisNames(const plan::Plan& plan) {
   for (const plan::Axis& axis : plan.axes)
-    if (const auto clash = schema::FindNameClash(axis.name, plan::ErrorsOf(plan)))
-      throw StoreError(
+    if (const auto clash = schema::FindNameClash(axis.name, analysis::ErrorsOf(plan)))
+      throw files::StoreError(
           fmt::format("{}: the axis '{}' has the name of {}; nothing was written: give the axis "
                       "another name in "
                       "{} and plan again",
@@ -107,7 +107,7 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
     : sha256(plan.Sha256()),
       cycles(std::max<std::uint64_t>(1, plan.MaxCycles())),
       bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
-      box_bodies(std::max<std::uint64_t>(1, plan::MaxBodyCount(plan))),
+      box_bodies(std::max<std::uint64_t>(1, analysis::MaxBodyCount(plan))),
       poses(plan.Records("poses")),
       boxes(plan.Records("boxes")),
       contacts(plan.Records("contacts")) {
@@ -117,7 +117,7 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
   numbers = RunNumbers();
   texts = RunTexts();
   for (const plan::Run& run : plan.Bounds()) {
-    if (const auto sampling = plan::SamplingOf(run.scene)) {
+    if (const auto sampling = analysis::SamplingOf(run.scene)) {
       samples = std::max(samples, sampling->count);
       interval_s = sampling->interval_s;
     }
@@ -180,7 +180,7 @@ const std::vector<RunNumber>& RunNumbers() {
        [](R r) { return r.load; }},
       {"run/noise", Type::kInt8, "", "whether the run had the machine to itself: cdb doc noise", 0,
        [](R r) { return static_cast<double>(r.noise.noise); },
-       [] { return fmt::format("{}", fmt::join(measure::NoiseNames(), " ")); }},
+       [] { return fmt::format("{}", fmt::join(machine::NoiseNames(), " ")); }},
   });
   return kNumbers;
 }

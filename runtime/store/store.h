@@ -1,5 +1,5 @@
-// Results on disk: one shard for each run, merged into one file, which `cdb doc results` describes.
-// Does not know how runs are executed; no other folder knows HDF5.
+// What a run leaves behind, and results files, which `cdb doc results` describes. Knows nothing of
+// how runs are executed.
 #pragma once
 
 #include <cstdint>
@@ -9,35 +9,21 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "dsl/check.h"
-#include "runtime/measure/noise.h"
+#include "dsl/text/check.h"
+#include "runtime/machine/noise.h"
 #include "runtime/measure/run_scalars.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
+#include "runtime/store/files/errors.h"
 
 namespace cdb::store {
-
-/// The world refused: the message names the file, the cause, what was kept and the remedy. Exit
-/// status 2.
-class StoreError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// The system cannot read a file now, or prove that it is whole: this says nothing of the file. No
-/// StoreError, so that nobody takes it for damage.
-class CannotRead : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// `flag_values` of `status`, in this order.
 enum class Status : std::int8_t { kMissing, kDone, kSkipped, kFailed, kCrashed, kTimedOut };
@@ -68,11 +54,11 @@ struct RunResult {
   std::string host;
   std::string message;    ///< why it did not end well; empty where it did
   std::string omitted;    ///< names of the components left out, separated by spaces
-  std::string decisions;  ///< about each component: a line each (compiler/plan/pruning.h)
+  std::string decisions;  ///< about each component: a line each (compiler/analysis/pruning.h)
   std::string models;     ///< the hulls of the compounds in the scene: a line each; may be empty
   double load = 0;        ///< the machine's one-minute load average when the run began
   measure::RunScalars scalars;
-  measure::NoiseJudgement noise;
+  machine::NoiseJudgement noise;
   std::vector<std::pair<const measure::Series*, std::span<const std::byte>>> series;
   measure::RunErrors errors;  ///< empty where the scene asks for none
   std::vector<measure::ContactRecord>
@@ -84,60 +70,6 @@ struct RunResult {
 /// Facts of build and machine for `/provenance`, by name: `cdb_version`, `bullet_version`,
 /// `compiler`, `cpu`, `build_type`…
 using Provenance = std::map<std::string, std::string>;
-
-/// Writes one shard for each run of a plan. What follows from the plan alone is worked out once, in
-/// the constructor: where there are many runs it takes longer than writing one. Holds references to
-/// plan and provenance. Threads: Write may be called by several at once, for different runs.
-class ShardWriter {
- public:
-  ShardWriter(const plan::Plan& plan, const Provenance& provenance);
-  ~ShardWriter();
-
-  /// Writes `folder/<run id>.h5`: under a temporary name, closed, fsynced, renamed, and the folder
-  /// fsynced; when it returns the run is safe. Throws StoreError; then no file of the final name
-  /// was made or changed.
-  void Write(const plan::Run& run, const RunResult& result,
-             const std::filesystem::path& folder) const;
-
- private:
-  struct Impl;
-  std::unique_ptr<const Impl> impl_;
-};
-
-/// `ShardWriter(plan, provenance).Write(run, result, folder)`: for one run.
-void WriteShard(const plan::Plan& plan, const plan::Run& run, const RunResult& result,
-                const Provenance& provenance, const std::filesystem::path& folder);
-
-/// Removes temporaries in `folder` that processes of this host left behind when they were killed.
-/// Those that somebody still writes are locked and stay (temporary_file.h), and so do those of
-/// other hosts. Throws StoreError where there is no folder.
-void RemoveStaleTemporaries(const std::filesystem::path& folder);
-
-struct ShardInfo {
-  std::string run_id;
-  std::string plan_sha256;
-  Outcome outcome;
-  std::string omitted, decisions;  ///< as in RunResult
-};
-/// Throws StoreError for what is not a whole shard (truncated, not HDF5, another schema version).
-ShardInfo ReadShardInfo(const std::filesystem::path& file);
-
-/// Makes `out` from `shards`, folders of them or single files (of a run that stands twice, the
-/// first): under a temporary name, verified against the shards, fsynced, renamed. Runs without a
-/// shard are as in `base`, a results file of the same plan that may be `out`, where that is given,
-/// else cells with status `missing`. The shards are left alone. Throws StoreError; then `out` is as
-/// before.
-void Merge(const plan::Plan& plan, const Provenance& provenance,
-           const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out,
-           const std::filesystem::path& base = {});
-void Merge(const plan::Plan& plan, const Provenance& provenance,
-           const std::filesystem::path& folder, const std::filesystem::path& out);
-
-/// Every run of the plan, and every reference, has a file of its name in `shards`, which are as
-/// Merge takes them.
-bool HasAllShards(const plan::Plan& plan, const std::vector<std::filesystem::path>& shards);
-/// What others write there can be seen at once; false where that is not known, as on NFS.
-bool IsOnLocalDisk(const std::filesystem::path& path);
 
 /// How much of a file is read, in a process with limits of time and memory, before it is used;
 /// beside its digest and its structure.

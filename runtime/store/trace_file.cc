@@ -13,11 +13,11 @@
 #include "runtime/measure/series.h"
 #include "runtime/store/dimensions.h"
 #include "runtime/store/examine.h"
+#include "runtime/store/files/seal.h"
+#include "runtime/store/files/temporary_file.h"
 #include "runtime/store/hdf5/chunks.h"
 #include "runtime/store/hdf5/file.h"
 #include "runtime/store/proof.h"
-#include "runtime/store/seal.h"
-#include "runtime/store/temporary_file.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
@@ -132,8 +132,8 @@ void WriteArrays(hdf5::File& file, const measure::TraceMemory& trace, std::uint6
 }
 
 /// Why it is of no use, after its name.
-StoreError Useless(const fs::path& file, std::string_view why) {
-  return StoreError(fmt::format("{}: {}; `cdb trace` makes it anew", file.string(), why));
+files::StoreError Useless(const fs::path& file, std::string_view why) {
+  return files::StoreError(fmt::format("{}: {}; `cdb trace` makes it anew", file.string(), why));
 }
 
 hdf5::File OpenTrace(const fs::path& path) {
@@ -142,14 +142,15 @@ hdf5::File OpenTrace(const fs::path& path) {
     RequireSeal(file, path);
     const std::string schema = file.Text("schema");
     if (schema != kTraceSchema)
-      throw StoreError(fmt::format("{}: it is HDF5, but no trace{}", path.string(),
-                                   schema.empty() ? "" : fmt::format(" ({})", schema)));
+      throw files::StoreError(fmt::format("{}: it is HDF5, but no trace{}", path.string(),
+                                          schema.empty() ? "" : fmt::format(" ({})", schema)));
     if (const double version = file.Number("schema_version"); version != kTraceSchemaVersion)
       throw Useless(path, fmt::format("it is a trace of version {}, and this cdb reads version {}",
                                       version, kTraceSchemaVersion));
     return file;
   } catch (const hdf5::Error& why) {
-    throw StoreError(fmt::format("{}: it is no trace, or damaged: {}", path.string(), why.what()));
+    throw files::StoreError(
+        fmt::format("{}: it is no trace, or damaged: {}", path.string(), why.what()));
   }
 }
 
@@ -161,11 +162,11 @@ auto Undamaged(const fs::path& path, Read read) {
   } catch (const hdf5::Error& why) {
     throw Useless(path, fmt::format("it is damaged: {}", why.what()));
   } catch (const std::system_error& why) {
-    throw StoreError(fmt::format("{}: {}", path.string(), why.what()));
+    throw files::StoreError(fmt::format("{}: {}", path.string(), why.what()));
   }
 }
 
-plan::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
+analysis::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
   const auto count = [&](const char* name) {
     const double value = file.Number(name);
     if (!(value >= 1 && value <= std::numeric_limits<std::int32_t>::max()) ||
@@ -173,7 +174,7 @@ plan::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
       throw Useless(path, fmt::format("its head says nothing of {}", name));
     return static_cast<std::uint64_t>(value);
   };
-  plan::TraceFacts facts;
+  analysis::TraceFacts facts;
   facts.sha256 = file.Text("sha256");
   facts.bodies = count("bodies");
   facts.cycles = count("cycles");
@@ -185,7 +186,7 @@ plan::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
 }
 
 /// Its arrays and their coordinates are as its head says.
-void CheckHead(const hdf5::File& file, const plan::TraceFacts& facts, const fs::path& path) {
+void CheckHead(const hdf5::File& file, const analysis::TraceFacts& facts, const fs::path& path) {
   const auto expect = [&](const char* name, const hdf5::Shape& shape) {
     if (file.OpenDataset(name).shape() != shape)
       throw Useless(path, fmt::format("its '{}' is not as its head says", name));
@@ -204,7 +205,7 @@ void CheckHead(const hdf5::File& file, const plan::TraceFacts& facts, const fs::
   file.OpenDataset("boxes").CheckCount(hdf5::Product(boxes));
 }
 
-measure::TraceMemory ReadMemory(const hdf5::File& file, const plan::TraceFacts& facts,
+measure::TraceMemory ReadMemory(const hdf5::File& file, const analysis::TraceFacts& facts,
                                 const fs::path& path) {
   const hdf5::Dataset boxes = file.OpenDataset("boxes");
   CheckHead(file, facts, path);
@@ -230,7 +231,7 @@ constexpr std::string_view kTraceRemedy = "`cdb trace` makes it anew";
 bool ProveTrace(const fs::path& path, ProofOf of) {
   std::error_code error;
   if (!fs::is_regular_file(path, error))
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: {}", path.string(),
                     fs::exists(path, error) ? "it is no file" : "there is no such file"));
   return ProveFile(path, kTraceRemedy, of, [&](bool reads_values) {
@@ -251,8 +252,8 @@ hdf5::File OpenProvenTrace(const fs::path& path, ProofOf of) {
 
 void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
                 std::span<const double> poses, const fs::path& path) {
-  RemoveStaleTemporariesBeside(path);
-  TemporaryFile temporary(path);
+  files::RemoveStaleTemporariesBeside(path);
+  files::TemporaryFile temporary(path);
   try {
     hdf5::File file = hdf5::File::Create(temporary.path());
     WriteHead(file, trace, origin, objects);
@@ -262,14 +263,15 @@ void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, st
     file.SetText(kDigestAttribute, kDigestText);
     file.Close();
   } catch (const hdf5::Error& error) {
-    throw StoreError(fmt::format("{}: cannot be written: {}; make room, or name another place (-o)",
-                                 path.string(), error.what()));
+    throw files::StoreError(
+        fmt::format("{}: cannot be written: {}; make room, or name another place (-o)",
+                    path.string(), error.what()));
   }
-  AppendSeal(temporary.path(), path);
+  files::AppendSeal(temporary.path(), path);
   temporary.Publish();
 }
 
-plan::TraceFacts ReadTraceFacts(const fs::path& path) {
+analysis::TraceFacts ReadTraceFacts(const fs::path& path) {
   const hdf5::File file = OpenProvenTrace(path, ProofOf::kStructure);
   return Undamaged(path, [&] { return FactsOf(file, path); });
 }
@@ -280,7 +282,7 @@ std::optional<std::string> TracedRun(const fs::path& path) {
   try {
     const hdf5::File file = OpenProvenTrace(path, ProofOf::kStructure);
     return Undamaged(path, [&] { return file.Text("run_id"); });
-  } catch (const StoreError&) {
+  } catch (const files::StoreError&) {
     return std::nullopt;
   }
 }
@@ -298,9 +300,9 @@ TraceCheck CheckTrace(const fs::path& path) {
 
 measure::TraceMemory LoadTrace(const fs::path& path, const std::string& sha256) {
   const hdf5::File file = OpenProvenTrace(path, ProofOf::kFewValues);
-  const plan::TraceFacts facts = Undamaged(path, [&] { return FactsOf(file, path); });
+  const analysis::TraceFacts facts = Undamaged(path, [&] { return FactsOf(file, path); });
   if (facts.sha256 != sha256)
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: it holds the trace {} and this plan is of {}; plan again, or "
                     "put the other back",
                     path.string(), facts.sha256.substr(0, 16), sha256.substr(0, 16)));

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
 #include "runtime/measure/trace_memory.h"
 #include "runtime/store/store.h"
 
@@ -36,14 +36,14 @@ void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, st
 
 /// What the head of `file` says; the boxes are not read. Throws StoreError, which says why it is of
 /// no use.
-plan::TraceFacts ReadTraceFacts(const std::filesystem::path& file);
+analysis::TraceFacts ReadTraceFacts(const std::filesystem::path& file);
 /// The run that `file` is a trace of; nullopt where it is none that can be read.
 std::optional<std::string> TracedRun(const std::filesystem::path& file);
 
 /// What `cdb check` says of a trace whose every byte was read.
 struct TraceCheck {
   bool has_digest = false;
-  plan::TraceFacts facts;
+  analysis::TraceFacts facts;
   std::string run_id;
 };
 /// Throws StoreError for a damaged one.

@@ -9,13 +9,13 @@ namespace cdb::store {
 
 int ReadVersion(const hdf5::File& file, const std::string& name) {
   if (file.Text("schema") != kSchema)
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: is HDF5, but not a result of cdb; it was left as it is: "
                     "choose another file",
                     name));
   const double version = file.Number("schema_version");
   if (!(version >= kOldestSchemaVersion && version <= kSchemaVersion))
-    throw StoreError(
+    throw files::StoreError(
         fmt::format("{}: is a result of schema version {}, and this cdb reads versions "
                     "{} to {}; it was left as it is: use the cdb that wrote it",
                     name, version, kOldestSchemaVersion, kSchemaVersion));

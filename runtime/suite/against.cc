@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "runtime/compare/facts.h"
-#include "runtime/report/table.h"
-#include "runtime/report/wrap.h"
+#include "runtime/terminal/table.h"
+#include "runtime/terminal/wrap.h"
 
 namespace cdb::suite {
 namespace {
@@ -49,8 +49,8 @@ void CompareConfigurations(const StandardScene& scene, const ConfigurationFigure
         fmt::format("{}: has a score, but here it is wrong: {}", claimed.name, here.fault));
   else if (here.error > kUnlikeError * claimed.error && here.error > kSmallError * scene.bound)
     disagreements.push_back(fmt::format("{}: {} error {}, here {}", claimed.name, scene.error,
-                                        report::ShortNumber(claimed.error),
-                                        report::ShortNumber(here.error)));
+                                        terminal::ShortNumber(claimed.error),
+                                        terminal::ShortNumber(here.error)));
   if (HasOtherSpeedup(claimed, here, margin))
     disagreements.push_back(fmt::format("{}: speedup {}, here {}", claimed.name,
                                         SpeedupText(claimed), SpeedupText(here)));
@@ -109,7 +109,7 @@ SceneVerification VerifyScene(const ScoredFile& claimed, const ScoredFile& here)
 }
 
 std::string VerificationText(const std::vector<SceneVerification>& scenes) {
-  report::Table table;
+  terminal::Table table;
   for (const char* head : {"scene", "last states alike", "scores compared", "result"})
     table.AddColumn(head, false);
   for (const SceneVerification& of : scenes)
@@ -118,7 +118,7 @@ std::string VerificationText(const std::vector<SceneVerification>& scenes) {
   std::string text = table.Text();
   for (const SceneVerification& of : scenes)
     for (const std::string& line : of.disagreements)
-      text += report::Wrapped(fmt::format("{}: {}", of.scene, line), 2);
+      text += terminal::Wrapped(fmt::format("{}: {}", of.scene, line), 2);
   return text;
 }
 

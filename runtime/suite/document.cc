@@ -13,7 +13,7 @@ namespace {
 using document::Json;
 using document::JsonNumber;
 
-Json IntervalJson(const report::Interval& interval) {
+Json IntervalJson(const statistics::Interval& interval) {
   return {JsonNumber(interval.low), JsonNumber(interval.high)};
 }
 

@@ -12,12 +12,12 @@
 
 #include "compiler/schema/catalogue.h"
 #include "runtime/document/time_steps.h"
-#include "runtime/measure/noise.h"
-#include "runtime/report/cells.h"
-#include "runtime/report/cycle_times.h"
-#include "runtime/report/figures.h"
-#include "runtime/report/points.h"
-#include "runtime/report/table.h"
+#include "runtime/machine/noise.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/cycle_times.h"
+#include "runtime/statistics/figures.h"
+#include "runtime/statistics/points.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::suite {
 namespace {
@@ -34,9 +34,9 @@ class SceneCollector {
         file_(file),
         times_(file),
         steps_(file),
-        points_(report::MeasuredPoints(file, false)) {
+        points_(statistics::MeasuredPoints(file, false)) {
     if (!file.Has("duration"))
-      throw store::StoreError(
+      throw files::StoreError(
           fmt::format("the results of {} hold no times: they are not of the suite", scene.Id()));
   }
 
@@ -51,17 +51,17 @@ class SceneCollector {
   }
 
  private:
-  using Named = std::pair<std::string, std::vector<report::Point>>;
+  using Named = std::pair<std::string, std::vector<statistics::Point>>;
 
   /// Points by the names of their configurations, in grid order.
   std::vector<Named> Configurations() const {
     std::vector<Named> all;
-    for (const Cell& cell : report::AllCells(file_)) {
+    for (const Cell& cell : statistics::AllCells(file_)) {
       if (cell.rep != 0) continue;
       std::vector<std::string> values;
       for (std::size_t i = 0; i < cell.at.size(); ++i)
         if (file_.axes()[i].parameter != "seed")
-          values.push_back(report::CoordinateText(file_.axes()[i], cell.at[i]));
+          values.push_back(terminal::CoordinateText(file_.axes()[i], cell.at[i]));
       std::string name = values.empty() ? "default" : fmt::format("{}", fmt::join(values, ", "));
       const auto there = std::ranges::find(all, name, &Named::first);
       if (there == all.end())
@@ -72,41 +72,42 @@ class SceneCollector {
     return all;
   }
 
-  bool IsBulletsOwn(const report::Point& at) const {
-    const auto axis = report::DetectorAxis(file_);
+  bool IsBulletsOwn(const statistics::Point& at) const {
+    const auto axis = statistics::DetectorAxis(file_);
     if (!axis) return true;
-    const std::string name = report::CoordinateText(file_.axes()[*axis], at[*axis]);
+    const std::string name = terminal::CoordinateText(file_.axes()[*axis], at[*axis]);
     return std::ranges::any_of(schema::Detectors(), [&](const schema::DetectorInfo& info) {
       return info.name == name && info.source == "Bullet";
     });
   }
 
-  const report::MeasuredPoint* FindPoint(const report::Point& at) const {
-    const auto found = std::ranges::find(points_, at, &report::MeasuredPoint::at);
+  const statistics::MeasuredPoint* FindPoint(const statistics::Point& at) const {
+    const auto found = std::ranges::find(points_, at, &statistics::MeasuredPoint::at);
     return found == points_.end() ? nullptr : &*found;
   }
 
-  ConfigurationFigures Collect(const std::string& name, const std::vector<report::Point>& points) {
+  ConfigurationFigures Collect(const std::string& name,
+                               const std::vector<statistics::Point>& points) {
     ConfigurationFigures of;
     of.name = name;
     of.is_bullets_own = IsBulletsOwn(points[0]);
-    std::vector<report::Estimate> times;
-    for (const report::Point& at : points) {
+    std::vector<statistics::Estimate> times;
+    for (const statistics::Point& at : points) {
       AddRuns(at, of);
-      const report::MeasuredPoint* point = FindPoint(at);
+      const statistics::MeasuredPoint* point = FindPoint(at);
       if (point == nullptr) continue;
       AddFigures(*point, of);
       times.push_back(TimeOf(*point));
     }
     if (!times.empty() && times.size() == points.size())
-      of.ms_per_s = report::GeometricMeanOf(times);
+      of.ms_per_s = statistics::GeometricMeanOf(times);
     AddFault(of);
     return of;
   }
 
-  report::Estimate TimeOf(const report::MeasuredPoint& point) {
-    return report::Scaled(times_.Of(point, measure::Phase::kStep).mean,
-                          1e-6 / steps_.Of(point.cells[0]));
+  statistics::Estimate TimeOf(const statistics::MeasuredPoint& point) {
+    return statistics::Scaled(times_.Of(point, measure::Phase::kStep).mean,
+                              1e-6 / steps_.Of(point.cells[0]));
   }
 
   /// The first fault stays.
@@ -120,7 +121,7 @@ class SceneCollector {
   }
 
   /// Of all repeats, how they ended.
-  void AddRuns(const report::Point& at, ConfigurationFigures& of) const {
+  void AddRuns(const statistics::Point& at, ConfigurationFigures& of) const {
     measure::Judgement worst;
     for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep) {
       const Cell cell{at, rep};
@@ -130,7 +131,7 @@ class SceneCollector {
       if (judgement.verdict > worst.verdict) worst = judgement;
       if (status == store::Status::kDone && file_.Has("noise"))
         of.noisy +=
-            static_cast<measure::Noise>(file_.ReadReal("noise", cell)) == measure::Noise::kNoisy;
+            static_cast<machine::Noise>(file_.ReadReal("noise", cell)) == machine::Noise::kNoisy;
       if (status == store::Status::kDone && judgement.verdict == measure::Verdict::kUnknown)
         SetFault(of, "no verdict");
       if (status != store::Status::kDone) SetFault(of, std::string(store::StatusName(status)));
@@ -143,19 +144,19 @@ class SceneCollector {
                                      worst.first_bad_cycle));
   }
 
-  void AddFigures(const report::MeasuredPoint& point, ConfigurationFigures& of) {
+  void AddFigures(const statistics::MeasuredPoint& point, ConfigurationFigures& of) {
     of.time_step_s = steps_.Of(point.cells[0]);
-    const report::PhaseTimes& steps = times_.Of(point, measure::Phase::kStep);
+    const statistics::PhaseTimes& steps = times_.Of(point, measure::Phase::kStep);
     of.step_ns = std::fmax(of.step_ns, steps.mean.value);
     std::vector<double> sorted = steps.cycles;
     std::ranges::sort(sorted);
-    of.slow_step_ns = std::fmax(of.slow_step_ns, report::Percentile(sorted, kSlowStep));
+    of.slow_step_ns = std::fmax(of.slow_step_ns, statistics::Percentile(sorted, kSlowStep));
     for (const Cell& cell : point.cells)
       if (file_.Has("peak_rss"))
         of.memory_bytes = std::fmax(of.memory_bytes, file_.ReadReal("peak_rss", cell));
     const std::string dataset = "accuracy/" + std::string(scene_.error);
     for (const Cell& cell : point.cells) {
-      const double error = file_.Has(dataset) ? file_.ReadReal(dataset, cell) : report::kNone;
+      const double error = file_.Has(dataset) ? file_.ReadReal(dataset, cell) : terminal::kNone;
       if (std::isnan(error)) SetFault(of, fmt::format("its error ({}) is not known", scene_.error));
       of.error = std::fmax(of.error, error);
     }
@@ -168,9 +169,9 @@ class SceneCollector {
     if (!of.fault.empty()) return;
     if (of.error > scene_.bound)
       of.fault = scene_.bound == 0
-                     ? fmt::format("{} {}", scene_.error, report::ShortNumber(of.error))
+                     ? fmt::format("{} {}", scene_.error, terminal::ShortNumber(of.error))
                      : fmt::format("{} error {} over {}", scene_.error,
-                                   report::ShortNumber(of.error), scene_.bound);
+                                   terminal::ShortNumber(of.error), scene_.bound);
     else if (!std::isfinite(of.ms_per_s.value) || of.ms_per_s.value <= 0)
       of.fault = "no time";
     else if (of.IsNoisy())
@@ -181,7 +182,7 @@ class SceneCollector {
   /// disturbed, or has void timings, nothing follows.
   void AddSpeedups(std::vector<ConfigurationFigures>& all) const {
     const ConfigurationFigures& baseline = all[0];
-    const report::MeasuredPoint* point = FindPoint(report::Point(file_.axes().size(), 0));
+    const statistics::MeasuredPoint* point = FindPoint(statistics::Point(file_.axes().size(), 0));
     const bool is_timed =
         std::isfinite(baseline.ms_per_s.value) && point != nullptr && point->IsSound();
     const std::string untimed =
@@ -192,16 +193,16 @@ class SceneCollector {
       else if (baseline.IsNoisy() && of.fault.empty())
         SetDisturbed(of, fmt::format("the baseline {} is noisy", baseline.name));
       if (!is_timed || !std::isfinite(of.ms_per_s.value)) continue;
-      of.speedup = report::RatioOf(baseline.ms_per_s, of.ms_per_s);
+      of.speedup = statistics::RatioOf(baseline.ms_per_s, of.ms_per_s);
       of.speedup_interval = times_.IntervalOf(of.speedup);
     }
   }
 
   const StandardScene& scene_;
   const store::ResultFile& file_;
-  report::CycleTimes times_;
+  statistics::CycleTimes times_;
   const document::TimeSteps steps_;
-  const std::vector<report::MeasuredPoint> points_;
+  const std::vector<statistics::MeasuredPoint> points_;
 };
 
 /// `rubble: not run`, for each scene of the kind without results.
@@ -222,7 +223,7 @@ KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*
   KindScore of;
   of.name = name;
   of.faults = faults;
-  std::vector<report::Estimate> speedups;
+  std::vector<statistics::Estimate> speedups;
   for (const SceneFigures* scene : scenes) {
     const ConfigurationFigures* found = scene->Find(name);
     if (found == nullptr) {
@@ -236,15 +237,15 @@ KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*
       of.faults.push_back(fmt::format("{}: {}", scene->scene->name, found->fault));
   }
   if (!of.faults.empty()) return of;
-  for (const report::Estimate& speedup : speedups)
+  for (const statistics::Estimate& speedup : speedups)
     if (speedup.drawn.size() != speedups[0].drawn.size())
-      throw store::StoreError(
+      throw files::StoreError(
           fmt::format("the scenes of {} were not repeated equally often: their results are not of "
                       "one run of the suite",
                       scenes[0]->scene->kind));
-  const report::Estimate score = report::GeometricMeanOf(speedups);
+  const statistics::Estimate score = statistics::GeometricMeanOf(speedups);
   of.score = score.value;
-  of.interval = report::Bootstrap(score.things).IntervalOf(score);
+  of.interval = statistics::Bootstrap(score.things).IntervalOf(score);
   return of;
 }
 
@@ -308,12 +309,12 @@ std::vector<const ConfigurationFigures*> Recommend(const SceneFigures& scene, do
     return std::pair(of->error, of->ms_per_s.value);
   });
   const ConfigurationFigures& best = *fitting[0];
-  const report::Bootstrap bootstrap(best.ms_per_s.things);
+  const statistics::Bootstrap bootstrap(best.ms_per_s.things);
   std::erase_if(fitting, [&](const ConfigurationFigures* of) {
     if (of == &best) return false;
     if (of->error > best.error) return true;
-    const report::Interval ratio =
-        bootstrap.IntervalOf(report::RatioOf(of->ms_per_s, best.ms_per_s));
+    const statistics::Interval ratio =
+        bootstrap.IntervalOf(statistics::RatioOf(of->ms_per_s, best.ms_per_s));
     return !(ratio.low <= 1);
   });
   return fitting;

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "runtime/report/bootstrap.h"
-#include "runtime/report/numbers.h"
+#include "runtime/statistics/bootstrap.h"
 #include "runtime/store/store.h"
 #include "runtime/suite/standard.h"
+#include "runtime/terminal/numbers.h"
 
 namespace cdb::suite {
 
@@ -28,15 +28,15 @@ struct ConfigurationFigures {
   bool is_disturbed = false;  ///< the fault is of the machine alone, and the same run may be right
   measure::Verdict verdict = measure::Verdict::kUnknown;  ///< the worst of its repeats
   std::size_t repeats = 0, noisy = 0;
-  double error = report::kNone;         ///< the largest over the seeds
-  double memory_bytes = report::kNone;  ///< peak resident memory, the most of its repeats
-  double time_step_s = report::kNone;
-  double step_ns = report::kNone;  ///< the mean
+  double error = terminal::kNone;         ///< the largest over the seeds
+  double memory_bytes = terminal::kNone;  ///< peak resident memory, the most of its repeats
+  double time_step_s = terminal::kNone;
+  double step_ns = terminal::kNone;  ///< the mean
   double slow_step_ns =
-      report::kNone;  ///< 99th percentile of the cycles, each the median of its repeats
+      terminal::kNone;  ///< 99th percentile of the cycles, each the median of its repeats
   /// Of a simulated second; over the time of the baseline. Without a value where there is no time.
-  report::Estimate ms_per_s = {report::kNone, {}, 0}, speedup = {report::kNone, {}, 0};
-  report::Interval speedup_interval = {report::kNone, report::kNone};
+  statistics::Estimate ms_per_s = {terminal::kNone, {}, 0}, speedup = {terminal::kNone, {}, 0};
+  statistics::Interval speedup_interval = {terminal::kNone, terminal::kNone};
 
   bool HasScore() const { return fault.empty(); }
   /// Most of its repeats were disturbed.
@@ -61,10 +61,10 @@ SceneFigures CollectScene(const StandardScene& scene, const store::ResultFile& f
 /// A configuration in a kind.
 struct KindScore {
   std::string name;
-  double score = report::kNone;  ///< NaN where it has none
-  report::Interval interval = {report::kNone, report::kNone};
-  double memory_bytes = report::kNone;  ///< the most over the scenes
-  std::vector<std::string> faults;      ///< `bounce: drifting from cycle 12`
+  double score = terminal::kNone;  ///< NaN where it has none
+  statistics::Interval interval = {terminal::kNone, terminal::kNone};
+  double memory_bytes = terminal::kNone;  ///< the most over the scenes
+  std::vector<std::string> faults;        ///< `bounce: drifting from cycle 12`
 };
 
 struct KindFigures {

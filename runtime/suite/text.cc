@@ -8,16 +8,16 @@
 #include <limits>
 #include <utility>
 
-#include "runtime/report/table.h"
-#include "runtime/report/wrap.h"
+#include "runtime/terminal/table.h"
+#include "runtime/terminal/wrap.h"
 
 namespace cdb::suite {
 namespace {
 
 /// `1.50 ms`
 std::string TimeText(double ns) {
-  const auto unit = report::TimeUnit::For(ns);
-  return fmt::format("{} {}", report::ShortNumber(ns / unit.ns), unit.name);
+  const auto unit = terminal::TimeUnit::For(ns);
+  return fmt::format("{} {}", terminal::ShortNumber(ns / unit.ns), unit.name);
 }
 
 std::string MemoryText(double bytes) {
@@ -28,7 +28,7 @@ std::string RatioText(double ratio) {
   return std::isnan(ratio) ? "-" : fmt::format("{:.2f}", ratio);
 }
 
-std::string RangeText(const report::Interval& interval) {
+std::string RangeText(const statistics::Interval& interval) {
   return std::isnan(interval.low) ? "-"
                                   : fmt::format("{:.2f} .. {:.2f}", interval.low, interval.high);
 }
@@ -42,7 +42,7 @@ std::string SpeedupText(const SceneFigures& scene, const std::string& name) {
 }
 
 std::string KindTable(const KindFigures& kind) {
-  report::Table table;
+  terminal::Table table;
   table.AddColumn("configuration", false);
   for (const char* head : {"score", "95 % interval", "memory"}) table.AddColumn(head, true);
   for (const SceneFigures* scene : kind.scenes)
@@ -71,7 +71,7 @@ std::string FaultLines(const KindFigures& kind) {
   }
   std::string text;
   for (const auto& [faults, names] : by_faults)
-    text += report::Wrapped(
+    text += terminal::Wrapped(
         fmt::format("No score: {}: {}", fmt::join(names, ", "), fmt::join(faults, "; ")), 2);
   return text;
 }
@@ -175,7 +175,7 @@ std::string ScoreText(const std::vector<KindFigures>& kinds) {
 }
 
 std::string RecommendationText(const std::vector<SceneFigures>& scenes) {
-  report::Table table;
+  terminal::Table table;
   table.AddColumn("scene", false);
   table.AddColumn("best of all", false);
   table.AddColumn("of Bullet's own", false);

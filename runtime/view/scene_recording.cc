@@ -7,24 +7,24 @@
 #include <cmath>
 #include <numeric>
 
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/reference.h"
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/schema/metrics.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/exact_layouts.h"
-#include "runtime/report/cells.h"
+#include "runtime/statistics/cells.h"
 #include "runtime/view/selection.h"
 
 namespace cdb::view {
 namespace {
 
+using files::StoreError;
 using store::ResultFile;
-using store::StoreError;
 
 constexpr std::size_t kPose = measure::kPoseSize, kBox = measure::kBoxSize;
 
 void RequireBodies(const plan::Scene& scene) {
-  if (plan::TraceOf(scene))
+  if (analysis::TraceOf(scene))
     throw StoreError(
         "a run on a trace has boxes and no bodies: view the run that the trace was recorded from");
 }
@@ -167,7 +167,7 @@ void ReadAllSeries(const ResultFile& file, const ResultFile::Cell& cell,
 
 /// The errors of the run at its samples, where it is compared with a truth.
 void ReadErrors(const ResultFile& file, const ResultFile::Cell& cell, SceneRecording& recording) {
-  const auto sampling = plan::SamplingOf(recording.scene);
+  const auto sampling = analysis::SamplingOf(recording.scene);
   if (!sampling || recording.n_cycles == 0) return;
   for (const schema::ErrorInfo& error : schema::Errors()) {
     if (!file.Has(error.series)) continue;
@@ -208,7 +208,7 @@ void ParseCycles(const std::string& text, FrameChoice& choice) {
 }
 
 ResultFile::Cell DefaultCell(const ResultFile& file) {
-  const std::vector<ResultFile::Cell> cells = report::AllCells(file);
+  const std::vector<ResultFile::Cell> cells = statistics::AllCells(file);
   const auto ran = std::ranges::find_if(cells, [&](const ResultFile::Cell& cell) {
     const store::Status status = file.ReadStatus(cell);
     return status != store::Status::kMissing && status != store::Status::kSkipped &&
@@ -219,7 +219,7 @@ ResultFile::Cell DefaultCell(const ResultFile& file) {
 
 SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cell,
                              const FrameChoice& choice) {
-  const auto plan = report::ReadPlan(file);
+  const auto plan = statistics::ReadPlan(file);
   if (!plan)
     throw StoreError(
         "its plan is of another version of cdb, and bodies cannot be drawn: run it again, or use "

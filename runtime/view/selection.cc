@@ -7,12 +7,12 @@
 #include <cmath>
 #include <optional>
 
-#include "runtime/report/table.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::view {
 namespace {
 
-using store::StoreError;
+using files::StoreError;
 
 /// Nullopt where the text is no number from its first to its last character.
 std::optional<double> NumberOf(const std::string& text) {
@@ -23,11 +23,11 @@ std::optional<double> NumberOf(const std::string& text) {
 }
 
 std::size_t OneOf(const plan::Axis& axis, const std::string& text) {
-  const report::NamedValues values = report::FindValues(axis, text);
+  const statistics::NamedValues values = statistics::FindValues(axis, text);
   if (values.indices.size() == 1 && values.unknown.empty()) return values.indices[0];
   throw StoreError(fmt::format("{}={}: {}the axis has the values {}", axis.name, text,
                                values.indices.empty() ? "" : "that is more than one; ",
-                               report::ValuesText(axis)));
+                               statistics::ValuesText(axis)));
 }
 
 std::uint64_t RepeatOf(const std::string& value, std::uint64_t repeats) {
@@ -41,7 +41,8 @@ std::uint64_t RepeatOf(const std::string& value, std::uint64_t repeats) {
 }  // namespace
 
 void Select(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
-            const std::vector<report::AxisSelection>& selections, store::ResultFile::Cell& cell) {
+            const std::vector<statistics::AxisSelection>& selections,
+            store::ResultFile::Cell& cell) {
   for (const auto& [name, value] : selections) {
     if (name == "rep") {
       cell.rep = RepeatOf(value, repeats);
@@ -67,7 +68,7 @@ std::string CellName(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
   std::vector<std::string> words;
   for (std::size_t i = 0; i < axes.size(); ++i)
     words.push_back(
-        fmt::format("{} {}", axes[i].name, report::CoordinateText(axes[i], cell.at[i])));
+        fmt::format("{} {}", axes[i].name, terminal::CoordinateText(axes[i], cell.at[i])));
   if (repeats > 1) words.push_back(fmt::format("rep {}", cell.rep));
   return fmt::format("{}", fmt::join(words, ", "));
 }

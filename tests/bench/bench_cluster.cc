@@ -26,8 +26,8 @@
 
 #include "compiler/compile.h"
 #include "compiler/grid/part.h"
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/short_plan.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "compiler/yaml/short_plan.h"
 #include "library/closed_forms/scene_fault.h"
 #include "runtime/cluster/follow.h"
 #include "runtime/schedule/folder.h"
@@ -90,11 +90,11 @@ struct Made {
     }
     plan = grid->head;
     auto whole = std::make_shared<plan::WholePlan>(grid::MakeWhole(grid));
-    plan::ShortPlan form;
+    yaml::ShortPlan form;
     form.benchmark = grid->head.benchmark;
     form.sha256 = whole->sha256;
     form.runs = whole->run_count;
-    whole->short_text = plan::ToYaml(form);
+    whole->short_text = yaml::ToYaml(form);
     plan.whole = std::move(whole);
   }
 };
@@ -288,7 +288,7 @@ void Measure(int digits, const fs::path& place) {
   cost = CostOf<int>(
       [&] {
         const Made made(digits);
-        store::Merge(made.plan, tests::TestProvenance(), folder, out);
+        shards::Merge(made.plan, tests::TestProvenance(), folder, out);
         return 0;
       },
       unused);

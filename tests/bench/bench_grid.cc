@@ -22,7 +22,7 @@
 
 #include "compiler/compile.h"
 #include "compiler/grid/part.h"
-#include "compiler/plan/short_plan.h"
+#include "compiler/yaml/short_plan.h"
 #include "library/closed_forms/scene_fault.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/parts.h"
@@ -56,9 +56,9 @@ struct LongPlan {
   explicit LongPlan(const std::string& text)
       : grid(std::make_shared<const cdb::grid::Grid>(Check(text).grids.at(0))), plan(grid->head) {
     auto whole = std::make_shared<cdb::plan::WholePlan>(cdb::grid::MakeWhole(grid));
-    cdb::plan::ShortPlan form;
+    cdb::yaml::ShortPlan form;
     form.sha256 = whole->sha256;
-    whole->short_text = cdb::plan::ToYaml(form);
+    whole->short_text = cdb::yaml::ToYaml(form);
     plan.whole = std::move(whole);
   }
   cdb::plan::Plan ListPart(std::uint64_t index, std::uint64_t count) const {

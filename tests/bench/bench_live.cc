@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "compiler/plan/pile.h"
+#include "compiler/yaml/pile.h"
 #include "library/layouts/placement.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/worker/settle.h"
@@ -137,7 +137,7 @@ void RunScene(const LiveScene& live, const std::vector<std::string>& names, int 
   tests::SetWorld(scene, "pair_order", tests::Word("sorted"));
   layouts::InitialState state = layouts::DrawObjects(scene);
   layouts::Place(scene, state);
-  if (plan::HasPile(scene)) worker::SettlePiles(scene, state);
+  if (yaml::HasPile(scene)) worker::SettlePiles(scene, state);
   std::vector<std::vector<double>> broad(names.size()), step(names.size());
   bool are_alike = true;
   std::vector<int> pairs(names.size());

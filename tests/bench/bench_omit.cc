@@ -62,7 +62,7 @@ Result RunRound(const plan::Scene& scene, std::uint64_t cycles, std::uint64_t ro
   lean.Build(scene, state, true);
   if (round % 2 == 1) whole.Build(scene, state, false);
   world::OmissionGuard guard(*lean.engine);
-  std::string note = plan::OmittedNames(lean.engine->omissions().decisions);
+  std::string note = analysis::OmittedNames(lean.engine->omissions().decisions);
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
     if (cycle % 2 == 0) whole.Step();
     try {

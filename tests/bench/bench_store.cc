@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -44,19 +45,19 @@ int main(int argc, char** argv) {
   const auto n = static_cast<double>(plan.runs.size());
   const tests::FakeResult fake(plan.runs.front());
   {
-    const store::ShardWriter writer(plan, provenance);
+    const shards::ShardWriter writer(plan, provenance);
     const Stopwatch watch;
     for (const auto& run : plan.runs) writer.Write(run, fake.result, folder.path());
     watch.Print("write a shard, with fsync", n);
   }
   {
     const Stopwatch watch;
-    for (const auto& run : plan.runs) store::ReadShardInfo(folder / (run.id + ".h5"));
+    for (const auto& run : plan.runs) shards::ReadShardInfo(folder / (run.id + ".h5"));
     watch.Print("look at a shard", n);
   }
   {
     const Stopwatch watch;
-    store::Merge(plan, provenance, folder.path(), folder / "out.h5");
+    shards::Merge(plan, provenance, folder.path(), folder / "out.h5");
     watch.Print(fmt::format("merge {} runs", plan.runs.size()), 1);
   }
   const Stopwatch watch;

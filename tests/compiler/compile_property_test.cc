@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/format.h"
 #include "dsl/render.h"
 #include "tests/compiler/random_scenario.h"
@@ -42,7 +42,7 @@ TEST(Property, YamlReadsBackAsThePlan) {
   std::mt19937_64 random(2);
   for (int i = 0; i < kScenarios / 3; ++i) {
     const plan::Plan plan = PlanOfScenario(MakeRandomScenario(random).Text());
-    EXPECT_TRUE(plan::FromYaml(plan::ToYaml(plan), "plan") == plan) << plan.scenario_text;
+    EXPECT_TRUE(yaml::FromYaml(yaml::ToYaml(plan), "plan") == plan) << plan.scenario_text;
   }
 }
 
@@ -65,7 +65,7 @@ TEST(Property, LayoutOfTheTextHasNoMeaning) {
   std::mt19937_64 random(4);
   for (int i = 0; i < kScenarios / 3; ++i) {
     const std::string text = MakeRandomScenario(random).Text();
-    const std::string formatted = dsl::Format(dsl::Source("test.cdb", text));
+    const std::string formatted = dsl::Format(text::Source("test.cdb", text));
     EXPECT_EQ(PlanOfScenario(text).Sha256(), PlanOfScenario(formatted).Sha256()) << text;
   }
 }

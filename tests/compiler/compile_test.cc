@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/checks/lints.h"
 #include "compiler/compile.h"
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/lints/lints.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/render.h"
 #include "library/closed_forms/scene_fault.h"
 #include "tests/support/compile_text.h"
@@ -108,11 +108,11 @@ TEST(Golden, LintsAndEveryOneOfThem) {
     fs::path expected = input;
     ExpectGolden(expected.replace_extension(".txt"), dsl::Render(result.diagnostics));
     for (const auto& diagnostic : result.diagnostics.all()) {
-      EXPECT_TRUE(checks::IsLint(*diagnostic.kind)) << diagnostic.message;
+      EXPECT_TRUE(lints::IsLint(*diagnostic.kind)) << diagnostic.message;
       seen.insert(diagnostic.kind->id);
     }
   }
-  for (const checks::LintInfo& info : checks::Lints())
+  for (const lints::LintInfo& info : lints::Lints())
     EXPECT_TRUE(seen.contains(info.kind.id)) << info.kind.id << " is in no golden file";
 }
 
@@ -123,7 +123,7 @@ TEST(Golden, Plans) {
     for (const plan::Plan& plan : result.plans) {
       const fs::path expected =
           input.parent_path() / (input.stem().string() + "." + plan.benchmark + ".txt");
-      ExpectGolden(expected, WithoutRepetitions(plan::ToYaml(plan)));
+      ExpectGolden(expected, WithoutRepetitions(yaml::ToYaml(plan)));
     }
   }
 }

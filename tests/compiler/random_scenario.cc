@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/plan/kinematic.h"
-#include "compiler/plan/surface.h"
+#include "compiler/analysis/kinematic.h"
+#include "compiler/analysis/surface.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/parameter_ref.h"
 #include "compiler/schema/parametrised_words.h"
@@ -65,7 +65,7 @@ class Maker {
       if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
       if (parameter.TakesDetectors() && !IsBuilt(word)) continue;
       // Neither schedules nor piles move what is kinematic.
-      if (word == plan::kKinematicWord) continue;
+      if (word == analysis::kKinematicWord) continue;
       words.emplace_back(word);
     }
     if (const auto calls = CallsOf(parameter); !calls.empty() && Below(2) == 0)
@@ -113,8 +113,9 @@ class Maker {
     if (is_in_any_ && !parameter.ChoosesCalls()) calls.clear();
     std::erase_if(calls, [&](std::string_view call) {
       return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2")) ||
-             call == schema::kPosesCall || call == schema::kPathCall ||   // there is no file for it
-             call == schema::kHeightsCall || call == plan::kSurfaceWord;  // of what is fixed alone
+             call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
+             call == schema::kHeightsCall ||
+             call == analysis::kSurfaceWord;  // of what is fixed alone
     });
     return calls;
   }

@@ -41,7 +41,7 @@ TEST(DidYouMean, TakesTheNearest) {
 }
 
 TEST(Diagnostics, TheSameIsKeptOnce) {
-  const dsl::Source source("t", "abc");
+  const text::Source source("t", "abc");
   dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, 0, 1}, "wrong");
   diagnostics.Report(kError, {&source, 0, 1}, "wrong");
@@ -54,7 +54,7 @@ TEST(Diagnostics, TheSameIsKeptOnce) {
 }
 
 TEST(Diagnostics, ErrorsDoNotOverlap) {
-  const dsl::Source source("t", "abcdefgh"), other("u", "abcdefgh");
+  const text::Source source("t", "abcdefgh"), other("u", "abcdefgh");
   dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, 2, 4}, "first");
   diagnostics.Report(kError, {&source, 3, 5}, "touches its end");
@@ -73,7 +73,7 @@ TEST(Diagnostics, ErrorsDoNotOverlap) {
 }
 
 TEST(Render, AsTheHeaderShows) {
-  const dsl::Source source("examples/first.cdb", "a\nb\nc\n  type      cuboyd\n");
+  const text::Source source("examples/first.cdb", "a\nb\nc\n  type      cuboyd\n");
   dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, 18, 24}, "no object type is called 'cuboyd'",
                      "did you mean 'cuboid'?", {{{&source, 2, 3}, "it was set here before"}});
@@ -87,7 +87,7 @@ TEST(Render, AsTheHeaderShows) {
 }
 
 TEST(Render, ByFileAndPlace) {
-  const dsl::Source one("one", "abc\ndef\n"), two("two", "abc\n");
+  const text::Source one("one", "abc\ndef\n"), two("two", "abc\n");
   dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&one, 4, 5}, "third");
   diagnostics.Report(kError, {&two, 0, 1}, "fourth");
@@ -108,7 +108,7 @@ TEST(Render, ByFileAndPlace) {
   EXPECT_EQ(dsl::Render(dsl::Diagnostics()), "");
 }
 
-std::string RenderOne(const dsl::Source& source, std::uint32_t begin, std::uint32_t end) {
+std::string RenderOne(const text::Source& source, std::uint32_t begin, std::uint32_t end) {
   dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, begin, end}, "m");
   const std::string text = dsl::Render(diagnostics);
@@ -116,25 +116,25 @@ std::string RenderOne(const dsl::Source& source, std::uint32_t begin, std::uint3
 }
 
 TEST(Render, SeveralLinesShowTheFirst) {
-  const dsl::Source source("t", "ab {  \n  c\n}\n");
+  const text::Source source("t", "ab {  \n  c\n}\n");
   EXPECT_EQ(RenderOne(source, 3, 12), "  1 | ab {  \n    |    ^\n");
 }
 
 TEST(Render, TabsStayInStepAndPlacesPastTheEndAreShown) {
-  const dsl::Source source("t", "\ta\tb");
+  const text::Source source("t", "\ta\tb");
   EXPECT_EQ(RenderOne(source, 3, 4), "  1 | \ta\tb\n    | \t \t^\n");
   EXPECT_EQ(RenderOne(source, 4, 4), "  1 | \ta\tb\n    | \t \t ^\n");
   EXPECT_EQ(RenderOne(source, 100, 100), "  1 | \ta\tb\n    | \t \t ^\n");
 }
 
 TEST(Render, WideAndCombiningCharacters) {
-  const dsl::Source source("t", "\u7530e\u0301x");
+  const text::Source source("t", "\u7530e\u0301x");
   EXPECT_EQ(RenderOne(source, 6, 7), "  1 | \u7530e\u0301x\n    |    ^\n");
   EXPECT_EQ(RenderOne(source, 0, 3), "  1 | \u7530e\u0301x\n    | ^^\n");
 }
 
 TEST(Render, NothingReachesTheTerminalThatItWouldObey) {
-  const dsl::Source source("t\x1b[2J", "a\x1b[31m\u202eb\x07");
+  const text::Source source("t\x1b[2J", "a\x1b[31m\u202eb\x07");
   dsl::Diagnostics diagnostics;
   diagnostics.Report(kError, {&source, 0, 1}, "m \x1b", "h \x1b");
   EXPECT_EQ(dsl::Render(diagnostics).find('\x1b'), std::string::npos);
@@ -143,7 +143,7 @@ TEST(Render, NothingReachesTheTerminalThatItWouldObey) {
 }
 
 TEST(Render, SaysHowManyMoreThereAre) {
-  const dsl::Source source("t", "abcd");
+  const text::Source source("t", "abcd");
   dsl::Diagnostics diagnostics;
   for (std::uint32_t i = 0; i < 4; ++i) diagnostics.Report(kError, {&source, i, i + 1}, "wrong");
   const std::string all = dsl::Render(diagnostics);
@@ -155,7 +155,7 @@ TEST(Render, SaysHowManyMoreThereAre) {
 }
 
 TEST(Render, LongLinesAreCutAroundTheFault) {
-  const dsl::Source source("t", std::string(500, 'a') + "XYZ" + std::string(500, 'b'));
+  const text::Source source("t", std::string(500, 'a') + "XYZ" + std::string(500, 'b'));
   const std::string text = RenderOne(source, 500, 503);
   const std::string line = text.substr(0, text.find('\n'));
   EXPECT_LT(line.size(), 120u);
@@ -168,7 +168,7 @@ TEST(Render, LongLinesAreCutAroundTheFault) {
 }
 
 TEST(Render, AVeryWideFaultIsCutToo) {
-  const dsl::Source source("t", std::string(5000, 'a'));
+  const text::Source source("t", std::string(5000, 'a'));
   EXPECT_LT(RenderOne(source, 0, 5000).size(), 250u);
   EXPECT_LT(RenderOne(source, 2000, 5000).size(), 250u);
 }

@@ -13,7 +13,7 @@
 namespace cdb::tests {
 namespace {
 
-std::string Formatted(const std::string& text) { return dsl::Format(dsl::Source("t.cdb", text)); }
+std::string Formatted(const std::string& text) { return dsl::Format(text::Source("t.cdb", text)); }
 
 TEST(Format, TheExampleOfTheReferenceIsLaidOutAlready) {
   const std::string text = R"(# Does a long, thin shape slow the broad phase down?
@@ -132,7 +132,7 @@ TEST(Format, EmptyAndComments) {
 TEST(FormatProperty, RandomTreesStayTheSame) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     const RandomText::Sample sample = RandomText(seed).File();
-    const auto formatted = std::make_shared<const dsl::Source>("t.cdb", Formatted(sample.text));
+    const auto formatted = std::make_shared<const text::Source>("t.cdb", Formatted(sample.text));
     dsl::Diagnostics diagnostics;
     const dsl::File file = dsl::Parse(formatted, diagnostics);
     ASSERT_FALSE(diagnostics.has_errors()) << "seed " << seed << "\n" << formatted->text();

@@ -37,7 +37,7 @@ std::vector<fs::path> Inputs() {
 dsl::Diagnostics DiagnosticsOf(const fs::path& input, std::string* rendered) {
   dsl::Diagnostics diagnostics;
   const auto source =
-      std::make_shared<const dsl::Source>(input.filename().string(), ReadFile(input));
+      std::make_shared<const text::Source>(input.filename().string(), ReadFile(input));
   dsl::Parse(source, diagnostics);
   *rendered = dsl::Render(diagnostics);
   return diagnostics;

@@ -17,7 +17,7 @@ namespace {
 // Measures what the tree says of itself, and that every span lies in the source.
 class Walker {
  public:
-  explicit Walker(const dsl::Source& source) : source_(source) {}
+  explicit Walker(const text::Source& source) : source_(source) {}
 
   const std::string& problem() const { return problem_; }
 
@@ -26,7 +26,7 @@ class Walker {
   }
 
  private:
-  void Check(const dsl::Span& span) {
+  void Check(const text::Span& span) {
     if (span.source != &source_ || span.begin > span.end || span.end > source_.text().size())
       problem_ = "a span of the tree lies outside the text";
   }
@@ -86,12 +86,12 @@ class Walker {
     for (const dsl::ExprPtr& value : setting.values) Height(*value);
   }
 
-  const dsl::Source& source_;
+  const text::Source& source_;
   std::string problem_;
 };
 
-std::string BrokenDiagnostic(const dsl::Source& source, const dsl::Diagnostics& diagnostics) {
-  const auto inside = [&](const dsl::Span& span) {
+std::string BrokenDiagnostic(const text::Source& source, const dsl::Diagnostics& diagnostics) {
+  const auto inside = [&](const text::Span& span) {
     return span.source == &source && span.begin <= span.end && span.end <= source.text().size();
   };
   std::set<std::pair<const dsl::DiagnosticKind*, std::pair<std::uint32_t, std::uint32_t>>> places;
@@ -111,7 +111,7 @@ std::string BrokenDiagnostic(const dsl::Source& source, const dsl::Diagnostics& 
 }  // namespace
 
 std::string BrokenInvariant(const std::string& text) {
-  const auto source = std::make_shared<const dsl::Source>("test.cdb", text);
+  const auto source = std::make_shared<const text::Source>("test.cdb", text);
   dsl::Diagnostics diagnostics;
   const dsl::File file = dsl::Parse(source, diagnostics);
   if (std::string problem = BrokenDiagnostic(*source, diagnostics); !problem.empty())
@@ -123,7 +123,7 @@ std::string BrokenInvariant(const std::string& text) {
   if (!walker.problem().empty()) return walker.problem();
   if (diagnostics.has_errors()) return {};
 
-  const auto formatted = std::make_shared<const dsl::Source>("test.cdb", dsl::Format(*source));
+  const auto formatted = std::make_shared<const text::Source>("test.cdb", dsl::Format(*source));
   dsl::Diagnostics again;
   const dsl::File same = dsl::Parse(formatted, again);
   if (again.has_errors()) return "the formatted text does not parse:\n" + dsl::Render(again);

@@ -29,7 +29,7 @@ struct Lexed {
       if (diagnostic.kind != &kind) return false;
     return diagnostics.error_count() == 1;
   }
-  dsl::Source source;
+  text::Source source;
   dsl::Diagnostics diagnostics;
   dsl::TokenList list;
 };
@@ -103,7 +103,7 @@ TEST(Lexer, CommentsKeepTheirPlaceWithoutTrailingSpaces) {
   const Lexed lexed("a # one  \r\n#two\nb#three");
   ASSERT_EQ(lexed.list.comments.size(), 3u);
   const auto text = [&](std::size_t i) {
-    const dsl::Span& span = lexed.list.comments[i];
+    const text::Span& span = lexed.list.comments[i];
     return std::string(lexed.source.text().substr(span.begin, span.end - span.begin));
   };
   EXPECT_EQ(text(0), "# one");
@@ -147,17 +147,17 @@ TEST(Lexer, ForeignOperatorsStandForOurs) {
 }
 
 TEST(Source, PositionsCountCodePoints) {
-  const dsl::Source source("t", "a\r\n\u00e9\u7530b\n");
+  const text::Source source("t", "a\r\n\u00e9\u7530b\n");
   EXPECT_EQ(source.LineCount(), 3);
   EXPECT_EQ(source.Line(1), "a");
   EXPECT_EQ(source.Line(2), "\u00e9\u7530b");
   EXPECT_EQ(source.Line(3), "");
   EXPECT_EQ(source.Line(0), "");
   EXPECT_EQ(source.Line(4), "");
-  const dsl::Position b = source.PositionAt(8);
+  const text::Position b = source.PositionAt(8);
   EXPECT_EQ(b.line, 2);
   EXPECT_EQ(b.column, 3);
-  const dsl::Position past = source.PositionAt(1000);
+  const text::Position past = source.PositionAt(1000);
   EXPECT_EQ(past.line, 3);
   EXPECT_EQ(past.column, 1);
 }
@@ -165,9 +165,9 @@ TEST(Source, PositionsCountCodePoints) {
 TEST(Source, ColumnsOfAVeryLongLine) {
   std::string text = "x\n";
   for (int i = 0; i < 5000; ++i) text += "\u00e9";
-  const dsl::Source source("t", text);
+  const text::Source source("t", text);
   for (const std::uint32_t i : {0u, 1u, 511u, 512u, 1023u, 2048u, 4999u, 5000u}) {
-    const dsl::Position position = source.PositionAt(2 + 2 * i);
+    const text::Position position = source.PositionAt(2 + 2 * i);
     EXPECT_EQ(position.line, 2);
     EXPECT_EQ(position.column, static_cast<int>(i) + 1);
   }

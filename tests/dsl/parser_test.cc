@@ -18,9 +18,9 @@ namespace {
 
 struct Parsed {
   explicit Parsed(std::string text)
-      : source(std::make_shared<const dsl::Source>("t.cdb", std::move(text))),
+      : source(std::make_shared<const text::Source>("t.cdb", std::move(text))),
         file(dsl::Parse(source, diagnostics)) {}
-  std::shared_ptr<const dsl::Source> source;
+  std::shared_ptr<const text::Source> source;
   dsl::Diagnostics diagnostics;
   dsl::File file;
 };
@@ -246,7 +246,7 @@ TEST(Parser, SpansHoldWhatWasWritten) {
   const Parsed parsed("let v = ( a + f(1) as z ) * 2 # c\n");
   ASSERT_FALSE(parsed.diagnostics.has_errors());
   const auto& let = std::get<dsl::Let>(parsed.file.items[0]);
-  const auto text = [&](const dsl::Span& span) {
+  const auto text = [&](const text::Span& span) {
     return std::string(parsed.source->text().substr(span.begin, span.end - span.begin));
   };
   EXPECT_EQ(text(let.value->span), "( a + f(1) as z ) * 2");
@@ -256,7 +256,7 @@ TEST(Parser, SpansHoldWhatWasWritten) {
 
   const Parsed bare("let v = pair distance: (a + 1) # c\n");
   const dsl::Expr& call = *std::get<dsl::Let>(bare.file.items[0]).value;
-  const auto bare_text = [&](const dsl::Span& span) {
+  const auto bare_text = [&](const text::Span& span) {
     return std::string(bare.source->text().substr(span.begin, span.end - span.begin));
   };
   EXPECT_EQ(bare_text(call.span), "pair distance: (a + 1)");

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/content_cache.h"
 #include "library/objects/decomposition_cache.h"
 #include "tests/support/files.h"

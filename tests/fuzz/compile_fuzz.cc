@@ -5,9 +5,9 @@
 #include <string>
 
 #include "compiler/compile.h"
-#include "compiler/plan/plan_yaml.h"
-#include "dsl/check.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/render.h"
+#include "dsl/text/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cdb;
@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CDB_CHECK(!plan.runs.empty());
     // Large grids say no more than small ones, and take long.
     if (plan.runs.size() < 50)
-      CDB_CHECK(cdb::plan::FromYaml(cdb::plan::ToYaml(plan), "plan") == plan);
+      CDB_CHECK(cdb::yaml::FromYaml(cdb::yaml::ToYaml(plan), "plan") == plan);
   }
   return 0;
 }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "compiler/compile.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "runtime/lsp/message_stream.h"
 #include "runtime/lsp/server.h"
 

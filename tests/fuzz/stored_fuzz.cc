@@ -10,10 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "runtime/measure/trace_memory.h"
-#include "runtime/store/safe_file.h"
-#include "runtime/store/seal.h"
+#include "runtime/store/files/safe_file.h"
+#include "runtime/store/files/seal.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
 #include "tests/runtime/store/store_fixture.h"
@@ -32,11 +33,11 @@ struct Bases {
   Bases() {
     tests::FakeResult(plan.runs[0]);
     for (const plan::Run& run : plan.runs)
-      store::WriteShard(plan, run, tests::FakeResult(run).result, tests::TestProvenance(),
-                        folder.path());
-    store::Merge(plan, tests::TestProvenance(), folder.path(), folder / "out.h5");
+      shards::WriteShard(plan, run, tests::FakeResult(run).result, tests::TestProvenance(),
+                         folder.path());
+    shards::Merge(plan, tests::TestProvenance(), folder.path(), folder / "out.h5");
     const plan::Run& run = contacts.runs[0];
-    store::WriteShard(contacts, run, tests::FakeResult(run).result, {}, folder.path());
+    shards::WriteShard(contacts, run, tests::FakeResult(run).result, {}, folder.path());
     measure::TraceMemory trace = measure::TraceMemory::Create({3, 4, false});
     for (std::uint64_t cycle = 0; cycle < 4; ++cycle)
       trace.SetBoxes(cycle, std::vector<double>(3 * measure::kBoxSize, 1.5));
@@ -45,7 +46,7 @@ struct Bases {
     for (const fs::path& file : {folder / "out.h5", folder / (plan.runs[0].id + ".h5"),
                                  folder / (run.id + ".h5"), folder / "trace.h5"}) {
       const std::string bytes = tests::ReadFile(file);
-      images.push_back(bytes.substr(0, bytes.size() - sizeof(store::Seal)));
+      images.push_back(bytes.substr(0, bytes.size() - sizeof(files::Seal)));
     }
   }
 
@@ -82,8 +83,8 @@ void ReadResults(const fs::path& path) {
 }
 
 void MergeShard(const plan::Plan& plan, const fs::path& shard, const fs::path& out) {
-  store::ReadShardInfo(shard);
-  store::Merge(plan, {}, {shard}, out);
+  shards::ReadShardInfo(shard);
+  shards::Merge(plan, {}, {shard}, out);
   store::ResultFile file(out, store::ProofOf::kEveryValue);
 }
 
@@ -100,11 +101,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const fs::path file = folder / (plan.runs[0].id + ".h5");
   tests::WriteFile(file, image);
   try {
-    store::AppendSeal(file, file);
+    files::AppendSeal(file, file);
     if (which == 0) ReadResults(file);
     if (which == 1 || which == 2) MergeShard(plan, file, folder / "merged.h5");
     if (which == 3) store::LoadTrace(file, store::ReadTraceFacts(file).sha256);
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     CDB_CHECK(std::string(error.what()).find(folder.path().string()) != std::string::npos);
   }
   return 0;

@@ -35,19 +35,20 @@ inline scenario::DescribePlugin DescribeText() {
 
 /// Traces of a hundred cycles: 1000 bodies in single precision, and too many for `sap` in double
 /// precision.
-inline std::optional<plan::TraceFacts> MadeUpTraces(const std::string& path, std::string& why) {
+inline std::optional<analysis::TraceFacts> MadeUpTraces(const std::string& path, std::string& why) {
   if (path.ends_with("crowd.trace.h5"))
-    return plan::TraceFacts{std::string(64, 'c'), 1000, 100, 1.0 / 60, false};
+    return analysis::TraceFacts{std::string(64, 'c'), 1000, 100, 1.0 / 60, false};
   if (path.ends_with("large.trace.h5"))
-    return plan::TraceFacts{std::string(64, '1'), 100'000, 100, 1.0 / 240, true};
+    return analysis::TraceFacts{std::string(64, '1'), 100'000, 100, 1.0 / 240, true};
   why = path.ends_with("result.h5") ? "it is HDF5, but no trace (cdb-results)"
                                     : "there is no such file";
   return std::nullopt;
 }
 
 /// Tables in CSV files, as `read` gives them.
-inline plan::ReadPoses ReadTables(const scenario::ReadFile& read) {
-  return [read](const schema::Call& poses, plan::PoseFault& why) -> std::optional<plan::PoseFacts> {
+inline analysis::ReadPoses ReadTables(const scenario::ReadFile& read) {
+  return [read](const schema::Call& poses,
+                analysis::PoseFault& why) -> std::optional<analysis::PoseFacts> {
     const std::string& path = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
     try {
       std::string missing;
@@ -60,8 +61,8 @@ inline plan::ReadPoses ReadTables(const scenario::ReadFile& read) {
         return layouts::FactsOfPath(layouts::Path(poses, layouts::ParsePathCsv(*text, path)),
                                     plan::Sha256Hex(*text));
       const layouts::PoseTable table = layouts::ParsePoseCsv(*text, path);
-      return plan::PoseFacts{plan::Sha256Hex(*text), table.rows.size(), table.has_orientation,
-                             table.has_linear_velocity, table.has_angular_velocity};
+      return analysis::PoseFacts{plan::Sha256Hex(*text), table.rows.size(), table.has_orientation,
+                                 table.has_linear_velocity, table.has_angular_velocity};
     } catch (const library::SceneError& error) {
       why = {false, error.cause(), error.remedy()};
       return std::nullopt;

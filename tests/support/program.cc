@@ -4,7 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "tests/support/folders.h"
 
 namespace cdb::tests {

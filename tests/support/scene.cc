@@ -2,7 +2,7 @@
 
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::tests {
 namespace {

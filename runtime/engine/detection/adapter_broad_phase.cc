@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/detectors/bullet/vectors.h"
 
 namespace cdb::detection {

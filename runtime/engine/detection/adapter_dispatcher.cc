@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/detectors/bullet/vectors.h"
 
 namespace cdb::detection {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "compiler/plan/engine_constants.h"
-#include "compiler/plan/expectation.h"
+#include "compiler/analysis/engine_constants.h"
+#include "compiler/analysis/expectation.h"
 #include "runtime/engine/probes/memory.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
@@ -64,7 +64,7 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recordi
     : engine_(engine),
       header_(recording.header()),
       cycles_(scene.world.Count("cycles")),
-      is_driven_(ExpectationOf(scene) == plan::Expectation::kDriven),
+      is_driven_(analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
       streams_contacts_(scene.world.Lists("record", "contacts")),
       all_walls_(scene.world.WordOr("world.walls") == "all"),
       floor_(scene.world.WordOr("world.walls") == "floor"),
@@ -232,7 +232,7 @@ bool Probes::IsBeyondWall(const btVector3& centre) const {
 /// Past this, Bullet takes the body out, or where it may not sleep leaves its box where it was
 /// (btCollisionWorld::updateSingleAabb).
 bool Probes::IsTooLarge(const btRigidBody& body) const {
-  constexpr btScalar kMostDiagonal = btScalar(plan::kLargestBox);
+  constexpr btScalar kMostDiagonal = btScalar(analysis::kLargestBox);
   const btScalar way = body.getLinearVelocity().length() * engine_.timestep();
   const btScalar disc = body.getCollisionShape()->getAngularMotionDisc();
   if (4 * (disc + way) < kMostDiagonal) return false;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "runtime/measure/host.h"
+#include "runtime/machine/host.h"
 
 namespace cdb::probes {
 namespace {
@@ -20,7 +20,7 @@ double ClockNs(clockid_t clock) {
 
 ProcessorTime::Reading ProcessorTime::Read() {
   Reading now;
-  const measure::TimeOfAllProcessors all = measure::ReadTimeOfAllProcessors();
+  const machine::TimeOfAllProcessors all = machine::ReadTimeOfAllProcessors();
   now.stolen_ns = all.stolen;
   now.busy_ns = all.busy;
   now.process_ns = ClockNs(CLOCK_PROCESS_CPUTIME_ID);
@@ -42,7 +42,7 @@ void ProcessorTime::Store(measure::RunScalars& scalars) const {
   scalars.stolen_ns = end.stolen_ns - begin_.stolen_ns;
   scalars.others_ns =
       std::max(0.0, (end.busy_ns - begin_.busy_ns) - (end.process_ns - begin_.process_ns));
-  scalars.processors = measure::ProcessorCount();
+  scalars.processors = machine::ProcessorCount();
 }
 
 }  // namespace cdb::probes

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <limits>
 
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
 
@@ -24,7 +24,7 @@ Sampler::Sampler(const plan::Scene& scene, world::Engine& engine, measure::Recor
     : engine_(engine),
       shape_(*measure::SampleShapeOf(scene)),
       values_(recording.SampleValues()),
-      cycles_per_sample_(plan::SamplingOf(scene)->cycles),
+      cycles_per_sample_(analysis::SamplingOf(scene)->cycles),
       wants_pairs_(scene.world.Lists("accuracy.metrics", "pairs")),
       wants_geometry_(scene.world.Lists("accuracy.metrics", "geometry")) {
   const auto& objects = engine.initial_state().objects;

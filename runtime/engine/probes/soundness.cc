@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "compiler/plan/expectation.h"
+#include "compiler/analysis/expectation.h"
 
 namespace cdb::probes {
 
@@ -10,9 +10,10 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
                      std::span<const double> least_sides)
     : engine_(engine),
       passes_(engine),
-      presses_(engine, least_sides, ExpectationOf(scene) == plan::Expectation::kDriven),
+      presses_(engine, least_sides,
+               analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
       sleepers_(engine) {
-  if (OnlyContactsTakeEnergy(scene)) audit_.emplace(engine);
+  if (analysis::OnlyContactsTakeEnergy(scene)) audit_.emplace(engine);
 }
 
 void Soundness::Begin(double kinetic, double energy) {

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 
 namespace cdb::worker {
 namespace {

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "compiler/plan/pile.h"
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/yaml/pile.h"
 #include "library/layouts/initial_state.h"
 #include "library/layouts/perturbation.h"
 #include "library/layouts/placement.h"
@@ -54,7 +54,7 @@ bool RecordsPairs(const plan::Scene& scene) { return scene.world.Lists("record",
 
 /// Times and memory are measured without the referee.
 bool WantsSecondPass(const plan::Scene& scene) {
-  return plan::SamplingOf(scene) ||
+  return analysis::SamplingOf(scene) ||
          (RecordsPairs(scene) &&
           (scene.world.Lists("record", "timing") || scene.world.Lists("record", "memory")));
 }
@@ -84,7 +84,7 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, measure::Recordi
 void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
                      measure::Recording& recording) {
   std::optional<probes::Sampler> sampler;
-  if (plan::SamplingOf(scene)) sampler.emplace(scene, engine, recording);
+  if (analysis::SamplingOf(scene)) sampler.emplace(scene, engine, recording);
   std::optional<probes::PairReferee> referee;
   if (RecordsPairs(scene)) referee.emplace(engine, recording);
   Stepper stepper(scene, engine);
@@ -146,7 +146,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     header.scalars.fill_fraction = state.fill_fraction;  // known also where placing fails
     header.models = objects::ModelsText(state.forms);
     layouts::Place(run.scene, state);
-    if (plan::HasPile(run.scene)) SettleAndTell(run.scene, state, header.settling);
+    if (yaml::HasPile(run.scene)) SettleAndTell(run.scene, state, header.settling);
     if (run.scene.role == plan::Role::kTwin) layouts::Perturb(run.scene, state);
     const std::int64_t build_begin = world::Now();
     header.scalars.place_ns = static_cast<double>(build_begin - place_begin);
@@ -157,8 +157,8 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     if (!run.scene.plugins.empty()) Confine();  // caches are written, plug-ins are not yet loaded
     engine = std::make_unique<world::Engine>(run.scene, std::move(state), std::move(omissions));
     header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
-    header.omitted = plan::OmittedNames(engine->omissions().decisions);
-    header.decisions = plan::DecisionsText(engine->omissions().decisions);
+    header.omitted = analysis::OmittedNames(engine->omissions().decisions);
+    header.decisions = analysis::DecisionsText(engine->omissions().decisions);
     if (run.scene.role == plan::Role::kMeasured) {
       header.scalars.harness_ns = HarnessNs(run.scene, *engine);
       RunCycles(run.scene, *engine, recording, contacts_fd);
@@ -172,7 +172,9 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
       RunAgain(run.scene, *engine, recording);
     header.outcome.store(measure::WorkerOutcome::kDone, std::memory_order_release);
   } catch (const world::OmissionGuardTripped& tripped) {
-    if (RequestFor(run.scene, schema::Component::kWalls) == plan::PruningRequest::kAuto) throw;
+    if (analysis::RequestFor(run.scene, schema::Component::kWalls) ==
+        analysis::PruningRequest::kAuto)
+      throw;
     ReportFailure(recording, fmt::format("omit walls: this scene needs them: {}", tripped.what()));
   } catch (const std::bad_alloc&) {
     header.is_out_of_memory.store(1, std::memory_order_relaxed);  // also of the one that settles

@@ -21,8 +21,8 @@
 #include <string>
 #include <system_error>
 
-#include "compiler/plan/pile.h"
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/pile.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "library/content_cache.h"
 #include "library/distributions/draw.h"
 #include "library/layouts/bodies.h"
@@ -91,7 +91,7 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
 }
 
 plan::Scene QuietScene(const Settling& settling) {
-  plan::Scene scene = plan::SettlingScene(settling.scene);
+  plan::Scene scene = yaml::SettlingScene(settling.scene);
   scene.world.Set("timestep", settling.falling.Timestep());
   return scene;
 }
@@ -232,7 +232,7 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
   plan::Run run;
   run.scene = scene;
   run.id = plan::RunId(scene, run.rep);
-  const std::string yaml = plan::RunToYaml(run);
+  const std::string yaml = yaml::RunToYaml(run);
   const int text = memfd_create("cdb-settle", MFD_CLOEXEC);
   if (text < 0) Fail("no memory to settle a pile");
   measure::WriteAll(text, yaml);
@@ -306,7 +306,7 @@ std::string KeyOf(const Settling& settling) {
   return library::CacheKeyOf(
       fmt::format("{}\nBullet {}\n{}\n{}\n{}{}\n{}", kVersion, btGetVersion(), __VERSION__,
                   meshes::DecomposerVersion(), objects::ModelsText(settling.dropped.forms),
-                  plan::PileText(settling.scene), NumbersOf(settling.dropped)));
+                  yaml::PileText(settling.scene), NumbersOf(settling.dropped)));
 }
 
 /// From the cache, or made and kept there: by one process, while others that need it wait.

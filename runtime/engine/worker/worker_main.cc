@@ -17,8 +17,8 @@
 #include <system_error>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/pose_table.h"
 #include "runtime/engine/detection/plugin_detectors.h"
 #include "runtime/engine/probes/memory.h"
@@ -72,7 +72,7 @@ void RunScenario(const plan::Run& run, measure::Recording& recording, const Kept
 }
 
 void RunWorker(const Kept& kept) {
-  const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
+  const plan::Run run = yaml::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
   measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
   const detection::NotesPluginCalls notes(recording.header().plugin_call);
   const NotesMemoryShortage shortage(recording.header().is_out_of_memory);
@@ -85,7 +85,7 @@ void RunWorker(const Kept& kept) {
                               run.scene.world.WordOr("precision"), world::EnginePrecision()));
   } else {
     try {
-      if (plan::TraceOf(run.scene)) {
+      if (analysis::TraceOf(run.scene)) {
         ReplayTrace(run, recording, measure::kTraceFd);
       } else {
         RunScenario(run, recording, kept);
@@ -116,7 +116,7 @@ int Execute(const std::vector<std::string>& arguments) {
     layouts::SetPoseReader(
         [](const schema::Call& poses) { return layouts::UnpackPoses(ReadPackedPoses(), poses); });
     if (settles) {
-      SettleForAnother(plan::RunFromYaml(measure::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
+      SettleForAnother(yaml::RunFromYaml(measure::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
     } else {
       RunWorker(keeps ? Kept{arguments[1], arguments[2]} : Kept{});
     }

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string>
 
-#include "compiler/plan/engine_constants.h"
-#include "dsl/check.h"
+#include "compiler/analysis/engine_constants.h"
+#include "dsl/text/check.h"
 #include "library/scene_error.h"
 #include "library/walls.h"
 #include "runtime/engine/detection/adapter_broad_phase.h"
@@ -35,7 +35,7 @@ constexpr int ClassGroup(std::size_t collision_class, bool is_fixed) {
   const auto bit = static_cast<int>(2 * collision_class) + (is_fixed ? 1 : 0);
   return 1 << (bit < 6 ? bit : bit + 6);
 }
-static_assert(ClassGroup(plan::kMostCollisionClasses - 1, true) == 1 << 29);
+static_assert(ClassGroup(analysis::kMostCollisionClasses - 1, true) == 1 << 29);
 
 /// The timestep in Bullet's precision.
 btScalar TimestepOf(const plan::Scene& scene) {
@@ -88,7 +88,7 @@ void CheckRange(std::size_t index, const ObjectState& object, const btVector3& i
 /// object can fly in the run.
 double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
-  const plan::Collisions collisions(scene);
+  const analysis::Collisions collisions(scene);
   bool are_held = scene.world.WordOr("world.walls") == "all";
   for (std::size_t i = 0; i < scene.groups.size(); ++i)
     are_held = are_held && collisions.MayTouchWalls(i);
@@ -101,7 +101,7 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
       static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
   const double flight = fastest * seconds + state.acceleration.norm() * seconds * seconds / 2;
   // Bullet switches off bodies that are farther out.
-  return std::min(half + flight, std::max(half, plan::kLargestBox));
+  return std::min(half + flight, std::max(half, analysis::kLargestBox));
 }
 
 btDefaultCollisionConstructionInfo PoolSizes(const pruning::Omissions& omissions) {
@@ -312,7 +312,7 @@ void Engine::SettleRotation() {
   if (turning == objects_.end()) return;
   const std::string why =
       fmt::format("object {} turns by rounding, without any spin", turning - objects_.begin() + 1);
-  if (plan::RequestFor(scene_, Component::kRotation) == plan::PruningRequest::kByName)
+  if (analysis::RequestFor(scene_, Component::kRotation) == analysis::PruningRequest::kByName)
     throw SceneError(fmt::format("omit rotation: this scene needs it: {}", why));
   omissions_.Keep(Component::kRotation, why);
 }

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "compiler/plan/collisions.h"
+#include "compiler/analysis/collisions.h"
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/detection/detectors.h"
@@ -97,7 +97,7 @@ class Engine {
   // Members are declared in dependency order; the world uses all of those before it.
   const plan::Scene scene_;
   const layouts::InitialState state_;
-  const plan::Collisions collisions_;
+  const analysis::Collisions collisions_;
   pruning::Omissions omissions_;
   const std::uint8_t standing_;  ///< walls of the scene, by their bits
   const double side_;

@@ -35,7 +35,7 @@ LeanWorld::LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phas
                      btConstraintSolver* solver, btCollisionConfiguration* configuration,
                      const pruning::Omissions& omissions)
     : btDiscreteDynamicsWorld(dispatcher, broad_phase, solver, configuration) {
-  for (const plan::PruningDecision& part : omissions.decisions)
+  for (const analysis::PruningDecision& part : omissions.decisions)
     if (omissions.Omits(part.component)) omitted_ |= 1u << static_cast<int>(part.component);
 }
 

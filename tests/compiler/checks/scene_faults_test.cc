@@ -13,7 +13,7 @@ namespace cdb::tests {
 namespace {
 
 /// Compiles `text` with a library that finds what `find` finds.
-compiler::Compilation CompileWith(const std::string& text, plan::FindSceneFault find) {
+compiler::Compilation CompileWith(const std::string& text, analysis::FindSceneFault find) {
   const auto read = [&](const std::string&, std::string&) { return std::optional(text); };
   compiler::CompileOptions options;
   options.find_fault = std::move(find);
@@ -21,23 +21,23 @@ compiler::Compilation CompileWith(const std::string& text, plan::FindSceneFault 
 }
 
 /// Of scenes with more than `most` objects.
-plan::FindSceneFault TooMany(std::uint64_t most, plan::SceneFault::Kind kind) {
-  return [=](const plan::Scene& scene) -> std::optional<plan::SceneFault> {
+analysis::FindSceneFault TooMany(std::uint64_t most, analysis::SceneFault::Kind kind) {
+  return [=](const plan::Scene& scene) -> std::optional<analysis::SceneFault> {
     if (scene.ObjectCount() <= most) return std::nullopt;
-    return plan::SceneFault{kind, "objects", "it is full", "take some out"};
+    return analysis::SceneFault{kind, "objects", "it is full", "take some out"};
   };
 }
 
 TEST(SceneFaults, OfSomeRunsAreAWarningAndOfAllAnError) {
   const std::string text =
       "benchmark b { objects { size 1; quantity sweep(1, 20, 30) }; detector sweep(dbvt, sap) }";
-  const auto some = CompileWith(text, TooMany(10, plan::SceneFault::Kind::kPlacement));
+  const auto some = CompileWith(text, TooMany(10, analysis::SceneFault::Kind::kPlacement));
   ASSERT_EQ(some.diagnostics.all().size(), 1u);
   EXPECT_EQ(some.diagnostics.all()[0].kind, &scenario::kRunsWillFail);
   EXPECT_EQ(some.diagnostics.all()[0].message, "runs will fail: it is full; in 4 of 6 runs");
   EXPECT_EQ(some.diagnostics.all()[0].help, "take some out");
   EXPECT_EQ(some.plans.size(), 1u);
-  const auto all = CompileWith(text, TooMany(0, plan::SceneFault::Kind::kPlacement));
+  const auto all = CompileWith(text, TooMany(0, analysis::SceneFault::Kind::kPlacement));
   ASSERT_EQ(all.diagnostics.all().size(), 1u);
   EXPECT_EQ(all.diagnostics.all()[0].kind, &scenario::kCannotPlace);
   EXPECT_TRUE(all.plans.empty());
@@ -48,7 +48,7 @@ TEST(SceneFaults, OfAClosedFormAreErrorsInAnyRun) {
   const auto result = CompileWith(
       "benchmark b { objects.quantity sweep(1, 20)\n"
       "accuracy { metrics position; closed_form flight } }",
-      TooMany(10, plan::SceneFault::Kind::kClosedForm));
+      TooMany(10, analysis::SceneFault::Kind::kClosedForm));
   ASSERT_TRUE(result.diagnostics.has_errors());
   EXPECT_EQ(result.diagnostics.all()[0].kind, &scenario::kWrongForm);
   EXPECT_EQ(result.diagnostics.all()[0].message, "it is full; in 1 of 2 runs");
@@ -56,7 +56,7 @@ TEST(SceneFaults, OfAClosedFormAreErrorsInAnyRun) {
 
 TEST(SceneFaults, AreLookedForOnceInScenesThatPlaceTheSame) {
   int looks = 0;
-  const plan::FindSceneFault count = [&](const plan::Scene&) {
+  const analysis::FindSceneFault count = [&](const plan::Scene&) {
     ++looks;
     return std::nullopt;
   };
@@ -79,7 +79,7 @@ TEST(SceneFaults, AreLookedForOnceInScenesThatPlaceTheSame) {
 }
 
 TEST(SceneFaults, OfADefaultSizeSaySo) {
-  const plan::FindSceneFault nothing = [](const plan::Scene&) { return std::nullopt; };
+  const analysis::FindSceneFault nothing = [](const plan::Scene&) { return std::nullopt; };
   const auto warnings = [&](const std::string& groups) {
     const auto result = CompileWith("benchmark b { world.side 500\n" + groups + " }", nothing);
     int count = 0;

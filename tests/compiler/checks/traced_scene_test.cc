@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/trace.h"
+#include "compiler/analysis/trace.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
 
@@ -19,13 +19,14 @@ TEST(TracedScene, IsAsTheTraceSays) {
   const plan::Plan plan = TracedPlan("benchmark b { trace \"crowd.trace.h5\" }");
   ASSERT_EQ(plan.runs.size(), 1u);
   const plan::Scene& scene = plan.runs[0].scene;
-  EXPECT_EQ(plan::TraceOf(scene), (plan::TraceName{"crowd.trace.h5", std::string(64, 'c')}));
+  EXPECT_EQ(analysis::TraceOf(scene),
+            (analysis::TraceName{"crowd.trace.h5", std::string(64, 'c')}));
   EXPECT_EQ(scene.ObjectCount(), 1000u);
   EXPECT_EQ(scene.world.Count("cycles"), 100u);
   EXPECT_EQ(scene.world.WordOr("precision"), "single");
   EXPECT_EQ(scene.world.Get("record"), schema::Value(schema::WordList{"counts", "timing"}));
   EXPECT_TRUE(scene.seeds.empty());
-  EXPECT_FALSE(plan::TraceOf(TracedPlan("benchmark b { }").runs.at(0).scene));
+  EXPECT_FALSE(analysis::TraceOf(TracedPlan("benchmark b { }").runs.at(0).scene));
 }
 
 TEST(TracedScene, WarmupLeavesTheRest) {
@@ -44,12 +45,12 @@ TEST(TracedScene, SweepsTracesBesideLiveWorlds) {
   EXPECT_EQ(plan.axes[0].name, "trace");
   EXPECT_EQ(plan.axes[0].values[1], plan::Coordinate("crowd.trace.h5"));
   ASSERT_EQ(plan.runs.size(), 6u);
-  EXPECT_FALSE(plan::TraceOf(plan.runs[0].scene));
+  EXPECT_FALSE(analysis::TraceOf(plan.runs[0].scene));
   EXPECT_EQ(plan.runs[0].scene.ObjectCount(), 10u);
   EXPECT_EQ(plan.runs[2].scene.ObjectCount(), 1000u);
   EXPECT_EQ(plan.runs[4].scene.ObjectCount(), 100'000u);
   EXPECT_EQ(plan.runs[4].scene.world.WordOr("precision"), "double");
-  EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan").runs, plan.runs);
+  EXPECT_EQ(yaml::FromYaml(yaml::ToYaml(plan), "plan").runs, plan.runs);
 }
 
 TEST(TracedScene, IsNamedByItsHash) {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
 
@@ -18,7 +18,7 @@ std::string SizeOf(const std::string& value, const Files& files = {}) {
       CompileText("benchmark b { objects.size " + value + " }", files);
   if (result.plans.empty()) return dsl::Render(result.diagnostics);
   const plan::Plan& plan = result.plans[0];
-  EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan"), plan);
+  EXPECT_EQ(yaml::FromYaml(yaml::ToYaml(plan), "plan"), plan);
   return schema::ToText(plan.runs[0].scene.groups[0].settings.Get("size"));
 }
 

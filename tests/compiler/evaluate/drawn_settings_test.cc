@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "compiler/plan/plan_yaml.h"
 #include "compiler/schema/formula.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
 
@@ -18,7 +18,7 @@ std::string Setting(schema::GroupParameter parameter, const std::string& objects
       CompileText(lets + "\nbenchmark b { timestep 1e-6; objects { " + objects + " } }");
   if (result.plans.empty()) return dsl::Render(result.diagnostics);
   const plan::Plan& plan = result.plans[0];
-  EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan"), plan);
+  EXPECT_EQ(yaml::FromYaml(yaml::ToYaml(plan), "plan"), plan);
   return schema::ToText(plan.runs[0].scene.groups[0].settings.Get(parameter));
 }
 
@@ -67,7 +67,7 @@ TEST(DrawnSettings, OfASweepTheAxisHasTheNumbers) {
   EXPECT_EQ(plan.axes[0].unit, "") << "factors, and no masses";
   EXPECT_EQ(plan.axes[1].values, (std::vector<plan::Coordinate>{"0.1 * size", "0.2"}));
   EXPECT_EQ(schema::ToText(plan.runs[2].scene.groups[0].settings.Get("mass")), "4 * size");
-  EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan"), plan);
+  EXPECT_EQ(yaml::FromYaml(yaml::ToYaml(plan), "plan"), plan);
 }
 
 TEST(DrawnSettings, HaveUnits) {
@@ -99,7 +99,7 @@ TEST(DrawnSettings, FormulaeOfPlansAreChecked) {
   const compiler::Compilation result =
       CompileText("benchmark b { objects { size same(uniform(1, 5)); mass 2 * size ^ 3 } }");
   ASSERT_EQ(result.plans.size(), 1u) << dsl::Render(result.diagnostics);
-  const std::string yaml = plan::ToYaml(result.plans[0]);
+  const std::string yaml = yaml::ToYaml(result.plans[0]);
   const std::string formula = "[\"*\", 2, [\"^\", size, 3]]";
   const std::size_t at = yaml.find(formula);
   ASSERT_NE(at, std::string::npos) << yaml;
@@ -107,8 +107,8 @@ TEST(DrawnSettings, FormulaeOfPlansAreChecked) {
     std::string changed = yaml;
     changed.replace(at, formula.size(), other);
     try {
-      plan::FromYaml(changed, "plan");
-    } catch (const plan::PlanError& error) {
+      yaml::FromYaml(changed, "plan");
+    } catch (const yaml::PlanError& error) {
       return error.what();
     }
     return "";

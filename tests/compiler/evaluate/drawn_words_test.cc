@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "compiler/plan/plan_yaml.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
 
@@ -23,7 +23,7 @@ TEST(DrawnWords, PlansHoldThemAndReadThemBack) {
   EXPECT_TRUE(plan.runs[0].scene.seeds.contains("objects.size"));
   EXPECT_TRUE(plan.runs[0].scene.seeds.contains("sand.mass"));
   EXPECT_FALSE(plan.runs[0].scene.seeds.contains("objects.mass"));
-  EXPECT_EQ(plan::FromYaml(plan::ToYaml(plan), "plan"), plan);
+  EXPECT_EQ(yaml::FromYaml(yaml::ToYaml(plan), "plan"), plan);
 }
 
 // One draw for all sides makes no thin shapes.

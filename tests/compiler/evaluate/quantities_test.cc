@@ -15,7 +15,7 @@ namespace {
 using schema::Number;
 
 Number ConvertedLiteral(const char* literal, const char* unit) {
-  return evaluate::InSi(*Number::FromLiteral(literal), *dsl::ParseUnit(unit));
+  return evaluate::InSi(*Number::FromLiteral(literal), *text::ParseUnit(unit));
 }
 
 TEST(Units, DecimalsAreTheSameDoubleAsWrittenInSi) {
@@ -38,7 +38,7 @@ TEST(Units, EveryThousandthIsTheNearestDouble) {
   for (int i = 1; i < 2000; ++i) {
     const std::string text = std::to_string(i);
     const double nearest = std::stod("0.000" + std::string(4 - text.size(), '0') + text);
-    EXPECT_EQ(evaluate::InSi(std::stod(text + "e-4"), *dsl::ParseUnit("ms")).AsReal(), nearest)
+    EXPECT_EQ(evaluate::InSi(std::stod(text + "e-4"), *text::ParseUnit("ms")).AsReal(), nearest)
         << i;
     different += std::stod(text + "e-4") * 1e-3 != nearest;
   }

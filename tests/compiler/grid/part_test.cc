@@ -9,9 +9,9 @@
 #include <set>
 #include <string>
 
+#include "compiler/analysis/capacity.h"
 #include "compiler/compile.h"
-#include "compiler/plan/capacity.h"
-#include "compiler/plan/short_plan.h"
+#include "compiler/yaml/short_plan.h"
 #include "dsl/render.h"
 
 namespace cdb::tests {
@@ -97,7 +97,7 @@ TEST(GridPart, TheWholeKnowsWhatTheListSays) {
     part.whole = std::make_shared<const plan::WholePlan>(grid::MakeWhole(made));
     EXPECT_EQ(part.MaxCycles(), list.MaxCycles());
     EXPECT_EQ(part.MaxObjects(), list.MaxObjects());
-    EXPECT_EQ(plan::MaxBodyCount(part), plan::MaxBodyCount(list));
+    EXPECT_EQ(analysis::MaxBodyCount(part), analysis::MaxBodyCount(list));
     for (const char* word : {"timing", "energy", "poses"})
       EXPECT_EQ(part.Records(word), list.Records(word)) << word;
     std::size_t i = 0;
@@ -137,7 +137,7 @@ TEST(GridPart, TheHashIsOfWhatDecidesTheRuns) {
 }
 
 TEST(ShortPlan, IsReadAsItWasWritten) {
-  const plan::ShortPlan form = {"b",
+  const yaml::ShortPlan form = {"b",
                                 std::string(64, 'a'),
                                 1'000'000,
                                 "my scenario.cdb",
@@ -145,8 +145,8 @@ TEST(ShortPlan, IsReadAsItWasWritten) {
                                 "/library",
                                 {"a.so", "b c.so"},
                                 {{"x.cdb", "benchmark b {\n\t\"quoted\" # µ\n}\n"}, {"y.cdb", ""}}};
-  EXPECT_EQ(plan::FindShortPlan(plan::ToYaml(form), "p.yaml"), form);
-  EXPECT_FALSE(plan::FindShortPlan("cdb_plan: 5\n", "p.yaml"));
+  EXPECT_EQ(yaml::FindShortPlan(yaml::ToYaml(form), "p.yaml"), form);
+  EXPECT_FALSE(yaml::FindShortPlan("cdb_plan: 5\n", "p.yaml"));
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
-#include "compiler/plan/plan_yaml_writer.h"
-#include "compiler/plan/short_plan.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "compiler/yaml/plan_yaml_writer.h"
+#include "compiler/yaml/short_plan.h"
 #include "dsl/render.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
@@ -31,8 +31,8 @@ plan::Plan Example() {
 /// The message of the error that reading `text` ends with.
 std::string ErrorOf(const std::string& text) {
   try {
-    plan::FromYaml(text, "plan.yaml");
-  } catch (const plan::PlanError& error) {
+    yaml::FromYaml(text, "plan.yaml");
+  } catch (const yaml::PlanError& error) {
     return error.what();
   }
   return "no error";
@@ -46,13 +46,13 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 
 TEST(PlanYaml, ReadsBackAsItWas) {
   const plan::Plan plan = Example();
-  const std::string yaml = plan::ToYaml(plan);
-  const plan::Plan back = plan::FromYaml(yaml, "plan.yaml");
+  const std::string yaml = yaml::ToYaml(plan);
+  const plan::Plan back = yaml::FromYaml(yaml, "plan.yaml");
   EXPECT_TRUE(back == plan);
   EXPECT_EQ(back.Sha256(), plan.Sha256());
-  EXPECT_EQ(plan::ToYaml(back), yaml);
+  EXPECT_EQ(yaml::ToYaml(back), yaml);
   const plan::Run& run = plan.runs.back();
-  EXPECT_TRUE(plan::RunFromYaml(plan::RunToYaml(run), "run") == run);
+  EXPECT_TRUE(yaml::RunFromYaml(yaml::RunToYaml(run), "run") == run);
 }
 
 plan::Plan PluginsExample(
@@ -70,15 +70,15 @@ plan::Plan PluginsExample(
 TEST(PlanYaml, ReadsTheCorpusOfItsFuzzer) {
   for (const auto& entry :
        std::filesystem::directory_iterator(SourceFolder() / "tests/fuzz/corpus_plan"))
-    EXPECT_NO_THROW(plan::FromYaml(ReadFile(entry.path()), entry.path()));
+    EXPECT_NO_THROW(yaml::FromYaml(ReadFile(entry.path()), entry.path()));
 }
 
 TEST(PlanYaml, ReadsPluginsBack) {
   const plan::Plan plan = PluginsExample();
-  const std::string yaml = plan::ToYaml(plan);
-  EXPECT_TRUE(plan::FromYaml(yaml, "plan.yaml") == plan);
-  EXPECT_EQ(plan::ToYaml(plan::FromYaml(yaml, "plan.yaml")), yaml);
-  EXPECT_TRUE(plan::RunFromYaml(plan::RunToYaml(plan.runs[0]), "run") == plan.runs[0]);
+  const std::string yaml = yaml::ToYaml(plan);
+  EXPECT_TRUE(yaml::FromYaml(yaml, "plan.yaml") == plan);
+  EXPECT_EQ(yaml::ToYaml(yaml::FromYaml(yaml, "plan.yaml")), yaml);
+  EXPECT_TRUE(yaml::RunFromYaml(yaml::RunToYaml(plan.runs[0]), "run") == plan.runs[0]);
   // A detector that a run does not name is none of its affair.
   const auto& first = plan.runs[0].scene.plugins;
   ASSERT_EQ(first.size(), 2u);
@@ -90,7 +90,7 @@ TEST(PlanYaml, ReadsPluginsBack) {
 }
 
 TEST(PlanYaml, RefusesPluginsThatDoNotFit) {
-  const std::string yaml = plan::ToYaml(PluginsExample());
+  const std::string yaml = yaml::ToYaml(PluginsExample());
   EXPECT_NE(ErrorOf(Replaced(yaml, "phases: broad", "phases: wide")).find("no phases `wide`"),
             std::string::npos);
   EXPECT_NE(
@@ -130,9 +130,9 @@ plan::Plan WordsExample() {
 
 TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
   const plan::Plan plan = WordsExample();
-  const plan::Plan back = plan::FromYaml(plan::ToYaml(plan), "plan.yaml");
+  const plan::Plan back = yaml::FromYaml(yaml::ToYaml(plan), "plan.yaml");
   EXPECT_TRUE(back == plan);
-  EXPECT_EQ(plan::ToYaml(back), plan::ToYaml(plan));
+  EXPECT_EQ(yaml::ToYaml(back), yaml::ToYaml(plan));
   // What a plan holds means the same in a scenario.
   const plan::GroupSettings& objects = plan.runs[0].scene.groups[0].settings;
   const std::string text = "benchmark b { acceleration " +
@@ -152,9 +152,9 @@ TEST(RunText, IsThatOfARunAlone) {
     for (const plan::Run& run : plan.runs) runs.push_back(run);
   runs.push_back(runs.front());
   runs.back().scene.role = plan::Role::kReference;
-  plan::RunText text("");
+  yaml::RunText text("");
   for (int round = 0; round < 2; ++round) {
-    for (const plan::Run& run : runs) EXPECT_EQ(text.YamlOf(run), plan::RunToYaml(run)) << run.id;
+    for (const plan::Run& run : runs) EXPECT_EQ(text.YamlOf(run), yaml::RunToYaml(run)) << run.id;
     std::ranges::reverse(runs);
   }
 }
@@ -164,10 +164,10 @@ TEST(RunText, TellsZerosOfDifferentSignApart) {
   run.scene.groups[0].settings.Set("linear_velocity", Eigen::Vector3d(0.0, 1, 0));
   plan::Run other = run;
   other.scene.groups[0].settings.Set("linear_velocity", Eigen::Vector3d(-0.0, 1, 0));
-  ASSERT_NE(plan::RunToYaml(run), plan::RunToYaml(other));
-  plan::RunText text("");
+  ASSERT_NE(yaml::RunToYaml(run), yaml::RunToYaml(other));
+  yaml::RunText text("");
   for (const plan::Run* one : {&run, &other, &run})
-    EXPECT_EQ(text.YamlOf(*one), plan::RunToYaml(*one));
+    EXPECT_EQ(text.YamlOf(*one), yaml::RunToYaml(*one));
 }
 
 TEST(PlanYaml, LeavesOutABriefParameterAtItsDefault) {
@@ -179,27 +179,27 @@ TEST(PlanYaml, LeavesOutABriefParameterAtItsDefault) {
   };
   const plan::Plan plain = plan_of(""), same = plan_of("; collides_with all"),
                    filtered = plan_of("; collides_with walls, dust");
-  EXPECT_EQ(plan::ToYaml(plain).find("collides_with: "), std::string::npos);
+  EXPECT_EQ(yaml::ToYaml(plain).find("collides_with: "), std::string::npos);
   EXPECT_EQ(plain.runs[0].id, same.runs[0].id);
   EXPECT_NE(plain.runs[0].id, filtered.runs[0].id);
-  EXPECT_NE(plan::ToYaml(filtered).find("collides_with: [dust, walls]"), std::string::npos);
+  EXPECT_NE(yaml::ToYaml(filtered).find("collides_with: [dust, walls]"), std::string::npos);
   for (const plan::Plan& plan : {plain, same, filtered})
-    EXPECT_TRUE(plan::FromYaml(plan::ToYaml(plan), "plan.yaml") == plan);
+    EXPECT_TRUE(yaml::FromYaml(yaml::ToYaml(plan), "plan.yaml") == plan);
 }
 
 TEST(PlanYaml, ReadsPointsBack) {
   const compiler::Compilation result = CompileText(
       "benchmark b { objects { location sweep(at((0.1, 0, -3), (1e9, 2, 3)), at(1, 2, 3)) } }");
   ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
-  const std::string yaml = plan::ToYaml(result.plans.at(0));
+  const std::string yaml = yaml::ToYaml(result.plans.at(0));
   EXPECT_NE(yaml.find("location: {at: [[0.1, 0, -3], [1000000000, 2, 3]]}"), std::string::npos)
       << yaml;
   EXPECT_NE(yaml.find("location: {at: {x: 1, y: 2, z: 3}}"), std::string::npos);
-  EXPECT_TRUE(plan::FromYaml(yaml, "plan.yaml") == result.plans.at(0));
+  EXPECT_TRUE(yaml::FromYaml(yaml, "plan.yaml") == result.plans.at(0));
 }
 
 TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
-  const std::string yaml = plan::ToYaml(WordsExample());
+  const std::string yaml = yaml::ToYaml(WordsExample());
   const std::string stack = "{stack: {height: 4, gap: fit, spacing: 3}}";
   const auto error = [&](const std::string& location) {
     return ErrorOf(Replaced(yaml, stack, location));
@@ -234,7 +234,7 @@ TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
 }
 
 TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
-  const std::string yaml = plan::ToYaml(Example());
+  const std::string yaml = yaml::ToYaml(Example());
   EXPECT_NE(ErrorOf("").find("this is no cdb plan"), std::string::npos);
   EXPECT_NE(ErrorOf("a: [1, 2").find("plan.yaml:"), std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 5", "cdb_plan: 99")).find("format 99"),
@@ -262,7 +262,7 @@ TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
 }
 
 TEST(PlanYaml, HoldsNamesToTheRuleOfTheLanguage) {
-  const std::string yaml = plan::ToYaml(Example());
+  const std::string yaml = yaml::ToYaml(Example());
   const std::string name = "benchmark: \"" + Example().benchmark + "\"";
   ASSERT_NE(yaml.find(name), std::string::npos);
   for (const char* wrong :
@@ -273,9 +273,9 @@ TEST(PlanYaml, HoldsNamesToTheRuleOfTheLanguage) {
         << wrong;
   EXPECT_NE(ErrorOf(Replaced(yaml, "name: cycles", "name: \"../cycles\"")).find("is no name"),
             std::string::npos);
-  plan::ShortPlan form;
+  yaml::ShortPlan form;
   form.benchmark = "../../escaped";
-  EXPECT_THROW(plan::FindShortPlan(plan::ToYaml(form), "short.yaml"), plan::PlanError);
+  EXPECT_THROW(yaml::FindShortPlan(yaml::ToYaml(form), "short.yaml"), yaml::PlanError);
 }
 
 TEST(PlanHash, IsOfWhatDecidesTheResults) {

@@ -4,8 +4,8 @@
 
 #include <set>
 
+#include "compiler/analysis/pruning.h"
 #include "compiler/plan/plan.h"
-#include "compiler/plan/pruning.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/parametrised_words.h"
 #include "tests/support/compile_text.h"

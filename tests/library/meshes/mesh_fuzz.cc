@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "dsl/check.h"
+#include "dsl/text/check.h"
 #include "library/meshes/convex_hull.h"
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/mesh.h"

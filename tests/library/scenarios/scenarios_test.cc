@@ -89,7 +89,7 @@ TEST(Scenarios, EachSaysInTwoLinesWhatItIsAndWhatToLookAt) {
 TEST(Scenarios, EachIsLaidOutAsFmtDoesIt) {
   for (const fs::path& file : Files()) {
     const std::string text = Text(file);
-    EXPECT_EQ(dsl::Format(dsl::Source(file.string(), text)), text) << file;
+    EXPECT_EQ(dsl::Format(text::Source(file.string(), text)), text) << file;
   }
 }
 

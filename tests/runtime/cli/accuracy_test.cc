@@ -6,6 +6,7 @@
 
 #include "compiler/compile.h"
 #include "runtime/report/show_error.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/program.h"
@@ -153,7 +154,7 @@ TEST(Accuracy, OfOneRunBringsItsReference) {
 }
 
 /// A result whose times and errors are known: 1 / hz s a cycle, which takes `hz` * `us`.
-std::string ShownError(const report::ShowErrorOptions& options) {
+std::string ShownError(const statistics::ErrorOptions& options) {
   plan::Plan plan =
       MakePlan({NumberAxis("hz", {60, 120, 240}), TextAxis("precision", {"single", "double"})}, 2,
                {.cycles = 4, .record = {"timing"}, .metrics = {"position", "pairs"}});
@@ -177,9 +178,9 @@ std::string ShownError(const report::ShowErrorOptions& options) {
       fake.result.status = store::Status::kCrashed;
       fake.result.message = "of old age";
     }
-    store::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
+    shards::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
   }
-  store::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
+  shards::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
   return report::ShowError(store::ResultFile(folder / "out.h5"), options).text;
 }
 
@@ -239,10 +240,10 @@ TEST(ShowError, TakesTheMeanOverTheCellsThatAllRowsHave) {
 }
 
 TEST(ShowError, NamesWhatThereIs) {
-  const auto said = [](const report::ShowErrorOptions& options) -> std::string {
+  const auto said = [](const statistics::ErrorOptions& options) -> std::string {
     try {
       ShownError(options);
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       return error.what();
     }
     return "nothing";

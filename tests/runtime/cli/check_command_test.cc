@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/seal.h"
+#include "runtime/store/files/seal.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 
@@ -110,12 +110,12 @@ TEST(Check, AResultsFileOfAnotherPlanThanItHoldsIsDamaged) {
   program.Write("a.cdb", "benchmark b {\n  cycles 5\n  repeats 2\n  objects.quantity 0\n}\n");
   ASSERT_EQ(program.Run({"run", "a.cdb", "-q", "-o", "a.h5"}).status, 0);
   std::string bytes = program.Read("a.h5");
-  bytes.resize(bytes.size() - sizeof(store::Seal));
+  bytes.resize(bytes.size() - sizeof(files::Seal));
   const std::size_t place = bytes.find("\nrepeats: 2\n");
   ASSERT_NE(place, std::string::npos);
   bytes[place + 10] = '3';
   program.Write("a.h5", bytes);
-  store::AppendSeal(program.folder() / "a.h5", "a.h5");
+  files::AppendSeal(program.folder() / "a.h5", "a.h5");
   for (const char* command : {"check", "show"}) {
     const Finished other = program.Run({command, "a.h5"});
     EXPECT_EQ(other.status, 2);

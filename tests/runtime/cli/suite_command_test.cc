@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/cli/inputs.h"
-#include "runtime/cli/suite_plan.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/plans/suite_plan.h"
 #include "tests/support/files.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(StandardSuite, HasARowForEachFileAndAFileForEachRow) {
-  const fs::path folder = fs::path(cli::ScenarioLibrary()) / "standard";
+  const fs::path folder = fs::path(options::ScenarioLibrary()) / "standard";
   std::set<std::string> files, rows;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.path().extension() == ".cdb")
@@ -36,7 +36,7 @@ TEST(StandardSuite, HasARowForEachFileAndAFileForEachRow) {
 TEST(StandardSuite, ScenesOfAKindSweepTheSameConfigurations) {
   std::map<std::string_view, std::vector<plan::Axis>> of_kind;
   for (const suite::StandardScene& scene : suite::StandardScenes()) {
-    const plan::Plan plan = cli::StandardPlan(scene, {});
+    const plan::Plan plan = plans::StandardPlan(scene, {});
     const auto [there, is_new] = of_kind.try_emplace(scene.kind, plan.axes);
     EXPECT_EQ(plan.axes, there->second) << scene.Id();
     EXPECT_EQ(plan.repeats, 5u) << scene.Id();
@@ -58,7 +58,7 @@ TEST(StandardSuite, PlansOfAVersionStayAsTheyAre) {
   for (const suite::StandardScene& scene : suite::StandardScenes())
     for (const bool is_long : {false, true})
       plans += fmt::format("{} {} {} bound {} {}\n", scene.Id(), is_long ? "long" : "short",
-                           cli::StandardPlan(scene, {.is_long = is_long}).Sha256(), scene.bound,
+                           plans::StandardPlan(scene, {.is_long = is_long}).Sha256(), scene.bound,
                            measure::VerdictName(scene.worst_verdict));
   const fs::path golden = SourceFolder() / "tests" / "golden" / "suite" /
                           fmt::format("version_{}.txt", suite::kSuiteVersion);
@@ -72,9 +72,9 @@ TEST(StandardSuite, PlansOfAVersionStayAsTheyAre) {
 
 TEST(StandardSuite, AFreshSeedAndFurtherDetectorsMakeOtherRuns) {
   const suite::StandardScene& scene = suite::StandardScenes()[0];
-  const plan::Plan plan = cli::StandardPlan(scene, {}),
-                   fresh = cli::StandardPlan(scene, {.seed = 7}),
-                   more = cli::StandardPlan(scene, {.detectors = {"kd_tree"}});
+  const plan::Plan plan = plans::StandardPlan(scene, {}),
+                   fresh = plans::StandardPlan(scene, {.seed = 7}),
+                   more = plans::StandardPlan(scene, {.detectors = {"kd_tree"}});
   std::set<std::string> ids, wider;
   for (const plan::Run& run : plan.runs) ids.insert(run.id);
   for (const plan::Run& run : fresh.runs) {
@@ -84,8 +84,8 @@ TEST(StandardSuite, AFreshSeedAndFurtherDetectorsMakeOtherRuns) {
   for (const plan::Run& run : more.runs) wider.insert(run.id);
   EXPECT_EQ(wider.size(), ids.size() + 5);
   for (const std::string& id : ids) EXPECT_TRUE(wider.contains(id));
-  EXPECT_EQ(cli::StandardPlan(scene, {.is_long = true}).runs.size(),
-            6 * cli::kLongRepeats * std::size(cli::kLongSeeds));
+  EXPECT_EQ(plans::StandardPlan(scene, {.is_long = true}).runs.size(),
+            6 * plans::kLongRepeats * std::size(plans::kLongSeeds));
 }
 
 /// One scene of each kind for a few cycles; a pile would have to settle first.

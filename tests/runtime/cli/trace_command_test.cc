@@ -75,7 +75,7 @@ TEST(Trace, OfSeveralPointsIsAFolderAndGoesOnWhereItStopped) {
   ASSERT_EQ(program.Run({"trace", "grid.cdb"}).status, 0);
   const auto file = program.folder() / "grid.traces" / "grid_n-3.trace.h5";
   EXPECT_TRUE(std::filesystem::exists(program.folder() / "grid.traces" / "grid_n-4.trace.h5"));
-  const plan::TraceFacts facts = store::ReadTraceFacts(file);
+  const analysis::TraceFacts facts = store::ReadTraceFacts(file);
   EXPECT_EQ(facts.cycles, 5u);
   EXPECT_GE(facts.bodies, 3u);
   std::filesystem::remove(file);

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 
 namespace cdb::tests {
@@ -15,7 +16,7 @@ class ShardCounts : public testing::Test {
  protected:
   void Write(std::size_t i, store::Status status = store::Status::kDone) const {
     const plan::Run& run = plan_.runs[i];
-    store::WriteShard(plan_, run, FakeResult(run, status, 2).result, {}, folder_.path());
+    shards::WriteShard(plan_, run, FakeResult(run, status, 2).result, {}, folder_.path());
   }
   const TemporaryFolder folder_;
   const plan::Plan plan_ = MakePlan({NumberAxis("quantity", {1, 2, 3, 4})}, 1, {});

@@ -74,7 +74,7 @@ void ExpectSaysNot(const std::string& text, const std::string& part) {
 std::string RefusalOf(const std::vector<ComparedResult>& results, CompareOptions options = {}) {
   try {
     Compared compared(results, std::move(options));
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     return error.what();
   }
   return "";

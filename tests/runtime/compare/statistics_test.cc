@@ -7,7 +7,7 @@
 #include <map>
 
 #include "library/distributions/stream.h"
-#include "runtime/report/cycle_times.h"
+#include "runtime/statistics/cycle_times.h"
 #include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
@@ -17,8 +17,8 @@ using compare::Change;
 using compare::ChangeTest;
 using compare::ChangeVerdict;
 using compare::TestedChange;
-using report::Bootstrap;
-using report::Estimate;
+using statistics::Bootstrap;
+using statistics::Estimate;
 
 TEST(CompareStatistics, TestsByStudentsDistribution) {
   // Two samples whose means have the same bootstrap variance as those of Welch's test have.
@@ -39,7 +39,7 @@ TEST(CompareStatistics, CallsAChangeOfOnePercentNone) {
   const Bootstrap five(5);
   const Estimate a = five.MeanEstimate({100, 100.01, 99.99, 100, 100});
   const auto p = [&](double factor) {
-    return ChangeTest(five, five).Of(compare::ChangeOf(a, report::Scaled(a, factor))).p;
+    return ChangeTest(five, five).Of(compare::ChangeOf(a, statistics::Scaled(a, factor))).p;
   };
   EXPECT_GT(p(1.0099), 0.5);
   EXPECT_LT(p(1.011), 1e-6);
@@ -124,8 +124,8 @@ class MadeUpFile {
                          stall);
       }
     }
-    return report::TimesOver(repeats, bootstrap_, report::CycleStatistic::kMean,
-                             report::FastestOf(repeat_.size()))
+    return statistics::TimesOver(repeats, bootstrap_, statistics::CycleStatistic::kMean,
+                                 statistics::FastestOf(repeat_.size()))
         .mean;
   }
 

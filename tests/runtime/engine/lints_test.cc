@@ -1,5 +1,5 @@
 // Lints predict the verdicts of runs.
-#include "compiler/checks/lints.h"
+#include "compiler/lints/lints.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -29,9 +29,9 @@ constexpr double kAgreement = 0.95;
 /// What the lints say of a scene, by its worst number.
 enum Prediction { kSound, kDoubtful, kBad };
 
-Prediction PredictionOf(const std::vector<checks::LintNumber>& numbers) {
-  if (std::ranges::any_of(numbers, &checks::LintNumber::IsBad)) return kBad;
-  return std::ranges::any_of(numbers, &checks::LintNumber::IsDoubtful) ? kDoubtful : kSound;
+Prediction PredictionOf(const std::vector<lints::LintNumber>& numbers) {
+  if (std::ranges::any_of(numbers, &lints::LintNumber::IsBad)) return kBad;
+  return std::ranges::any_of(numbers, &lints::LintNumber::IsDoubtful) ? kDoubtful : kSound;
 }
 
 /// Runs by prediction and by whether they were stable.
@@ -56,13 +56,13 @@ class Trial {
         measure::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
     ASSERT_NE(judged.verdict, measure::Verdict::kUnknown);
     const bool stable = judged.verdict == measure::Verdict::kStable;
-    const auto numbers = checks::LintScene(scene);
+    const auto numbers = lints::LintScene(scene);
     const Prediction prediction = PredictionOf(numbers);
     ++all_.runs[prediction][stable];
     ++themes_[theme].runs[prediction][stable];
     if (prediction == kDoubtful || stable == (prediction == kSound)) return;
     surprises_ += fmt::format("  {}: {}:", theme, VerdictName(judged.verdict));
-    for (const checks::LintNumber& number : numbers)
+    for (const lints::LintNumber& number : numbers)
       if (number.Severity() > 0.1)
         surprises_ += fmt::format(" {} {:.2g}", InfoOf(number.lint).kind.id, number.Severity());
     surprises_ += "\n";

@@ -32,8 +32,8 @@ using schema::WordList;
 using Tally = std::map<Component, std::array<int, 2>>;
 
 void Count(const PairedRun& paired, Tally& tally) {
-  for (const plan::PruningDecision& part : paired.omissions.decisions)
-    ++tally[part.component][part.decision == plan::Decision::kLeftOut ? 0 : 1];
+  for (const analysis::PruningDecision& part : paired.omissions.decisions)
+    ++tally[part.component][part.decision == analysis::Decision::kLeftOut ? 0 : 1];
 }
 
 std::vector<std::string> ShippedScenarios() {
@@ -89,7 +89,8 @@ std::optional<plan::Scene> WithoutWallPairs(plan::Scene scene, const layouts::In
   SetWorld(scene, "detector", Word("dbvt"));
   SetWorld(scene, "narrow_phase", Word("bullet"));
   SetWorld(scene, "omit", WordList{"wall_pairs"});
-  if (plan::AnalysePruning(scene).back().decision == plan::Decision::kKept) return std::nullopt;
+  if (analysis::AnalysePruning(scene).back().decision == analysis::Decision::kKept)
+    return std::nullopt;
   try {
     pruning::DecideOmissions(scene, state);
   } catch (const library::SceneError&) {

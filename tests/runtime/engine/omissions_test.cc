@@ -185,7 +185,7 @@ TEST(OmitDamping, EitherKindKeepsIt) {
 pruning::Omissions WrongAboutWalls(const plan::Scene& scene) {
   pruning::Omissions omissions = pruning::KeepEverything(scene);
   omissions.decisions[static_cast<std::size_t>(Component::kWalls)].decision =
-      plan::Decision::kLeftOut;
+      analysis::Decision::kLeftOut;
   omissions.walls.assign(scene.ObjectCount(), 0);
   return omissions;
 }

@@ -18,7 +18,7 @@ struct PairedRun {
   pruning::Omissions omissions;        ///< of the pruned one, as it ended
   std::optional<std::string> tripped;  ///< why it started again with all walls
   std::uint64_t tripped_in = 0;        ///< the step before or in which it did
-  std::string names() const { return plan::OmittedNames(omissions.decisions); }
+  std::string names() const { return analysis::OmittedNames(omissions.decisions); }
   bool Omits(schema::Component component) const { return omissions.Omits(component); }
   const std::string& why(schema::Component component) const {
     return omissions.decisions[static_cast<std::size_t>(component)].why;
@@ -63,7 +63,7 @@ inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState
         guard.AfterStep();
         if (HaveSameState(whole, pruned)) continue;
         ADD_FAILURE() << "another state after step " << step + 1 << " of " << steps << " without\n"
-                      << plan::DecisionsText(pruned.omissions().decisions);
+                      << analysis::DecisionsText(pruned.omissions().decisions);
         break;
       }
       paired.omissions = pruned.omissions();

@@ -50,7 +50,7 @@ TEST(MessageReader, CutsMessagesHoweverTheyArrive) {
 
 TEST(Positions, CountUtf16) {
   // é: two bytes, one unit; 😀: four bytes, two units; a byte that is not UTF-8: one.
-  const dsl::Source source("t", "ab\n\xC3\xA9\xF0\x9F\x98\x80z\r\n\xE9y");
+  const text::Source source("t", "ab\n\xC3\xA9\xF0\x9F\x98\x80z\r\n\xE9y");
   const auto at = [&](std::uint32_t offset) {
     const lsp::Position position = lsp::PositionOf(source, offset);
     return std::pair(position.line, position.character);
@@ -227,7 +227,7 @@ std::string Renamed(Client& client, const std::string& text, int line, int chara
   Json edits = result["changes"][kUri];
   std::reverse(edits.begin(), edits.end());
   for (const Json& edit : edits) {
-    const dsl::Source source("", edited);
+    const text::Source source("", edited);
     const auto offset = [&](const char* end) {
       const Json& place = edit["range"][end];
       return lsp::OffsetOf(source, {place["line"], place["character"]});

@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 
-#include "compiler/checks/lints.h"
 #include "compiler/compile.h"
+#include "compiler/lints/lints.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/diagnostic_kinds.h"
 #include "dsl/render.h"
@@ -23,7 +23,7 @@ std::vector<const dsl::DiagnosticKind*> AllKinds() {
                                                 std::end(dsl::kDiagnosticKinds));
   kinds.insert(kinds.end(), std::begin(scenario::kDiagnosticKinds),
                std::end(scenario::kDiagnosticKinds));
-  for (const checks::LintInfo& info : checks::Lints()) kinds.push_back(&info.kind);
+  for (const lints::LintInfo& info : lints::Lints()) kinds.push_back(&info.kind);
   return kinds;
 }
 

@@ -10,7 +10,7 @@
 #include "compiler/schema/value.h"
 #include "dsl/render.h"
 #include "runtime/manual/language.h"
-#include "runtime/report/wrap.h"
+#include "runtime/terminal/wrap.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {
@@ -60,14 +60,14 @@ TEST(LanguageWords, HaveAllThatTheReferenceBeginsALineWith) {
 }
 
 TEST(Fitted, GoesOnBelowTheLastColumn) {
-  EXPECT_EQ(report::Fitted("  nm  one two three\n", 14), "  nm  one two\n      three\n");
-  EXPECT_EQ(report::Fitted("  name  one two three\n        four\n  next  5\n", 16),
+  EXPECT_EQ(terminal::Fitted("  nm  one two three\n", 14), "  nm  one two\n      three\n");
+  EXPECT_EQ(terminal::Fitted("  name  one two three\n        four\n  next  5\n", 16),
             "  name  one two\n        three\n        four\n  next  5\n");
-  EXPECT_EQ(report::Fitted("one two three\nfour five\n", 8), "one two\nthree\nfour\nfive\n");
-  EXPECT_EQ(report::Fitted("-------------\nabcdefghij\n", 5), "-----\nabcdefghij\n");
-  EXPECT_EQ(report::Fitted("\xC3\xA9\xC3\xA9\xC3\xA9 z\n", 5), "\xC3\xA9\xC3\xA9\xC3\xA9 z\n");
-  EXPECT_EQ(report::Fitted("a b c\n", 0), "a b c\n");
-  const std::string fitted = report::Fitted(manual::kLanguageReference, 60);
+  EXPECT_EQ(terminal::Fitted("one two three\nfour five\n", 8), "one two\nthree\nfour\nfive\n");
+  EXPECT_EQ(terminal::Fitted("-------------\nabcdefghij\n", 5), "-----\nabcdefghij\n");
+  EXPECT_EQ(terminal::Fitted("\xC3\xA9\xC3\xA9\xC3\xA9 z\n", 5), "\xC3\xA9\xC3\xA9\xC3\xA9 z\n");
+  EXPECT_EQ(terminal::Fitted("a b c\n", 0), "a b c\n");
+  const std::string fitted = terminal::Fitted(manual::kLanguageReference, 60);
   std::size_t long_lines = 0;
   for (std::size_t at = 0; at < fitted.size(); at = fitted.find('\n', at) + 1)
     if (fitted.find('\n', at) - at > 60) ++long_lines;

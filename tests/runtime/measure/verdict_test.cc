@@ -8,16 +8,16 @@
 #include <limits>
 #include <set>
 
-#include "compiler/plan/expectation.h"
+#include "compiler/analysis/expectation.h"
 #include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {
 
+using analysis::Expectation;
 using measure::Judgement;
 using measure::Recording;
 using measure::Verdict;
-using plan::Expectation;
 
 constexpr std::uint64_t kCycles = 40;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -240,11 +240,11 @@ TEST(Verdicts, HaveNamesOfTheirOwnInTheOrderOfTheirNumbers) {
 
 TEST(OnlyContactsTakeEnergy, UnlessTheSceneHasOtherWays) {
   const plan::Scene scene = DefaultScene(3, 500);
-  EXPECT_TRUE(OnlyContactsTakeEnergy(scene));
+  EXPECT_TRUE(analysis::OnlyContactsTakeEnergy(scene));
   const auto with = [&scene](auto change) {
     plan::Scene other = scene;
     change(other);
-    return OnlyContactsTakeEnergy(other);
+    return analysis::OnlyContactsTakeEnergy(other);
   };
   EXPECT_FALSE(with([](auto& other) { SetGroup(other, "linear_damping", 0.1); }));
   EXPECT_FALSE(with([](auto& other) { SetGroup(other, "rolling_friction", 0.1); }));
@@ -255,22 +255,22 @@ TEST(OnlyContactsTakeEnergy, UnlessTheSceneHasOtherWays) {
 
 TEST(ExpectationOf, FollowsFromTheScene) {
   plan::Scene scene = DefaultScene(3, 500);
-  EXPECT_EQ(ExpectationOf(scene), Expectation::kAnything);
+  EXPECT_EQ(analysis::ExpectationOf(scene), Expectation::kAnything);
   SetGroup(scene, "location", Layout("stack"));
-  EXPECT_EQ(ExpectationOf(scene), Expectation::kRest);
+  EXPECT_EQ(analysis::ExpectationOf(scene), Expectation::kRest);
   SetGroup(scene, "angular_velocity", Eigen::Vector3d(0, 1, 0));
-  EXPECT_EQ(ExpectationOf(scene), Expectation::kAnything);
+  EXPECT_EQ(analysis::ExpectationOf(scene), Expectation::kAnything);
   SetGroup(scene, "restitution", 1.0);
   SetGroup(scene, "friction", 0.0);
-  EXPECT_EQ(ExpectationOf(scene), Expectation::kEnergy);
+  EXPECT_EQ(analysis::ExpectationOf(scene), Expectation::kEnergy);
   SetGroup(scene, "linear_damping", 0.1);
-  EXPECT_EQ(ExpectationOf(scene), Expectation::kAnything);
-  EXPECT_FALSE(FliesFreely(scene));
+  EXPECT_EQ(analysis::ExpectationOf(scene), Expectation::kAnything);
+  EXPECT_FALSE(analysis::FliesFreely(scene));
   SetWorld(scene, "expect", Word("rest"));
-  EXPECT_EQ(ExpectationOf(scene), Expectation::kRest);
+  EXPECT_EQ(analysis::ExpectationOf(scene), Expectation::kRest);
   SetGroup(scene, "linear_velocity",
            schema::Call{"every", {std::uint64_t{5}, Eigen::Vector3d(1, 0, 0)}});
-  EXPECT_EQ(ExpectationOf(scene), Expectation::kDriven);
+  EXPECT_EQ(analysis::ExpectationOf(scene), Expectation::kDriven);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #include "runtime/process/worker.h"
-#include "runtime/measure/host.h"
+#include "runtime/machine/host.h"
 #include "runtime/process/collect.h"
 #include "runtime/process/process.h"
 
@@ -76,7 +76,7 @@ TEST(WorkerTest, ARunThatFinishes) {
   EXPECT_EQ(result.scalars.place_ns, 1);
   EXPECT_EQ(result.scalars.build_ns, 2);
   EXPECT_EQ(result.scalars.fill_fraction, 0.25);
-  EXPECT_EQ(result.host, measure::HostName());
+  EXPECT_EQ(result.host, machine::HostName());
   EXPECT_GE(result.load, 0);
   EXPECT_GE(result.started_s, before - 1);
   EXPECT_GT(ending.wall_s, 0);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/files.h"
@@ -53,7 +54,7 @@ inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const Made
     fake.result.errors.values["position_floor"] = {0};
     for (const auto& [name, value] : made.errors) fake.result.errors.values[name] = {value};
   }
-  store::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder);
+  shards::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder);
 }
 
 /// `use(file)` of the merged file.
@@ -61,7 +62,7 @@ template <typename Use>
 auto WithMadeUpFile(const plan::Plan& plan, const MakeUp& make_up, Use use) {
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs) WriteMadeUp(plan, run, make_up(run), folder.path());
-  store::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
+  shards::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
   return use(store::ResultFile(folder / "out.h5"));
 }
 

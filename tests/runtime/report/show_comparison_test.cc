@@ -77,7 +77,7 @@ TEST(ShowComparison, DividesByTheBaselineThatIsAskedFor) {
   try {
     Shown(Grid(), OfQuantity, {.baseline = "sup"});
     FAIL();
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     EXPECT_STREQ(error.what(),
                  "there is no detector 'sup' in this file; there are simple, dbvt, sap");
   }

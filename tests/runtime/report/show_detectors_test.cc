@@ -10,10 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/report/show.h"
 #include "runtime/report/show_detectors.h"
 #include "runtime/report/verify_table.h"
+#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/program.h"
 
@@ -78,7 +79,7 @@ plan::Plan RealPlanOf(const schema::WordList& record, const std::vector<std::str
                             kTitle, kCycles, fmt::join(record, ", "), fmt::join(detectors, ", ")));
   const Finished planned = program.Run({"plan", "fixture.cdb", "-o", "plan.yaml"});
   EXPECT_EQ(planned.status, 0) << planned.err;
-  return plan::FromYaml(program.Read("plan.yaml"), "plan.yaml");
+  return yaml::FromYaml(program.Read("plan.yaml"), "plan.yaml");
 }
 
 /// The file of a plan whose runs `settle` makes.
@@ -89,9 +90,9 @@ auto WithFile(const plan::Plan& plan, const std::function<void(const plan::Run&,
   for (const plan::Run& run : plan.runs) {
     Made made(run);
     settle(run, made);
-    store::WriteShard(plan, run, made.result(), TestProvenance(), folder.path());
+    shards::WriteShard(plan, run, made.result(), TestProvenance(), folder.path());
   }
-  store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  shards::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
   return use(store::ResultFile(folder / "out.h5"));
 }
 

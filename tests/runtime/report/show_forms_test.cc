@@ -6,9 +6,9 @@
 
 #include "runtime/document/csv.h"
 #include "runtime/document/results_document.h"
-#include "runtime/report/selection.h"
 #include "runtime/report/show.h"
 #include "runtime/report/show_plots.h"
+#include "runtime/statistics/selection.h"
 #include "tests/runtime/report/made_up_file.h"
 #include "tests/support/program.h"
 
@@ -30,12 +30,13 @@ plan::Plan FormPlan(std::uint64_t repeats = 1) {
 template <typename Use>
 auto WithForm(const std::vector<std::string>& selections, Use use) {
   return WithMadeUpFile(FormPlan(), FormTimes, [&](store::ResultFile file) {
-    report::SelectPart(file, selections);
+    statistics::SelectPart(file, selections);
     return use(file);
   });
 }
 
-std::string CsvOf(const std::vector<std::string>& selections, report::CycleStatistic statistic) {
+std::string CsvOf(const std::vector<std::string>& selections,
+                  statistics::CycleStatistic statistic) {
   return WithForm(selections, [&](const store::ResultFile& file) {
     return document::CsvText(file, {{measure::Phase::kStep}, statistic, false}).text;
   });
@@ -49,7 +50,7 @@ TEST(Csv, QuotesFields) {
 }
 
 TEST(Csv, HasALineForEachPoint) {
-  EXPECT_EQ(CsvOf({}, report::CycleStatistic::kMean),
+  EXPECT_EQ(CsvOf({}, statistics::CycleStatistic::kMean),
             "detector,x,verdict,mark,repeats,step_mean_ns,step_low_ns,step_high_ns,"
             "peak_rss_bytes\n"
             "\"a,b\",0.5,stable,,1,1100,,,5e+06\n"
@@ -61,22 +62,23 @@ TEST(Csv, HasALineForEachPoint) {
 }
 
 TEST(Csv, HasTheStatisticThatIsAskedFor) {
-  const auto first = [](report::CycleStatistic statistic) {
+  const auto first = [](statistics::CycleStatistic statistic) {
     const std::string text = CsvOf({"x=0.5", "detector=dbvt"}, statistic);
     return text.substr(text.find('\n') + 1);
   };
-  EXPECT_EQ(first(report::CycleStatistic::kMedian), "dbvt,0.5,stable,,1,1200,,,5e+06\n");
-  EXPECT_EQ(first(report::CycleStatistic::kMax), "dbvt,0.5,stable,,1,1600,,,5e+06\n");
-  EXPECT_EQ(first(report::CycleStatistic::kMin), "dbvt,0.5,stable,,1,1200,,,5e+06\n");
-  EXPECT_EQ(first(report::CycleStatistic::kP95), "dbvt,0.5,stable,,1,1540,,,5e+06\n");
+  EXPECT_EQ(first(statistics::CycleStatistic::kMedian), "dbvt,0.5,stable,,1,1200,,,5e+06\n");
+  EXPECT_EQ(first(statistics::CycleStatistic::kMax), "dbvt,0.5,stable,,1,1600,,,5e+06\n");
+  EXPECT_EQ(first(statistics::CycleStatistic::kMin), "dbvt,0.5,stable,,1,1200,,,5e+06\n");
+  EXPECT_EQ(first(statistics::CycleStatistic::kP95), "dbvt,0.5,stable,,1,1540,,,5e+06\n");
 }
 
 TEST(CycleStatistic, HasTheWorstCycleOfAnyRepeat) {
-  const report::Bootstrap bootstrap(5);
+  const statistics::Bootstrap bootstrap(5);
   const std::vector<std::vector<double>> repeats = {{1, 2}, {1, 2}, {1, 90}, {1, 2}, {1, 2}};
-  EXPECT_EQ(report::TimesOver(repeats, bootstrap, report::CycleStatistic::kMax).other.value, 2);
-  const report::Estimate worst =
-      report::TimesOver(repeats, bootstrap, report::CycleStatistic::kWorst).other;
+  EXPECT_EQ(statistics::TimesOver(repeats, bootstrap, statistics::CycleStatistic::kMax).other.value,
+            2);
+  const statistics::Estimate worst =
+      statistics::TimesOver(repeats, bootstrap, statistics::CycleStatistic::kWorst).other;
   EXPECT_EQ(worst.value, 90);
   EXPECT_EQ(bootstrap.IntervalOf(worst).high, 90);
   EXPECT_EQ(bootstrap.IntervalOf(worst).low, 2);
@@ -84,7 +86,7 @@ TEST(CycleStatistic, HasTheWorstCycleOfAnyRepeat) {
 
 TEST(Select, TakesValuesListsAndRanges) {
   const auto points = [](const std::vector<std::string>& selections) {
-    const std::string text = CsvOf(selections, report::CycleStatistic::kMean);
+    const std::string text = CsvOf(selections, statistics::CycleStatistic::kMean);
     std::string places;
     for (std::size_t at = text.find('\n') + 1; at < text.size(); at = text.find('\n', at) + 1)
       places += text.substr(at, text.find(",stable", at) - at) + " ";
@@ -99,8 +101,8 @@ TEST(Select, TakesValuesListsAndRanges) {
 TEST(Select, NamesAxesAndValuesOfTheFile) {
   const auto error_of = [](const std::vector<std::string>& selections) -> std::string {
     try {
-      CsvOf(selections, report::CycleStatistic::kMean);
-    } catch (const store::StoreError& error) {
+      CsvOf(selections, statistics::CycleStatistic::kMean);
+    } catch (const files::StoreError& error) {
       return error.what();
     }
     return "none";
@@ -117,8 +119,8 @@ TEST(Select, ReadsTheValuesOfTheWholeFile) {
   WithMadeUpFile(FormPlan(2), FormTimes, [&](store::ResultFile file) {
     const auto duration = file.ReadDuration(measure::Phase::kStep, {{1, 2}, 1});
     const double host_number = file.ReadReal("load_average", {{1, 2}, 1});
-    report::SelectPart(file, {"detector=dbvt"});
-    report::SelectPart(file, {"x=2,30"});
+    statistics::SelectPart(file, {"detector=dbvt"});
+    statistics::SelectPart(file, {"x=2,30"});
     EXPECT_EQ(file.ReadDuration(measure::Phase::kStep, {{0, 1}, 1}), duration);
     EXPECT_EQ(file.ReadReal("load_average", {{0, 1}, 1}), host_number);
     EXPECT_EQ(file.SelectedPoint({1, 2}), (std::vector<std::size_t>{0, 1}));
@@ -137,7 +139,7 @@ TEST(Select, MakesTablesOfThePart) {
 TEST(Show, HasOnlyThePhasesAndTheStatisticThatAreAskedFor) {
   const std::string text = WithForm({}, [](const store::ResultFile& file) {
     return report::Show(file, {.phases = {measure::Phase::kSolve},
-                               .statistic = report::CycleStatistic::kMax})
+                               .statistic = statistics::CycleStatistic::kMax})
         .text;
   });
   EXPECT_NE(text.find("\nMaximum of a cycle, us\n  detector    x  solve\n"), std::string::npos)

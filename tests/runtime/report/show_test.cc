@@ -5,8 +5,8 @@
 #include <cmath>
 #include <functional>
 
-#include "runtime/report/figures.h"
-#include "runtime/report/table.h"
+#include "runtime/statistics/figures.h"
+#include "runtime/terminal/table.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"
@@ -16,16 +16,16 @@ namespace {
 
 TEST(Percentile, LiesBetweenNeighboursInProportion) {
   const std::vector<double> values = {1, 2, 3, 4, 5};
-  EXPECT_EQ(report::Percentile(values, 0.5), 3);
-  EXPECT_EQ(report::Percentile(values, 0), 1);
-  EXPECT_EQ(report::Percentile(values, 1), 5);
-  EXPECT_DOUBLE_EQ(report::Percentile(values, 0.05), 1.2);
-  EXPECT_EQ(report::Percentile({7}, 0.95), 7);
-  EXPECT_TRUE(std::isnan(report::Percentile({}, 0.5)));
+  EXPECT_EQ(statistics::Percentile(values, 0.5), 3);
+  EXPECT_EQ(statistics::Percentile(values, 0), 1);
+  EXPECT_EQ(statistics::Percentile(values, 1), 5);
+  EXPECT_DOUBLE_EQ(statistics::Percentile(values, 0.05), 1.2);
+  EXPECT_EQ(statistics::Percentile({7}, 0.95), 7);
+  EXPECT_TRUE(std::isnan(statistics::Percentile({}, 0.5)));
 }
 
 TEST(Table, LinesUp) {
-  report::Table table;
+  terminal::Table table;
   table.AddColumn("name", false);
   table.AddColumn("time", true);
   table.AddRow({"a", "1.5"});
@@ -36,24 +36,24 @@ TEST(Table, LinesUp) {
 }
 
 TEST(ShortNumber, HasThreeOrFourDigits) {
-  EXPECT_EQ(report::ShortNumber(0.012345), "0.0123");
-  EXPECT_EQ(report::ShortNumber(1.2345), "1.23");
-  EXPECT_EQ(report::ShortNumber(123.45), "123");
-  EXPECT_EQ(report::ShortNumber(1234.5), "1234");
-  EXPECT_EQ(report::ShortNumber(12345.6), "12350");
-  EXPECT_EQ(report::ShortNumber(9.999), "10.0");
-  EXPECT_EQ(report::ShortNumber(999.9), "1000");
-  EXPECT_EQ(report::ShortNumber(1.2345e7), "1.23e+07");
-  EXPECT_EQ(report::ShortNumber(0.000012345), "1.23e-05");
-  EXPECT_EQ(report::ShortNumber(0), "0");
-  EXPECT_EQ(report::ShortNumber(NAN), "-");
+  EXPECT_EQ(terminal::ShortNumber(0.012345), "0.0123");
+  EXPECT_EQ(terminal::ShortNumber(1.2345), "1.23");
+  EXPECT_EQ(terminal::ShortNumber(123.45), "123");
+  EXPECT_EQ(terminal::ShortNumber(1234.5), "1234");
+  EXPECT_EQ(terminal::ShortNumber(12345.6), "12350");
+  EXPECT_EQ(terminal::ShortNumber(9.999), "10.0");
+  EXPECT_EQ(terminal::ShortNumber(999.9), "1000");
+  EXPECT_EQ(terminal::ShortNumber(1.2345e7), "1.23e+07");
+  EXPECT_EQ(terminal::ShortNumber(0.000012345), "1.23e-05");
+  EXPECT_EQ(terminal::ShortNumber(0), "0");
+  EXPECT_EQ(terminal::ShortNumber(NAN), "-");
 }
 
 TEST(CoordinateText, IsAsWrittenOrShort) {
-  EXPECT_EQ(report::CoordinateText(NumberAxis("dt", {1.0 / 60, 1.0 / 120}), 0), "0.01667");
-  EXPECT_EQ(report::CoordinateText(NumberAxis("x", {0.123456, 0.123467}), 1), "0.123467");
-  EXPECT_EQ(report::CoordinateText(NumberAxis("quantity", {16384, 2}), 0), "16384");
-  EXPECT_EQ(report::CoordinateText(NumberAxis("x", {0.5, 0.5}), 0), "0.5");
+  EXPECT_EQ(terminal::CoordinateText(NumberAxis("dt", {1.0 / 60, 1.0 / 120}), 0), "0.01667");
+  EXPECT_EQ(terminal::CoordinateText(NumberAxis("x", {0.123456, 0.123467}), 1), "0.123467");
+  EXPECT_EQ(terminal::CoordinateText(NumberAxis("quantity", {16384, 2}), 0), "16384");
+  EXPECT_EQ(terminal::CoordinateText(NumberAxis("x", {0.5, 0.5}), 0), "0.5");
 }
 
 TEST(Show, HasAxesPhasesCountsAndRatios) {
@@ -99,9 +99,9 @@ std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunR
     FakeResult fake(run);
     fake.result.omitted = fake.result.decisions = "";
     settle(run.at[0], run.at[1], fake.result);
-    store::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+    shards::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
   }
-  store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  shards::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
   return report::Show(store::ResultFile(folder / "out.h5")).text;
 }
 
@@ -111,8 +111,8 @@ TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
     Resize(plan.runs[0], {.cycles = cycles});
     const TemporaryFolder folder;
     for (const plan::Run& run : plan.runs)
-      store::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
-    store::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+      shards::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+    shards::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
     return report::Show(store::ResultFile(folder / "out.h5")).text;
   };
   const std::string half = shown(16);

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/process/worker.h"
 #include "runtime/schedule/progress.h"
 #include "runtime/schedule/schedule.h"
@@ -18,7 +18,7 @@ namespace {
 
 int Main(int argc, char** argv) {
   if (argc < 5) return 64;
-  const plan::Plan plan = plan::FromYaml(ReadFile(argv[1]), argv[1]);
+  const plan::Plan plan = yaml::FromYaml(ReadFile(argv[1]), argv[1]);
   process::StopFlag stop;
   const process::StopOnSignals watch(stop);
   schedule::ExecuteOptions options;

@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/schedule/schedule.h"
 #include "tests/runtime/schedule/plans.h"
 #include "tests/support/folders.h"
@@ -31,7 +31,7 @@ class DriverTest : public testing::Test {
  protected:
   /// Starts a driver; its output goes to `log`.
   pid_t Start(const plan::Plan& plan, int jobs = 1, const std::string& file_limit = "") {
-    WriteFile(root.path() / "plan.yaml", plan::ToYaml(plan));
+    WriteFile(root.path() / "plan.yaml", yaml::ToYaml(plan));
     const std::string binaries = BuildFolder();
     std::vector<std::string> words = {binaries + "/schedule_test_driver",
                                       (root.path() / "plan.yaml").string(), folder.string(),
@@ -76,7 +76,7 @@ class DriverTest : public testing::Test {
     for (const plan::Run& run : plan.runs) {
       const fs::path shard = folder / (run.id + ".h5");
       ASSERT_TRUE(fs::exists(shard)) << run.id;
-      const store::ShardInfo info = store::ReadShardInfo(shard);
+      const shards::ShardInfo info = shards::ReadShardInfo(shard);
       EXPECT_EQ(info.outcome.status, store::Status::kDone);
       EXPECT_EQ(info.plan_sha256, plan.Sha256());
       const store::ResultFile file(shard);
@@ -121,7 +121,7 @@ TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
       ASSERT_NE(found, now.end()) << name << " was finished and is gone";
       EXPECT_EQ(found->second, when) << name << " was finished and run again";
     }
-    for (const auto& [name, when] : now) EXPECT_NO_THROW(store::ReadShardInfo(folder / name));
+    for (const auto& [name, when] : now) EXPECT_NO_THROW(shards::ReadShardInfo(folder / name));
     finished = now;
   }
   EXPECT_EQ(Run(plan), 0) << ReadFile(log);

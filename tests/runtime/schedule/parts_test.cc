@@ -8,7 +8,7 @@
 #include <memory>
 #include <set>
 
-#include "compiler/plan/short_plan.h"
+#include "compiler/yaml/short_plan.h"
 #include "runtime/schedule/folder.h"
 #include "tests/runtime/schedule/plans.h"
 
@@ -53,10 +53,10 @@ class PartsTest : public testing::Test {
     whole->sha256 = std::string(64, 'e');
     whole->run_count = listed_.runs.size();
     whole->bounds = listed_.runs;
-    plan::ShortPlan form;
+    yaml::ShortPlan form;
     form.benchmark = "large";
     form.sha256 = whole->sha256;
-    whole->short_text = plan::ToYaml(form);
+    whole->short_text = yaml::ToYaml(form);
     plan_ = listed_;
     plan_.runs.clear();
     plan_.whole = std::move(whole);
@@ -124,7 +124,7 @@ TEST_F(PartsTest, PartsThatHaveEndedAreNotListedAgain) {
 /// As `cdb run --until` says it of repeats that are not needed yet.
 TEST_F(PartsTest, PartsWithRunsElsewhereAreNotTakenForDone) {
   options_.find_elsewhere = [](const plan::Run& run) {
-    return run.rep > 0 ? std::optional(store::ShardInfo{}) : std::nullopt;
+    return run.rep > 0 ? std::optional(shards::ShardInfo{}) : std::nullopt;
   };
   EXPECT_EQ(Execute().done, 12u);
   options_.find_elsewhere = nullptr;

@@ -6,7 +6,7 @@
 #include <functional>
 #include <set>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "tests/runtime/schedule/plans.h"
 
 namespace cdb::tests {
@@ -25,9 +25,9 @@ class FakeLauncher : public process::Launcher {
   /// The run must keep the walls for its own sake; the others leave out what they may.
   std::function<bool(const plan::Run&)> needs_walls = [](const auto&) { return true; };
   /// Of the attempt of a run, counted from 1.
-  std::function<measure::NoiseJudgement(const plan::Run&, int attempt)> noise = [](const auto&,
+  std::function<machine::NoiseJudgement(const plan::Run&, int attempt)> noise = [](const auto&,
                                                                                    int) {
-    return measure::NoiseJudgement{measure::Noise::kQuiet, "", 0};
+    return machine::NoiseJudgement{machine::Noise::kQuiet, "", 0};
   };
   std::vector<std::string> started;  // run ids, in order
   std::size_t most_at_once = 0;
@@ -131,9 +131,9 @@ TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
   EXPECT_EQ(launcher.started, order);
   EXPECT_EQ(launcher.most_at_once, 1u);
   EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
-  EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == plan::ToYaml(plan));
+  EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == yaml::ToYaml(plan));
   for (const std::string& name : ShardNames(plan)) {
-    const store::ShardInfo info = store::ReadShardInfo(options.folder / name);
+    const shards::ShardInfo info = shards::ReadShardInfo(options.folder / name);
     EXPECT_EQ(info.run_id + ".h5", name);
     EXPECT_EQ(info.plan_sha256, plan.Sha256());
     EXPECT_EQ(info.outcome.status, store::Status::kDone);
@@ -145,7 +145,7 @@ TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
 }
 
 std::string OmittedIn(const fs::path& folder, const plan::Run& run) {
-  return store::ReadShardInfo(folder / (run.id + ".h5")).omitted;
+  return shards::ReadShardInfo(folder / (run.id + ".h5")).omitted;
 }
 
 TEST_F(ScheduleTest, ComparedRunsLeaveOutTheSameParts) {
@@ -183,7 +183,7 @@ TEST_F(ScheduleTest, ARepeatThatEndsBadlyLosesNothing) {
   EXPECT_EQ(ears.repeated.size(), 2u);
   EXPECT_EQ(ears.warnings.size(), 2u);
   for (const std::string& id : ears.repeated)
-    EXPECT_EQ(store::ReadShardInfo(options.folder / (id + ".h5")).outcome.status,
+    EXPECT_EQ(shards::ReadShardInfo(options.folder / (id + ".h5")).outcome.status,
               store::Status::kDone);
 }
 
@@ -309,7 +309,7 @@ TEST_F(ScheduleTest, ANewTitleIsNotANewPlan) {
   Run(plan);
   plan.title = "a better title";
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 9}));
-  EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == plan::ToYaml(plan));
+  EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == yaml::ToYaml(plan));
 }
 
 TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
@@ -327,7 +327,8 @@ TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
   EXPECT_EQ(ears.warnings.size(), 4u);
   for (const std::size_t i : {2, 3, 5, 7}) {
     EXPECT_TRUE(fs::exists(options.folder / (names[i] + ".broken"))) << i;
-    EXPECT_EQ(store::ReadShardInfo(options.folder / names[i]).outcome.status, store::Status::kDone);
+    EXPECT_EQ(shards::ReadShardInfo(options.folder / names[i]).outcome.status,
+              store::Status::kDone);
     EXPECT_TRUE(std::ranges::any_of(ears.warnings, [&](const std::string& warning) {
       return warning.find(names[i]) != std::string::npos;
     }));
@@ -341,7 +342,7 @@ TEST_F(ScheduleTest, TakesWhatAnotherDriverFinishedMeanwhile) {
     if (++waits != 2) return;
     store::RunResult result;
     result.status = store::Status::kCrashed;
-    store::WriteShard(plan, *order[3], result, {}, options.folder);
+    shards::WriteShard(plan, *order[3], result, {}, options.folder);
   };
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 8, .crashed = 1, .resumed = 1}));
   EXPECT_EQ(launcher.started.size(), 8u);
@@ -405,7 +406,7 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
   try {
     Run(plan);
     ADD_FAILURE() << "went on";
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     EXPECT_NE(std::string(error.what()).find("4 of 9 runs are safe in"), std::string::npos)
         << error.what();
   }
@@ -428,7 +429,7 @@ TEST_F(ScheduleTest, RunsAgainWhatIsAskedForAndNothingElse) {
   launcher.started.clear();
   options.is_repeated = [](const plan::Run& run, const fs::path& shard) {
     EXPECT_EQ(shard.stem(), run.id);
-    return store::ReadShardInfo(shard).outcome.status == store::Status::kCrashed;
+    return shards::ReadShardInfo(shard).outcome.status == store::Status::kCrashed;
   };
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 8}));
   EXPECT_EQ(launcher.started, std::vector<std::string>{crashed});
@@ -437,9 +438,9 @@ TEST_F(ScheduleTest, RunsAgainWhatIsAskedForAndNothingElse) {
 
 TEST_F(ScheduleTest, LeavesRunsAloneThatAreKeptElsewhere) {
   const std::string wanted = plan.runs[4].id;
-  options.find_elsewhere = [&](const plan::Run& run) -> std::optional<store::ShardInfo> {
+  options.find_elsewhere = [&](const plan::Run& run) -> std::optional<shards::ShardInfo> {
     if (run.id == wanted) return std::nullopt;
-    return store::ShardInfo{run.id, plan.Sha256(), {store::Status::kDone}, "", ""};
+    return shards::ShardInfo{run.id, plan.Sha256(), {store::Status::kDone}, "", ""};
   };
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 1}));
   EXPECT_EQ(launcher.started, std::vector<std::string>{wanted});
@@ -456,7 +457,7 @@ TEST_F(ScheduleTest, CountsTheShardsThatAreStillThere) {
   const auto message = [&]() -> std::string {
     try {
       Run(plan);
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       return error.what();
     }
     return {};
@@ -491,7 +492,7 @@ TEST_F(ScheduleTest, AFolderThatCannotBeIsNamed) {
   try {
     Run(plan);
     ADD_FAILURE();
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     EXPECT_NE(std::string(error.what()).find(options.folder.string()), std::string::npos);
   }
 }
@@ -513,8 +514,8 @@ std::vector<double> InShards(const plan::Plan& plan, const fs::path& folder, con
 
 TEST_F(ScheduleTest, MeasuresNoisyRunsAgainAndKeepsTheQuietest) {
   plan = MakePlan({.quantities = {1, 2, 3}, .detectors = {"dbvt"}});
-  using measure::Noise;
-  launcher.noise = [this](const plan::Run& run, int attempt) -> measure::NoiseJudgement {
+  using machine::Noise;
+  launcher.noise = [this](const plan::Run& run, int attempt) -> machine::NoiseJudgement {
     const double disturbed[] = {0.5, 0.2, 0.4, 0.3};
     if (run.id == plan.runs[0].id) return {Noise::kNoisy, "busy", disturbed[attempt - 1]};
     if (run.id == plan.runs[1].id && attempt == 1) return {Noise::kNoisy, "busy", 0.1};
@@ -537,8 +538,8 @@ TEST_F(ScheduleTest, ANoisyRunWhoseRepeatCrashesIsKept) {
   launcher.behave = [this](const auto&) {
     return launcher.started.size() == 1 ? store::Status::kDone : store::Status::kCrashed;
   };
-  launcher.noise = [](const auto&, int attempt) -> measure::NoiseJudgement {
-    if (attempt == 1) return {measure::Noise::kNoisy, "busy", 0.5};
+  launcher.noise = [](const auto&, int attempt) -> machine::NoiseJudgement {
+    if (attempt == 1) return {machine::Noise::kNoisy, "busy", 0.5};
     return {};
   };
   options.noisy_retries = 2;
@@ -552,8 +553,8 @@ TEST_F(ScheduleTest, AStopWhileARunIsMeasuredAgainKeepsIt) {
   process::StopFlag stop;
   options.stop = &stop;
   options.noisy_retries = 5;
-  launcher.noise = [](const auto&, int attempt) -> measure::NoiseJudgement {
-    return {measure::Noise::kNoisy, "busy", 1.0 / attempt};
+  launcher.noise = [](const auto&, int attempt) -> machine::NoiseJudgement {
+    return {machine::Noise::kNoisy, "busy", 1.0 / attempt};
   };
   launcher.behave = [&](const auto&) {
     if (launcher.started.size() < 3) return store::Status::kDone;

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/measure/file_descriptor_io.h"
 #include "runtime/measure/fork_server.h"
 #include "runtime/measure/recording.h"
@@ -215,7 +215,7 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
 
 int Execute(const std::vector<std::string>& /*arguments*/) {
   measure::BindToRunner();
-  const plan::Run run = plan::RunFromYaml(measure::ReadAll(measure::kRunFd), "the run");
+  const plan::Run run = yaml::RunFromYaml(measure::ReadAll(measure::kRunFd), "the run");
   auto recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
   return Behave(run, recording);
 }

@@ -13,7 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/reference_shard.h"
+#include "runtime/store/shards/reference_shard.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -146,16 +147,16 @@ class WrittenPlan {
                                             : schema::WordList{"none"}})) {
     for (const plan::Run& run : plan_.runs) {
       const FakeResult fake(run);
-      store::WriteShard(plan_, run, fake.result, {{"cpu", "cpu " + run.id}, {"compiler", "gcc"}},
-                        folder_.path());
+      shards::WriteShard(plan_, run, fake.result, {{"cpu", "cpu " + run.id}, {"compiler", "gcc"}},
+                         folder_.path());
     }
     for (const plan::Run& run : plan_.references) {
       const std::vector<double> samples(measure::SampleShapeOf(run.scene)->Count(), 0.5);
       store::RunResult result;
       result.status = store::Status::kDone;
-      store::WriteReference(plan_.Sha256(), run, result, samples, {}, folder_.path());
+      shards::WriteReference(plan_.Sha256(), run, result, samples, {}, folder_.path());
     }
-    store::Merge(plan_, {}, folder_.path(), merged());
+    shards::Merge(plan_, {}, folder_.path(), merged());
   }
   const std::string& shard_id() const { return plan_.runs[1].id; }
   std::filesystem::path shard() const { return folder_ / (shard_id() + ".h5"); }

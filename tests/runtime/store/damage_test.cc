@@ -7,9 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "runtime/store/files/safe_file.h"
+#include "runtime/store/files/seal.h"
 #include "runtime/store/hdf5/file.h"
-#include "runtime/store/safe_file.h"
-#include "runtime/store/seal.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/sanitizers.h"
@@ -22,7 +23,7 @@ using testing::HasSubstr;
 class Damage : public testing::Test {
  protected:
   Damage() {
-    store::WriteShard(plan_, run_, FakeResult(run_).result, TestProvenance(), folder_.path());
+    shards::WriteShard(plan_, run_, FakeResult(run_).result, TestProvenance(), folder_.path());
     shard_ = ReadFile(path_);
   }
 
@@ -32,13 +33,13 @@ class Damage : public testing::Test {
     SCOPED_TRACE(what);
     WriteFile(path_, bytes);
     try {
-      store::ReadShardInfo(path_);
+      shards::ReadShardInfo(path_);
       ADD_FAILURE() << "was taken for a shard";
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       EXPECT_THAT(error.what(), HasSubstr(path_.string()));
       EXPECT_THAT(error.what(), HasSubstr("remove it and its run is done again"));
     }
-    EXPECT_THROW(store::Merge(plan_, {}, folder_.path(), folder_ / "out.h5"), store::StoreError);
+    EXPECT_THROW(shards::Merge(plan_, {}, folder_.path(), folder_ / "out.h5"), files::StoreError);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out.h5"));
     ReadAsResult(path_);
   }
@@ -52,7 +53,7 @@ class Damage : public testing::Test {
       file.ReadDuration(measure::Phase::kStep, cell);
       file.ReadSeries("energy", cell);
       file.ReadProvenance("run_text");
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       EXPECT_THAT(error.what(), HasSubstr(path.filename().string()));
     }
   }
@@ -99,15 +100,15 @@ TEST_F(Damage, HolesAndTails) {
 
 TEST_F(Damage, ChecksumSeesEverySingleByte) {
   const auto bytes = std::as_bytes(std::span(shard_));
-  const std::uint64_t whole = store::Checksum(bytes);
+  const std::uint64_t whole = files::Checksum(bytes);
   for (std::size_t i = 0; i < 2000; ++i) {
     std::string changed = shard_;
     changed[i] = static_cast<char>(changed[i] + 1);
-    ASSERT_NE(store::Checksum(std::as_bytes(std::span(changed))), whole) << i;
+    ASSERT_NE(files::Checksum(std::as_bytes(std::span(changed))), whole) << i;
   }
-  EXPECT_NE(store::Checksum(bytes.first(8)), store::Checksum(bytes.first(7)));
+  EXPECT_NE(files::Checksum(bytes.first(8)), files::Checksum(bytes.first(7)));
   const std::byte zeros[16] = {};
-  EXPECT_NE(store::Checksum(std::span(zeros).first(8)), store::Checksum(std::span(zeros).first(9)));
+  EXPECT_NE(files::Checksum(std::span(zeros).first(8)), files::Checksum(std::span(zeros).first(9)));
 }
 
 TEST_F(Damage, OtherSchemasAndVersionsAreNamed) {
@@ -115,10 +116,10 @@ TEST_F(Damage, OtherSchemasAndVersionsAreNamed) {
     hdf5::File file = hdf5::File::CreateInMemory();
     file.SetText("schema", schema);
     file.SetNumber("schema_version", hdf5::Type::kInt32, version);
-    store::WriteSealed(file.Image(), path_);
+    files::WriteSealed(file.Image(), path_);
     try {
-      store::ReadShardInfo(path_);
-    } catch (const store::StoreError& error) {
+      shards::ReadShardInfo(path_);
+    } catch (const files::StoreError& error) {
       return std::string(error.what());
     }
     return std::string();
@@ -129,12 +130,12 @@ TEST_F(Damage, OtherSchemasAndVersionsAreNamed) {
 }
 
 TEST_F(Damage, MergedFilesThatAreCutShortAreRefused) {
-  store::WriteShard(plan_, plan_.runs[1], FakeResult(plan_.runs[1]).result, {}, folder_.path());
-  store::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
+  shards::WriteShard(plan_, plan_.runs[1], FakeResult(plan_.runs[1]).result, {}, folder_.path());
+  shards::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
   const std::string whole = ReadFile(folder_ / "out.h5");
   for (std::size_t n = 0; n < whole.size(); n += 1 + whole.size() / 300) {
     WriteFile(folder_ / "out.h5", whole.substr(0, n));
-    EXPECT_THROW(store::ResultFile(folder_ / "out.h5"), store::StoreError) << "cut to " << n;
+    EXPECT_THROW(store::ResultFile(folder_ / "out.h5"), files::StoreError) << "cut to " << n;
   }
 }
 
@@ -142,7 +143,7 @@ TEST_F(Damage, WhatIsNoResultIsNamed) {
   const auto message = [](const std::filesystem::path& path) {
     try {
       const store::ResultFile file(path);
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       return std::string(error.what());
     }
     return std::string();

@@ -15,6 +15,8 @@
 #include <random>
 #include <thread>
 
+#include "runtime/store/files/temporary_file.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
 #include "tests/runtime/store/store_fixture.h"
@@ -67,7 +69,7 @@ void LimitFiles(rlim_t bytes) {
 std::string ErrorOf(const std::function<void()>& action) {
   try {
     action();
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     return error.what();
   }
   return "";
@@ -84,7 +86,7 @@ TEST(FullDisk, WhileAShardIsWrittenLosesNothing) {
   const plan::Run& run = plan.runs[0];
   const FakeResult fake(run);
   const TemporaryFolder folder;
-  store::WriteShard(plan, run, fake.result, {}, folder.path());
+  shards::WriteShard(plan, run, fake.result, {}, folder.path());
   const std::string before = ReadFile(folder / (run.id + ".h5"));
   for (const std::size_t limit :
        {std::size_t{0}, std::size_t{1}, std::size_t{4096}, before.size() / 2, before.size() - 1}) {
@@ -92,15 +94,15 @@ TEST(FullDisk, WhileAShardIsWrittenLosesNothing) {
     EXPECT_EQ(InChild([&]() -> std::string {
                 LimitFiles(limit);
                 const std::string error =
-                    ErrorOf([&] { store::WriteShard(plan, run, fake.result, {}, folder.path()); });
+                    ErrorOf([&] { shards::WriteShard(plan, run, fake.result, {}, folder.path()); });
                 if (error.find("File too large") == std::string::npos) return "said " + error;
                 if (error.find(run.id) == std::string::npos) return "no file in " + error;
                 if (error.find("make room") == std::string::npos) return "no remedy in " + error;
                 // The driver goes on when there is room again.
                 LimitFiles(RLIM_INFINITY);
-                store::WriteShard(plan, plan.runs[1], FakeResult(plan.runs[1]).result, {},
-                                  folder.path());
-                store::ReadShardInfo(folder / (plan.runs[1].id + ".h5"));
+                shards::WriteShard(plan, plan.runs[1], FakeResult(plan.runs[1]).result, {},
+                                   folder.path());
+                shards::ReadShardInfo(folder / (plan.runs[1].id + ".h5"));
                 std::filesystem::remove(folder / (plan.runs[1].id + ".h5"));
                 return "";
               }),
@@ -114,9 +116,9 @@ TEST(FullDisk, WhileMergingLosesNothing) {
   const Plan plan = SmallPlan();
   const TemporaryFolder folder, target;
   for (std::size_t i = 0; i < 3; ++i)
-    store::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
+    shards::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
   const std::filesystem::path out = target / "out.h5";
-  store::Merge(plan, {}, folder.path(), out);
+  shards::Merge(plan, {}, folder.path(), out);
   const std::string before = ReadFile(out);
   const std::vector<std::string> shards = FilesIn(folder.path());
   for (std::size_t limit = 0; limit < before.size(); limit += 1 + before.size() / Cases(40)) {
@@ -124,15 +126,15 @@ TEST(FullDisk, WhileMergingLosesNothing) {
     EXPECT_EQ(
         InChild([&]() -> std::string {
           LimitFiles(limit);
-          const std::string error = ErrorOf([&] { store::Merge(plan, {}, folder.path(), out); });
+          const std::string error = ErrorOf([&] { shards::Merge(plan, {}, folder.path(), out); });
           if (error.find(out.string()) == std::string::npos) return "no file in " + error;
           if (error.find("File too large") == std::string::npos) return "said " + error;
           if (FilesIn(target.path()).size() != 1) return "left a temporary";
           if (ReadFile(out) != before) return "changed the result";
           LimitFiles(RLIM_INFINITY);
           const TemporaryFolder again;
-          store::WriteShard(plan, plan.runs[4], FakeResult(plan.runs[4]).result, {}, again.path());
-          store::Merge(plan, {}, again.path(), again / "out.h5");
+          shards::WriteShard(plan, plan.runs[4], FakeResult(plan.runs[4]).result, {}, again.path());
+          shards::Merge(plan, {}, again.path(), again / "out.h5");
           const store::ResultFile file(again / "out.h5");
           return file.ReadStatus({{4}, 0}) == store::Status::kDone ? "" : "cannot go on";
         }),
@@ -144,12 +146,12 @@ TEST(FullDisk, WhileMergingLosesNothing) {
 TEST(FullDisk, LeavesTheProcessAbleToEndInPeace) {
   const Plan plan = SmallPlan();
   const TemporaryFolder folder, target;
-  store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
   // HDF5 tidies up when a process ends, and must not meet the file that it could not write.
   const auto fail_and_exit = [&] {
     LimitFiles(20000);
     const std::string error =
-        ErrorOf([&] { store::Merge(plan, {}, folder.path(), target / "out.h5"); });
+        ErrorOf([&] { shards::Merge(plan, {}, folder.path(), target / "out.h5"); });
     std::size_t open_files = 0;
     for ([[maybe_unused]] const auto& entry :
          std::filesystem::directory_iterator("/proc/self/fd")) {
@@ -179,14 +181,14 @@ TEST(FullDisk, OfARealFileSystemIsNamed) {
     std::string error;
     for (const plan::Run& run : plan.runs) {
       const FakeResult fake(run);
-      error = ErrorOf([&] { store::WriteShard(plan, run, fake.result, {}, folder.path()); });
+      error = ErrorOf([&] { shards::WriteShard(plan, run, fake.result, {}, folder.path()); });
       if (!error.empty()) break;
       ++written;
     }
     if (error.find("No space left on device") == std::string::npos) return "said " + error;
     if (FilesIn(folder.path()).size() != written || written == 0) return "lost or left a file";
-    for (const std::string& name : FilesIn(folder.path())) store::ReadShardInfo(folder / name);
-    error = ErrorOf([&] { store::Merge(plan, {}, folder.path(), folder / "out.h5"); });
+    for (const std::string& name : FilesIn(folder.path())) shards::ReadShardInfo(folder / name);
+    error = ErrorOf([&] { shards::Merge(plan, {}, folder.path(), folder / "out.h5"); });
     if (error.find("No space left on device") == std::string::npos) return "said " + error;
     if (FilesIn(folder.path()).size() != written) return "left a temporary";
     return "";
@@ -204,10 +206,10 @@ TEST(ReadOnlyDisk, IsNamed) {
       return "SKIP";
     const FakeResult fake(plan.runs[0]);
     const std::string shard =
-        ErrorOf([&] { store::WriteShard(plan, plan.runs[0], fake.result, {}, folder.path()); });
+        ErrorOf([&] { shards::WriteShard(plan, plan.runs[0], fake.result, {}, folder.path()); });
     if (shard.find("Read-only file system") == std::string::npos) return "said " + shard;
     const std::string out =
-        ErrorOf([&] { store::Merge(plan, {}, shards.path(), folder / "out.h5"); });
+        ErrorOf([&] { shards::Merge(plan, {}, shards.path(), folder / "out.h5"); });
     return out.find("Read-only file system") == std::string::npos ? "said " + out : "";
   });
   if (outcome == "SKIP") GTEST_SKIP() << "may not mount here";
@@ -222,13 +224,13 @@ TEST(Folders, ThatCannotBeUsedAreNamed) {
   std::filesystem::create_directory(folder / "out.h5");
   std::filesystem::create_directory(folder / (plan.runs[0].id + ".h5"));
   const auto write = [&](const std::filesystem::path& where) {
-    return ErrorOf([&] { store::WriteShard(plan, plan.runs[0], fake.result, {}, where); });
+    return ErrorOf([&] { shards::WriteShard(plan, plan.runs[0], fake.result, {}, where); });
   };
   EXPECT_THAT(write(folder / "none"), HasSubstr("No such file or directory"));
   EXPECT_THAT(write(folder / "file"), HasSubstr("Not a directory"));
   EXPECT_THAT(write(folder.path()), HasSubstr("Is a directory"));
   const auto merge = [&](const std::filesystem::path& from, const std::filesystem::path& to) {
-    return ErrorOf([&] { store::Merge(plan, {}, from, to); });
+    return ErrorOf([&] { shards::Merge(plan, {}, from, to); });
   };
   const TemporaryFolder empty;
   EXPECT_THAT(merge(folder / "none", folder / "a.h5"), HasSubstr("No such file or directory"));
@@ -242,9 +244,9 @@ TEST(Errors, OfHdf5ArePrintedNowhere) {
   const TemporaryFolder folder;
   WriteFile(folder / "text.h5", "hello");
   testing::internal::CaptureStderr();
-  EXPECT_THROW(store::ResultFile(folder / "text.h5"), store::StoreError);
+  EXPECT_THROW(store::ResultFile(folder / "text.h5"), files::StoreError);
   std::thread([&] {
-    EXPECT_THROW(store::ResultFile(folder / "text.h5"), store::StoreError);
+    EXPECT_THROW(store::ResultFile(folder / "text.h5"), files::StoreError);
   }).join();
   EXPECT_THAT(testing::internal::GetCapturedStderr(), IsEmpty());
 }
@@ -252,7 +254,7 @@ TEST(Errors, OfHdf5ArePrintedNowhere) {
 TEST(Threads, WriteShardsSideBySide) {
   const Plan plan = SmallPlan(24);
   const store::Provenance provenance = TestProvenance();
-  const store::ShardWriter writer(plan, provenance);
+  const shards::ShardWriter writer(plan, provenance);
   const TemporaryFolder folder;
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < 3; ++t)
@@ -261,7 +263,7 @@ TEST(Threads, WriteShardsSideBySide) {
         writer.Write(plan.runs[i], FakeResult(plan.runs[i]).result, folder.path());
     });
   for (std::thread& thread : threads) thread.join();
-  store::Merge(plan, provenance, folder.path(), folder / "out.h5");
+  shards::Merge(plan, provenance, folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   for (const plan::Run& run : plan.runs) {
     const auto values = file.ReadDuration(measure::Phase::kStep, {run.at, 0});
@@ -300,7 +302,7 @@ TEST(Kill, WhileShardsAreWrittenLosesNoFinishedRun) {
   for (int trial = 0; trial < Cases(60); ++trial) {
     finished = std::max(finished, KillDuring(random, [&](int say) {
                           const store::Provenance none;
-                          const store::ShardWriter writer(plan, none);
+                          const shards::ShardWriter writer(plan, none);
                           for (const plan::Run& run : plan.runs) {
                             writer.Write(run, FakeResult(run).result, folder.path());
                             if (write(say, "x", 1) != 1) _exit(1);
@@ -309,11 +311,11 @@ TEST(Kill, WhileShardsAreWrittenLosesNoFinishedRun) {
     std::size_t whole = 0;
     for (const std::string& name : FilesIn(folder.path()))
       if (name.ends_with(".h5")) {
-        EXPECT_EQ(store::ReadShardInfo(folder / name).run_id + ".h5", name);
+        EXPECT_EQ(shards::ReadShardInfo(folder / name).run_id + ".h5", name);
         ++whole;
       }
     EXPECT_GE(whole, finished);
-    store::RemoveStaleTemporaries(folder.path());
+    files::RemoveStaleTemporaries(folder.path());
     EXPECT_EQ(FilesIn(folder.path()).size(), whole) << "a temporary is left";
   }
 }
@@ -322,19 +324,19 @@ TEST(Kill, WhileMergingLeavesTheResultWhole) {
   const Plan plan = SmallPlan(30);
   const TemporaryFolder folder, target;
   for (std::size_t i = 0; i < plan.runs.size(); ++i)
-    store::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
+    shards::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
   const std::vector<std::string> shards = FilesIn(folder.path());
-  store::Merge(plan, {}, folder.path(), target / "out.h5");
+  shards::Merge(plan, {}, folder.path(), target / "out.h5");
   std::mt19937 random(11);
   for (int trial = 0; trial < Cases(60); ++trial) {
     KillDuring(random, [&](int) {
-      for (;;) store::Merge(plan, {}, folder.path(), target / "out.h5");
+      for (;;) shards::Merge(plan, {}, folder.path(), target / "out.h5");
     });
     const store::ResultFile file(target / "out.h5");
     for (const plan::Run& run : plan.runs)
       ASSERT_EQ(file.ReadDuration(measure::Phase::kBroad, {run.at, 0}).back(),
                 ValueAt(run, *measure::FindSeries("duration"), 199));
-    store::RemoveStaleTemporaries(target.path());
+    files::RemoveStaleTemporaries(target.path());
     ASSERT_THAT(FilesIn(target.path()), ElementsAre("out.h5"));
     ASSERT_EQ(FilesIn(folder.path()), shards);
   }
@@ -345,12 +347,12 @@ TEST(Kill, WhileMergingAndTracingLeavesNoTemporariesForEver) {
   const Plan plan = SmallPlan(3);
   const TemporaryFolder folder, target;
   for (const plan::Run& run : plan.runs)
-    store::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
+    shards::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
   measure::TraceMemory trace = measure::TraceMemory::Create({3, 4, false});
   const std::vector<double> boxes(3 * measure::kBoxSize, 1);
   for (std::uint64_t cycle = 0; cycle < 4; ++cycle) trace.SetBoxes(cycle, boxes);
   const auto merge = [&](const char* name) {
-    store::Merge(plan, {}, folder.path(), target / name);
+    shards::Merge(plan, {}, folder.path(), target / name);
   };
   const auto write_trace = [&](const char* name) {
     store::WriteTrace(trace, {}, 0, {}, target / name);

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "compiler/plan/requested_errors.h"
+#include "compiler/analysis/requested_errors.h"
 #include "runtime/store/layout.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -45,7 +45,7 @@ std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
 
 TEST(ResultNames, AreThoseOfTheLayout) {
   const plan::Plan plan = PlanWithEverything();
-  const auto errors = plan::ErrorsOf(plan);
+  const auto errors = analysis::ErrorsOf(plan);
   ASSERT_EQ(errors.size(), schema::Errors().size());
   const std::set<std::string> used = NamesBesideAxes(plan);
   for (const std::string& name : used)
@@ -69,9 +69,9 @@ TEST(ResultNames, OfErrorsAreTakenOnlyByBenchmarksThatAskForThem) {
   const plan::Plan plan = MakePlan({}, 1, {.metrics = {"height"}});
   for (const char* name : {"height", "height_floor", "height_w1_series", "sample", "step_size"}) {
     EXPECT_FALSE(schema::FindNameClash(name, {})) << name;
-    EXPECT_TRUE(schema::FindNameClash(name, plan::ErrorsOf(plan))) << name;
+    EXPECT_TRUE(schema::FindNameClash(name, analysis::ErrorsOf(plan))) << name;
   }
-  EXPECT_FALSE(schema::FindNameClash("velocity", plan::ErrorsOf(plan)));
+  EXPECT_FALSE(schema::FindNameClash("velocity", analysis::ErrorsOf(plan)));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class PoseArraysOf : public testing::Test {
   std::string Fault() {
     try {
       store::ReadPoseArrays(path_);
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       return error.what();
     }
     return "";

@@ -15,8 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/limited_process.h"
-#include "runtime/store/seal.h"
+#include "runtime/store/files/limited_process.h"
+#include "runtime/store/files/seal.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
@@ -31,8 +32,8 @@ class Proof : public testing::Test {
  protected:
   Proof() {
     for (const plan::Run& run : plan_.runs)
-      store::WriteShard(plan_, run, FakeResult(run).result, TestProvenance(), folder_.path());
-    store::Merge(plan_, TestProvenance(), folder_.path(), out_);
+      shards::WriteShard(plan_, run, FakeResult(run).result, TestProvenance(), folder_.path());
+    shards::Merge(plan_, TestProvenance(), folder_.path(), out_);
     whole_ = ReadFile(out_);
   }
 
@@ -41,7 +42,7 @@ class Proof : public testing::Test {
     try {
       const store::ResultFile file(out_, of);
       return {};
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       EXPECT_THAT(error.what(), HasSubstr(out_.string() + ": "));
       EXPECT_THAT(error.what(), HasSubstr("merge it again from its shards"));
       return error.what();
@@ -50,12 +51,12 @@ class Proof : public testing::Test {
 
   /// Changes the file by HDF5 and seals it again.
   void Edit(const std::function<void(hid_t)>& edit) {
-    WriteFile(out_, whole_.substr(0, whole_.size() - sizeof(store::Seal)));
+    WriteFile(out_, whole_.substr(0, whole_.size() - sizeof(files::Seal)));
     const hid_t file = H5Fopen(out_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
     ASSERT_GE(file, 0);
     edit(file);
     ASSERT_GE(H5Fclose(file), 0);
-    store::AppendSeal(out_, out_);
+    files::AppendSeal(out_, out_);
   }
 
   /// Puts an array of other dimensions in place of `name`.
@@ -111,11 +112,11 @@ TEST_F(Proof, AnyFlippedBitIsFound) {
 }
 
 TEST_F(Proof, AFileThatLostItsDigestIsDamaged) {
-  for (std::size_t cut = 1; cut <= sizeof(store::Seal); ++cut) {
+  for (std::size_t cut = 1; cut <= sizeof(files::Seal); ++cut) {
     WriteFile(out_, whole_.substr(0, whole_.size() - cut));
     EXPECT_THAT(Fault(store::ProofOf::kStructure), HasSubstr("its digest is missing")) << cut;
   }
-  for (std::size_t i = 17; i <= sizeof(store::Seal); ++i) {
+  for (std::size_t i = 17; i <= sizeof(files::Seal); ++i) {
     std::string bytes = whole_;
     bytes[bytes.size() - i] = static_cast<char>(bytes[bytes.size() - i] ^ 1);
     WriteFile(out_, bytes);
@@ -142,10 +143,10 @@ TEST_F(Proof, ChunksHaveChecksumsOfTheirOwn) {
     H5Dclose(dataset);
     H5Fclose(file);
   }
-  std::string bytes = whole_.substr(0, whole_.size() - sizeof(store::Seal));
+  std::string bytes = whole_.substr(0, whole_.size() - sizeof(files::Seal));
   bytes[begin + 20] = static_cast<char>(bytes[begin + 20] ^ 4);
   WriteFile(out_, bytes);
-  store::AppendSeal(out_, out_);
+  files::AppendSeal(out_, out_);
   EXPECT_THAT(Fault(), HasSubstr("energy: "));
 }
 
@@ -208,7 +209,7 @@ TEST_F(Proof, NothingOutsideOfTheFileIsRead) {
 
 /// HDF5 goes from text to text by their sizes, for ever where one is 0.
 TEST_F(Proof, TextsWithoutASizeAreRefusedBeforeHdf5ReadsThem) {
-  std::string damaged = whole_.substr(0, whole_.size() - sizeof(store::Seal));
+  std::string damaged = whole_.substr(0, whole_.size() - sizeof(files::Seal));
   const std::string heap("GCOL\1\0\0\0", 8);
   std::size_t heaps = 0;
   for (auto at = damaged.find(heap); at != std::string::npos; at = damaged.find(heap, at + 1)) {
@@ -217,7 +218,7 @@ TEST_F(Proof, TextsWithoutASizeAreRefusedBeforeHdf5ReadsThem) {
   }
   ASSERT_GT(heaps, 0u);
   WriteFile(out_, damaged);
-  store::AppendSeal(out_, out_);
+  files::AppendSeal(out_, out_);
   EXPECT_THAT(Fault(), HasSubstr("a text in it has no size"));
 }
 
@@ -225,24 +226,24 @@ TEST_F(Proof, AMergeRefusesAShardOfImpossibleNumbers) {
   const plan::Run& run = plan_.runs[1];
   FakeResult fake(run);
   fake.result.judgement.first_bad_cycle = 51;
-  store::WriteShard(plan_, run, fake.result, {}, folder_.path());
+  shards::WriteShard(plan_, run, fake.result, {}, folder_.path());
   try {
-    store::Merge(plan_, {}, folder_.path(), out_);
+    shards::Merge(plan_, {}, folder_.path(), out_);
     ADD_FAILURE();
-  } catch (const store::StoreError& error) {
+  } catch (const files::StoreError& error) {
     EXPECT_THAT(error.what(), HasSubstr(run.id + ".h5: is damaged: first_bad_cycle holds 51"));
   }
   EXPECT_EQ(ReadFile(out_), whole_) << "the file of before is kept";
 }
 
 TEST(LimitedProcess, SaysHowItsWorkEnded) {
-  const store::WorkLimits limits = {1, 256 << 20};
-  EXPECT_EQ(store::RunLimited([] {}, limits), "");
-  EXPECT_EQ(store::RunLimited([] { throw std::runtime_error("why"); }, limits), "why");
-  EXPECT_THAT(store::RunLimited([] { std::abort(); }, limits), HasSubstr("HDF5 crashes on it"));
-  EXPECT_THAT(store::RunLimited([] { throw std::bad_alloc(); }, limits),
+  const files::WorkLimits limits = {1, 256 << 20};
+  EXPECT_EQ(files::RunLimited([] {}, limits), "");
+  EXPECT_EQ(files::RunLimited([] { throw std::runtime_error("why"); }, limits), "why");
+  EXPECT_THAT(files::RunLimited([] { std::abort(); }, limits), HasSubstr("HDF5 crashes on it"));
+  EXPECT_THAT(files::RunLimited([] { throw std::bad_alloc(); }, limits),
               HasSubstr("more memory than such a file needs"));
-  EXPECT_THAT(store::RunLimited(
+  EXPECT_THAT(files::RunLimited(
                   [] {
                     for (std::atomic<int> i = 0;;) ++i;
                   },

@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "compiler/plan/capacity.h"
-#include "compiler/plan/reference.h"
-#include "compiler/plan/requested_errors.h"
+#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/requested_errors.h"
 
 namespace cdb::tests {
 namespace {
@@ -78,7 +78,7 @@ plan::Plan MakePlan(std::vector<plan::Axis> axes, std::uint64_t repeats, const S
       plan.runs.push_back(std::move(run));
     }
   }
-  plan::AddReferences(plan);
+  analysis::AddReferences(plan);
   return plan;
 }
 
@@ -104,7 +104,7 @@ measure::ContactRecord ContactAt(const plan::Run& run, std::size_t row) {
 FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t n_cycles) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   const std::uint64_t objects = run.scene.ObjectCount();
-  const std::uint64_t bodies = plan::BodyCount(run.scene);
+  const std::uint64_t bodies = analysis::BodyCount(run.scene);
   for (const measure::Series& series : measure::AllSeries()) {
     if (!series.IsRecordedBy(run.scene)) continue;
     const std::size_t count = series.ValueCount({cycles, objects, bodies});
@@ -131,7 +131,7 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
     for (std::size_t row = 0; row < rows; ++row) result.contacts.push_back(ContactAt(run, row));
   }
   const auto n = static_cast<double>(NumberOf(run));
-  for (const schema::ErrorInfo* error : plan::ErrorsOf(run.scene)) {
+  for (const schema::ErrorInfo* error : analysis::ErrorsOf(run.scene)) {
     auto& values = result.errors.values;
     values[std::string(error->name)] = {n + 0.25};
     if (error->needs_truth) values[std::string(error->name) + "_floor"] = {n + 0.125};

@@ -51,7 +51,7 @@ TEST_P(TraceFile, ReadsBackToTheBit) {
   const TemporaryFolder folder;
   const measure::TraceMemory trace = MakeTrace(GetParam());
   Write(trace, folder / "t.h5");
-  const plan::TraceFacts facts = store::ReadTraceFacts(folder / "t.h5");
+  const analysis::TraceFacts facts = store::ReadTraceFacts(folder / "t.h5");
   EXPECT_EQ(facts.sha256, trace.Sha256());
   EXPECT_EQ(facts.bodies, kBodies);
   EXPECT_EQ(facts.cycles, kCycles);
@@ -89,7 +89,7 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
   const auto why = [&](const std::string& name) -> std::string {
     try {
       store::ReadTraceFacts(folder / name);
-    } catch (const store::StoreError& error) {
+    } catch (const files::StoreError& error) {
       return error.what();
     }
     return "nothing wrong";
@@ -100,7 +100,7 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
   EXPECT_NE(why("text.h5").find("it is no trace, or damaged"), std::string::npos);
   EXPECT_FALSE(store::TracedRun(folder / "text.h5"));
   const plan::Plan plan = MakePlan({}, 1, {.cycles = 1, .objects = 1, .record = {"timing"}});
-  store::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
   EXPECT_NE(why(plan.runs[0].id + ".h5").find("HDF5, but no trace (cdb-results)"),
             std::string::npos);
 }
@@ -108,12 +108,12 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
 TEST(TraceFileErrors, AnotherTraceAndEveryDamageIsRefused) {
   const TemporaryFolder folder;
   Write(MakeTrace(false), folder / "t.h5");
-  const plan::TraceFacts facts = store::ReadTraceFacts(folder / "t.h5");
-  EXPECT_THROW(store::LoadTrace(folder / "t.h5", std::string(64, '0')), store::StoreError);
+  const analysis::TraceFacts facts = store::ReadTraceFacts(folder / "t.h5");
+  EXPECT_THROW(store::LoadTrace(folder / "t.h5", std::string(64, '0')), files::StoreError);
   const std::string whole = ReadFile(folder / "t.h5");
   for (std::size_t cut = 0; cut < whole.size(); cut += 61) {
     WriteFile(folder / "cut.h5", whole.substr(0, cut));
-    EXPECT_THROW(store::LoadTrace(folder / "cut.h5", facts.sha256), store::StoreError) << cut;
+    EXPECT_THROW(store::LoadTrace(folder / "cut.h5", facts.sha256), files::StoreError) << cut;
   }
   // What does not change a box or a filter does no harm.
   for (std::size_t at = 0; at < whole.size(); at += 13) {
@@ -122,7 +122,7 @@ TEST(TraceFileErrors, AnotherTraceAndEveryDamageIsRefused) {
     WriteFile(folder / "bent.h5", bent);
     try {
       EXPECT_EQ(store::LoadTrace(folder / "bent.h5", facts.sha256).Sha256(), facts.sha256);
-    } catch (const store::StoreError&) {
+    } catch (const files::StoreError&) {
     }
   }
 }

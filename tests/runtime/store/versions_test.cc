@@ -7,8 +7,9 @@
 
 #include <span>
 
-#include "runtime/store/reference_shard.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/store/files/safe_file.h"
+#include "runtime/store/shards/reference_shard.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
@@ -62,7 +63,7 @@ TEST(Versions, AResultOfVersion1IsRead) {
 
 /// Makes a shard one of version 1, as far as reading goes.
 void MakeVersion1(const std::filesystem::path& shard) {
-  const std::vector<std::byte> image = store::ReadSealed(shard);
+  const std::vector<std::byte> image = files::ReadSealed(shard);
   WriteFile(shard, std::string(reinterpret_cast<const char*>(image.data()), image.size()));
   const hid_t file = H5Fopen(shard.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   const auto move = [file](const std::string& from, const std::string& to) {
@@ -82,7 +83,7 @@ void MakeVersion1(const std::filesystem::path& shard) {
   H5Aclose(attribute);
   H5Fclose(file);
   const std::string bytes = ReadFile(shard);
-  store::WriteSealed(std::as_bytes(std::span(bytes)), shard);
+  files::WriteSealed(std::as_bytes(std::span(bytes)), shard);
 }
 
 TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
@@ -91,22 +92,22 @@ TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
                {.record = {"timing", "stability", "contacts"}, .metrics = {"position"}});
   const TemporaryFolder folder;
   for (std::size_t i = 0; i < 2; ++i)
-    store::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, TestProvenance(),
-                      folder.path());
+    shards::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, TestProvenance(),
+                       folder.path());
   const plan::Run& reference = plan.references[0];
   store::RunResult result;
   result.status = store::Status::kDone;
-  store::WriteReference(plan.Sha256(), reference, result,
-                        std::vector<double>(measure::SampleShapeOf(reference.scene)->Count(), 0.5),
-                        {}, folder.path());
+  shards::WriteReference(plan.Sha256(), reference, result,
+                         std::vector<double>(measure::SampleShapeOf(reference.scene)->Count(), 0.5),
+                         {}, folder.path());
   MakeVersion1(folder / (plan.runs[0].id + ".h5"));
   MakeVersion1(folder / (reference.id + ".h5"));
   // A resumed run asks it of the shards that it finds.
-  const store::ShardInfo info = store::ReadShardInfo(folder / (plan.runs[0].id + ".h5"));
+  const shards::ShardInfo info = shards::ReadShardInfo(folder / (plan.runs[0].id + ".h5"));
   EXPECT_EQ(info.run_id, plan.runs[0].id);
   EXPECT_EQ(info.outcome.status, store::Status::kDone);
 
-  store::Merge(plan, {}, folder.path(), folder / "out.h5");
+  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   for (std::size_t i = 0; i < 2; ++i) {
     const FakeResult fake(plan.runs[i]);

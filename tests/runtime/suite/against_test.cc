@@ -94,7 +94,7 @@ TEST(SuiteAgainst, SpeedupsMayDifferMoreOnAnotherProcessor) {
 
 TEST(SuiteAgainst, NoiseHereDoesNotAccuse) {
   const SceneVerification of =
-      Verify(Grid([](SuiteRun& made) { made.noise = measure::Noise::kNoisy; }));
+      Verify(Grid([](SuiteRun& made) { made.noise = machine::Noise::kNoisy; }));
   EXPECT_EQ(of.outcome, SceneOutcome::kSameStates);
   EXPECT_EQ(of.claimed, 2u);
   EXPECT_EQ(of.timed, 1u);

@@ -130,7 +130,7 @@ TEST(SuiteScore, NothingThatIsWrongInOneSceneHasAScore) {
   EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.omitted = "solver"; }),
             "rubble: ran without solver, which others kept");
   EXPECT_EQ(fault([](std::uint64_t rep, Made& made) {
-              if (rep < 3) made.noise = measure::Noise::kNoisy;
+              if (rep < 3) made.noise = machine::Noise::kNoisy;
             }),
             "rubble: noisy in 3 of 5 runs");
 }
@@ -150,7 +150,7 @@ TEST(SuiteScore, AKindWithoutOneOfItsScenesHasNone) {
 TEST(SuiteScore, FewNoisyRepeatsAreOutvoted) {
   const Scene scene(kFirst, [](std::size_t detector, std::uint64_t rep) {
     Made made = Usual(detector, rep);
-    if (rep < 2) made.noise = measure::Noise::kNoisy;
+    if (rep < 2) made.noise = machine::Noise::kNoisy;
     return made;
   });
   for (const auto& of : scene.figures.configurations) {
@@ -165,7 +165,7 @@ TEST(SuiteScore, ADisturbedBaselineDisturbsAllAndAWrongOneStaysTheMeasure) {
       return detector == 0 ? baseline : Usual(detector, rep);
     };
   };
-  const Scene noisy(kFirst, with_baseline({.ns = 8e5, .noise = measure::Noise::kNoisy}));
+  const Scene noisy(kFirst, with_baseline({.ns = 8e5, .noise = machine::Noise::kNoisy}));
   EXPECT_EQ(noisy.figures.Find("skin")->fault, "the baseline dbvt is noisy");
   EXPECT_TRUE(noisy.figures.Find("skin")->is_disturbed);
   const std::vector<SceneFigures> scenes = {noisy.figures};

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/cli/suite_folder.h"
-#include "runtime/cli/suite_plan.h"
-#include "runtime/store/safe_file.h"
+#include "runtime/cli/plans/suite_folder.h"
+#include "runtime/cli/plans/suite_plan.h"
+#include "runtime/store/files/safe_file.h"
 #include "tests/runtime/suite/suite_results.h"
 #include "tests/support/files.h"
 #include "tests/support/sanitizers.h"
@@ -20,13 +20,13 @@ namespace {
 
 using suite::StandardScene;
 
-cli::SuiteChoice WithDetector(const std::string& name) {
-  cli::SuiteChoice choice;
+plans::SuiteChoice WithDetector(const std::string& name) {
+  plans::SuiteChoice choice;
   choice.detectors = {name};
   return choice;
 }
-cli::SuiteChoice WithSeed(std::uint64_t seed) {
-  cli::SuiteChoice choice;
+plans::SuiteChoice WithSeed(std::uint64_t seed) {
+  plans::SuiteChoice choice;
   choice.seed = seed;
   return choice;
 }
@@ -40,10 +40,10 @@ class Submission {
 
   void Write(const std::string& id, const SuiteChange& change = {},
              const store::Provenance& provenance = kSuiteProvenance,
-             const cli::SuiteChoice& choice = {}) const {
+             const plans::SuiteChoice& choice = {}) const {
     const StandardScene& scene = Scene(id);
     WriteSuiteResults(
-        cli::StandardPlan(scene, choice), std::string(scene.error),
+        plans::StandardPlan(scene, choice), std::string(scene.error),
         [&](const plan::Run& run, SuiteRun& made) {
           made.ns = 1e5 / (1 + static_cast<double>(run.at.back()));
           if (change) change(run, made);
@@ -52,11 +52,11 @@ class Submission {
   }
   /// suite.json of the results that there are.
   void Summarise() const {
-    store::WriteWhole(cli::SuiteSummary(cli::ReadSuiteFolder(folder_.path())),
-                      folder_ / cli::kSuiteSummary);
+    files::WriteWhole(plans::SuiteSummary(plans::ReadSuiteFolder(folder_.path())),
+                      folder_ / plans::kSuiteSummary);
   }
   std::vector<std::string> Faults() const {
-    return cli::CheckSuite(cli::ReadSuiteFolder(folder_.path()), folder_.path()).faults;
+    return plans::CheckSuite(plans::ReadSuiteFolder(folder_.path()), folder_.path()).faults;
   }
   std::filesystem::path File(const std::string& id) const {
     return folder_ / Scene(id).ResultName();
@@ -85,7 +85,7 @@ TEST(SuiteCheck, AcceptsACompleteSubmissionAndNamesWhatSpoilsIt) {
     if (run.at[0] == 1 && run.rep == 4) made.status = store::Status::kMissing;
   });
   of.Write("stiff/pendulum", [](const plan::Run& run, SuiteRun& made) {
-    if (run.at[0] == 1 && run.rep < 3) made.noise = measure::Noise::kNoisy;
+    if (run.at[0] == 1 && run.rep < 3) made.noise = machine::Noise::kNoisy;
   });
   of.Write("granular/drum", {}, kSuiteProvenance, WithSeed(7));
   std::filesystem::copy_file(of.File("robotics/bin"), of.File("robotics/warehouse"),

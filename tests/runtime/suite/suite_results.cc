@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "compiler/compile.h"
+#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
@@ -26,7 +27,7 @@ plan::Plan SuitePlan(const std::vector<std::string>& detectors, std::uint64_t re
 void WriteSuiteResults(const plan::Plan& plan, const std::string& error, const SuiteChange& change,
                        const std::filesystem::path& out, const store::Provenance& provenance) {
   const TemporaryFolder shards;
-  const store::ShardWriter writer(plan, provenance);
+  const shards::ShardWriter writer(plan, provenance);
   for (const plan::Run& run : plan.runs) {
     SuiteRun made;
     change(run, made);
@@ -49,7 +50,7 @@ void WriteSuiteResults(const plan::Plan& plan, const std::string& error, const S
     fake.result.errors.values[error] = {made.error};
     writer.Write(run, fake.result, shards.path());
   }
-  store::Merge(plan, provenance, shards.path(), out);
+  shards::Merge(plan, provenance, shards.path(), out);
 }
 
 }  // namespace cdb::tests

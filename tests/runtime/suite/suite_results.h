@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/measure/noise.h"
+#include "runtime/machine/noise.h"
 #include "runtime/store/store.h"
 #include "runtime/suite/standard.h"
 
@@ -20,7 +20,7 @@ struct SuiteRun {
   double error = 0;  ///< in the error that the scene is judged by
   store::Status status = store::Status::kDone;
   measure::Verdict verdict = measure::Verdict::kStable;
-  measure::Noise noise = measure::Noise::kQuiet;
+  machine::Noise noise = machine::Noise::kQuiet;
   std::string state = "0123456789abcdef", omitted = {};
   double peak_bytes = 5e6;
 };

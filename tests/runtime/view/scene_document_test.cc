@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/view/glb.h"
 #include "runtime/view/packing.h"
 #include "tests/runtime/view/unpack.h"
@@ -111,11 +111,11 @@ TEST_F(SceneDocumentTest, RefusesCyclesThatDidNotRun) {
   for (const char* cycles : {"12..", "3..12", "5..4"}) {
     view::FrameChoice choice;
     view::ParseCycles(cycles, choice);
-    EXPECT_THROW(Recording(choice), store::StoreError) << cycles;
+    EXPECT_THROW(Recording(choice), files::StoreError) << cycles;
   }
   view::FrameChoice choice;
   for (const char* cycles : {"", "a..b", "1..2..3", "-1"})
-    EXPECT_THROW(view::ParseCycles(cycles, choice), store::StoreError) << cycles;
+    EXPECT_THROW(view::ParseCycles(cycles, choice), files::StoreError) << cycles;
 }
 
 // A .glb file is a header and two chunks; its animation has the times and positions of the poses.
@@ -181,7 +181,7 @@ TEST(SceneDocument, IsAsItWas) {
   objects ball { quantity 1; size 2; mass fixed; location at(-3, 0, 0) }
 })");
   ASSERT_EQ(program.Run({"plan", "two.cdb", "-o", "two.yaml"}).status, 0);
-  const plan::Plan plan = plan::FromYaml(program.Read("two.yaml"), "two.yaml");
+  const plan::Plan plan = yaml::FromYaml(program.Read("two.yaml"), "two.yaml");
   view::SceneRecording recording = view::StartOf(plan, plan.runs[0]);
   json document = json::parse(view::SceneDocument("two", {&recording, 1}));
   // The ball has hundreds of vertices, with the standard library's sines in their last bits.

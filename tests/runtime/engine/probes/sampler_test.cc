@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "compiler/plan/reference.h"
+#include "compiler/analysis/reference.h"
 #include "runtime/engine/probes/exact_geometry.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
@@ -221,7 +221,7 @@ TEST(Geometry, LeavesOutThoseThatALinkLetsThrough) {
 plan::Scene ReferenceHere(plan::Scene scene) {
   SetWorld(scene, "accuracy.reference.precision", Word(world::EnginePrecision()));
   SetWorld(scene, "accuracy.reference.timestep", 1.0 / 240);
-  return plan::ReferenceOf(scene);
+  return analysis::ReferenceOf(scene);
 }
 
 TEST(Reference, StartsWhereTheRunDoesAndIsSampledAtTheSameTimes) {
@@ -243,7 +243,7 @@ TEST(Reference, StartsWhereTheRunDoesAndIsSampledAtTheSameTimes) {
 
 TEST(Twin, IsNudgedByABillionthOfEachSize) {
   const plan::Scene reference = ReferenceHere(Gas({"position"}));
-  const plan::Scene twin = plan::TwinOf(reference);
+  const plan::Scene twin = analysis::TwinOf(reference);
   const Recorded truth = RunHere(reference), other = RunHere(twin);
   ASSERT_TRUE(other.done()) << other.message();
   const measure::Samples a = SamplesOf(truth, reference), b = SamplesOf(other, twin);

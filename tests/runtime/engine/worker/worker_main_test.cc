@@ -7,7 +7,7 @@
 
 #include <cstdlib>
 
-#include "compiler/plan/plan_yaml.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/measure/fork_server.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
@@ -65,7 +65,7 @@ TEST(Worker, GivesWhatTheSameRunGivesHere) {
   for (std::size_t i = 0; i < 5; ++i) {
     measure::Recording recording = measure::Recording::Create(run.scene);
     const std::vector<std::string> environment = {"PADDING=" + std::string(i * 1237, 'x')};
-    ASSERT_EQ(Start(plan::RunToYaml(run), recording, environment), 0);
+    ASSERT_EQ(Start(yaml::RunToYaml(run), recording, environment), 0);
     EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
         << recording.header().message.str();
     EXPECT_EQ(recording.header().state_hash.str(), expected);
@@ -96,11 +96,11 @@ TEST(Worker, AsksToStartAgainWithAllWallsWhereItTrips) {
   run.scene = Neighbours();
   run.id = plan::RunId(run.scene, run.rep);
   measure::Recording recording = measure::Recording::Create(run.scene);
-  ASSERT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  ASSERT_EQ(Start(yaml::RunToYaml(run), recording), 0);
   ASSERT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kAgain);
   const std::string why = recording.header().message.str();
   recording.Clear();
-  ASSERT_EQ(Start(plan::RunToYaml(run), recording, {},
+  ASSERT_EQ(Start(yaml::RunToYaml(run), recording, {},
                   {measure::kKeepOption, measure::kStartAgainKeeps, why}),
             0);
   ASSERT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
@@ -115,7 +115,7 @@ TEST(Worker, AsksToStartAgainWithAllWallsWhereItTrips) {
   // A list is held to its word.
   SetWorld(run.scene, "omit", schema::WordList{"walls"});
   run.id = plan::RunId(run.scene, run.rep);
-  ASSERT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  ASSERT_EQ(Start(yaml::RunToYaml(run), recording), 0);
   EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(recording.header().message.str().find("omit walls: this scene needs them"),
             std::string::npos);
@@ -126,7 +126,7 @@ TEST(Worker, EndsAtOnceWhereItsRunnerIsGone) {
   measure::Recording recording = measure::Recording::Create(run.scene);
   const std::string other =
       std::string(measure::kRunnerVariable) + '=' + std::to_string(getpid() + 1);
-  EXPECT_EQ(Start(plan::RunToYaml(run), recording, {other}), 0);
+  EXPECT_EQ(Start(yaml::RunToYaml(run), recording, {other}), 0);
   EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kRunning);
 }
 
@@ -135,7 +135,7 @@ TEST(Worker, ReportsASceneThatCannotBe) {
   SetGroup(run.scene, "size", 300.0);
   run.id = plan::RunId(run.scene, run.rep);
   measure::Recording recording = measure::Recording::Create(run.scene);
-  EXPECT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  EXPECT_EQ(Start(yaml::RunToYaml(run), recording), 0);
   EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(recording.header().message.str().find("does not fit"), std::string::npos);
 }
@@ -145,7 +145,7 @@ TEST(Worker, RefusesARunOfTheOtherPrecision) {
   SetWorld(run.scene, "precision", Word(sizeof(btScalar) == 4 ? "double" : "single"));
   run.id = plan::RunId(run.scene, run.rep);
   measure::Recording recording = measure::Recording::Create(run.scene);
-  EXPECT_EQ(Start(plan::RunToYaml(run), recording), 0);
+  EXPECT_EQ(Start(yaml::RunToYaml(run), recording), 0);
   EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
   EXPECT_NE(recording.header().message.str().find("precision"), std::string::npos);
 }
@@ -158,7 +158,7 @@ TEST(Worker, SaysByItsStatusWhatItCannotReport) {
   plan::Run other = run;
   SetWorld(other.scene, "cycles", std::uint64_t{101});
   other.id = plan::RunId(other.scene, other.rep);
-  EXPECT_EQ(Start(plan::RunToYaml(other), recording), 2);
+  EXPECT_EQ(Start(yaml::RunToYaml(other), recording), 2);
 }
 
 std::string Output(const std::string& command, int* status) {

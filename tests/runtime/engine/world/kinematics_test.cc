@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "compiler/plan/expectation.h"
+#include "compiler/analysis/expectation.h"
 #include "compiler/plan/sha256.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/measure/verdict.h"
@@ -124,7 +124,7 @@ plan::Scene BatScene() {
 
 TEST(Kinematics, DoWorkThatVoidsNoRun) {
   const plan::Scene scene = BatScene();
-  EXPECT_EQ(plan::ExpectationOf(scene), plan::Expectation::kDriven);
+  EXPECT_EQ(analysis::ExpectationOf(scene), analysis::Expectation::kDriven);
   const Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
   EXPECT_NEAR(Velocity(*run.engine, 0).x(), 6, 0.1) << "it was hit";

@@ -1,0 +1,92 @@
+#include "compiler/analysis/expectation.h"
+
+#include <algorithm>
+#include <variant>
+
+#include "compiler/analysis/collisions.h"
+#include "compiler/analysis/kinematic.h"
+#include "compiler/schema/parametrised_words.h"
+#include "dsl/text/check.h"
+
+namespace cdb::analysis {
+namespace {
+
+using schema::IsZero;
+
+/// Kinematic objects do work on what they push.
+bool IsDriven(const plan::Scene& scene) {
+  return schema::AsCall(scene.world.Get("acceleration")) != nullptr ||
+         std::ranges::any_of(scene.groups, HasKinematic) ||
+         std::ranges::any_of(scene.groups, [](const plan::Group& group) {
+           return schema::AsCall(group.settings.Get("linear_velocity")) != nullptr ||
+                  schema::AsCall(group.settings.Get("angular_velocity")) != nullptr;
+         });
+}
+
+/// The layout puts objects on the floor or on one another.
+bool Stands(const plan::Group& group) {
+  const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
+  return layout != nullptr &&
+         (layout->name == "stack" || layout->name == "pyramid" || layout->name == "pile");
+}
+
+bool MustRest(const plan::Scene& scene) {
+  const auto* down = std::get_if<Eigen::Vector3d>(&scene.world.Get("acceleration"));
+  return scene.ObjectCount() > 0 && Collisions(scene).AllMayTouch() &&
+         scene.world.WordOr("world.walls") != "none" && down != nullptr && down->y() < 0 &&
+         down->x() == 0 && down->z() == 0 &&
+         std::ranges::all_of(scene.groups, [](const plan::Group& group) {
+           return group.settings.Count("quantity") == 0 ||
+                  (Stands(group) && IsZero(group.settings.Get("linear_velocity")) &&
+                   IsZero(group.settings.Get("angular_velocity")));
+         });
+}
+
+/// Bullet's contacts take the product of both sides' friction and restitution; a wall's restitution
+/// is 1.
+bool KeepsEnergy(const plan::Scene& scene) {
+  return std::ranges::all_of(scene.groups, [](const plan::Group& group) {
+    const schema::Number* bounce = schema::AsNumber(group.settings.Get("restitution"));
+    return bounce != nullptr && bounce->AsReal() == 1 && IsZero(group.settings.Get("friction")) &&
+           IsZero(group.settings.Get("rolling_friction")) &&
+           group.settings.WordOr("contact_stiffness") == "rigid";
+  });
+}
+
+}  // namespace
+
+std::string_view ExpectationName(Expectation expectation) {
+  constexpr std::string_view kNames[] = {"anything", "rest", "energy", "driven"};
+  return kNames[static_cast<std::size_t>(expectation)];
+}
+
+Expectation ExpectationOf(const plan::Scene& scene) {
+  if (IsDriven(scene)) return Expectation::kDriven;
+  const std::string_view said = scene.world.WordOr("expect");
+  if (said == "anything") return Expectation::kAnything;
+  if (said == "rest") return Expectation::kRest;
+  if (said == "energy") return Expectation::kEnergy;
+  CDB_CHECK(said == "auto");
+  if (MustRest(scene)) return Expectation::kRest;
+  if (KeepsEnergy(scene) && FliesFreely(scene)) return Expectation::kEnergy;
+  return Expectation::kAnything;
+}
+
+bool FliesFreely(const plan::Scene& scene) {
+  return !IsDriven(scene) && std::ranges::all_of(scene.groups, [](const plan::Group& group) {
+    return IsZero(group.settings.Get("linear_damping")) &&
+           IsZero(group.settings.Get("angular_damping")) &&
+           (group.settings.WordOr("links.type") != "spring" ||
+            IsZero(group.settings.Get("links.damping")));
+  });
+}
+
+bool OnlyContactsTakeEnergy(const plan::Scene& scene) {
+  return scene.world.WordOr("expect") != "anything" && FliesFreely(scene) &&
+         std::ranges::all_of(scene.groups, [](const plan::Group& group) {
+           return IsZero(group.settings.Get("rolling_friction")) &&
+                  group.settings.WordOr("contact_stiffness") == "rigid";
+         });
+}
+
+}  // namespace cdb::analysis

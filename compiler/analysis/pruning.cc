@@ -1,0 +1,241 @@
+#include "compiler/analysis/pruning.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "compiler/analysis/poses.h"
+#include "dsl/text/check.h"
+
+namespace cdb::analysis {
+namespace {
+
+using schema::Component;
+using schema::ComponentInfo;
+using schema::Components;
+using schema::InfoOf;
+
+bool IsConstantZero(const schema::Value& value) {
+  if (const schema::Number* number = schema::AsNumber(value)) return number->AsReal() == 0;
+  const auto* vector = std::get_if<Eigen::Vector3d>(&value);
+  return vector != nullptr && vector->isZero(0);
+}
+
+/// The first group, by its name, whose `parameter` is not the constant 0 or off.
+std::optional<std::string> GroupWith(const plan::Scene& scene, schema::GroupParameter parameter) {
+  for (const plan::Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0) continue;
+    const schema::Value& value = group.settings.Get(parameter);
+    const auto* on = std::get_if<bool>(&value);
+    if (on != nullptr ? *on : !IsConstantZero(value)) return group.name;
+  }
+  return std::nullopt;
+}
+
+struct Answer {
+  Decision decision;
+  std::string why;
+};
+
+class Analysis {
+ public:
+  explicit Analysis(const plan::Scene& scene)
+      : scene_(scene), ccd_(GroupWith(scene, "ccd")), spin_(GroupWith(scene, "angular_velocity")) {
+    const auto told = std::ranges::find_if(scene.groups, [](const plan::Group& group) {
+      return PosesOf(group) != nullptr && group.settings.Count("quantity") > 0;
+    });
+    if (told != scene.groups.end()) told_ = told->name;
+    const auto linked = std::ranges::find_if(scene.groups, &plan::Group::HasLinks);
+    if (linked != scene.groups.end()) linked_ = linked->name;
+  }
+
+  Answer Of(Component component, PruningRequest asked) const {
+    switch (component) {
+      case Component::kWalls:
+        return Walls();
+      case Component::kRaycastTree:
+        return RaycastTree();
+      case Component::kDetection:
+        return Detection(asked);
+      case Component::kSolver:
+        return IfNothingTouches();
+      case Component::kSleeping:
+        return Sleeping();
+      case Component::kSweptContacts:
+        if (ccd_) return {Decision::kKept, Sweeps()};
+        return {Decision::kLeftOut, "no object has ccd"};
+      case Component::kGravity:
+        return Gravity();
+      case Component::kDamping:
+        return Damping();
+      case Component::kRotation:
+        return Rotation();
+      case Component::kMotionStates:
+        return {Decision::kLeftOut, "nothing draws the scene while it runs"};
+      case Component::kStaticBoxes:
+        return StaticBoxes();
+      case Component::kPools:
+        return {Decision::kOpen, "how many contacts there can be is known when all are placed"};
+      case Component::kWallPairs:
+        return WallPairs();
+    }
+    CDB_CHECK(false);
+  }
+
+ private:
+  bool DetectorIsSweepAndPrune() const {
+    return scene_.world.WordOr("detector").starts_with("sap");
+  }
+
+  std::string Sweeps() const { return fmt::format("{} have ccd and look ahead", *ccd_); }
+  std::string Pull() const {
+    return fmt::format("{} are linked and pull at one another", *linked_);
+  }
+
+  Answer Walls() const {
+    if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
+    if (ccd_) return {Decision::kKept, Sweeps()};
+    if (linked_) return {Decision::kKept, Pull()};
+    return {Decision::kOpen, "where each object can get to is known when all are placed"};
+  }
+
+  // A pair without a contact has no effect if contacts are solved in the order of their bodies.
+  Answer WallPairs() const {
+    if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
+    if (scene_.world.WordOr("world.wall_shape") != "plane")
+      return {Decision::kAbsent, "walls are boxes, and their pairs are those that reach them"};
+    if (scene_.world.WordOr("pair_order") != "sorted")
+      return {Decision::kKept,
+              "with pair_order listed, contacts are solved in an order that depends on all pairs; "
+              "pair_order sorted does without"};
+    if (ccd_) return {Decision::kKept, Sweeps()};
+    return {Decision::kOpen, "whether an object has several pieces is known when all are placed"};
+  }
+
+  Answer RaycastTree() const {
+    if (!DetectorIsSweepAndPrune())
+      return {Decision::kAbsent, fmt::format("{} has none", scene_.world.WordOr("detector"))};
+    if (ccd_) return {Decision::kKept, Sweeps()};
+    return {Decision::kLeftOut, "no object has ccd, so nothing casts a ray"};
+  }
+
+  Answer Detection(PruningRequest asked) const {
+    if (asked == PruningRequest::kByName) return IfNothingTouches();
+    for (const char* what : {"timing", "counts", "contacts", "pairs", "boxes"})
+      if (scene_.world.Lists("record", what))
+        return {Decision::kKept, fmt::format("record {} asks for it", what)};
+    for (const char* what : {"contacts", "pairs", "penetration"})
+      if (scene_.world.Lists("accuracy.metrics", what))
+        return {Decision::kKept, fmt::format("accuracy.metrics {} asks for it", what)};
+    return IfNothingTouches();
+  }
+
+  Answer Sleeping() const {
+    if (!scene_.world.On("sleeping")) return {Decision::kAbsent, "sleeping is off"};
+    if (linked_) return {Decision::kKept, Pull()};
+    return {Decision::kOpen, "whether an object can come to rest is known when all are placed"};
+  }
+
+  Answer Gravity() const {
+    const schema::Value& acceleration = scene_.world.Get("acceleration");
+    if (IsConstantZero(acceleration)) return {Decision::kLeftOut, "the acceleration is 0"};
+    return {Decision::kKept, fmt::format("the acceleration is {}", schema::ToText(acceleration))};
+  }
+
+  Answer Damping() const {
+    for (const auto what :
+         {schema::GroupParameter("linear_damping"), schema::GroupParameter("angular_damping")})
+      if (const auto group = GroupWith(scene_, what))
+        return {Decision::kKept, fmt::format("{} have {}", *group, what.name())};
+    return {Decision::kLeftOut, "no object is damped"};
+  }
+
+  Answer Rotation() const {
+    if (spin_) return {Decision::kKept, fmt::format("{} have angular_velocity", *spin_)};
+    if (told_) return {Decision::kKept, fmt::format("{} may have the spins of a file", *told_)};
+    if (linked_) return {Decision::kKept, Pull()};
+    return {Decision::kOpen,
+            "whether a touch can set an object spinning is known when all are placed"};
+  }
+
+  Answer StaticBoxes() const {
+    // A box that is not updated moves into dbvt's second tree, without its margin, and pairs are
+    // found in another order.
+    if (scene_.world.WordOr("detector") == "dbvt")
+      return {Decision::kKept, "dbvt finds other pairs where boxes are not updated"};
+    if (scene_.world.On("sleeping"))
+      return {Decision::kOpen,
+              "an object that falls asleep needs its box once more; whether one can is known when "
+              "all are placed"};
+    return {Decision::kLeftOut, "walls and fixed objects stay where they are"};
+  }
+
+  Answer IfNothingTouches() const {
+    if (ccd_) return {Decision::kKept, Sweeps()};
+    if (linked_) return {Decision::kKept, Pull()};
+    return {Decision::kOpen, "whether anything can touch is known when all are placed"};
+  }
+
+  const plan::Scene& scene_;
+  std::optional<std::string> ccd_, spin_, linked_;  ///< a group that has it
+  std::optional<std::string> told_;                 ///< a group whose poses are in a file
+};
+
+}  // namespace
+
+PruningRequest RequestFor(const plan::Scene& scene, Component component) {
+  const ComponentInfo& info = InfoOf(component);
+  if (scene.world.Lists("omit", info.name)) return PruningRequest::kByName;
+  const bool is_auto = info.is_in_auto && scene.world.Lists("omit", "auto");
+  return is_auto ? PruningRequest::kAuto : PruningRequest::kNo;
+}
+
+std::vector<PruningDecision> AnalysePruning(const plan::Scene& scene) {
+  const Analysis analysis(scene);
+  const bool is_none = scene.world.Lists("omit", "none");
+  const bool is_auto = scene.world.Lists("omit", "auto");
+  std::vector<PruningDecision> decisions;
+  decisions.reserve(Components().size());
+  for (const ComponentInfo& info : Components()) {
+    const PruningRequest asked = RequestFor(scene, info.component);
+    Answer answer = asked == PruningRequest::kNo
+                        ? Answer{Decision::kKept, is_none   ? "omit none"
+                                                  : is_auto ? "left out only if omit names it"
+                                                            : "omit does not list it"}
+                        : analysis.Of(info.component, asked);
+    decisions.push_back({info.component, answer.decision, std::move(answer.why)});
+  }
+  return decisions;
+}
+
+std::string DecisionsText(std::span<const PruningDecision> decisions) {
+  std::string text;
+  for (const PruningDecision& part : decisions) {
+    const char* word = part.decision == Decision::kLeftOut ? "left out"
+                       : part.decision == Decision::kKept  ? "kept"
+                       : part.decision == Decision::kOpen  ? "open"
+                                                           : "none";
+    text += fmt::format("{}: {}: {}\n", InfoOf(part.component).name, word, part.why);
+  }
+  return text;
+}
+
+bool SaysKept(std::string_view decisions_text, schema::Component component) {
+  const std::string line = fmt::format("{}: kept: ", InfoOf(component).name);
+  for (std::size_t at = decisions_text.find(line); at != decisions_text.npos;
+       at = decisions_text.find(line, at + 1))
+    if (at == 0 || decisions_text[at - 1] == '\n') return true;
+  return false;
+}
+
+std::string OmittedNames(std::span<const PruningDecision> decisions) {
+  std::string names;
+  for (const PruningDecision& part : decisions)
+    if (part.decision == Decision::kLeftOut)
+      names += (names.empty() ? "" : " ") + std::string(InfoOf(part.component).name);
+  return names;
+}
+
+}  // namespace cdb::analysis

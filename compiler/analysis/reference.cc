@@ -1,0 +1,210 @@
+#include "compiler/analysis/reference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/requested_errors.h"
+#include "compiler/schema/parametrised_words.h"
+#include "dsl/text/check.h"
+
+namespace cdb::analysis {
+namespace {
+
+/// Cycles, objects and what else is counted are int32 coordinates of the results.
+constexpr std::uint64_t kMostCycles = 2147483647;
+
+/// As a person would write it: `1 / 15`, `3 / 50`, `0.0123`.
+std::string SecondsText(double seconds, double timestep) {
+  for (const double unit : {seconds, timestep}) {
+    const double rate = std::round(1 / unit);
+    if (rate >= 2 && std::fabs(rate * unit - 1) < 1e-9)
+      return fmt::format("{:.0f} / {:.0f}", std::round(seconds * rate), rate);
+  }
+  return schema::FormatReal(seconds);
+}
+
+/// The interval nearest to `wanted` that both time steps divide.
+std::string IntervalThatWouldDo(double wanted, double timestep, double other) {
+  constexpr double kFar = 4096;
+  const double near = std::max(1.0, std::round(wanted / timestep));
+  for (double away = 0; away <= kFar; ++away)
+    for (const double steps : {near + away, near - away})
+      if (steps >= 1 && WholeSteps(steps * timestep, other))
+        return fmt::format("an interval of {} s would do", SecondsText(steps * timestep, timestep));
+  return "choose a reference.timestep that divides the time step of the run";
+}
+
+/// `every 60` counts cycles: as many of the reference's as last as long.
+template <bool kGrouped>
+bool StretchSchedules(plan::SettingsOf<kGrouped>& settings, double from_s, double to_s) {
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    if (parameter.grouped != kGrouped || !parameter.TakesCall("every") || !settings.Has(parameter))
+      continue;
+    const schema::Call* call = schema::AsCall(settings.ValueOf(parameter));
+    if (call == nullptr || call->name != "every") continue;
+    const auto& cycles = std::get<schema::Number>(schema::ArgumentOf(*call, "cycles"));
+    const auto stretched = WholeSteps(cycles.AsReal() * from_s, to_s);
+    if (!stretched) return false;
+    schema::Call longer = *call;
+    const schema::ParametrisedWord& info = *schema::FindParametrisedWord(longer.name);
+    for (std::size_t i = 0; i < info.arguments.size(); ++i)
+      if (info.arguments[i].name == "cycles") longer.arguments[i] = *stretched;
+    settings.SetValue(parameter, std::move(longer));
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> WholeSteps(double span_s, double timestep_s) {
+  constexpr double kTolerance = 1e-9;
+  constexpr double kMost = 4294967296.0;
+  const double steps = std::round(span_s / timestep_s);
+  if (!(steps >= 1 && steps < kMost) ||
+      !(std::fabs(span_s - steps * timestep_s) <= kTolerance * span_s))
+    return std::nullopt;
+  return static_cast<std::uint64_t>(steps);
+}
+
+AccuracyFault FindAccuracyFault(const plan::Scene& scene) {
+  if (ErrorsOf(scene).empty()) return {};
+  const plan::WorldSettings& world = scene.world;
+  const double interval = world.Real("accuracy.interval"), timestep = world.Real("timestep");
+  const bool needs_reference = NeedsReference(scene);
+  const double reference = needs_reference ? world.Real("accuracy.reference.timestep") : timestep;
+  for (const auto& [step, whose] : {std::pair{timestep, "the run"}, {reference, "the reference"}})
+    if (!WholeSteps(interval, step))
+      return {schema::WorldParameter("accuracy.interval").get(),
+              fmt::format("an interval of {} s is no whole number of time steps of {}, {} s",
+                          SecondsText(interval, interval), whose, SecondsText(step, step)),
+              IntervalThatWouldDo(interval, timestep, reference)};
+  const std::uint64_t cycles = world.Count("warmup") + world.Count("cycles");
+  const std::uint64_t samples = cycles / *WholeSteps(interval, timestep);
+  if (samples == 0)
+    return {schema::WorldParameter("accuracy.interval").get(),
+            fmt::format("the run ends before its first sample: it lasts {} s and the interval is "
+                        "{} s",
+                        schema::FormatReal(static_cast<double>(cycles) * timestep),
+                        SecondsText(interval, interval)),
+            "take a shorter interval or more cycles"};
+  if (!needs_reference) return {};
+  if (samples > kMostCycles / *WholeSteps(interval, reference))
+    return {schema::WorldParameter("accuracy.reference.timestep").get(),
+            fmt::format("the reference would have {:.3g} cycles",
+                        static_cast<double>(samples) * interval / reference),
+            fmt::format("a run has at most {}: take a longer time step", kMostCycles)};
+  plan::Scene stretched = scene;
+  bool whole = StretchSchedules(stretched.world, timestep, reference);
+  for (plan::Group& group : stretched.groups)
+    whole = StretchSchedules(group.settings, timestep, reference) && whole;
+  if (!whole)
+    return {schema::WorldParameter("accuracy.reference.timestep").get(),
+            "a schedule changes after cycles that are no whole number of the reference's",
+            "take a reference.timestep that divides the time step of the run"};
+  const std::uint64_t bodies = BodyCount(scene);
+  const std::string_view detector_name = world.WordOr("accuracy.reference.detector");
+  const auto detector = schema::FindDetector(detector_name, scene.plugins);
+  CDB_CHECK(detector);
+  if (!detector->Holds(bodies))
+    return {schema::WorldParameter("accuracy.reference.detector").get(),
+            fmt::format("'{}' holds at most {} bodies, walls included; here are {}", detector_name,
+                        detector->max_bodies, bodies),
+            "use dbvt"};
+  return {};
+}
+
+std::optional<Sampling> SamplingOf(const plan::Scene& scene) {
+  if (scene.role == plan::Role::kMeasured && ErrorsOf(scene).empty()) return std::nullopt;
+  const double interval = scene.world.Real("accuracy.interval");
+  const auto cycles = WholeSteps(interval, scene.world.Real("timestep"));
+  CDB_CHECK(cycles);
+  const std::uint64_t all = scene.world.Count("warmup") + scene.world.Count("cycles");
+  return Sampling{interval, *cycles, all / *cycles + 1};
+}
+
+bool NeedsReference(const plan::Scene& scene) {
+  return scene.role == plan::Role::kMeasured &&
+         scene.world.WordOr("accuracy.closed_form") == "none" &&
+         std::ranges::any_of(ErrorsOf(scene),
+                             [](const schema::ErrorInfo* error) { return error->needs_truth; });
+}
+
+plan::Scene ReferenceOf(const plan::Scene& scene) {
+  const auto sampling = SamplingOf(scene);
+  CDB_CHECK(sampling);
+  plan::Scene reference = scene;
+  reference.role = plan::Role::kReference;
+  const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
+    reference.world.Set(parameter, std::move(value));
+  };
+  const auto& world = scene.world;
+  const double timestep = world.Real("accuracy.reference.timestep");
+  const auto steps = WholeSteps(sampling->interval_s, timestep);
+  CDB_CHECK(steps);
+  set("timestep", timestep);
+  // As far as the last sample of any run goes that asks for it.
+  set("cycles", (sampling->count - 1) * *steps);
+  set("warmup", std::uint64_t{0});
+  set("precision", world.Get("accuracy.reference.precision"));
+  set("detector", world.Get("accuracy.reference.detector"));
+  // The contacts too are those of the reference's detector.
+  set("narrow_phase", schema::Word{"own"});
+  set("pair_order", schema::Word{"listed"});
+  set("threads", std::uint64_t{1});
+  set("solver.iterations", world.Get("accuracy.reference.iterations"));
+  if (world.WordOr("accuracy.reference.contact") != "same")
+    set("contact", world.Get("accuracy.reference.contact"));
+  // What decides nothing of it must not make another run of it.
+  set("accuracy.reference.contact", schema::Word{"same"});
+  set("accuracy.metrics", schema::WordList{"none"});
+  set("omit", schema::WordList{"auto"});
+  set("record", schema::WordList{});
+  set("repeats", std::uint64_t{1});
+  set("timeout", schema::Word{"none"});
+  set("memory", schema::Word{"none"});
+  bool whole = StretchSchedules(reference.world, world.Real("timestep"), timestep);
+  for (plan::Group& group : reference.groups)
+    whole = StretchSchedules(group.settings, world.Real("timestep"), timestep) && whole;
+  CDB_CHECK(whole);
+  reference.KeepUsedPlugins();
+  return reference;
+}
+
+plan::Scene TwinOf(plan::Scene reference) {
+  reference.role = plan::Role::kTwin;
+  reference.seeds.emplace("nudge", plan::StreamSeed(reference.world.Count("seed"), "nudge"));
+  return reference;
+}
+
+void AddReferences(plan::Plan& plan) {
+  plan.references.clear();
+  std::unordered_map<std::string, std::string> twins;  // by the reference's id
+  const auto add = [&plan](plan::Scene scene) {
+    plan::Run run;
+    run.id = plan::RunId(scene, 0);
+    run.scene = std::move(scene);
+    plan.references.push_back(std::move(run));
+    return plan.references.back().id;
+  };
+  for (plan::Run& run : plan.runs) {
+    run.reference.clear();
+    run.twin.clear();
+    if (!NeedsReference(run.scene)) continue;
+    const plan::Scene scene = ReferenceOf(run.scene);
+    run.reference = plan::RunId(scene, 0);
+    const auto [twin, is_new] = twins.try_emplace(run.reference);
+    if (is_new) {
+      add(scene);
+      twin->second = add(TwinOf(scene));
+    }
+    run.twin = twin->second;
+  }
+}
+
+}  // namespace cdb::analysis

@@ -1,0 +1,16 @@
+// The errors that a scene or a plan asks for by `accuracy.metrics`.
+#pragma once
+
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "compiler/schema/metrics.h"
+
+namespace cdb::analysis {
+
+/// In the order of the table; empty where the scene asks for none.
+std::vector<const schema::ErrorInfo*> ErrorsOf(const plan::Scene& scene);
+/// Of all runs together.
+std::vector<const schema::ErrorInfo*> ErrorsOf(const plan::Plan& plan);
+
+}  // namespace cdb::analysis

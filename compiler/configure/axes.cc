@@ -1,0 +1,304 @@
+#include "compiler/configure/axes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <unordered_set>
+
+#include "compiler/configure/dependencies.h"
+#include "compiler/evaluate/functions.h"
+#include "compiler/names/arguments.h"
+#include "compiler/scenario/diagnostic_kinds.h"
+
+namespace cdb::configure {
+namespace {
+
+using dsl::Expr;
+using dsl::ExprKind;
+using schema::Number;
+using schema::Value;
+
+/// A whole number that a double would round is a label rather than a wrong number.
+bool IsExactNumber(const Value& value) {
+  const Number* number = AsNumber(value);
+  if (number == nullptr) return false;
+  const double real = number->AsReal();
+  return Compare(Number(real), *number) == 0 && (!number->is_whole() || std::abs(real) <= 0x1p53);
+}
+
+class AxisFinder {
+ public:
+  AxisFinder(const scenario::Layers& layers, evaluate::Evaluator& evaluator)
+      : layers_(layers), evaluator_(evaluator) {}
+
+  std::vector<SweepAxis> Find() {
+    for (const auto& [key, setting] : layers_.settings) {
+      Statement statement = StatementOf(key, setting.order);
+      for (const auto& value : setting.node->values)
+        Walk(*value, setting.scope, statement, {value.get()});
+    }
+    std::ranges::sort(axes_, {}, &SweepAxis::order);
+    CheckNames();
+    return std::move(axes_);
+  }
+
+ private:
+  /// The setting or let that a sweep is written in.
+  struct Statement {
+    std::string name, parameter, unit;
+    std::optional<scenario::ParameterKey> key;
+    int order = 0;
+    int count = 0;  ///< sweeps found in it so far
+  };
+
+  /// The part of a statement in which an expression stands.
+  struct Part {
+    const Expr* slot = nullptr;  ///< the whole value, vector component or argument
+    const schema::ParametrisedWord* word = nullptr;
+    const schema::Parameter* argument = nullptr;
+    int component = -1;
+    const Expr* quantity = nullptr;  ///< `sweep( ) ms`: the sweep with its unit
+  };
+
+  static Statement StatementOf(const scenario::ParameterKey& key, int order) {
+    const schema::Parameter& parameter = *key.second;
+    // As it is called in its outermost block: `size`, `side`, `links_stiffness`.
+    std::string full = parameter.FullName();
+    std::string name = full.substr(full.find('.') + 1);
+    std::ranges::replace(name, '.', '_');
+    if (!key.first.empty() && key.first != "objects") name = key.first + "_" + name;
+    if (parameter.grouped && key.first != "objects")
+      full = key.first + "." + std::string(parameter.name);
+    return {name, full, std::string(parameter.unit), key, order, 0};
+  }
+
+  void Walk(const Expr& expr, const scenario::Scope& scope, Statement& statement,
+            const Part& part) {
+    switch (expr.kind) {
+      case ExprKind::kCall:
+        return WalkCall(expr, scope, statement, part);
+      case ExprKind::kVector:
+      case ExprKind::kRatio:
+        for (int i = 0; i < 3; ++i) {
+          Part inner = part;
+          inner.slot = expr.items[static_cast<std::size_t>(i)].get();
+          inner.component = i;
+          Walk(*inner.slot, scope, statement, inner);
+        }
+        return;
+      case ExprKind::kQuantity: {
+        Part inner = part;
+        inner.quantity = &expr;
+        return Walk(*expr.items[0], scope, statement, inner);
+      }
+      case ExprKind::kPath:
+        return WalkLet(evaluator_.names().Resolve(expr.text, scope));
+      default:
+        for (const auto& item : expr.items) Walk(*item, scope, statement, part);
+    }
+  }
+
+  void WalkCall(const Expr& call, const scenario::Scope& scope, Statement& statement,
+                const Part& part) {
+    if (call.text == "sweep") return Add(call, scope, statement, part);
+    if (evaluate::IsFunction(call.text)) {
+      for (const dsl::Argument& argument : call.arguments)
+        Walk(*argument.value, scope, statement, part);
+      return;
+    }
+    // Of a function that there is not, nothing is known.
+    if (!schema::FindDistribution(call.text) && schema::FindParametrisedWord(call.text) == nullptr)
+      return;
+    for (const auto& limit : call.items) {
+      Part inner = part;
+      inner.slot = limit.get();
+      Walk(*limit, scope, statement, inner);
+    }
+    for (std::size_t i = 0; i < call.arguments.size(); ++i) {
+      const dsl::Argument& argument = call.arguments[i];
+      Part inner = part;
+      inner.slot = argument.value.get();
+      if (const schema::ParametrisedWord* word = schema::FindParametrisedWord(call.text)) {
+        inner.word = word;
+        // A point stands for all arguments: its axis is called after the component.
+        const bool is_point = word->takes_points && argument.value->kind == ExprKind::kVector;
+        if (!is_point) inner.argument = names::ArgumentAt(*word, call, i);
+      }
+      Walk(*argument.value, names::ArgumentScope(call, i, scope), statement, inner);
+      inner.slot = argument.weight.get();
+      if (argument.weight) Walk(*argument.weight, scope, statement, inner);
+    }
+  }
+
+  /// A let that several statements use is walked once.
+  void WalkLet(const names::Referent& referent) {
+    if (!referent.let || !seen_.insert(referent.let->node).second) return;
+    const dsl::Let& let = *referent.let->node;
+    Statement statement{let.name.text, {}, {}, {}, referent.let->order, 0};
+    Walk(*let.value, referent.let->scope, statement, {let.value.get()});
+  }
+
+  void Add(const Expr& call, const scenario::Scope& scope, Statement& statement, const Part& part) {
+    if (call.zip) return AddZip(*call.zip, scope, statement);
+    if (!seen_.insert(&call).second) return;
+    SweepAxis axis = Describe(call, statement, part);
+    const evaluate::Sweep* sweep = evaluator_.sweeps().Find(call, scope);
+    if (sweep == nullptr) return;
+    bool is_factor = false;
+    const auto values = Evaluate(call, *sweep, scope, part, is_factor);
+    if (!values) return;
+    if (is_factor) axis.unit.clear();
+    axis.values = Coordinates(*values);
+    CheckDistinct(axis, *sweep, *values);
+    axes_.push_back(std::move(axis));
+  }
+
+  /// One axis, with the values of the first sweep; where these are not distinct, with labels of
+  /// all.
+  void AddZip(const dsl::Zip& zip, const scenario::Scope& scope, Statement& statement) {
+    const Expr& first = *zip.sweeps[0];
+    if (!seen_.insert(&first).second) return;
+    std::vector<std::vector<Value>> columns;
+    std::vector<std::string> lengths;
+    bool is_even = true;
+    for (const Expr* sweep : zip.sweeps) {
+      const evaluate::Sweep* found = evaluator_.sweeps().Find(*sweep, scope);
+      if (found == nullptr) return;
+      lengths.push_back(fmt::format("{}", found->items.size()));
+      is_even =
+          is_even && found->items.size() == evaluator_.sweeps().Find(first, scope)->items.size();
+    }
+    if (!is_even) {
+      evaluator_.Error(
+          scenario::kBadArguments, zip.span,
+          fmt::format("the sweeps of zip( ) have {} values", fmt::join(lengths, " and ")),
+          "sweeps that move together have the same number of values");
+      return;
+    }
+    for (const Expr* sweep : zip.sweeps) {
+      bool is_factor = false;
+      const auto values =
+          Evaluate(*sweep, *evaluator_.sweeps().Find(*sweep, scope), scope, {sweep}, is_factor);
+      if (!values) return;
+      columns.push_back(*values);
+    }
+    SweepAxis axis = Describe(first, statement, {&first});
+    axis.name = zip.axis ? zip.axis->text : zip.names[0].text;
+    axis.span = zip.axis ? zip.axis->span : zip.span;
+    axis.values = Coordinates(columns[0]);
+    const std::unordered_set<plan::Coordinate> distinct(axis.values.begin(), axis.values.end());
+    if (distinct.size() < axis.values.size()) axis.values = JoinedLabels(columns);
+    CheckDistinct(axis, *evaluator_.sweeps().Find(first, scope), columns[0]);
+    axes_.push_back(std::move(axis));
+  }
+
+  static std::vector<plan::Coordinate> JoinedLabels(
+      const std::vector<std::vector<Value>>& columns) {
+    std::vector<plan::Coordinate> labels;
+    for (std::size_t i = 0; i < columns[0].size(); ++i) {
+      std::vector<std::string> parts;
+      for (const std::vector<Value>& column : columns) parts.push_back(LabelOf(column[i]));
+      labels.emplace_back(fmt::format("{}", fmt::join(parts, ", ")));
+    }
+    return labels;
+  }
+
+  /// An axis without its values.
+  static SweepAxis Describe(const Expr& call, Statement& statement, const Part& part) {
+    SweepAxis axis;
+    axis.call = &call;
+    axis.name = statement.name;
+    if (part.argument != nullptr) axis.name += "_" + std::string(part.argument->name);
+    if (part.component >= 0) axis.name += std::string("_") + "xyz"[part.component];
+    if (call.axis) axis.name = call.axis->text;
+    axis.span = call.axis ? call.axis->span : call.span;
+    axis.parameter = statement.parameter;
+    const bool has_own_unit =
+        part.argument != nullptr && part.argument->unit != schema::kParametersUnit;
+    axis.unit = has_own_unit ? std::string(part.argument->unit) : statement.unit;
+    if (part.argument == nullptr && part.word != nullptr)
+      axis.unit = part.word->arguments[0].unit;  // of a point
+    axis.key = statement.key;
+    axis.word = part.word;
+    axis.argument = part.argument;
+    axis.component = part.component;
+    axis.order = {statement.order, statement.count++};
+    return axis;
+  }
+
+  /// The values on the axis of `call`; nullopt after a diagnostic. In `20 * sweep(1, 2)` they are
+  /// 20 and 40, unless another axis takes part in them. In `sweep(1, 2) * size`, of which each
+  /// object has another value, they are 1 and 2, and `is_factor`.
+  std::optional<std::vector<Value>> Evaluate(const Expr& call, const evaluate::Sweep& sweep,
+                                             const scenario::Scope& scope, const Part& part,
+                                             bool& is_factor) {
+    const bool alone = SweepsIn(*part.slot, scope, layers_, evaluator_).size() == 1 && !call.axis;
+    std::vector<Value> values;
+    for (std::size_t i = 0; i < sweep.items.size(); ++i) {
+      evaluator_.Choose(call, i);
+      const bool is_quantity = part.quantity != nullptr && part.quantity->items[0].get() == &call;
+      const Expr& with_unit = is_quantity ? *part.quantity : call;
+      auto value = evaluator_.Evaluate(alone ? *part.slot : with_unit, scope);
+      is_factor = alone && value && AsFormula(*value) && part.slot != &with_unit;
+      if (is_factor) value = evaluator_.Evaluate(with_unit, scope);
+      if (!value) return std::nullopt;
+      values.push_back(*value);
+    }
+    evaluator_.Choose(call, 0);
+    return values;
+  }
+
+  static std::vector<plan::Coordinate> Coordinates(const std::vector<Value>& values) {
+    const bool are_numbers = std::ranges::all_of(values, IsExactNumber);
+    std::vector<plan::Coordinate> coordinates;
+    for (const Value& value : values)
+      coordinates.push_back(are_numbers ? CoordinateOf(value) : LabelOf(value));
+    return coordinates;
+  }
+
+  void CheckDistinct(const SweepAxis& axis, const evaluate::Sweep& sweep,
+                     const std::vector<Value>& values) {
+    std::unordered_set<plan::Coordinate> seen;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (seen.insert(axis.values[i]).second) continue;
+      const Expr* item = sweep.items[i].expr;
+      evaluator_.diagnostics().Report(
+          scenario::kBadArguments, item != nullptr ? item->span : axis.call->span,
+          fmt::format("the value {} is on this axis twice", LabelOf(values[i])),
+          "`repeats` measures a point more than once");
+    }
+  }
+
+  void CheckNames() {
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      const SweepAxis& axis = axes_[i];
+      for (std::size_t j = 0; j < i; ++j) {
+        if (axes_[j].name != axis.name) continue;
+        evaluator_.diagnostics().Report(
+            scenario::kAxisTwice, axis.span,
+            fmt::format("there is an axis '{}' already", axis.name),
+            fmt::format("name one of them: sweep(…) as {}_2", axis.name),
+            {{axes_[j].span, "the first is here"}});
+      }
+    }
+  }
+
+  const scenario::Layers& layers_;
+  evaluate::Evaluator& evaluator_;
+  std::set<const void*> seen_;
+  std::vector<SweepAxis> axes_;
+};
+
+}  // namespace
+
+plan::Coordinate CoordinateOf(const Value& value) {
+  if (const Number* number = AsNumber(value)) return number->AsReal();
+  return LabelOf(value);
+}
+
+std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, evaluate::Evaluator& evaluator) {
+  return AxisFinder(layers, evaluator).Find();
+}
+
+}  // namespace cdb::configure

@@ -1,0 +1,36 @@
+// Finds the sweeps of a benchmark and makes axes of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/plan/plan.h"
+#include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/value.h"
+
+namespace cdb::configure {
+
+/// One sweep of one `Layers`, as an axis.
+struct SweepAxis {
+  std::string name;
+  text::Span span;
+  const dsl::Expr* call = nullptr;
+  std::string parameter, unit;
+  std::optional<scenario::ParameterKey> key;  ///< of that parameter
+  /// The argument of a word in which the sweep stands, `ring(radius: sweep(1, 2))`; else null.
+  const schema::ParametrisedWord* word = nullptr;
+  const schema::Parameter* argument = nullptr;
+  int component = -1;         ///< 0, 1, 2: the sweep stands in a vector or a ratio
+  std::pair<int, int> order;  ///< of its statement, and its place therein
+  std::vector<plan::Coordinate> values;
+};
+
+/// All axes of `layers`, in the order in which the sweeps are written. Two of one name are
+/// reported.
+std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, evaluate::Evaluator& evaluator);
+
+/// A number, or the label of any other value.
+plan::Coordinate CoordinateOf(const schema::Value& value);
+
+}  // namespace cdb::configure

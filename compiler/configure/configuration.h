@@ -1,0 +1,81 @@
+// A benchmark under one choice of its cases: its axes, and the scene at each of their points.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "compiler/configure/axes.h"
+#include "compiler/configure/conditions.h"
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/plan/plan.h"
+#include "compiler/scenario/layers.h"
+#include "compiler/scenario/scenario.h"
+
+namespace cdb::configure {
+
+/// An index on each axis.
+using Point = std::vector<std::size_t>;
+
+/// Counts through all points of a grid, the last axis fastest. False at the end.
+bool Advance(Point& point, const std::vector<std::size_t>& extents);
+
+/// A parameter of the world or of one group, and the axes that its value depends on.
+struct DependentParameter {
+  scenario::ParameterKey key;
+  std::vector<std::size_t> axes;  ///< into Configuration::axes
+};
+
+/// Reports every error. Not thread-safe.
+class Configuration {
+ public:
+  Configuration(const scenario::Scenario& scenario, scenario::Layers layers,
+                dsl::Diagnostics& diagnostics);
+
+  const scenario::Scenario& scenario() const { return scenario_; }
+  const scenario::Layers& layers() const { return layers_; }
+  const std::vector<SweepAxis>& axes() const { return axes_; }
+  evaluate::Evaluator& evaluator() { return evaluator_; }
+  Conditions& conditions() { return conditions_; }
+
+  /// Selects the point for all later calls.
+  void Choose(const Point& point);
+
+  const std::vector<DependentParameter>& parameters() const { return parameters_; }
+  /// The value of a parameter at the chosen point; nullopt after a diagnostic.
+  std::optional<schema::Value> ValueOf(const scenario::ParameterKey& key);
+  /// Sets the seeds of a scene and the plug-ins that it uses.
+  void Complete(plan::Scene& scene) const;
+  /// Checks each setting, and each condition, on its own.
+  void CheckSettings();
+
+  bool IsSet(const scenario::ParameterKey& key) const { return layers_.settings.contains(key); }
+  /// The place of a parameter's value at the chosen point, for diagnostics about it; `otherwise`
+  /// where it is a default.
+  text::Span SpanOf(const scenario::ParameterKey& key, const text::Span& otherwise);
+  /// The place of one word of the list that `key` is set to, at the chosen point.
+  text::Span SpanOfWord(const scenario::ParameterKey& key, std::string_view word);
+
+  /// Errors of units in settings: axes and conditions can be read in spite of them.
+  int unit_errors() const { return unit_errors_; }
+  /// The value that axis `like` of another configuration has here, where it is not swept.
+  std::optional<schema::Value> ConstantFor(const SweepAxis& like);
+
+ private:
+  void Add(const scenario::ParameterKey& key);
+  void ReportAll(const DependentParameter& parameter);
+
+  const scenario::Scenario& scenario_;
+  scenario::Layers layers_;
+  evaluate::Evaluator evaluator_;
+  Conditions conditions_;
+  std::vector<SweepAxis> axes_;
+  int unit_errors_ = 0;
+  std::set<scenario::ParameterKey> faulty_;  ///< settings that are reported and not evaluated
+  std::vector<DependentParameter> parameters_;
+  Point point_;
+};
+
+}  // namespace cdb::configure

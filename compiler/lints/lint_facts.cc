@@ -1,0 +1,231 @@
+#include "compiler/lints/lint_facts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "compiler/analysis/expectation.h"
+#include "compiler/analysis/kinematic.h"
+#include "compiler/analysis/surface.h"
+#include "compiler/schema/parametrised_words.h"
+#include "dsl/text/check.h"
+
+namespace cdb::lints {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A pyramid is as unsteady as a stack of this part of its height. Measured.
+constexpr double kPyramid = 0.4;
+
+/// An argument of a layout that is a constant.
+std::optional<double> RealOf(const schema::Call& layout, std::string_view argument) {
+  const schema::Number* given = schema::AsNumber(schema::ArgumentOf(layout, argument));
+  return given != nullptr ? std::optional<double>(given->AsReal()) : std::nullopt;
+}
+
+/// Layers of a square pyramid of at least `quantity` objects.
+double PyramidHeight(double quantity) {
+  double height = 1;
+  while (height * (height + 1) * (2 * height + 1) / 6 < quantity) ++height;
+  return height;
+}
+
+/// Adds the consequences of the layout.
+void AddLayout(double side, GroupFacts& objects) {
+  objects.position = Vector3d::Constant(side / 2);
+  const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
+  if (layout == nullptr) return;
+  if (const auto position = FixedPositionOf(objects)) {
+    objects.position = position->cwiseAbs();
+  } else if (layout->name == "pair") {
+    objects.position = Vector3d::Constant(objects.longest_side + *RealOf(*layout, "distance"));
+  } else if (layout->name == "grid") {
+    const double in_a_row = std::ceil(std::cbrt(objects.quantity));
+    if (const auto spacing = RealOf(*layout, "spacing"))
+      objects.position.setConstant(*spacing * (in_a_row - 1) / 2);
+  } else if (layout->name == "line") {
+    objects.overlap = std::max(0.0, -RealOf(*layout, "gap").value_or(0));
+  } else if (layout->name == "stack") {
+    objects.stacked =
+        std::min(objects.quantity, RealOf(*layout, "height").value_or(objects.quantity));
+    objects.tower = objects.stacked;
+    objects.gap = RealOf(*layout, "gap").value_or(0);
+  } else if (layout->name == "pyramid") {
+    objects.stacked = PyramidHeight(objects.quantity);
+    objects.tower = kPyramid * objects.stacked;
+    objects.gap = RealOf(*layout, "gap").value_or(0);
+  }
+}
+
+void AddLinks(GroupFacts& objects) {
+  const plan::GroupSettings& settings = *objects.settings;
+  objects.linked = settings.WordOr("links.type") != "none";
+  objects.springs = settings.WordOr("links.type") == "spring";
+  const schema::Number* end_mass = schema::AsNumber(settings.Get("links.end_mass"));
+  if (!objects.linked || end_mass == nullptr) return;
+  objects.load = end_mass->AsReal() / objects.mass.least;
+  objects.mass.least = std::min(objects.mass.least, end_mass->AsReal());
+}
+
+/// What part of the box of its sides an object fills, roughly.
+double FillOf(std::string_view type) {
+  constexpr std::pair<std::string_view, double> kFills[] = {
+      {"sphere", 0.52}, {"cuboid", 1}, {"cylinder", 0.79}, {"cone", 0.26}, {"tetrahedron", 0.33}};
+  for (const auto& [name, fill] : kFills)
+    if (name == type) return fill;
+  return 0.5;
+}
+
+Bounds FillBounds(const schema::Value& types) {
+  const schema::Distribution* drawn = schema::AsDistribution(types);
+  const auto fill_of = [](const schema::Value& type) {
+    const schema::Word* word = schema::AsWord(type);
+    return FillOf(word != nullptr ? word->text : "");
+  };
+  if (drawn == nullptr) return {fill_of(types), fill_of(types)};
+  Bounds fills{1, 0};
+  for (const schema::Value& type : drawn->arguments) {
+    fills.least = std::min(fills.least, fill_of(type));
+    fills.most = std::max(fills.most, fill_of(type));
+  }
+  return fills;
+}
+
+GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, double side) {
+  GroupFacts objects;
+  objects.settings = &settings;
+  objects.index = index;
+  objects.quantity = static_cast<double>(settings.Count("quantity"));
+  const Bounds size = BoundsOf(settings, "size");
+  const Vector3d& aspect = std::get<schema::Ratio>(settings.Get("aspect")).parts;
+  objects.least_sides = size.least * aspect;
+  objects.most_sides = size.most * aspect;
+  objects.least_side = objects.least_sides.minCoeff();
+  objects.longest_side = objects.most_sides.maxCoeff();
+  // One draw for all sides leaves the aspect as it is.
+  const schema::Value& sizes = settings.Get("size");
+  objects.elongation = schema::AsCall(sizes) != nullptr || schema::AsFormula(sizes) != nullptr
+                           ? aspect.maxCoeff() / aspect.minCoeff()
+                           : objects.longest_side / objects.least_side;
+  objects.mass = BoundsOf(settings, "mass");
+  objects.moves = objects.mass.most > 0;
+  objects.is_kinematic = MayBe(settings.Get("mass"), analysis::kKinematicWord);
+  objects.velocity = LargestComponents(settings.Get("linear_velocity"));
+  objects.speed = objects.velocity.norm();
+  objects.spin = LargestComponents(settings.Get("angular_velocity")).norm();
+  objects.is_surface = analysis::HasSurface(settings);
+  AddLinks(objects);
+  AddLayout(side, objects);
+  return objects;
+}
+
+}  // namespace
+
+Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name) {
+  const schema::Parameter* parameter = schema::FindParameter(name, true);
+  CDB_CHECK(parameter != nullptr);
+  const schema::Value& value = settings.ValueOf(*parameter);
+  Bounds bounds =
+      PositiveBounds(value, [&](std::string_view named) { return BoundsOf(settings, named); });
+  if (name != "mass" || schema::AsCall(value) == nullptr) return bounds;
+  // Of the density: the masses of the least and of the largest object.
+  const Bounds fill = FillBounds(settings.Get("type")), size = BoundsOf(settings, "size");
+  const Vector3d& aspect = std::get<schema::Ratio>(settings.Get("aspect")).parts;
+  bounds.least *= fill.least * Vector3d(size.least * aspect).prod();
+  bounds.most *= fill.most * Vector3d(size.most * aspect).prod();
+  return bounds;
+}
+
+SceneFacts FactsOf(const plan::Scene& scene) {
+  SceneFacts facts;
+  const plan::WorldSettings& world = scene.world;
+  facts.world = &world;
+  facts.timestep = world.Real("timestep");
+  facts.iterations = static_cast<double>(world.Count("solver.iterations"));
+  facts.cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));
+  facts.rests = analysis::ExpectationOf(scene) == analysis::Expectation::kRest;
+  facts.side = world.Real("world.side");
+  facts.acceleration = LargestComponents(world.Get("acceleration"));
+  facts.g = facts.acceleration.norm();
+  facts.pull = ConstantOf(world.Get("acceleration"));
+  facts.has_walls = world.WordOr("world.walls") != "none";
+  facts.has_box_walls = facts.has_walls && world.WordOr("world.wall_shape") == "box";
+  facts.is_single = world.WordOr("precision") == "single";
+  facts.epsilon = facts.is_single ? std::numeric_limits<float>::epsilon()
+                                  : std::numeric_limits<double>::epsilon();
+  facts.groups.reserve(scene.groups.size());
+  for (std::size_t i = 0; i < scene.groups.size(); ++i) {
+    const plan::GroupSettings& settings = scene.groups[i].settings;
+    if (settings.Count("quantity") > 0)
+      facts.groups.push_back(GroupFactsOf(settings, i, facts.side));
+  }
+  for (const GroupFacts& objects : facts.groups) {
+    facts.count += objects.quantity;
+    if (objects.moves) facts.moving += objects.quantity;
+  }
+  facts.has_ground = facts.has_walls || std::ranges::any_of(facts.groups, [](const GroupFacts& o) {
+                       return !o.moves;
+                     });
+  return facts;
+}
+
+double SceneFacts::FallHeight(const GroupFacts& objects) const {
+  const bool is_straight = pull && pull->x() == 0 && pull->z() == 0 && pull->y() < 0;
+  if (!is_straight) return side;
+  if (const auto position = FixedPositionOf(objects))
+    return std::clamp(position->y() + side / 2 - objects.least_side / 2, 0.0, side);
+  if (objects.tower > 1)
+    return std::min(side, objects.stacked * (objects.most_sides.y() + objects.gap));
+  return side;
+}
+
+double SceneFacts::FallSpeed(const GroupFacts& objects) const {
+  if (rests) return 0;
+  // A chain swings at most from above its anchor to below.
+  if (objects.linked && objects.settings->On("links.anchor"))
+    return std::min(g * Time(), std::sqrt(8 * g * objects.quantity * objects.longest_side));
+  const double fallen = g * Time();
+  return has_walls ? std::min(std::sqrt(2 * g * FallHeight(objects)), fallen) : fallen;
+}
+
+double SceneFacts::FastestSpeed(const GroupFacts& objects) const {
+  const double fallen = FallSpeed(objects);
+  return has_walls ? std::hypot(objects.speed, fallen) : objects.speed + fallen;
+}
+
+double SceneFacts::FastestComponent(const GroupFacts& objects) const {
+  const double gained = FallSpeed(objects);
+  double fastest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    fastest = std::max(
+        fastest, std::hypot(objects.velocity[axis], g > 0 ? gained * acceleration[axis] / g : 0));
+  return fastest;
+}
+
+std::optional<Vector3d> FixedPositionOf(const GroupFacts& objects) {
+  const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
+  if (layout == nullptr || layout->name != "at" || schema::ListsPoints(*layout))
+    return std::nullopt;
+  return Vector3d(*RealOf(*layout, "x"), *RealOf(*layout, "y"), *RealOf(*layout, "z"));
+}
+
+std::optional<Vector3d> ConstantOf(const schema::Value& value) {
+  const auto* vector = std::get_if<Vector3d>(&value);
+  return vector != nullptr ? std::optional(*vector) : std::nullopt;
+}
+
+bool MayBe(const schema::Value& value, std::string_view word) {
+  if (const auto* one = std::get_if<schema::Word>(&value)) return one->text == word;
+  const auto* drawn = std::get_if<schema::Distribution>(&value);
+  return drawn != nullptr &&
+         std::ranges::any_of(drawn->arguments,
+                             [&](const schema::Value& choice) { return MayBe(choice, word); });
+}
+
+bool MayBeOn(const GroupFacts& objects, schema::GroupParameter name) {
+  const auto* on = std::get_if<bool>(&objects.settings->Get(name));
+  return on == nullptr || *on;
+}
+
+}  // namespace cdb::lints

@@ -1,0 +1,12 @@
+// The schema's defaults as syntax, so that they are evaluated like anything a user writes.
+#pragma once
+
+#include "compiler/schema/schema.h"
+#include "dsl/syntax.h"
+
+namespace cdb::names {
+
+/// The default's setting. Parsed once; never null for a row of the schema (checked).
+const dsl::Setting& DefaultSetting(const schema::Parameter& parameter);
+
+}  // namespace cdb::names

@@ -1,0 +1,116 @@
+#include "compiler/names/named_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <span>
+
+#include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/parametrised_words.h"
+
+namespace cdb::names {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kModelFormats[] = {".obj", ".ply", ".stl", ".off"};
+constexpr std::string_view kTableFormats[] = {".csv", ".h5", ".hdf5", ".nc"};
+constexpr std::string_view kCsvFormats[] = {".csv"};
+
+std::string LowerCase(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+std::span<const std::string_view> FormatsOf(const schema::Call& call) {
+  if (call.name == schema::kTraceCall) return {};  // as the user named it
+  if (call.name == schema::kPosesCall) return kTableFormats;
+  if (call.name == schema::kPathCall || call.name == schema::kHeightsCall) return kCsvFormats;
+  return kModelFormats;
+}
+
+/// The SHA-256 of the table that `call` names, `written` in a scenario; nullopt after a diagnostic.
+std::optional<std::string> HashOfTable(const scenario::Scenario& scenario, const schema::Call& call,
+                                       const text::Span& written, dsl::Diagnostics& diagnostics) {
+  for (const char* name : {"cycle", "run", "group"}) {
+    if (call.name == schema::kPathCall || !analysis::IsCsv(call) || AsWord(ArgumentOf(call, name)))
+      continue;
+    diagnostics.Report(scenario::kBadArguments, written, fmt::format("a CSV file has no {}s", name),
+                       fmt::format("leave {} out, or name a results file (.h5)", name));
+    return std::nullopt;
+  }
+  analysis::PoseFault why;
+  if (const auto facts = scenario.PosesAt(call, why)) return facts->sha256;
+  if (why.is_unreadable) {
+    diagnostics.Report(scenario::kNoSuchFile, written, fmt::format("cannot read {}", why.cause),
+                       why.remedy);
+  } else {
+    diagnostics.Report(scenario::kOutOfDomain, written, why.cause, why.remedy);
+  }
+  return std::nullopt;
+}
+
+/// The SHA-256 of the trace or model at `path`; nullopt after a diagnostic.
+std::optional<std::string> HashOf(const scenario::Scenario& scenario, bool is_trace,
+                                  const std::string& path, const text::Span& written,
+                                  dsl::Diagnostics& diagnostics) {
+  std::string why;
+  std::optional<std::string> hash;
+  if (is_trace) {
+    if (const auto facts = scenario.TraceAt(path, why)) hash = facts->sha256;
+  } else {
+    hash = scenario.HashOf(path, why);
+  }
+  if (!hash)
+    diagnostics.Report(
+        scenario::kNoSuchFile, written, fmt::format("cannot read '{}': {}", path, why),
+        fmt::format("{}its name counts from the folder of the .cdb file that says it",
+                    is_trace ? "`cdb trace` writes such files; " : ""));
+  return hash;
+}
+
+}  // namespace
+
+bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
+                   dsl::Diagnostics& diagnostics) {
+  const auto [name, written] = std::get<schema::Text>(call.arguments[0]);
+  const bool is_table = call.name == schema::kPosesCall || call.name == schema::kPathCall;
+  const std::string extension = LowerCase(fs::path(name).extension().string());
+  const auto formats = FormatsOf(call);
+  if (!formats.empty() && std::ranges::find(formats, extension) == formats.end()) {
+    diagnostics.Report(
+        scenario::kOutOfDomain, written,
+        fmt::format("'{}' is no {} that can be read", name, is_table ? "table" : "model"),
+        fmt::format("its name ends in {}", fmt::join(formats, ", ")));
+    return false;
+  }
+  const fs::path folder = fs::path(written.source->name()).parent_path();
+  const std::string path = (folder / name).lexically_normal().string();
+  const schema::Value wanted_hash = call.arguments[1];
+  call.arguments[0] = schema::Text{path};
+  const auto hash =
+      is_table ? HashOfTable(scenario, call, written, diagnostics)
+               : HashOf(scenario, call.name == schema::kTraceCall, path, written, diagnostics);
+  if (!hash) return false;
+  const schema::Text* wanted = AsText(wanted_hash);
+  if (wanted != nullptr && LowerCase(wanted->text) != *hash) {
+    diagnostics.Report(scenario::kContradiction, wanted->written,
+                       fmt::format("'{}' has the SHA-256 {}, not {}", path, *hash, wanted->text),
+                       "it is another file than the one meant, or was changed");
+    return false;
+  }
+  call.arguments[1] = schema::Text{*hash};
+  return true;
+}
+
+std::optional<schema::Call> TraceNamed(const scenario::Scenario& scenario, const schema::Text& name,
+                                       dsl::Diagnostics& diagnostics) {
+  const schema::ParametrisedWord& info = *schema::FindParametrisedWord(schema::kTraceCall);
+  schema::Call call{std::string(info.name), {name, schema::DefaultOf(info.arguments[1])}};
+  if (!ReadNamedFile(scenario, call, diagnostics)) return std::nullopt;
+  return call;
+}
+
+}  // namespace cdb::names

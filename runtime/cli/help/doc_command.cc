@@ -1,0 +1,98 @@
+// `cdb doc`: the reference of the language and of the results.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "dsl/diagnostics.h"
+#include "runtime/cli/help/command_line.h"
+#include "runtime/cli/help/help_commands.h"
+#include "runtime/cli/help/topics.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/manual/lookup.h"
+#include "runtime/terminal/console.h"
+#include "runtime/terminal/table.h"
+#include "runtime/terminal/wrap.h"
+
+namespace cdb::help {
+namespace {
+
+void PrintTopics() {
+  terminal::Table table;
+  table.KeepWhole();
+  table.AddColumn("cdb doc", false);
+  table.AddColumn("", false);
+  for (const Topic& topic : Topics())
+    table.AddRow({std::string(topic.name), std::string(topic.doc)});
+  const std::string others =
+      "  or the name of a parameter, a block, a word or a scenario: cdb doc size, cdb doc sweep, "
+      "cdb "
+      "doc paper/experiment2\n";
+  terminal::Print(terminal::Fitted(table.Text() + others, terminal::TerminalWidth()));
+}
+
+/// Everything called `name`: a topic, and what the manual has of words and parameters. Empty for
+/// nothing.
+std::string ReferenceOf(const std::string& name) {
+  std::string text;
+  for (const Topic& topic : Topics())
+    if (name == topic.name) text += topic.text();
+  const std::string about = manual::TextAbout(name);
+  return text + (text.empty() || about.empty() ? "" : "\n") + about;
+}
+
+/// The text of a scenario that comes with cdb; empty if there is none of that name.
+std::string ScenarioText(const std::string& name) {
+  const std::filesystem::path library = options::ScenarioLibrary();
+  if (library.empty() || name.find("..") != name.npos) return {};
+  std::string why;
+  for (const char* extension : {"", ".cdb"})
+    if (const auto text = compiler::ReadFromDisk((library / (name + extension)).string(), why))
+      return *text;
+  return {};
+}
+
+/// `name`: a topic, a parameter, a word, a scenario or a command; empty for the list of topics.
+options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
+  if (name.empty()) {
+    PrintTopics();
+    return options::ExitStatus::kGood;
+  }
+  if (const std::string text = ReferenceOf(name); !text.empty()) {
+    terminal::Print(terminal::Fitted(text, terminal::TerminalWidth()));
+    return options::ExitStatus::kGood;
+  }
+  if (const std::string text = ScenarioText(name); !text.empty()) {
+    terminal::PrintExact(text);
+    return options::ExitStatus::kGood;
+  }
+  for (const CLI::App* command :
+       app.get_subcommands([&](const CLI::App* one) { return one->get_name() == name; })) {
+    terminal::Print(command->help());
+    return options::ExitStatus::kGood;
+  }
+  const std::vector<std::string> names = WordsFor("doc");
+  const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
+  throw options::CommandError(fmt::format("there is nothing about '{}'; {}", name,
+                                          near.empty()
+                                              ? std::string("`cdb doc` lists what there is")
+                                              : fmt::format("did you mean '{}'?", near)));
+}
+
+}  // namespace
+
+void AddDocCommand(CLI::App& app, options::ExitStatus& status) {
+  const auto name = std::make_shared<std::string>();
+  options::Subcommand command(app, "doc", "the reference: language, parameters, results");
+  command.Optional("NAME", *name,
+                   "a topic, a parameter, a word, a command, or a scenario that comes with cdb");
+  command.Action(status, [name, &app] { return Doc(*name, app); });
+}
+
+}  // namespace cdb::help

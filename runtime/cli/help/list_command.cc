@@ -1,0 +1,53 @@
+// `cdb list`: the names that a scenario can use.
+#include "runtime/cli/help/help_commands.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "runtime/cli/help/topics.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/manual/detector.h"
+#include "runtime/terminal/console.h"
+#include "runtime/terminal/wrap.h"
+
+namespace cdb::help {
+namespace {
+
+constexpr std::string_view kKinds[] = {"objects", "detectors", "layouts", "schedules", "scenarios"};
+
+std::string TextOf(std::string_view kind) {
+  if (kind == "detectors") return manual::DetectorTables();
+  std::string text;
+  for (const Topic& topic : Topics())
+    if (topic.name == kind) text += topic.text();
+  return text;
+}
+
+/// `asked`: one of the kinds, or empty for all.
+options::ExitStatus List(const std::string& asked) {
+  std::string text;
+  for (const std::string_view kind : kKinds)
+    if (asked.empty() || asked == kind) text += (text.empty() ? "" : "\n") + TextOf(kind);
+  if (text.empty())
+    throw options::CommandError(
+        fmt::format("there is no list of '{}'; there are {}", asked, fmt::join(kKinds, ", ")));
+  terminal::Print(terminal::Fitted(text, terminal::TerminalWidth()));
+  return options::ExitStatus::kGood;
+}
+
+}  // namespace
+
+std::vector<std::string> ListKinds() { return {std::begin(kKinds), std::end(kKinds)}; }
+
+void AddListCommand(CLI::App& app, options::ExitStatus& status) {
+  const auto kind = std::make_shared<std::string>();
+  options::Subcommand command(app, "list", "what a scenario can name");
+  command.Optional("KIND", *kind, "objects, detectors, layouts, schedules or scenarios");
+  command.Action(status, [kind] { return List(*kind); });
+}
+
+}  // namespace cdb::help

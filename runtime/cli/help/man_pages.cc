@@ -1,0 +1,126 @@
+#include "runtime/cli/help/man_pages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+
+#include "compiler/schema/language_words.h"
+#include "compiler/schema/schema.h"
+#include "dsl/text/utf8.h"
+#include "runtime/manual/language.h"
+
+namespace cdb::help {
+namespace {
+
+/// As roff prints it: no character is an instruction.
+std::string Roff(std::string_view text) {
+  std::string escaped;
+  bool is_line_start = true;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    const text::CodePoint point = text::DecodeUtf8(text, at);
+    if (point.bytes > 1) {
+      escaped += fmt::format("\\[u{:04X}]", static_cast<std::uint32_t>(point.value));
+      at += static_cast<std::size_t>(point.bytes) - 1;
+      is_line_start = false;
+      continue;
+    }
+    if (is_line_start && (c == '.' || c == '\'')) escaped += "\\&";
+    if (c == '\\') {
+      escaped += "\\e";
+    } else if (c == '-') {
+      escaped += "\\-";
+    } else {
+      escaped += c;
+    }
+    is_line_start = c == '\n';
+  }
+  return escaped;
+}
+
+std::string Bold(std::string_view text) { return fmt::format("\\fB{}\\fR", Roff(text)); }
+
+std::string Item(const std::string& head, std::string_view text) {
+  return fmt::format(".TP\n{}\n{}\n", head, Roff(text));
+}
+
+std::string CommandText(const CommandInfo& command) {
+  std::string text = fmt::format(".SS {}\n{}.\n", Roff(command.Synopsis()), Roff(command.help));
+  for (const ArgumentInfo& argument : command.arguments)
+    text += Item(Bold(argument.name), argument.help);
+  for (const OptionInfo& option : command.options) {
+    std::string names;
+    for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + Bold(name);
+    text += Item(names + (option.takes_value ? " \\fIVALUE\\fR" : ""), option.help);
+  }
+  return text;
+}
+
+/// Lines in capitals begin sections; the others stay as they are.
+std::string Sections(std::string_view reference) {
+  std::string text;
+  bool is_open = false;
+  while (!reference.empty()) {
+    const std::string_view line = reference.substr(0, reference.find('\n'));
+    reference.remove_prefix(std::min(reference.size(), line.size() + 1));
+    const bool is_head = !line.empty() && line[0] >= 'A' && line[0] <= 'Z' &&
+                         std::ranges::none_of(line, [](char c) { return c >= 'a' && c <= 'z'; });
+    if (is_head) {
+      text += fmt::format("{}.SH {}\n.nf\n", is_open ? ".fi\n" : "", Roff(line));
+      is_open = true;
+    } else if (is_open) {
+      text += Roff(line) + "\n";
+    } else if (!line.empty()) {
+      text += Roff(line) + "\n";
+    }
+  }
+  return text + (is_open ? ".fi\n" : "");
+}
+
+}  // namespace
+
+std::string ProgramPage(std::span<const CommandInfo> commands) {
+  std::string text =
+      ".TH CDB 1 \"\" \"cdb " CDB_VERSION
+      "\" \"User Commands\"\n"
+      ".SH NAME\ncdb \\- benchmark of collision detection\n"
+      ".SH SYNOPSIS\n\\fBcdb\\fR \\fICOMMAND\\fR [\\fIARGUMENT\\fR...]\n"
+      ".SH DESCRIPTION\n"
+      "cdb measures how fast, and how accurately, collision detection runs in scenes that are\n"
+      "described in a small language; see\n.BR cdb\\-language (5).\n.SH COMMANDS\n";
+  for (const CommandInfo& command : commands) text += CommandText(command);
+  text += ".SH EXIT STATUS\n";
+  text += Item("0", "success");
+  text += Item("1", "an error in the scenario");
+  text += Item("2", "environment or usage error: disk, files, command line");
+  text += Item("3", "complete, but a run failed or its timings do not count");
+  text += Item("4", "cdb compare found something worse");
+  text += ".SH ENVIRONMENT\n";
+  text += Item(Bold("CDB_CACHE"),
+               "the folder of decomposed meshes and settled piles, in place of ~/.cache/cdb");
+  text += Item(Bold("NO_COLOR"), "if set, errors have no colours");
+  return text +
+         ".SH SEE ALSO\n.BR cdb\\-language (5);\n\\fBcdb doc\\fR lists the topics of the "
+         "reference.\n";
+}
+
+std::string LanguagePage() {
+  std::string reference(manual::kLanguageReference);
+  reference.replace(0, reference.find('\n'), "DESCRIPTION");
+  std::string text = ".TH CDB\\-LANGUAGE 5 \"\" \"cdb " CDB_VERSION
+                     "\" \"File Formats\"\n"
+                     ".SH NAME\ncdb\\-language \\- the language of scenario files, *.cdb\n" +
+                     Sections(reference) + ".SH WORDS\n";
+  for (const schema::LanguageWord& word : schema::LanguageWords())
+    text += Item(Bold(word.syntax), word.doc);
+  text += ".SH PARAMETERS\n";
+  for (const schema::Parameter& parameter : schema::Schema())
+    text += fmt::format(".TP\n{}\n{}.\n.br\nTakes {}. Default: {}{}.\n", Bold(parameter.FullName()),
+                        Roff(parameter.doc), Roff(parameter.Takes()), Roff(parameter.default_text),
+                        parameter.unit.empty() ? "" : " " + Roff(parameter.unit));
+  return text + ".SH SEE ALSO\n.BR cdb (1)\n";
+}
+
+}  // namespace cdb::help

@@ -1,0 +1,237 @@
+#include "runtime/cli/options/inputs.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <set>
+
+#include "compiler/lints/lints.h"
+#include "compiler/plan/input_file.h"
+#include "compiler/schema/schema.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "dsl/diagnostics.h"
+#include "dsl/render.h"
+#include "library/closed_forms/scene_fault.h"
+#include "library/detectors/manifest.h"
+#include "library/detectors/plugin.h"
+#include "library/layouts/pose_table.h"
+#include "runtime/cli/options/exit_status.h"
+#include "runtime/process/worker.h"
+#include "runtime/store/trace_file.h"
+#include "runtime/terminal/console.h"
+
+namespace cdb::options {
+namespace {
+
+namespace fs = std::filesystem;
+
+void CheckBenchmarkName(const std::string& name, const std::vector<std::string>& names,
+                        const std::string& file) {
+  for (const std::string& known : names)
+    if (known == name) return;
+  const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
+  throw CommandError(fmt::format("{} has no benchmark '{}'; {}", file, name,
+                                 near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                                              : fmt::format("did you mean '{}'?", near)));
+}
+
+/// Each lint by its name, once. Empty where there is none.
+std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::string& file) {
+  std::vector<std::string_view> names;
+  for (const dsl::Diagnostic& diagnostic : diagnostics.all())
+    if (lints::IsLint(*diagnostic.kind) &&
+        std::ranges::find(names, diagnostic.kind->id) == names.end())
+      names.push_back(diagnostic.kind->id);
+  if (names.empty()) return {};
+  return fmt::format("{}: Bullet may not follow these numbers: {}; `cdb check {}` says why\n", file,
+                     fmt::join(names, ", "), file);
+}
+
+/// The compiler names the file itself.
+std::optional<analysis::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
+  try {
+    return store::ReadTraceFacts(path);
+  } catch (const files::StoreError& error) {
+    why = error.what();
+    if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+bool IsPlanFile(const std::string& file) {
+  return file.ends_with(".yaml") || file.ends_with(".yml");
+}
+
+std::string ScenarioLibrary() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const fs::path& folder :
+       {program / "scenarios", program / ".." / "share" / "cdb" / "scenarios"})
+    if (fs::is_directory(folder, error)) return fs::canonical(folder, error).string();
+  return {};
+}
+
+std::string FileOrStandardInput(const std::string& file) {
+  return file == "-" ? std::string(kStandardInput) : file;
+}
+
+std::optional<std::string> ReadInput(const std::string& path, std::string& why) {
+  if (path != kStandardInput) return compiler::ReadFromDisk(path, why);
+  static std::string fault;
+  static const std::optional<std::string> text = plan::ReadInput(STDIN_FILENO, fault);
+  if (!text) why = fault;
+  return text;
+}
+
+std::string FindScenario(const std::string& file) {
+  if (file == kStandardInput) return file;
+  if (file == "-")
+    throw CommandError("`-`, standard input, is for check, fmt and plan; others need a file");
+  std::error_code error;
+  if (fs::exists(file, error)) return file;
+  const fs::path library = ScenarioLibrary();
+  if (!library.empty() && fs::path(file).is_relative())
+    for (const fs::path& candidate : {library / file, library / (file + ".cdb")})
+      if (fs::is_regular_file(candidate, error)) return candidate.string();
+  std::string why;
+  compiler::ReadFromDisk(file, why);
+  throw CommandError(fmt::format(
+      "cannot read '{}': {}; `cdb list scenarios` shows those that come with cdb", file, why));
+}
+
+dsl::RenderOptions RenderOptionsForTerminal() {
+  constexpr std::size_t kMostShown = 20;
+  return {isatty(STDERR_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr, kMostShown};
+}
+
+compiler::CompileOptions OptionsOf(const std::string& library,
+                                   const std::optional<std::string>& benchmark,
+                                   const std::vector<std::string>& plugins, bool lists_runs) {
+  const auto describe = [](const std::string& bytes, const std::string& path,
+                           std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
+    try {
+      return detectors::ReadManifest(bytes, path);
+    } catch (const detectors::PluginError& error) {
+      why = error.what();
+      return std::nullopt;
+    }
+  };
+  return {library,
+          benchmark,
+          {plugins, describe},
+          ReadTraceAt,
+          closed_forms::FindSceneFault,
+          layouts::ReadPoseFacts,
+          lists_runs};
+}
+
+compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
+                                  const std::optional<std::string>& benchmark,
+                                  const std::vector<std::string>& plugins, bool lists_runs) {
+  return compiler::Compile(file, read,
+                           OptionsOf(ScenarioLibrary(), benchmark, plugins, lists_runs));
+}
+
+compiler::Compilation CompileAndReport(const std::string& file,
+                                       const std::optional<std::string>& benchmark, LintText lints,
+                                       const std::vector<std::string>& plugins, bool lists_runs,
+                                       const scenario::ReadFile& read) {
+  compiler::Compilation result =
+      CompileWith(FindScenario(file), read, benchmark, plugins, lists_runs);
+  dsl::Diagnostics shown;
+  for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
+    if (lints == LintText::kWhole || !lints::IsLint(*diagnostic.kind))
+      shown.Report(*diagnostic.kind, diagnostic.span, diagnostic.message, diagnostic.help,
+                   diagnostic.notes);
+  terminal::SayExact(dsl::Render(shown, RenderOptionsForTerminal()));
+  if (lints == LintText::kOneLine) terminal::Say(LintsInOneLine(result.diagnostics, file));
+  return result;
+}
+
+void CheckPlanFile(const std::string& file, const std::optional<std::string>& benchmark,
+                   const std::vector<std::string>& plugins, const std::string& planned) {
+  if (!plugins.empty())
+    throw CommandError(
+        fmt::format("--plugin {} goes with a scenario file; {} is a plan, which names its own",
+                    plugins[0], file));
+  if (benchmark) CheckBenchmarkName(*benchmark, {planned}, file);
+}
+
+std::vector<plan::Plan> LoadPlans(const std::string& file,
+                                  const std::optional<std::string>& benchmark, LintText lints,
+                                  const std::vector<std::string>& plugins,
+                                  std::vector<schema::PluginDetector>* named) {
+  if (IsPlanFile(file)) {
+    plan::Plan plan = yaml::FromYaml(ReadText(file), file);
+    CheckPlanFile(file, benchmark, plugins, plan.benchmark);
+    if (named != nullptr)
+      for (const plan::Run& run : plan.runs)
+        for (const schema::PluginDetector& plugin : run.scene.plugins)
+          if (std::ranges::find(*named, plugin) == named->end()) named->push_back(plugin);
+    return {std::move(plan)};
+  }
+  compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
+  if (named != nullptr)
+    named->assign(result.scenario->plugins().begin(), result.scenario->plugins().end());
+  // As the user named it: where the library lies is this machine's affair.
+  for (plan::Plan& plan : result.plans) plan.source = file;
+  if (!result.diagnostics.has_errors() && benchmark)
+    CheckBenchmarkName(*benchmark, result.benchmarks, file);
+  return std::move(result.plans);
+}
+
+std::vector<grid::Grid> LoadGrids(const std::string& file,
+                                  const std::optional<std::string>& benchmark, LintText lints,
+                                  const std::vector<std::string>& plugins,
+                                  const scenario::ReadFile& read) {
+  compiler::Compilation result =
+      CompileAndReport(file, benchmark, lints, plugins, /*lists_runs=*/false, read);
+  for (grid::Grid& grid : result.grids) grid.head.source = file;
+  if (!result.diagnostics.has_errors() && benchmark)
+    CheckBenchmarkName(*benchmark, result.benchmarks, file);
+  return std::move(result.grids);
+}
+
+void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,
+                std::span<const schema::PluginDetector> plugins) {
+  std::set<std::string_view> seen;
+  for (const std::string& word : words) {
+    const auto all = (*parameter).AllWords(plugins);
+    if (!(*parameter).HasWord(word, plugins)) {
+      const std::string_view near = dsl::DidYouMean(word, all);
+      throw CommandError(fmt::format("--{} {}: {}", parameter.name(), word,
+                                     near.empty()
+                                         ? fmt::format("there are {}", fmt::join(all, ", "))
+                                         : fmt::format("did you mean '{}'?", near)));
+    }
+    if (!seen.insert(word).second)
+      throw CommandError(fmt::format("--{} names '{}' twice", parameter.name(), word));
+  }
+}
+
+double ParsePercent(const std::string& option, const std::string& text) {
+  std::string number = text;
+  if (number.ends_with('%')) number.pop_back();
+  number.erase(number.find_last_not_of(' ') + 1);
+  double percent = 0;
+  const char* const last = number.data() + number.size();
+  const auto [end, error] = std::from_chars(number.data(), last, percent);
+  if (error != std::errc() || end != last || !(percent >= 0))
+    throw CommandError(
+        fmt::format("{} {}: is not a percentage of 0 or more, as in 5%", option, text));
+  return percent / 100;
+}
+
+std::string ReadText(const std::string& file) {
+  std::string why;
+  auto text = ReadInput(file, why);
+  if (!text) throw CommandError(fmt::format("cannot read '{}': {}", file, why));
+  return std::move(*text);
+}
+
+}  // namespace cdb::options

@@ -1,0 +1,184 @@
+#include "runtime/cli/options/pose_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "compiler/schema/parametrised_words.h"
+#include "library/scene_error.h"
+#include "runtime/measure/series.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/store/pose_arrays.h"
+#include "runtime/store/store.h"
+#include "runtime/view/selection.h"
+
+namespace cdb::options {
+namespace {
+
+using layouts::PoseRow;
+using layouts::PoseTable;
+using library::SceneError;
+using store::ResultFile;
+
+/// The arguments of a `poses` call; empty where they are a word.
+struct Arguments {
+  explicit Arguments(const schema::Call& poses) : file(*Text(poses, "file")) {
+    if (const auto* number = schema::AsNumber(schema::ArgumentOf(poses, "cycle")))
+      cycle = number->AsCount();
+    run = Text(poses, "run");
+    group = Text(poses, "group");
+  }
+  static std::optional<std::string> Text(const schema::Call& poses, std::string_view argument) {
+    const schema::Text* text = schema::AsText(schema::ArgumentOf(poses, argument));
+    return text != nullptr ? std::optional(text->text) : std::nullopt;
+  }
+  std::string file;
+  std::optional<std::uint64_t> cycle;
+  std::optional<std::string> run, group;
+};
+
+[[noreturn]] void Refuse(const Arguments& from, const std::string& cause,
+                         const std::string& remedy) {
+  throw SceneError(fmt::format("{}: {}", from.file, cause), remedy);
+}
+
+/// `detector=dbvt, quantity=100`.
+std::vector<statistics::AxisSelection> SelectionsOf(const std::string& text) {
+  std::vector<statistics::AxisSelection> selections;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    std::string word = text.substr(begin, end - begin);
+    word.erase(0, word.find_first_not_of(' '));
+    word.erase(word.find_last_not_of(' ') + 1);
+    selections.push_back(statistics::ParseSelection(word));
+    begin = end + 1;
+  }
+  return selections;
+}
+
+ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
+  ResultFile::Cell cell{std::vector<std::size_t>(file.axes().size(), 0), 0};
+  const auto selections =
+      from.run ? SelectionsOf(*from.run) : std::vector<statistics::AxisSelection>();
+  const auto is_named = [&](std::string_view axis) {
+    return std::ranges::find(selections, axis, &statistics::AxisSelection::axis) !=
+           selections.end();
+  };
+  std::string open;
+  for (const plan::Axis& axis : file.axes())
+    if (axis.values.size() > 1 && !is_named(axis.name))
+      open += fmt::format("{}{}=…", open.empty() ? "" : ", ", axis.name);
+  if (file.repeats() > 1 && !is_named("rep")) open += open.empty() ? "rep=0" : ", rep=0";
+  if (!open.empty())
+    Refuse(from, "it has several runs", fmt::format("say which: run: \"{}\"", open));
+  view::Select(file.axes(), file.repeats(), selections, cell);
+  return cell;
+}
+
+/// The objects that are asked for: from the first to before the second.
+std::pair<std::size_t, std::size_t> ObjectsOf(const ResultFile& file, const ResultFile::Cell& cell,
+                                              const Arguments& from) {
+  const auto plan = statistics::ReadPlan(file);
+  if (!plan) Refuse(from, "its plan is of another version of cdb", "run it again with this one");
+  const auto run = std::ranges::find_if(plan->runs, [&](const plan::Run& candidate) {
+    return candidate.at == cell.at && candidate.rep == cell.rep;
+  });
+  if (run == plan->runs.end()) Refuse(from, "`skip` left this run out", "name another run");
+  std::size_t first = 0;
+  std::string names;
+  for (const plan::Group& group : run->scene.groups) {
+    const std::size_t count = group.settings.Count("quantity");
+    if (from.group && group.name == *from.group) return {first, first + count};
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", group.name);
+    first += count;
+  }
+  if (from.group)
+    Refuse(from, fmt::format("its run has no group `{}`", *from.group),
+           fmt::format("there are {}", names));
+  return {0, first};
+}
+
+PoseTable RecordedPoses(const ResultFile& file, const Arguments& from) {
+  const ResultFile::Cell cell = CellOf(file, from);
+  if (!file.Has("poses"))
+    Refuse(
+        from, "it has no poses",
+        "run it again with `record timing, counts, poses`, or give the file a dataset `position`");
+  const std::uint64_t cycles = file.ReadCycleCount(cell);
+  if (cycles == 0)
+    Refuse(from,
+           fmt::format("its run is {} and has no cycles", store::StatusName(file.ReadStatus(cell))),
+           "name another run");
+  const std::uint64_t cycle = from.cycle.value_or(cycles - 1);
+  if (cycle >= cycles)
+    Refuse(from, fmt::format("it has no cycle {}", cycle),
+           fmt::format("its cycles are 0 to {}", cycles - 1));
+  const auto [first, end] = ObjectsOf(file, cell, from);
+  const std::vector<double> poses = file.ReadCycle("poses", cell, cycle);
+  if (first == end || poses.size() < end * measure::kPoseSize)
+    Refuse(from, "it has the poses of no such objects", "name another run or group");
+  PoseTable table;
+  table.has_orientation = table.of_body = true;
+  for (std::size_t i = first; i < end; ++i) {
+    const double* pose = &poses[i * measure::kPoseSize];
+    const auto turn = layouts::UnitQuaternion(pose[6], pose[3], pose[4], pose[5]);
+    PoseRow& row = table.rows.emplace_back();
+    row.position = {pose[0], pose[1], pose[2]};
+    if (!turn || !row.position.allFinite())
+      Refuse(from, fmt::format("object {} has no finite pose in cycle {}", i + 1, cycle),
+             "name an earlier cycle");
+    row.orientation = *turn;
+  }
+  return table;
+}
+
+PoseTable TableOf(const store::PoseArrays& arrays, const Arguments& from) {
+  PoseTable table;
+  table.has_orientation = !arrays.orientation.empty();
+  table.has_linear_velocity = !arrays.linear_velocity.empty();
+  table.has_angular_velocity = !arrays.angular_velocity.empty();
+  const auto vector = [](const std::vector<double>& values, std::size_t row) -> Eigen::Vector3d {
+    if (values.empty()) return Eigen::Vector3d::Zero();
+    return {values[3 * row], values[3 * row + 1], values[3 * row + 2]};
+  };
+  for (std::size_t i = 0; i < arrays.position.size() / 3; ++i) {
+    PoseRow& row = table.rows.emplace_back();
+    row.position = vector(arrays.position, i);
+    row.linear_velocity = vector(arrays.linear_velocity, i);
+    row.angular_velocity = vector(arrays.angular_velocity, i);
+    if (!row.position.allFinite() || !row.linear_velocity.allFinite() ||
+        !row.angular_velocity.allFinite())
+      Refuse(from, fmt::format("row {} is not finite", i), "write finite numbers");
+    if (!table.has_orientation) continue;
+    const double* q = &arrays.orientation[4 * i];
+    const auto turn = layouts::UnitQuaternion(q[0], q[1], q[2], q[3]);
+    if (!turn)
+      Refuse(from, fmt::format("row {} of `orientation` is no unit quaternion", i),
+             "write w, x, y, z, whose squares add up to 1");
+    row.orientation = *turn;
+  }
+  return table;
+}
+
+}  // namespace
+
+PoseTable ReadHdf5Poses(const schema::Call& poses) {
+  const Arguments from(poses);
+  try {
+    if (const auto arrays = store::ReadPoseArrays(from.file)) {
+      if (from.cycle || from.run || from.group)
+        Refuse(from, "it has `position`, and no cycles, runs or groups",
+               "leave cycle, run and group out");
+      return TableOf(*arrays, from);
+    }
+    return RecordedPoses(ResultFile(from.file), from);
+  } catch (const files::StoreError& error) {
+    const std::string what = error.what();
+    throw SceneError(what.starts_with(from.file) ? what : fmt::format("{}: {}", from.file, what),
+                     "name a results file with poses, or one with a dataset `position`");
+  }
+}
+
+}  // namespace cdb::options

@@ -1,0 +1,91 @@
+#include "runtime/cli/options/subcommand.h"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+namespace cdb::options {
+
+Subcommand::Subcommand(CLI::App& app, const std::string& name, const std::string& help)
+    : command_(*app.add_subcommand(name, help)) {}
+
+void Subcommand::Required(const std::string& name, std::string& value, const std::string& help) {
+  command_.add_option(name, value, help)->required();
+}
+
+void Subcommand::Required(const std::string& name, std::vector<std::string>& values,
+                          const std::string& help) {
+  command_.add_option(name, values, help)->required();
+}
+
+void Subcommand::Optional(const std::string& name, std::string& value, const std::string& help) {
+  command_.add_option(name, value, help);
+}
+
+void Subcommand::Optional(const std::string& name, std::vector<std::string>& values,
+                          const std::string& help) {
+  command_.add_option(name, values, help);
+}
+
+void Subcommand::List(const std::string& name, std::vector<std::string>& values,
+                      const std::string& help) {
+  command_.add_option(name, values, help)->delimiter(',');
+}
+
+void Subcommand::Repeated(const std::string& name, std::vector<std::string>& values,
+                          const std::string& help) {
+  command_.add_option(name, values, help)->allow_extra_args(false);
+}
+
+void Subcommand::ShortList(const std::string& name, std::vector<std::string>& values,
+                           const std::string& help) {
+  command_.add_option(name, values, help)->delimiter(',')->allow_extra_args(false);
+}
+
+void Subcommand::Count(const std::string& name, std::uint64_t& value, const std::string& help,
+                       int least) {
+  command_.add_option(name, value, help)->check(CLI::Range(least, 2147483647));
+}
+
+void Subcommand::Flag(const std::string& name, bool& value, const std::string& help) {
+  command_.add_flag(name, value, help);
+}
+
+void Subcommand::Benchmark(std::optional<std::string>& benchmark) {
+  const auto set = [&benchmark](const std::string& name) {
+    if (!name.empty()) benchmark = name;
+  };
+  command_.add_option_function<std::string>("-b,--benchmark", set, "only this benchmark");
+}
+
+void Subcommand::Out(std::string& out, const std::string& help) {
+  command_.add_option("-o,--out", out, help);
+}
+
+void Subcommand::Jobs(std::uint64_t& jobs, const std::string& help) {
+  command_.add_option("-j,--jobs", jobs, help)->check(CLI::Range(1, 4096));
+}
+
+void Subcommand::Fresh(bool& fresh, const std::string& help) {
+  command_.add_flag("--fresh", fresh, help);
+}
+
+void Subcommand::Quiet(bool& quiet, const std::string& help) {
+  command_.add_flag("-q,--quiet", quiet, help);
+}
+
+void Subcommand::Plugins(std::vector<std::string>& plugins) {
+  command_
+      .add_option("--plugin", plugins,
+                  "a shared library with detectors of your own; several: each with --plugin")
+      ->allow_extra_args(false);
+}
+
+void Subcommand::Cycles(std::optional<std::uint64_t>& cycles, const std::string& help) {
+  command_.add_option("--cycles", cycles, help)->check(CLI::Range(1, 2147483647));
+}
+
+void Subcommand::Action(ExitStatus& status, std::function<ExitStatus()> action) {
+  command_.callback([&status, action = std::move(action)] { status = action(); });
+}
+
+}  // namespace cdb::options

@@ -1,0 +1,57 @@
+// The options of one subcommand. Commands do not include CLI11, as its headers take long to
+// compile.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/cli/options/exit_status.h"
+
+namespace CLI {
+class App;
+}
+
+namespace cdb::options {
+
+/// `--help` lists options in the order of their declaration. Each is parsed into a variable, which
+/// must live until the command has run. Names are those of CLI11: `-o,--out`, or `FILE` for a
+/// positional argument.
+class Subcommand {
+ public:
+  Subcommand(CLI::App& app, const std::string& name, const std::string& help);
+
+  void Required(const std::string& name, std::string& value, const std::string& help);
+  void Required(const std::string& name, std::vector<std::string>& values, const std::string& help);
+  void Optional(const std::string& name, std::string& value, const std::string& help);
+  void Optional(const std::string& name, std::vector<std::string>& values, const std::string& help);
+  /// `a,b,c`
+  void List(const std::string& name, std::vector<std::string>& values, const std::string& help);
+  /// Given once for each value.
+  void Repeated(const std::string& name, std::vector<std::string>& values, const std::string& help);
+  /// `a,b,c` in one argument: what follows it may be files. May be there several times.
+  void ShortList(const std::string& name, std::vector<std::string>& values,
+                 const std::string& help);
+  /// A whole number, from `least` to 2147483647.
+  void Count(const std::string& name, std::uint64_t& value, const std::string& help, int least = 1);
+  void Flag(const std::string& name, bool& value, const std::string& help);
+
+  // Options of several commands.
+  void Benchmark(std::optional<std::string>& benchmark);
+  void Out(std::string& out, const std::string& help);
+  void Jobs(std::uint64_t& jobs, const std::string& help);
+  void Fresh(bool& fresh, const std::string& help);
+  void Quiet(bool& quiet, const std::string& help);
+  void Plugins(std::vector<std::string>& plugins);
+  void Cycles(std::optional<std::uint64_t>& cycles, const std::string& help);
+
+  /// Runs once the command line is parsed, and sets `status`, which must live until then.
+  void Action(ExitStatus& status, std::function<ExitStatus()> action);
+
+ private:
+  CLI::App& command_;
+};
+
+}  // namespace cdb::options

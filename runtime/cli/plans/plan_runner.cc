@@ -1,0 +1,229 @@
+#include "runtime/cli/plans/plan_runner.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "library/content_cache.h"
+#include "runtime/cli/options/exit_status.h"
+#include "runtime/cli/options/provenance.h"
+#include "runtime/cli/plans/shard_files.h"
+#include "runtime/cluster/submission.h"
+#include "runtime/machine/host.h"
+#include "runtime/schedule/folder.h"
+#include "runtime/schedule/parts.h"
+#include "runtime/schedule/progress.h"
+#include "runtime/statistics/bootstrap.h"
+#include "runtime/store/files/safe_file.h"
+#include "runtime/store/files/temporary_file.h"
+#include "runtime/terminal/console.h"
+
+namespace cdb::plans {
+namespace fs = std::filesystem;
+
+void MakeResultsFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw options::CommandError(fmt::format("cannot make the folder '{}': {}; choose another by -o",
+                                            folder.string(), error.message()));
+}
+
+/// Only on a terminal, where somebody can wait for a quiet machine. The results record the load
+/// anyway.
+void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
+  const double load = machine::LoadAverage(), processors = machine::ProcessorCount();
+  if (options_.is_quiet || isatty(STDERR_FILENO) == 0 || !plan.Records("timing") ||
+      !(load > processors))
+    return;
+  fmt::print(stderr,
+             "cdb: warning: load {:.1f} on {:.0f} processor{}: other programs disturb the "
+             "times that are measured now\n",
+             load, processors, processors == 1 ? "" : "s");
+}
+
+PlanRunner::PlanRunner(PlanRunnerOptions options)
+    : options_(std::move(options)), provenance_(options::CollectProvenance()), signals_(stop_) {
+  provenance_["jobs"] = fmt::format("{}", options_.jobs);
+  std::string plugins;
+  for (const std::string& plugin : options_.plugins)
+    plugins += " --plugin " + terminal::ShellWord(plugin);
+  if (!plugins.empty()) provenance_["plugins"] = plugins.substr(1);
+  const std::string fault = library::CacheFault(library::CacheFolder());
+  if (!fault.empty() && !options_.is_quiet) terminal::Say(fmt::format("cdb: warning: {}\n", fault));
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan,
+                                          schedule::ExecuteOptions execute) const {
+  execute.jobs = options_.jobs;
+  execute.shard = options_.shard;
+  execute.noisy_retries = options_.noisy_retries;
+  execute.provenance = provenance_;
+  execute.stop = &stop_;
+  schedule::ProgressListener silent;
+  schedule::Progress progress(schedule::StandardError());
+  schedule::ProgressListener& listener =
+      options_.is_quiet ? silent : static_cast<schedule::ProgressListener&>(progress);
+  if (plan.grid == nullptr) {
+    execute.short_plan = plan.short_text;
+    return schedule::Execute(plan.plan, execute, listener);
+  }
+  const auto list = [&plan](std::uint64_t index, std::uint64_t count) {
+    return plan.ListPart(index, count);
+  };
+  return schedule::ExecuteParts(plan.plan, list, execute, listener);
+}
+
+void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const {
+  terminal::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
+                            end.summary.ended(),
+                            plan.grid != nullptr ? plan.plan.RunCount() / options_.shard.count
+                                                 : end.summary.ended() + end.summary.left,
+                            end.shards.string()));
+}
+
+std::optional<std::uint64_t> PlanRunner::RepeatsAfter(const plan::Plan& plan,
+                                                      const Precision& reached) const {
+  const std::uint64_t next = NextRepeats(reached, *options_.until, plan.repeats);
+  if (!options_.is_quiet)
+    terminal::Say(fmt::format("{}{}\n", Describe(reached, *options_.until),
+                              next > reached.repeats ? fmt::format("; goes on to {}", next)
+                              : next == plan.repeats ? "; that is the most that `repeats` allows"
+                                                     : ""));
+  return next > reached.repeats ? std::optional(next) : std::nullopt;
+}
+
+ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) const {
+  const plan::Plan& plan = sized.plan;
+  const fs::path folder = ShardFolderOf(out);
+  std::error_code error;
+  files::RemoveStaleTemporariesBeside(out);
+  const RetryChoice retry = options_.retry.With(FindStartedRetry(folder));
+  if (!options_.fresh && !retry.is_empty() && fs::exists(out, error)) {
+    if (options_.retry.is_empty() && !options_.is_quiet)
+      terminal::Say(fmt::format("goes on with what `--retry` began in '{}'\n", out.string()));
+    return Retry(sized, out, retry);
+  }
+  const bool goes_on_anew = options_.shard.count == 1 && IsMadeAnew(plan, folder);
+  if (!options_.fresh && !goes_on_anew && IsThereAlready(out, plan)) {
+    // Shards are still there where the last runner was killed right after it had merged them.
+    if (fs::exists(folder, error)) {
+      FolderLock leftovers(folder);
+      if (leftovers.TakeForMyself()) RemoveShards(plan, folder);
+    }
+    if (!options_.is_quiet)
+      terminal::Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
+    return {{}, folder, true};
+  }
+  if (!options_.retry.is_empty() && !options_.is_quiet && !fs::exists(folder, error))
+    terminal::Say(
+        fmt::format("'{}' is not there: nothing to retry, and every run is done\n", out.string()));
+  const bool is_anew = options_.fresh || goes_on_anew, is_part = options_.shard.count > 1;
+  const bool has_some = !is_anew && !is_part && fs::exists(out, error);
+  std::uint64_t repeats = plan.repeats;
+  if (options_.until) {
+    repeats = statistics::Bootstrap::kLeastForInterval;
+    if (has_some) {
+      const Precision there = PrecisionOf(store::ResultFile(out), *options_.until);
+      repeats = std::max(repeats, there.repeats);
+      if (there.IsWholeRound() && !HasShards(folder)) {
+        const auto more = RepeatsAfter(plan, there);
+        if (!more) return {{}, folder, true};
+        repeats = *more;
+      }
+    }
+  }
+  FolderLock lock(folder);
+  WarnOfLoad(plan);
+  std::optional<KeptRuns> kept;
+  if (has_some) kept.emplace(out, RetryChoice());
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  execute.fresh = options_.fresh && !goes_on_anew;
+  if (kept || options_.until)  // without it, finished parts are skipped by their marks
+    execute.find_elsewhere = [&](const plan::Run& run) {
+      return run.rep < repeats ? (kept ? kept->Find(run) : std::nullopt) : shards::ShardInfo{};
+    };
+  if (const auto submitted = cluster::ReadSubmission(folder); submitted && !execute.fresh)
+    execute.has_plan = submitted->plan_sha256 == plan.Sha256();
+  if (execute.fresh && options_.shard.count == 1)
+    files::WriteWhole(plan.Sha256(), FreshMark(folder));
+  if (!options_.retry.is_empty())
+    execute.is_repeated = [this](const plan::Run& run, const fs::path& shard) {
+      const store::ResultFile file(shard);
+      const std::vector<std::size_t> at(file.axes().size(), 0);
+      return options_.retry.Wants(file, {at, 0}, run.id);
+    };
+  ExecutedPlan end = {{}, folder, false};
+  for (std::optional<std::uint64_t> more = repeats; more; execute.fresh = false) {
+    repeats = *more;
+    end.summary = ExecuteRuns(sized, execute);
+    if (end.summary.signal != 0) {
+      SayStopped(sized, end);
+      return end;
+    }
+    if (is_part) return end;
+    // Another runner may have been faster with the same plan.
+    if (is_anew || options_.until || !options_.retry.is_empty() || !IsThereAlready(out, plan))
+      shards::Merge(plan, provenance_, {folder}, out,
+                    !is_anew && fs::exists(out, error) ? out : fs::path());
+    more = options_.until ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out), *options_.until))
+                          : std::nullopt;
+  }
+  RemoveMergedShards(plan, folder, lock, options_.is_quiet);
+  end.is_merged = true;
+  return end;
+}
+
+ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
+                               const RetryChoice& retry) const {
+  const plan::Plan& plan = sized.plan;
+  const fs::path folder = ShardFolderOf(out), mark = folder / schedule::kRetryMarkName;
+  std::error_code error;
+  const bool is_started = fs::exists(mark, error);
+  if (options_.shard.count > 1 && !is_started)
+    throw options::CommandError(
+        "--retry runs a few runs again, all of them here; leave out --shard, or let a cluster run "
+        "them (cdb submit --retry)");
+  const bool is_complete =  // refuses another plan
+      IsThereAlready(out, plan,
+                     ". --retry runs the runs of that plan: a changed `timeout` or `memory` makes "
+                     "another one, as any setting does");
+  if (!is_started) {
+    const std::string why = PrepareRetry(plan, folder, out, retry, is_complete);
+    if (!why.empty()) {
+      if (!options_.is_quiet) terminal::Say(why);
+      return {{}, folder, true};
+    }
+  }
+  const KeptRuns kept(out, retry);
+  FolderLock lock(folder);
+  files::WriteWhole(retry.Text(), mark);
+  WarnOfLoad(plan);
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  execute.find_elsewhere = [&kept](const plan::Run& run) { return kept.Find(run); };
+  ExecutedPlan end = {ExecuteRuns(sized, std::move(execute)), folder, false};
+  if (end.summary.signal != 0) {
+    SayStopped(sized, end);
+    return end;
+  }
+  if (options_.shard.count > 1) return end;
+  shards::Merge(plan, provenance_, {folder}, out, out);
+  if (lock.TakeForMyself()) {
+    fs::remove(mark, error);  // first: from here on, the shards are left over
+    RemoveShards(plan, folder);
+  }
+  end.is_merged = true;
+  return end;
+}
+
+}  // namespace cdb::plans

@@ -1,0 +1,78 @@
+// A plan to its results file: runs what is missing, merges the shards, removes them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/cli/options/exit_status.h"
+#include "runtime/cli/plans/retry.h"
+#include "runtime/cli/plans/sized_plan.h"
+#include "runtime/cli/plans/until.h"
+#include "runtime/process/stop.h"
+#include "runtime/schedule/schedule.h"
+#include "runtime/store/store.h"
+
+namespace cdb::plans {
+
+struct PlanRunnerOptions {
+  std::size_t jobs = 1;
+  bool fresh = false;                     ///< start over
+  bool is_quiet = false;                  ///< no progress
+  schedule::ShardChoice shard = {};       ///< the part of each plan that is run
+  std::vector<std::string> plugins = {};  ///< libraries that the scenario file does not name
+  RetryChoice retry = {};                 ///< finished runs that are run again
+  std::size_t noisy_retries = 0;          ///< schedule::ExecuteOptions
+  /// Stop repeating once every interval is within this fraction of its mean step (until.h).
+  std::optional<double> until = {};
+};
+
+struct ExecutedPlan {
+  schedule::Summary summary;  ///< nothing where all was there already
+  std::filesystem::path shards;
+  /// `out` holds what was asked for; not where that was only a shard of it.
+  bool is_merged = false;
+};
+
+/// For commands that write several results files. Throws CommandError.
+void MakeResultsFolder(const std::filesystem::path& folder);
+
+/// Executes the plans of one command. While it lives, signals ask it to stop, and a pipe that
+/// nobody reads any more does not end it. Provenance is taken once. Threads: one; one at a time in
+/// a process.
+class PlanRunner {
+ public:
+  explicit PlanRunner(PlanRunnerOptions options);
+
+  /// `out`: the results file; its shards lie beside it. Goes on where an earlier call stopped.
+  /// Stopped by a signal, says so and keeps what ended. Throws CommandError, StoreError; then
+  /// everything finished is kept.
+  ExecutedPlan Execute(const SizedPlan& plan, const std::filesystem::path& out) const;
+  ExecutedPlan Execute(const plan::Plan& plan, const std::filesystem::path& out) const {
+    return Execute(SizedPlan{plan, nullptr}, out);
+  }
+
+  bool is_stopped() const { return stop_.requested(); }
+  options::ExitStatus StoppedStatus() const { return options::StoppedBy(stop_.signal()); }
+
+ private:
+  /// Replaces the runs of a results file that `retry` wants, with those that it lacks.
+  ExecutedPlan Retry(const SizedPlan& plan, const std::filesystem::path& out,
+                     const RetryChoice& retry) const;
+  /// Reports the precision of the results. The repeats of the next round; nullopt after the last.
+  std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan, const Precision& reached) const;
+  schedule::Summary ExecuteRuns(const SizedPlan& plan, schedule::ExecuteOptions execute) const;
+  void SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const;
+  void WarnOfLoad(const plan::Plan& plan) const;
+
+  PlanRunnerOptions options_;
+  store::Provenance provenance_;
+  process::StopFlag stop_;
+  process::StopOnSignals signals_;
+};
+
+}  // namespace cdb::plans

@@ -1,0 +1,65 @@
+#include "runtime/cli/plans/result_path.h"
+
+#include <fmt/format.h>
+
+#include <system_error>
+
+#include "runtime/cli/plans/shard_files.h"
+#include "runtime/report/show.h"
+#include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
+
+namespace cdb::plans {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// `r` and `r.h5` keep their shards in the same folder, where each would take those of the other
+/// for its own, and remove them.
+fs::path RequireOwnShards(fs::path out) {
+  fs::path other = out;
+  if (out.extension() == ".h5")
+    other.replace_extension();
+  else
+    other += ".h5";
+  if (ShardFolderOf(other) != ShardFolderOf(out) || !store::IsStored(other)) return out;
+  throw options::CommandError(fmt::format(
+      "'{}' is there, and '{}' would keep its shards in the same folder '{}'; nothing was changed: "
+      "name another file by -o",
+      other.string(), out.string(), ShardFolderOf(out).string()));
+}
+
+}  // namespace
+
+fs::path ResultPath(const std::string& out, const std::string& name, const std::string& file,
+                    std::size_t plan_count) {
+  std::error_code error;
+  if (out.empty()) return RequireOwnShards(name + ".h5");
+  if (fs::path(out).extension() == ".runs")
+    throw options::CommandError(fmt::format(
+        "'{}': names that end in .runs are folders of shards; name another file by -o", out));
+  if (fs::is_directory(out, error)) return RequireOwnShards(fs::path(out) / (name + ".h5"));
+  if (plan_count > 1)
+    throw options::CommandError(fmt::format(
+        "{} has {} benchmarks and '{}' holds one: name a folder, or choose a benchmark by -b", file,
+        plan_count, out));
+  const fs::path folder = fs::path(out).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error))
+    throw options::CommandError(
+        fmt::format("there is no folder '{}' for '{}'; make it first", folder.string(), out));
+  return RequireOwnShards(out);
+}
+
+options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
+  const report::ShowText shown = report::Show(store::ResultFile(out));
+  if (!is_quiet) {
+    terminal::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
+  } else if (shown.bad_cells > 0) {
+    terminal::Say(fmt::format("not every run ended well: `cdb show {}` names those that did not\n",
+                              terminal::ShellWord(out.string())));
+  }
+  return shown.bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+}
+
+}  // namespace cdb::plans

@@ -1,0 +1,140 @@
+#include "runtime/cli/plans/retry.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+#include <system_error>
+
+#include "compiler/plan/input_file.h"
+#include "dsl/diagnostics.h"
+#include "runtime/cli/options/exit_status.h"
+#include "runtime/cli/plans/shard_files.h"
+#include "runtime/machine/noise.h"
+#include "runtime/schedule/folder.h"
+#include "runtime/store/shards/shard_places.h"
+
+namespace cdb::plans {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kNoisy = "noisy";
+constexpr std::string_view kWords[] = {"failed", "crashed", "timed_out", kNoisy};
+
+/// Those beside a complete result are of a runner that was killed right after its merge.
+void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_complete) {
+  std::error_code error;
+  if (!fs::exists(shards, error)) return;
+  FolderLock lock(shards);
+  if (!lock.TakeForMyself())
+    throw options::CommandError(
+        fmt::format("another cdb is at work in '{}'; retry when it has ended", shards.string()));
+  if ((!is_complete || IsMadeAnew(plan, shards)) && HasShards(shards))
+    throw options::CommandError(
+        fmt::format("'{}' holds finished runs that are not in the results yet; let the command end "
+                    "without --retry first",
+                    shards.string()));
+  RemoveShards(plan, shards);
+}
+
+}  // namespace
+
+RetryChoice::RetryChoice(const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (std::ranges::find(kWords, word) == std::end(kWords)) {
+      const std::string_view near = dsl::DidYouMean(word, {std::begin(kWords), std::end(kWords)});
+      throw options::CommandError(
+          fmt::format("--retry {}: {}", word,
+                      near.empty() ? fmt::format("there are {}", fmt::join(kWords, ", "))
+                                   : fmt::format("did you mean '{}'?", near)));
+    }
+    words_.insert(word);
+  }
+}
+
+RetryChoice RetryChoice::Only(const std::string& run_id) {
+  RetryChoice choice;
+  choice.words_ = {run_id};
+  return choice;
+}
+
+bool RetryChoice::Wants(const store::ResultFile& file, const store::ResultFile::Cell& cell,
+                        const std::string& run_id) const {
+  if (words_.contains(run_id) ||
+      words_.contains(std::string(store::StatusName(file.ReadStatus(cell)))))
+    return true;
+  return words_.contains(std::string(kNoisy)) && file.Has("noise") &&
+         file.ReadReal("noise", cell) == static_cast<double>(machine::Noise::kNoisy);
+}
+
+std::string RetryChoice::Text() const { return fmt::format("{}", fmt::join(words_, ",")); }
+
+RetryChoice RetryChoice::FromText(const std::string& text) {
+  RetryChoice choice;
+  std::istringstream in(text);
+  for (std::string word; std::getline(in, word, ',');)
+    if (!word.empty()) choice.words_.insert(word);
+  return choice;
+}
+
+RetryChoice RetryChoice::With(const RetryChoice& other) const {
+  RetryChoice both = *this;
+  both.words_.insert(other.words_.begin(), other.words_.end());
+  return both;
+}
+
+RetryChoice FindStartedRetry(const fs::path& shards) {
+  std::string why;
+  return RetryChoice::FromText(
+      plan::ReadInputFile(shards / schedule::kRetryMarkName, why).value_or(""));
+}
+
+bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
+                   std::uint64_t rep) const {
+  const store::ResultFile::Cell cell = {at, rep};
+  return file_.ReadStatus(cell) != store::Status::kMissing && !retry_.Wants(file_, cell, id);
+}
+
+std::size_t KeptRuns::CountOthers(const plan::Plan& plan) const {
+  std::size_t others = 0;
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    others += !Has(id, at, rep);
+  });
+  return others;
+}
+
+std::optional<shards::ShardInfo> KeptRuns::Find(const plan::Run& run) const {
+  if (!Has(run.id, run.at, run.rep)) return std::nullopt;
+  const store::ResultFile::Cell cell = {run.at, run.rep};
+  shards::ShardInfo info = {
+      run.id, file_.plan_sha256(), {file_.ReadStatus(cell), measure::Verdict::kUnknown}, {}, {}};
+  if (file_.Has("omitted")) info.omitted = file_.ReadText("omitted", cell);
+  if (file_.Has("needs")) info.decisions = file_.ReadText("needs", cell);
+  return info;
+}
+
+std::string PrepareRetry(const plan::Plan& plan, const fs::path& shards, const fs::path& out,
+                         const RetryChoice& retry, bool is_complete) {
+  RemoveLeftovers(plan, shards, is_complete);
+  if (KeptRuns(out, retry).CountOthers(plan) > 0) return {};
+  return fmt::format("no run of '{}' is {}; nothing is run again\n", out.string(),
+                     fmt::join(retry.Words(), " or "));
+}
+
+std::size_t CountNotRunAgain(const plan::Plan& plan, const fs::path& shards, const fs::path& out) {
+  std::error_code error;
+  const RetryChoice retry = FindStartedRetry(shards);
+  if (retry.is_empty() || !fs::exists(out, error)) return 0;
+  const KeptRuns kept(out, retry);
+  const shards::ShardPlaces places({shards});
+  std::size_t missing = 0;
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    missing += !kept.Has(id, at, rep) && !places.Find(id);
+  });
+  return missing;
+}
+
+}  // namespace cdb::plans

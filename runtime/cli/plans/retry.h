@@ -1,0 +1,75 @@
+// Which finished runs `cdb run` and `cdb submit` run again, in the file that has them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/store/shards/shards.h"
+#include "runtime/store/store.h"
+
+namespace cdb::plans {
+
+/// By how they ended (`failed`, `crashed`, `timed_out`), by a disturbed machine (`noisy`), or one
+/// run by its id.
+class RetryChoice {
+ public:
+  RetryChoice() = default;
+  /// Throws CommandError for another word.
+  explicit RetryChoice(const std::vector<std::string>& words);
+  static RetryChoice Only(const std::string& run_id);
+
+  bool is_empty() const { return words_.empty(); }
+  /// Of a results file or a shard. `run_id`: of the run in that cell.
+  bool Wants(const store::ResultFile& file, const store::ResultFile::Cell& cell,
+             const std::string& run_id) const;
+
+  /// `crashed,failed`: kept in the folder of shards, so that a retry that was stopped goes on.
+  std::string Text() const;
+  static RetryChoice FromText(const std::string& text);
+  const std::set<std::string>& Words() const { return words_; }
+  RetryChoice With(const RetryChoice& other) const;
+
+ private:
+  std::set<std::string> words_;  ///< and ids
+};
+
+/// What the retry that was begun in a folder of shards, and has not ended, wants; empty where there
+/// is none.
+RetryChoice FindStartedRetry(const std::filesystem::path& shards);
+
+/// The runs of a results file that are not run again.
+class KeptRuns {
+ public:
+  KeptRuns(const std::filesystem::path& out, RetryChoice retry)
+      : file_(out), retry_(std::move(retry)) {}
+
+  bool Has(const std::string& id, const std::vector<std::size_t>& at, std::uint64_t rep) const;
+  std::size_t CountOthers(const plan::Plan& plan) const;
+  /// Nullopt for a run that is run again.
+  std::optional<shards::ShardInfo> Find(const plan::Run& run) const;
+
+ private:
+  const store::ResultFile file_;
+  const RetryChoice retry_;
+};
+
+/// Prepares a folder of shards for a retry that has not begun there: removes shards that the result
+/// has already. Empty, or why there is nothing to run again. Throws CommandError where the result
+/// lacks some of the shards, or another cdb is at work in the folder.
+std::string PrepareRetry(const plan::Plan& plan, const std::filesystem::path& shards,
+                         const std::filesystem::path& out, const RetryChoice& retry,
+                         bool is_complete);
+
+/// Runs that the retry in `shards` wants and that have no shard yet; 0 where there is no retry.
+/// Call it before the shards are merged into `out`.
+std::size_t CountNotRunAgain(const plan::Plan& plan, const std::filesystem::path& shards,
+                             const std::filesystem::path& out);
+
+}  // namespace cdb::plans

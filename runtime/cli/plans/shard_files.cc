@@ -1,0 +1,154 @@
+#include "runtime/cli/plans/shard_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "compiler/plan/input_file.h"
+#include "runtime/cli/options/exit_status.h"
+#include "runtime/cli/options/provenance.h"
+#include "runtime/cluster/submission.h"
+#include "runtime/schedule/folder.h"
+#include "runtime/store/shards/shards.h"
+#include "runtime/store/store.h"
+#include "runtime/terminal/console.h"
+
+namespace cdb::plans {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Empty where it cannot be read.
+std::string PlanOf(const std::string& results) {
+  try {
+    return store::ResultFile(results, store::ProofOf::kStructure).plan_sha256();
+  } catch (const files::StoreError&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+fs::path ShardFolderOf(const fs::path& out) {
+  fs::path folder = out;
+  if (out.extension() == ".h5") folder.replace_extension();
+  return folder += ".runs";
+}
+
+bool IsThereAlready(const fs::path& out, const plan::Plan& plan, std::string_view hint) {
+  std::error_code error;
+  if (!fs::exists(out, error)) return false;
+  const store::ResultFile file(out);
+  if (file.plan_sha256() != plan.Sha256())
+    throw options::CommandError(fmt::format(
+        "'{}' holds the results of another plan and is left as it is; name another file "
+        "by -o, or say --fresh to write over it{}",
+        out.string(), hint));
+  return CountMissing(file, plan) == 0;
+}
+
+void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {
+  std::error_code error;
+  if (!fs::exists(out, error)) return;
+  const std::string sha256 = PlanOf(out);
+  if (sha256 == plan.Sha256()) return;
+  if (sha256.empty())
+    throw options::CommandError(
+        fmt::format("'{}' is there, and is no results file or a damaged one; it is left as it is: "
+                    "remove it, or name another file (-o)",
+                    out));
+  throw options::CommandError(fmt::format(
+      "'{}' holds the results of another plan and is left as it is; name another file", out));
+}
+
+std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) {
+  std::size_t missing = 0;
+  plan.ForEachRun([&](const std::string&, const auto& at, std::uint64_t rep) {
+    missing += file.ReadStatus({at, rep}) == store::Status::kMissing;
+  });
+  return missing;
+}
+
+void MergeOnto(const plan::Plan& plan, const std::vector<fs::path>& shards, const fs::path& out) {
+  std::error_code error;
+  shards::Merge(plan, options::CollectProvenance(), shards, out,
+                fs::exists(out, error) ? out : fs::path());
+}
+
+FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {
+  for (;;) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    fd_ = plan::Descriptor(error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (fd_.get() < 0)
+      throw options::CommandError(fmt::format(
+          "cannot make the folder '{}' for the shards: {}; nothing was changed: choose another "
+          "place by -o",
+          folder.string(), error ? error.message() : std::strerror(errno)));
+    int locked = 0;
+    while ((locked = flock(fd_.get(), LOCK_SH)) != 0 && errno == EINTR) {
+    }
+    // Where the file system knows no locks, two runners on one result are the user's to avoid.
+    is_known_ = locked == 0;
+    if (plan::IsAt(fd_.get(), folder)) return;
+    // Removed by the runner that held it.
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (TakeForMyself()) rmdir(folder_.c_str());
+}
+
+bool FolderLock::TakeForMyself() {
+  if (flock(fd_.get(), LOCK_EX | LOCK_NB) == 0) return true;
+  // NFS may lend a folder, open for reading, to many and to nobody alone.
+  if (errno != EWOULDBLOCK && errno != EINTR) is_known_ = false;
+  return false;
+}
+
+fs::path FreshMark(const fs::path& folder) { return folder / "fresh"; }
+
+bool IsMadeAnew(const plan::Plan& plan, const fs::path& folder) {
+  std::string why;
+  return plan::ReadInputFile(FreshMark(folder), why) == plan.Sha256();
+}
+
+bool HasShards(const fs::path& folder) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (entry->path().extension() == ".h5") return true;
+  return false;
+}
+
+void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove(FreshMark(folder), ignored);
+  cluster::RemoveSubmission(folder);
+  if (plan.whole) return schedule::RemoveWholePlan(folder);
+  for (const auto* runs : {&plan.runs, &plan.references})
+    for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
+  if (HasShards(folder)) return;  // some cannot be removed: with the plan, merging them goes on
+  fs::remove(folder / "plan.yaml", ignored);
+  fs::remove(folder / schedule::kShortPlanName, ignored);
+  fs::remove(folder / schedule::kRetryMarkName, ignored);
+  fs::remove(folder, ignored);
+}
+
+void RemoveMergedShards(const plan::Plan& plan, const fs::path& folder, FolderLock& lock,
+                        bool is_quiet) {
+  if (lock.TakeForMyself()) return RemoveShards(plan, folder);
+  if (!lock.is_known() && !is_quiet)
+    terminal::Say(fmt::format(
+        "'{}' is on a file system without locks, so that nobody can tell whether another cdb works "
+        "there: its shards are merged and stay; remove the folder when no other is at work\n",
+        folder.string()));
+}
+
+}  // namespace cdb::plans

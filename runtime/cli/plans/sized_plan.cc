@@ -1,0 +1,125 @@
+#include "runtime/cli/plans/sized_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "compiler/analysis/reference.h"
+#include "compiler/compile.h"
+#include "compiler/grid/part.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "compiler/yaml/short_plan.h"
+#include "runtime/cli/options/exit_status.h"
+
+namespace cdb::plans {
+namespace {
+
+using Files = std::map<std::string, std::string>;
+
+/// Notes the scenario files that are read.
+scenario::ReadFile NoteFiles(Files& files) {
+  return [&files](const std::string& path, std::string& why) {
+    auto text = options::ReadInput(path, why);
+    // Plug-ins are read for their hash.
+    if (text && (path.ends_with(".cdb") || path == options::kStandardInput)) files[path] = *text;
+    return text;
+  };
+}
+
+/// `form`: what is known of it; its hash and number of runs are filled in.
+std::string ShortText(yaml::ShortPlan form, const plan::Plan& head, const std::string& sha256,
+                      std::uint64_t runs) {
+  form.benchmark = head.benchmark;
+  form.source = head.source;
+  form.sha256 = sha256;
+  form.runs = runs;
+  return yaml::ToYaml(form);
+}
+
+SizedPlan MakeLong(grid::Grid made, const yaml::ShortPlan& form) {
+  SizedPlan sized;
+  sized.grid = std::make_shared<const grid::Grid>(std::move(made));
+  auto whole = std::make_shared<plan::WholePlan>(grid::MakeWhole(sized.grid));
+  if (std::ranges::any_of(whole->bounds,
+                          [](const plan::Run& run) { return analysis::NeedsReference(run.scene); }))
+    throw options::CommandError(
+        fmt::format("{}: {} runs are too many to be compared with reference runs, which takes a "
+                    "list of at most {}; split the benchmark, or leave `accuracy` out",
+                    sized.grid->head.benchmark, whole->run_count, compiler::kMostListed));
+  whole->short_text = ShortText(form, sized.grid->head, whole->sha256, whole->run_count);
+  sized.short_text = whole->short_text;
+  sized.plan = sized.grid->head;
+  sized.plan.whole = std::move(whole);
+  return sized;
+}
+
+/// Lists the runs where they are not too many.
+SizedPlan Make(grid::Grid made, const yaml::ShortPlan& form) {
+  if (made.run_count() > compiler::kMostListed) return MakeLong(std::move(made), form);
+  SizedPlan sized = {grid::ListRuns(made), nullptr, {}};
+  sized.short_text = ShortText(form, sized.plan, sized.plan.Sha256(), sized.plan.runs.size());
+  return sized;
+}
+
+SizedPlan Expand(const yaml::ShortPlan& form, const std::string& name) {
+  const auto read = [&form](const std::string& path,
+                            std::string& why) -> std::optional<std::string> {
+    const auto found = form.files.find(path);
+    if (found != form.files.end()) return found->second;
+    return path.ends_with(".cdb") ? std::nullopt : compiler::ReadFromDisk(path, why);
+  };
+  compiler::Compilation made = compiler::Compile(
+      form.file, read, options::OptionsOf(form.library, form.benchmark, form.plugins, false));
+  if (!made.diagnostics.has_errors() && made.grids.size() == 1) {
+    made.grids[0].head.source = form.source;
+    SizedPlan sized = Make(std::move(made.grids[0]), form);
+    if (sized.plan.Sha256() == form.sha256) return sized;
+  }
+  throw options::CommandError(
+      fmt::format("{}: this cdb, or the plug-ins that are here, make another plan of it; use the "
+                  "cdb that wrote it, or plan again from '{}'",
+                  name, form.source));
+}
+
+}  // namespace
+
+plan::Plan SizedPlan::ListPart(std::uint64_t index, std::uint64_t count) const {
+  return grid::ListPart(*grid, plan.whole, {index, count});
+}
+
+SizedPlan ReadSizedPlan(const std::string& text, const std::string& name) {
+  if (const auto form = yaml::FindShortPlan(text, name)) return Expand(*form, name);
+  return {yaml::FromYaml(text, name), nullptr, {}};
+}
+
+std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
+                                      const std::optional<std::string>& benchmark,
+                                      options::LintText lints,
+                                      const std::vector<std::string>& plugins) {
+  std::vector<SizedPlan> all;
+  if (options::IsPlanFile(file)) {
+    const auto form = yaml::FindShortPlan(options::ReadText(file), file);
+    if (!form) {
+      for (plan::Plan& plan : options::LoadPlans(file, benchmark, lints, plugins))
+        all.push_back({std::move(plan), nullptr, {}});
+      return all;
+    }
+    options::CheckPlanFile(file, benchmark, plugins, form->benchmark);
+    all.push_back(Expand(*form, file));
+    return all;
+  }
+  Files files;
+  auto grids = options::LoadGrids(file, benchmark, lints, plugins, NoteFiles(files));
+  if (grids.empty()) return all;
+  yaml::ShortPlan form;
+  form.file = options::FindScenario(file);
+  form.library = options::ScenarioLibrary();
+  form.plugins = plugins;
+  form.files = files;
+  for (grid::Grid& grid : grids) all.push_back(Make(std::move(grid), form));
+  return all;
+}
+
+}  // namespace cdb::plans

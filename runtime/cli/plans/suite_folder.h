@@ -1,0 +1,40 @@
+// A folder of results of the standard suite: read, summarised, checked.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/compare/match.h"
+#include "runtime/suite/document.h"
+#include "runtime/suite/figures.h"
+
+namespace cdb::plans {
+
+inline constexpr const char* kSuiteSummary = "suite.json";
+inline constexpr const char* kSuitePage = "suite.html";
+
+struct SuiteFolder {
+  std::vector<std::unique_ptr<compare::ComparedFile>> files;  ///< in the order of the suite
+  std::vector<suite::SceneFigures> scenes;                    ///< of each file
+  suite::SuiteFacts facts;
+};
+/// What there is. Throws StoreError, CommandError for a folder without results of the suite.
+SuiteFolder ReadSuiteFolder(const std::filesystem::path& folder);
+
+/// The text of suite.json.
+std::string SuiteSummary(const SuiteFolder& read);
+/// Writes suite.json and suite.html. Throws StoreError, and PageError for a build without pages,
+/// when suite.json is written.
+void WriteSuiteSummary(const SuiteFolder& read, const std::filesystem::path& folder);
+
+/// Why results of the suite are not complete and comparable; empty where they are.
+struct SuiteFaults {
+  std::vector<std::string> faults;
+  std::vector<std::string> facts;  ///< about machine, build and noise, for people
+};
+/// Beside what `cdb check` says of each file. Throws StoreError, CommandError.
+SuiteFaults CheckSuite(const SuiteFolder& read, const std::filesystem::path& folder);
+
+}  // namespace cdb::plans

@@ -1,0 +1,138 @@
+#include "runtime/cli/plans/verify_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/cross.h"
+#include "compiler/schema/catalogue.h"
+#include "runtime/cli/options/exit_status.h"
+
+namespace cdb::plans {
+namespace {
+
+using plan::Plan;
+
+/// What is as good a run of a point as any, where only the detector differs.
+Plan WithoutAxis(const Plan& plan, std::size_t axis) {
+  Plan rest = plan;
+  rest.axes.erase(rest.axes.begin() + static_cast<std::ptrdiff_t>(axis));
+  rest.runs.clear();
+  rest.skipped.clear();
+  std::set<std::vector<std::size_t>> there;
+  const auto less = [&](std::vector<std::size_t> at) {
+    at.erase(at.begin() + static_cast<std::ptrdiff_t>(axis));
+    return at;
+  };
+  for (plan::Run run : plan.runs) {
+    run.at = less(std::move(run.at));
+    if (there.insert(run.at).second) rest.runs.push_back(std::move(run));
+  }
+  for (const auto& skipped : plan.skipped)
+    if (auto at = less(skipped); there.insert(at).second) rest.skipped.push_back(std::move(at));
+  return rest;
+}
+
+Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors,
+                   std::span<const schema::PluginDetector> plugins) {
+  const auto axis = std::ranges::find(plan.axes, "detector", &plan::Axis::parameter);
+  return compiler::Cross(
+      axis == plan.axes.end()
+          ? plan
+          : WithoutAxis(plan, static_cast<std::size_t>(axis - plan.axes.begin())),
+      "detector", detectors, plugins);
+}
+
+/// Why `all` is without a detector, whatever the scene; empty where it is not.
+std::string Absence(const schema::DetectorInfo& info) {
+  if (info.family == "none") return "finds nothing, by design; name it to see that";
+  const schema::DetectorPart* part = schema::FindDetectorPart(info.part);
+  if (part != nullptr && !part->is_built)
+    return fmt::format("is not built; install {} and build again", part->package);
+  return {};
+}
+
+/// Those that are named, or every one but those of which `left_out` then says why.
+std::vector<schema::DetectorInfo> Chosen(const VerifyOptions& options,
+                                         std::vector<std::string>& left_out) {
+  std::vector<schema::DetectorInfo> chosen;
+  if (!options.WantsAll()) {
+    for (const std::string& name : options.detectors)
+      chosen.push_back(*schema::FindDetector(name, options.plugins));
+    return chosen;
+  }
+  const auto choose = [&](const schema::DetectorInfo& info) {
+    if (!info.HasPhase("broad")) return;
+    if (const std::string why = Absence(info); !why.empty())
+      left_out.push_back(fmt::format("{} {}", info.name, why));
+    else
+      chosen.push_back(info);
+  };
+  for (const schema::DetectorInfo& info : schema::Detectors()) choose(info);
+  for (const schema::PluginDetector& plugin : options.plugins)
+    choose(*schema::FindDetector(plugin.name, options.plugins));
+  return chosen;
+}
+
+/// Points that a detector does not hold are skipped, and a detector that holds none is left out.
+VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
+  VerifyPlan every;
+  std::vector<std::string> names;
+  for (const schema::DetectorInfo& info : Chosen(options, every.left_out)) {
+    const auto held = std::ranges::count_if(plan.runs, [&](const plan::Run& run) {
+      return info.Holds(analysis::BodyCount(run.scene));
+    });
+    if (held < std::ssize(plan.runs))
+      every.left_out.push_back(
+          fmt::format("{}, where there are more than {} bodies", info.name, info.max_bodies));
+    if (held > 0) names.emplace_back(info.name);
+  }
+  if (names.empty()) return every;
+  every.plan = WithDetectors(plan, names, options.plugins);
+  std::erase_if(every.plan.runs, [&](const plan::Run& run) {
+    const auto detector = schema::FindDetector(names[run.at[0]], options.plugins);
+    const bool is_held = detector->Holds(analysis::BodyCount(run.scene));
+    if (!is_held) every.plan.skipped.push_back(run.at);
+    return !is_held;
+  });
+  std::ranges::sort(every.plan.skipped);
+  return every;
+}
+
+}  // namespace
+
+VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
+  Plan bare = plan;
+  bare.repeats = 1;
+  std::erase_if(bare.runs, [](const plan::Run& run) { return run.rep > 0; });
+  for (plan::Run& run : bare.runs) {
+    const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
+      run.scene.world.Set(parameter, std::move(value));
+    };
+    set("record", schema::WordList{"pairs"});
+    set("accuracy.metrics", schema::WordList{"none"});
+    set("pair_order", schema::Word{"sorted"});
+    set("repeats", std::uint64_t{1});
+    if (options.cycles) set("cycles", *options.cycles);
+    run.id = plan::RunId(run.scene, run.rep);
+  }
+  analysis::AddReferences(bare);
+  VerifyPlan made;
+  if (options.detectors.empty())
+    made.plan = std::move(bare);
+  else
+    made = WithChosen(bare, options);
+  if (made.plan.runs.empty())
+    throw options::CommandError(
+        fmt::format("{}: there is nothing to verify: {}", plan.benchmark,
+                    made.left_out.empty() ? "every point is left out"
+                                          : fmt::format("{}", fmt::join(made.left_out, "; "))));
+  return made;
+}
+
+}  // namespace cdb::plans

@@ -1,0 +1,263 @@
+// Which detector is best, for conclusions.h.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "compiler/schema/catalogue.h"
+#include "runtime/conclusions/conclusions.h"
+#include "runtime/conclusions/ranking.h"
+#include "runtime/report/conclusion_words.h"
+#include "runtime/statistics/cells.h"
+#include "runtime/statistics/detector_figures.h"
+#include "runtime/terminal/numbers.h"
+#include "runtime/terminal/table.h"
+
+namespace cdb::conclusions {
+namespace {
+
+/// Exceptions that are named one by one.
+constexpr std::size_t kMaxExceptions = 3;
+/// Of points whose worst cycles get intervals, which takes a second bootstrap.
+constexpr std::size_t kMaxWorstPoints = 1000;
+/// A smaller part of the memory of a process is no difference between detectors.
+constexpr double kLikeMemory = 0.02;
+
+class DetectorConclusions {
+ public:
+  DetectorConclusions(const ConclusionParts& parts, std::size_t axis)
+      : parts_(parts),
+        file_(parts.file),
+        axis_(axis),
+        comparison_(statistics::CompareDetectors(parts.file, parts.points, axis, std::nullopt)) {
+    for (std::size_t i = 0; i < Axis().values.size(); ++i)
+      if (!IsHonest(i)) left_out_.insert(i);
+  }
+
+  std::vector<Conclusion> Times() {
+    AddPairs();
+    if (!file_.Has("duration") || comparison_.is_void) return std::move(all_);
+    if (comparison_.MatchedCount() == 0)
+      Add({"Which detector is the fastest?",
+           "The file does not say: no cell has a sound run of every detector without omissions "
+           "that others lack.",
+           "fastest", Certainty::kUnknown});
+    AddTimes();
+    AddGrowth();
+    return std::move(all_);
+  }
+
+  std::vector<Conclusion> Limits() {
+    if (!file_.Has("duration") || comparison_.is_void) return {};
+    AddWorstCycle();
+    AddMemory();
+    return std::move(all_);
+  }
+
+ private:
+  const plan::Axis& Axis() const { return file_.axes()[axis_]; }
+  std::string Name(std::size_t value) const { return terminal::CoordinateText(Axis(), value); }
+  void Add(Conclusion conclusion) { all_.push_back(std::move(conclusion)); }
+
+  /// It does the work that is timed.
+  bool IsHonest(std::size_t value) const {
+    const schema::DetectorInfo* info = schema::FindDetector(Name(value));
+    if (info != nullptr && info->family == "none") return false;
+    return std::ranges::none_of(parts_.findings, [&](const statistics::DetectorFindings& of) {
+      return of.detector == Name(value) && of.missed > 0;
+    });
+  }
+
+  void AddTimes() {
+    for (const auto& [phase, question, kind] :
+         {std::tuple(measure::Phase::kStep, "Which detector takes the least time for a step?",
+                     "fastest"),
+          std::tuple(measure::Phase::kDetect,
+                     "Which detector takes the least time for collision detection alone?",
+                     "detect")}) {
+      const auto figure = [&, phase = phase](const statistics::MeasuredPoint& point) {
+        return parts_.times.Of(point, phase).mean;
+      };
+      AddRanking(question, kind, figure, "time", phase == measure::Phase::kStep ? NotRanked() : "");
+    }
+  }
+
+  void AddWorstCycle() {
+    if (parts_.points.size() > kMaxWorstPoints) return;
+    statistics::CycleTimes longest(file_, statistics::CycleStatistic::kMax);
+    AddRanking(
+        "Which detector has the shortest worst cycle?", "worst_cycle",
+        [&](const statistics::MeasuredPoint& point) {
+          return longest.FigureOf(point, measure::Phase::kDetect);
+        },
+        "time");
+  }
+
+  void AddMemory() {
+    if (!file_.Has("peak_rss")) return;
+    const char* question = "Which detector takes the least memory?";
+    const statistics::Bootstrap& bootstrap = parts_.times.bootstrap();
+    const auto figure = [&](const statistics::MeasuredPoint& point) -> statistics::Estimate {
+      std::vector<double> bytes;
+      for (const auto& cell : point.cells) bytes.push_back(file_.ReadReal("peak_rss", cell));
+      if (bytes.size() == bootstrap.size()) return bootstrap.MeanEstimate(bytes);
+      return {terminal::Mean(bytes), std::vector(bootstrap.draws().size(), terminal::kNone),
+              bytes.size()};
+    };
+    const auto ranking = RankValues(comparison_, figure, left_out_, bootstrap);
+    if (ranking && ranking->others.back().ratio.value < 1 + kLikeMemory)
+      Add({question,
+           fmt::format("None: the peak memory of all is the same to within {:.0f} %.",
+                       100 * kLikeMemory),
+           "memory", Certainty::kTie});
+    else
+      AddRanking(question, "memory", figure, "memory");
+  }
+
+  void AddRanking(const char* question, const char* kind, const FigureOfPoint& figure,
+                  const char* quantity, const std::string& caveat = "") {
+    const auto ranking = RankValues(comparison_, figure, left_out_, parts_.times.bootstrap());
+    if (!ranking) return;
+    Add({question, Winner(*ranking, quantity) + Where(*ranking) + caveat, kind,
+         ranking->certainty()});
+  }
+
+  /// The best against those that cannot be told from it, or the next, and the last.
+  std::string Winner(const Ranking& ranking, const char* quantity) const {
+    std::vector<std::string> ties = {Name(ranking.best)};
+    std::size_t shown = 0;  // among the others
+    for (std::size_t i = 0; i < ranking.others.size(); ++i) {
+      if (ranking.others[i].certainty != Certainty::kTie) continue;
+      ties.push_back(Name(ranking.others[i].value));
+      shown = i;
+    }
+    const auto times = [&](std::size_t other) {
+      const statistics::Estimate& ratio = ranking.others[other].ratio;
+      return fmt::format("{} times the {} of {}{}.", terminal::ShortNumber(ratio.value), quantity,
+                         ties[0], report::IntervalNote(parts_.times, ratio));
+    };
+    const auto name = [&](std::size_t other) { return Name(ranking.others[other].value); };
+    std::string text =
+        ties.size() > 1
+            ? fmt::format("{} cannot be told apart: {} takes {}", report::JoinWords(ties),
+                          name(shown), times(shown))
+            : fmt::format("{}. Next is {}, with {}", ties[0], name(shown), times(shown));
+    const std::size_t last = ranking.others.size() - 1;
+    return last > shown ? fmt::format("{} Last is {}, with {}", text, name(last), times(last))
+                        : text;
+  }
+
+  /// Over which cells, and where another is better.
+  std::string Where(const Ranking& ranking) const {
+    std::string text;
+    if (ranking.of > 1)
+      text += fmt::format(" These are geometric means over {} cells{}.",
+                          ranking.cells < ranking.of
+                              ? fmt::format("{} of {}", ranking.cells, ranking.of)
+                              : fmt::format("{}", ranking.cells),
+                          ranking.cells < ranking.of ? " (those that all detectors have)" : "");
+    if (parts_.times.bootstrap().size() == 1) text += " One repeat: there is no interval.";
+    const std::size_t count = ranking.exceptions.size();
+    if (count == 0) return text;
+    std::vector<std::string> places;
+    const std::vector<std::size_t> others = report::OtherAxes(file_, axis_);
+    for (std::size_t i = 0; i < std::min(count, kMaxExceptions); ++i)
+      places.push_back(fmt::format("{} at {}", Name(ranking.exceptions[i].value),
+                                   report::SettingText(file_, others, ranking.exceptions[i].at)));
+    if (count > kMaxExceptions)
+      return text + fmt::format(" It is not the best everywhere: {} of {} cells have another.",
+                                count, ranking.cells);
+    return text + fmt::format(" It is not the best everywhere: {}.", report::JoinWords(places));
+  }
+
+  /// Those that did not do the work.
+  std::string NotRanked() const {
+    std::string text;
+    for (const std::size_t value : left_out_)
+      for (const statistics::DetectorFindings& of : parts_.findings)
+        if (of.detector == Name(value) && of.missed > 0)
+          text += fmt::format(" {} is not ranked: it missed {} of {} pairs.", of.detector,
+                              of.missed, of.exact);
+    return text;
+  }
+
+  void AddPairs() {
+    std::uint64_t exact = 0, missed = 0;
+    std::vector<std::string> wrong;
+    for (const statistics::DetectorFindings& of : parts_.findings) {
+      exact += of.exact;
+      missed += of.missed;
+      if (of.missed > 0)
+        wrong.push_back(fmt::format("{} missed {} of {} pairs, in {} of {} runs", of.detector,
+                                    of.missed, of.exact, of.wrong_runs, of.runs));
+    }
+    if (exact == 0) return;
+    const std::string question = "Did every detector find every pair?";
+    if (missed == 0) {
+      Add({question, fmt::format("Yes: none of {} pairs was missed.", exact), "pairs",
+           Certainty::kClear});
+    } else {
+      Add({question, fmt::format("No: {}.", report::JoinWords(wrong)), "pairs", Certainty::kClear});
+    }
+  }
+
+  void AddGrowth() {
+    const auto growth = statistics::GrowthByRow(file_, parts_.points, {axis_}, parts_.times);
+    if (!growth || !growth->is_matched) return;
+    std::vector<std::pair<double, std::size_t>> exponents;
+    double least = terminal::kNone, most = terminal::kNone;
+    for (const auto& [row, exponent] : growth->exponents) {
+      if (std::isnan(exponent.p) || left_out_.contains(row[0])) continue;
+      exponents.emplace_back(exponent.p, row[0]);
+      least = exponent.least;
+      most = exponent.most;
+    }
+    if (exponents.size() < 2) return;
+    std::ranges::sort(exponents);
+    std::vector<std::string> rest;
+    for (std::size_t i = 1; i < exponents.size(); ++i)
+      rest.push_back(fmt::format("{} n^{:.2f}", Name(exponents[i].second), exponents[i].first));
+    Add({"Which detector grows the least with the number of objects?",
+         fmt::format("{}: its time for collision detection grows as n^{:.2f} from {:.0f} to {:.0f} "
+                     "objects; {}. The exponents are fitted, without an interval.",
+                     Name(exponents[0].second), exponents[0].first, least, most,
+                     report::JoinWords(rest)),
+         "growth", Certainty::kUnknown});
+  }
+
+  const ConclusionParts& parts_;
+  const store::ResultFile& file_;
+  const std::size_t axis_;
+  const statistics::Comparison comparison_;
+  std::set<std::size_t> left_out_;  ///< detectors that must not win
+  std::vector<Conclusion> all_;
+};
+
+/// The axis of detectors, if there are several.
+std::optional<std::size_t> ComparedDetectors(const ConclusionParts& parts) {
+  const auto axis = statistics::DetectorAxis(parts.file);
+  if (!axis || parts.file.axes()[*axis].values.size() < 2 || parts.points.empty())
+    return std::nullopt;
+  return axis;
+}
+
+}  // namespace
+
+void ConcludeDetectors(const ConclusionParts& parts, std::vector<Conclusion>& all) {
+  const auto axis = ComparedDetectors(parts);
+  if (!axis) return;
+  for (Conclusion& conclusion : DetectorConclusions(parts, *axis).Times())
+    all.push_back(std::move(conclusion));
+}
+
+void ConcludeDetectorLimits(const ConclusionParts& parts, std::vector<Conclusion>& all) {
+  const auto axis = ComparedDetectors(parts);
+  if (!axis) return;
+  for (Conclusion& conclusion : DetectorConclusions(parts, *axis).Limits())
+    all.push_back(std::move(conclusion));
+}
+
+}  // namespace cdb::conclusions

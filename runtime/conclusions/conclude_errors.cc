@@ -1,0 +1,141 @@
+// Which configuration is accurate enough and fast, for conclusions.h.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "compiler/schema/metrics.h"
+#include "runtime/conclusions/conclusions.h"
+#include "runtime/conclusions/scene_axes.h"
+#include "runtime/report/conclusion_words.h"
+#include "runtime/statistics/error_figures.h"
+#include "runtime/terminal/table.h"
+
+namespace cdb::conclusions {
+namespace {
+
+/// Scenes that have conclusions of their own.
+constexpr std::size_t kMaxScenes = 3;
+/// Configurations that are named one by one.
+constexpr std::size_t kMaxNamed = 3;
+
+class ErrorConclusions {
+ public:
+  ErrorConclusions(const ConclusionParts& parts, const schema::ErrorInfo& error,
+                   const statistics::ErrorFigures& figures)
+      : parts_(parts), error_(error), figures_(figures) {}
+
+  void Add(const statistics::Point& scene, const statistics::ErrorRows& table,
+           std::vector<Conclusion>& all) const {
+    std::vector<const statistics::ErrorRow*> sound, in_time;
+    for (const statistics::ErrorRow& row : table.rows) {
+      if (row.row.is_void) continue;
+      sound.push_back(&row);
+      if (row.RealTimeFactor() >= 1) in_time.push_back(&row);
+    }
+    if (sound.size() < 2) return;
+    const auto [accurate, certainty] = MostAccurate(in_time.empty() ? sound : in_time);
+    all.push_back({fmt::format("Which configuration has the least error of {} within real time{}?",
+                               error_.name, In(scene)),
+                   (in_time.empty() ? "None runs in real time. Without that limit, " : "") +
+                       accurate + Fastest(sound) + Front(sound),
+                   "error", certainty});
+  }
+
+ private:
+  std::string Name(const statistics::ErrorRow& row) const {
+    return report::SettingText(parts_.file, figures_.rows, row.row.at);
+  }
+  std::string ErrorText(const statistics::ErrorRow& row) const {
+    return fmt::format("{}{}{}", terminal::ScientificNumber(row.Known()),
+                       error_.unit.empty() ? "" : fmt::format(" {}", error_.unit),
+                       row.IsBelowFloor() ? " (its noise floor)" : "");
+  }
+  /// `12.3 times real time (95 % interval 12.0 .. 12.6)`.
+  std::string SpeedText(const statistics::ErrorRow& row) const {
+    const statistics::Interval& ms = row.time_interval;
+    const std::string interval = statistics::IntervalText({1000 / ms.high, 1000 / ms.low});
+    return fmt::format(
+        "{} times real time{}", terminal::ShortNumber(row.RealTimeFactor()),
+        interval == "-" ? "" : fmt::format(" ({} {})", parts_.times.IntervalName(), interval));
+  }
+  std::string In(const statistics::Point& scene) const {
+    const std::string text = report::SettingText(parts_.file, figures_.each, scene);
+    return text.empty() ? text : fmt::format(" for {}", text);
+  }
+  /// A sentence, and how certain it is.
+  std::pair<std::string, Certainty> MostAccurate(
+      const std::vector<const statistics::ErrorRow*>& rows) const {
+    const statistics::ErrorRow& best =
+        **std::ranges::min_element(rows, {}, &statistics::ErrorRow::Known);
+    std::vector<std::string> ties;
+    for (const statistics::ErrorRow* row : rows)
+      if (row != &best &&
+          (row->Known() == best.Known() || row->PossibleErrors().Overlaps(best.PossibleErrors())))
+        ties.push_back(Name(*row));
+    std::string text = fmt::format("{}: {}, at {}.", Name(best), ErrorText(best), SpeedText(best));
+    if (!ties.empty())
+      text += ties.size() <= kMaxNamed
+                  ? fmt::format(" The error of {} cannot be told from it.", report::JoinWords(ties))
+                  : fmt::format(" The errors of {} others cannot be told from it.", ties.size());
+    if (parts_.times.bootstrap().kind() != statistics::IntervalKind::kInterval)
+      return {text, Certainty::kUnknown};
+    return {text, ties.empty() ? Certainty::kClear : Certainty::kTie};
+  }
+
+  /// The other end of the front. `rows`: the fastest first.
+  std::string Fastest(const std::vector<const statistics::ErrorRow*>& rows) const {
+    const statistics::ErrorRow& fastest = *rows[0];
+    std::vector<std::string> ties;
+    for (const statistics::ErrorRow* row : rows)
+      if (row != &fastest && row->time_interval.Overlaps(fastest.time_interval))
+        ties.push_back(Name(*row));
+    std::string text = fmt::format(" The fastest is {}: {}, at {}.", Name(fastest),
+                                   ErrorText(fastest), SpeedText(fastest));
+    if (ties.empty()) return text;
+    return text +
+           (ties.size() <= kMaxNamed
+                ? fmt::format(" The speed of {} cannot be told from it.", report::JoinWords(ties))
+                : fmt::format(" The speeds of {} others cannot be told from it.", ties.size()));
+  }
+
+  std::string Front(const std::vector<const statistics::ErrorRow*>& rows) const {
+    const auto count = static_cast<std::size_t>(
+        std::ranges::count_if(rows, [](const statistics::ErrorRow* row) { return row->on_front; }));
+    if (count == rows.size())
+      return fmt::format(" All {} configurations are on the front: accuracy costs time throughout.",
+                         count);
+    if (count == 1)
+      return " It is also the most accurate: no other configuration is worth its time.";
+    return fmt::format(
+        " {} of {} configurations are on the front: each of the others is no more "
+        "accurate than a faster one.",
+        count, rows.size());
+  }
+
+  const ConclusionParts& parts_;
+  const schema::ErrorInfo& error_;
+  const statistics::ErrorFigures& figures_;
+};
+
+}  // namespace
+
+void ConcludeErrors(const ConclusionParts& parts, std::vector<Conclusion>& all) {
+  if (!parts.file.Has("duration") || parts.points.empty()) return;
+  statistics::ErrorOptions options;
+  options.only_sound = parts.only_sound;
+  for (const std::size_t axis : SceneAxes(parts.file))
+    options.each.push_back(parts.file.axes()[axis].name);
+  for (const schema::ErrorInfo& error : schema::Errors()) {
+    options.error = error.name;
+    if (!parts.file.Has("accuracy/" + options.error)) continue;
+    const statistics::ErrorFigures figures =
+        statistics::CollectErrors(parts.file, options, parts.times);
+    if (figures.tables.size() > kMaxScenes) continue;
+    for (const auto& [scene, table] : figures.tables)
+      ErrorConclusions(parts, error, figures).Add(scene, table, all);
+  }
+}
+
+}  // namespace cdb::conclusions

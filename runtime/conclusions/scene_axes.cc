@@ -1,0 +1,39 @@
+#include "runtime/conclusions/scene_axes.h"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "compiler/schema/schema.h"
+
+namespace cdb::conclusions {
+namespace {
+
+/// Parameters of objects that are settings of the simulation all the same.
+constexpr std::string_view kMethods[] = {"margin", "ccd", "contact_stiffness", "contact_damping"};
+
+bool IsOfScene(const plan::Axis& axis) {
+  if (axis.parameter.empty()) return axis.IsText();  // `cases`; a `let` may be anything
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    // A named group stands before its parameter: `pebbles.size`.
+    const bool is_it = parameter.grouped
+                           ? axis.parameter.ends_with("." + std::string(parameter.name))
+                           : axis.parameter == parameter.name;
+    if (!is_it) continue;
+    if (parameter.grouped) return std::ranges::find(kMethods, parameter.name) == std::end(kMethods);
+    return parameter.name.starts_with("world.") || parameter.name == "acceleration" ||
+           parameter.name == "trace";
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::size_t> SceneAxes(const store::ResultFile& file) {
+  std::vector<std::size_t> axes;
+  for (std::size_t i = 0; i < file.axes().size(); ++i)
+    if (IsOfScene(file.axes()[i])) axes.push_back(i);
+  return axes;
+}
+
+}  // namespace cdb::conclusions

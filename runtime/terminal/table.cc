@@ -1,0 +1,191 @@
+#include "runtime/terminal/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "compiler/plan/coordinates.h"
+#include "runtime/terminal/console.h"
+#include "runtime/terminal/wrap.h"
+
+namespace cdb::terminal {
+namespace {
+
+constexpr std::size_t kScreen = 100;
+
+/// `1 .. 2` as `1..2`.
+std::string WithoutSpaces(std::string range) {
+  const std::size_t dots = range.find(" .. ");
+  return dots == range.npos ? range : range.replace(dots, 4, "..");
+}
+
+std::size_t Width(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::size_t LongestWord(const std::string& cell) {
+  std::size_t longest = 0;
+  for (std::size_t begin = 0; begin < cell.size();) {
+    const std::size_t end = std::min(cell.find(' ', begin), cell.size());
+    longest = std::max(longest, Width(cell.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return longest + std::min(cell.find_first_not_of(' '), cell.size());
+}
+
+/// The lines of a cell of so many columns: broken at spaces, and each as far to the right as the
+/// first.
+std::vector<std::string> LinesOf(const std::string& cell, std::size_t width) {
+  if (Width(cell) <= width) return {cell};
+  const std::size_t indent = std::min(cell.find_first_not_of(' '), width / 2);
+  std::vector<std::string> lines;
+  const std::string wrapped = Wrapped(cell, indent, width);
+  for (std::size_t begin = 0; begin < wrapped.size();) {
+    const std::size_t end = wrapped.find('\n', begin);
+    lines.push_back(wrapped.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+}  // namespace
+
+void Table::AddColumn(std::string head, bool right) {
+  columns_.push_back({std::move(head), right});
+}
+
+void Table::AddRow(std::vector<std::string> cells) {
+  cells.resize(columns_.size());
+  rows_.push_back(std::move(cells));
+}
+
+std::vector<std::size_t> Table::Widths() const {
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    std::size_t width = Width(columns_[c].head);
+    for (const auto& row : rows_) width = std::max(width, Width(row[c]));
+    widths.push_back(width);
+  }
+  return widths;
+}
+
+Table Table::NoWiderThan(std::size_t screen) const {
+  std::vector<std::size_t> widths = Widths(), least;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    least.push_back(LongestWord(columns_[c].head));
+    for (const auto& row : rows_) least[c] = std::max(least[c], LongestWord(row[c]));
+  }
+  std::size_t all = std::accumulate(widths.begin(), widths.end(), 2 * widths.size());
+  for (; all > screen; --all) {
+    std::size_t widest = widths.size();
+    for (std::size_t c = 0; c < widths.size(); ++c)
+      if (widths[c] > least[c] && (widest == widths.size() || widths[c] > widths[widest]))
+        widest = c;
+    if (widest == widths.size()) break;
+    --widths[widest];
+  }
+  Table table(keys_);
+  table.is_whole_ = true;
+  table.columns_ = columns_;
+  for (const auto& row : rows_) {
+    std::vector<std::vector<std::string>> cells;
+    std::size_t height = 1;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      cells.push_back(LinesOf(row[c], widths[c]));
+      height = std::max(height, cells.back().size());
+    }
+    for (std::size_t line = 0; line < height; ++line) {
+      std::vector<std::string> part;
+      for (const auto& cell : cells) part.push_back(line < cell.size() ? cell[line] : "");
+      table.rows_.push_back(std::move(part));
+    }
+  }
+  return table;
+}
+
+std::string Table::Text() const {
+  if (is_whole_) {
+    const std::size_t screen = TerminalWidth();
+    const Table table = screen > 0 ? NoWiderThan(screen) : *this;
+    return table.TextOf(table.Widths());
+  }
+  const std::vector<std::size_t> widths = Widths();
+  if (std::accumulate(widths.begin(), widths.end(), 2 * widths.size()) > kScreen) {
+    Table narrow = *this;
+    for (auto& row : narrow.rows_)
+      for (std::string& cell : row) cell = WithoutSpaces(std::move(cell));
+    return narrow.TextOf(narrow.Widths());
+  }
+  return TextOf(widths);
+}
+
+std::string Table::TextOf(const std::vector<std::size_t>& widths) const {
+  const std::size_t screen = is_whole_ ? 0 : TerminalWidth();
+  std::vector<std::size_t> keys;
+  std::size_t keys_width = 0;
+  for (std::size_t c = 0; c < std::min(keys_, columns_.size()); ++c) {
+    keys.push_back(c);
+    keys_width += widths[c] + 2;
+  }
+  std::vector<std::vector<std::size_t>> parts = {keys};
+  std::size_t width = keys_width;
+  for (std::size_t c = keys.size(); c < columns_.size(); ++c) {
+    const bool is_full = screen > 0 && width + widths[c] + 2 > screen;
+    if (is_full && parts.back().size() > keys.size()) {
+      parts.push_back(keys);
+      width = keys_width;
+    }
+    parts.back().push_back(c);
+    width += widths[c] + 2;
+  }
+  std::string text;
+  for (const auto& part : parts) text += (text.empty() ? "" : "\n") + PartText(widths, part);
+  return text;
+}
+
+std::string Table::PartText(const std::vector<std::size_t>& widths,
+                            const std::vector<std::size_t>& columns) const {
+  std::string text;
+  const auto add_line = [&](auto cell_of) {
+    std::string line;
+    for (const std::size_t c : columns) {
+      const std::string cell = cell_of(c);
+      const std::string padding(widths[c] - Width(cell), ' ');
+      line += "  ";
+      line += columns_[c].right ? padding + cell : cell + padding;
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  };
+  add_line([&](std::size_t c) { return columns_[c].head; });
+  std::size_t total = 0;
+  for (const std::size_t c : columns) total += widths[c] + 2;
+  text += "  " + std::string(total > 2 ? total - 2 : 0, '-') + '\n';
+  for (const auto& row : rows_) add_line([&](std::size_t c) { return row[c]; });
+  return text;
+}
+
+std::string CoordinateText(const plan::Axis& axis, std::size_t index) {
+  return plan::CoordinateLabel(axis, index);
+}
+
+std::string ShortNumber(double value) {
+  if (!std::isfinite(value)) return "-";
+  if (value == 0) return "0";
+  const double size = std::fabs(value);
+  if (size < 1e-4 || size >= 1e7) return fmt::format("{:.2e}", value);
+  // Rounded first: 9.996 is 10.0, and 12346 is 12350.
+  const double rounded = std::stod(fmt::format("{:.{}e}", value, size < 1000 ? 2 : 3));
+  const int exponent = static_cast<int>(std::floor(std::log10(std::fabs(rounded))));
+  return fmt::format("{:.{}f}", rounded, std::clamp(2 - exponent, 0, 9));
+}
+
+std::string ScientificNumber(double value) {
+  return std::isnan(value) ? "-" : value == 0 ? "0" : fmt::format("{:.2e}", value);
+}
+
+}  // namespace cdb::terminal

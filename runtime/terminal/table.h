@@ -1,0 +1,66 @@
+// Columns of text that line up.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+
+namespace cdb::terminal {
+
+/// A table for a terminal: a head, a rule, rows. Numbers to the right, words to the left.
+class Table {
+ public:
+  /// `keys`: the first columns that say what a row is.
+  explicit Table(std::size_t keys = 1) : keys_(keys) {}
+
+  /// `right`: aligned to the right.
+  void AddColumn(std::string head, bool right);
+  void AddRow(std::vector<std::string> cells);
+  /// On a narrow terminal, cells are broken at spaces, and the table stays in one part.
+  void KeepWhole() { is_whole_ = true; }
+  bool empty() const { return rows_.empty(); }
+  /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
+  /// Ranges lose their spaces (`1..2`) in a table of more than 100 columns. A table that is wider
+  /// than the terminal (console.h) comes in several parts, each with the keys of its rows.
+  std::string Text() const;
+
+ private:
+  Table NoWiderThan(std::size_t screen) const;
+  std::vector<std::size_t> Widths() const;
+  std::string TextOf(const std::vector<std::size_t>& widths) const;
+  std::string PartText(const std::vector<std::size_t>& widths,
+                       const std::vector<std::size_t>& columns) const;
+
+  struct Column {
+    std::string head;
+    bool right;
+  };
+  const std::size_t keys_;
+  bool is_whole_ = false;
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// The unit in which a number of nanoseconds is read most easily.
+struct TimeUnit {
+  const char* name;
+  double ns;
+  static TimeUnit For(double ns) {
+    if (ns >= 1e9) return {"s", 1e9};
+    if (ns >= 1e6) return {"ms", 1e6};
+    if (ns >= 1e3) return {"us", 1e3};
+    return {"ns", 1};
+  }
+};
+
+/// Three significant digits, or four from 1000 on: `0.0123`, `1.23`, `1235`, `12350`; with an
+/// exponent below 1e-4 and from 1e7 on. `-` for what is not finite.
+std::string ShortNumber(double value);
+/// Three digits and an exponent; `0`, and `-` for NaN.
+std::string ScientificNumber(double value);
+
+/// A value on an axis as it is read (compiler/plan/coordinates.h).
+std::string CoordinateText(const plan::Axis& axis, std::size_t index);
+
+}  // namespace cdb::terminal

@@ -1,0 +1,243 @@
+// The numbers that lints compute from a scene before it runs.
+#include "compiler/lints/lints.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "compiler/lints/bounds.h"
+#include "compiler/schema/schema.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+compiler::Compilation CompileStatements(const std::string& statements) {
+  compiler::Compilation result = CompileText("benchmark b {\n" + statements + "\n}\n");
+  EXPECT_FALSE(result.diagnostics.has_errors());
+  return result;
+}
+
+std::optional<lints::LintNumber> NumberOf(lints::Lint lint, const std::string& statements) {
+  const auto numbers = lints::LintScene(CompileStatements(statements).plans.at(0).runs.at(0).scene);
+  const auto found = std::ranges::find(numbers, lint, &lints::LintNumber::lint);
+  return found == numbers.end() ? std::nullopt : std::optional(*found);
+}
+
+TEST(Lints, AreOneRowEachAboutParametersOfTheSchema) {
+  std::set<std::string_view> names;
+  int index = 0;
+  for (const lints::LintInfo& info : lints::Lints()) {
+    EXPECT_EQ(static_cast<int>(info.lint), index++);
+    EXPECT_EQ(&lints::InfoOf(info.lint), &info);
+    EXPECT_TRUE(lints::IsLint(info.kind));
+    EXPECT_EQ(info.kind.severity(), dsl::Severity::kWarning);
+    EXPECT_TRUE(names.insert(info.kind.id).second) << info.kind.id;
+    EXPECT_NE(info.predicts.find("{}"), std::string_view::npos) << info.predicts;
+    std::string_view about = info.about;
+    while (!about.empty()) {
+      const std::string_view name = about.substr(0, about.find(' '));
+      about.remove_prefix(std::min(about.size(), name.size() + 1));
+      EXPECT_TRUE(schema::FindParameter(name, false) != nullptr ||
+                  schema::FindParameter(name, true) != nullptr)
+          << name;
+    }
+  }
+}
+
+TEST(Lints, AreTheirFormulae) {
+  const auto stack =
+      NumberOf(lints::Lint::kTallStack,
+               "objects { quantity 20; size 2; location stack }; solver.iterations 5");
+  ASSERT_TRUE(stack);
+  EXPECT_DOUBLE_EQ(stack->value, 20 * 20 * 9.8 / 3600 / (2 * 5));
+  const auto step = NumberOf(lints::Lint::kLongStep, "objects.size 0.5");
+  ASSERT_TRUE(step);
+  EXPECT_DOUBLE_EQ(step->value, 9.8 / 3600 / 0.5);
+  EXPECT_DOUBLE_EQ(NumberOf(lints::Lint::kFastSpin, "objects.angular_velocity (30, 0, 40)")->value,
+                   50. / 60);
+  EXPECT_DOUBLE_EQ(NumberOf(lints::Lint::kHeavyMass, "objects.mass uniform(1, 500)")->value, 500);
+  const auto spring = NumberOf(lints::Lint::kStiffSpring,
+                               "objects { quantity 1; links { type spring; stiffness 400 } }");
+  ASSERT_TRUE(spring);
+  EXPECT_NEAR(spring->value, 20. / 60, 1e-12);
+}
+
+TEST(Lints, SayNothingWhereNothingCanHappen) {
+  EXPECT_FALSE(NumberOf(lints::Lint::kTallStack, "acceleration 0; objects.location stack"));
+  EXPECT_FALSE(NumberOf(lints::Lint::kLongStep, "world.walls none"));
+  EXPECT_FALSE(NumberOf(lints::Lint::kThinWall, "world.wall_shape box; objects.ccd on"));
+  EXPECT_FALSE(
+      NumberOf(lints::Lint::kHeavyMass, "objects { quantity 1; mass 1e9 }; world.walls none"));
+  EXPECT_FALSE(NumberOf(lints::Lint::kSpinDrift, "objects.angular_velocity (1, 2, 3)"));
+  EXPECT_FALSE(NumberOf(lints::Lint::kSpinDrift,
+                        "objects { type cuboid; aspect 1 : 2 : 3; angular_velocity (0, 9, 0) }"));
+  EXPECT_FALSE(
+      NumberOf(lints::Lint::kFastSpin, "objects { mass fixed; angular_velocity (9, 9, 9) }"));
+  EXPECT_TRUE(
+      lints::LintScene(CompileStatements("objects.quantity 0").plans[0].runs[0].scene).empty());
+}
+
+TEST(Lints, MeasurePlacesOfALatticeByItsSpacing) {
+  const auto coarse = [](const std::string& spacing) {
+    return NumberOf(
+               lints::Lint::kCoarsePlace,
+               "world.side 200e3; objects { quantity 27; size 1; location grid" + spacing + " }")
+        ->value;
+  };
+  const double epsilon = std::ldexp(1.0, -23);
+  EXPECT_DOUBLE_EQ(coarse("(spacing: 4)"), 4 * epsilon);
+  EXPECT_DOUBLE_EQ(coarse(""), 65536 * epsilon);
+}
+
+TEST(Lints, CountAFallFromWhereAnObjectStarts) {
+  const std::string domino = "type cuboid; size 0.5; aspect 1 : 2 : 0.4; location at(0, -4.45, 0)";
+  const auto fall =
+      NumberOf(lints::Lint::kFastHit, "world.side 10; objects { quantity 1; " + domino + " }");
+  ASSERT_TRUE(fall);
+  // From its place to where its thinnest side lies on the floor.
+  EXPECT_NEAR(fall->value, std::sqrt(2 * 9.8 * (0.55 - 0.1)) / 60 / 0.2, 1e-9);
+  EXPECT_FALSE(fall->IsDoubtful());
+  // On a slope it may cross the cube.
+  EXPECT_TRUE(NumberOf(lints::Lint::kFastHit,
+                       "world.side 10; acceleration (1, -9.7, 0)\n"
+                       "objects { quantity 1; " +
+                           domino + " }")
+                  ->IsDoubtful());
+}
+
+TEST(Lints, SeeALoadOnAStack) {
+  const auto ratio = [](const std::string& place, const std::string& stack) {
+    return NumberOf(lints::Lint::kMassRatio,
+                    "world.side 20\n"
+                    "objects light { quantity 5; type cuboid; size 1; location " +
+                        stack +
+                        " }\n"
+                        "objects heavy { quantity 1; type cuboid; size 1; mass 100; location " +
+                        place + " }");
+  };
+  const auto on_top = ratio("at(0.3, -4, 0)", "stack");
+  ASSERT_TRUE(on_top);
+  EXPECT_DOUBLE_EQ(on_top->value, 100. / 10 * 0.6 * 5);
+  EXPECT_TRUE(on_top->IsBad());
+  // Beside it; on the second of two columns; between columns.
+  EXPECT_LE(ratio("at(2, -9, 0)", "stack")->value, 0.1);
+  EXPECT_GT(ratio("at(2, -4, -2)", "stack(height: 3, spacing: 4)")->value, 10);
+  EXPECT_LE(ratio("at(0, -4, 2)", "stack(height: 3, spacing: 4)")->value, 0.1);
+  EXPECT_GT(ratio("at(0, -4, 0)", "pyramid")->value, 10);
+}
+
+TEST(Lints, PredictThatABallPassesThroughASlab) {
+  const auto scene = [](const std::string& velocity, const std::string& place) {
+    return "acceleration 0; world { side 100; walls none }\n"
+           "objects ball { quantity 1; size 0.2; location " +
+           place + "; linear_velocity " + velocity +
+           " }\n"
+           "objects slab { quantity 1; type cuboid; size 0.1; aspect 1 : 40 : 40; mass fixed\n"
+           "  location at(0, 0, 0) }";
+  };
+  const std::string hits = scene("(100, 0, 0)", "at(-5, 0, 0)");
+  const auto wall = NumberOf(lints::Lint::kThinWall, hits);
+  ASSERT_TRUE(wall);
+  EXPECT_NEAR(wall->value, 100. / 60 / 0.3, 1e-9);
+  EXPECT_TRUE(wall->IsBad());
+  EXPECT_FALSE(NumberOf(lints::Lint::kFastHit, hits));
+  for (const auto& [velocity, place] : {std::pair{"(100, 0, 0)", "at(-5, 3, 0)"},
+                                        {"(-100, 0, 0)", "at(-5, 0, 0)"},
+                                        {"(100, 100, 0)", "at(-5, 0, 0)"}})
+    EXPECT_FALSE(NumberOf(lints::Lint::kThinWall, scene(velocity, place))) << velocity;
+  // Along the slab it is 4 m thick; at a place that is drawn nobody knows.
+  EXPECT_FALSE(
+      NumberOf(lints::Lint::kThinWall, scene("(0, 100, 0)", "at(0, -5, 0)"))->IsDoubtful());
+  const auto drawn = NumberOf(lints::Lint::kThinWall, scene("(100, 0, 0)", "uniform"));
+  EXPECT_TRUE(drawn->IsDoubtful() && !drawn->IsBad());
+}
+
+TEST(Lints, LetSmallBallsLie) {
+  const std::string marble = "world.side 0.2; objects { quantity 1; size 0.01; location ";
+  EXPECT_FALSE(NumberOf(lints::Lint::kLongStep, marble + "at(0, -0.095, 0) }"));
+  EXPECT_FALSE(NumberOf(lints::Lint::kLongStep, marble + "stack }"));
+  EXPECT_TRUE(NumberOf(lints::Lint::kLongStep, marble + "at(0, -0.09, 0) }")->IsBad());
+  EXPECT_TRUE(NumberOf(lints::Lint::kLongStep, marble + "stack; type cuboid }")->IsBad());
+  const auto on_box =
+      NumberOf(lints::Lint::kLongStep, "world.wall_shape box; " + marble + "stack }");
+  EXPECT_EQ(on_box->threshold, 5);
+  EXPECT_FALSE(on_box->IsDoubtful());
+}
+
+TEST(Lints, SeeTheFirstFallThatRoundingHides) {
+  const auto fall = [](const std::string& side, const std::string& more = "") {
+    return NumberOf(
+        lints::Lint::kLostFall,
+        "objects { quantity 100; size 1; type any(sphere, armadillo) }; world.side " + side + more);
+  };
+  // Neighbouring numbers are 1/64 m apart from 131,072 m on; the way that counts is 1 cm.
+  EXPECT_NEAR(fall("300e3")->value, 1. / 64 / 0.01, 1e-9);
+  EXPECT_TRUE(fall("300e3")->IsBad());
+  EXPECT_TRUE(fall("100e3")->IsBad());
+  EXPECT_FALSE(fall("50e3")->IsBad());
+  EXPECT_FALSE(fall("300e3", "; precision double")->IsDoubtful());
+  EXPECT_FALSE(fall("300e3", "; acceleration 0"));
+  EXPECT_FALSE(fall("300e3", "; objects.linear_velocity uniform(-9, 9)"));
+  // The paper's own objects are so large that the loss of the first cycles changes nothing.
+  for (const char* type : {"sphere", "armadillo"})
+    EXPECT_FALSE(NumberOf(lints::Lint::kLostFall,
+                          "objects { quantity 5000; type " + std::string(type) + " }")
+                     ->IsDoubtful());
+}
+
+TEST(Lints, WithTheirRemedyAreHarmless) {
+  const auto bad = NumberOf(lints::Lint::kLongStep, "objects.size 0.05");
+  ASSERT_TRUE(bad && bad->IsBad());
+  const auto mended = NumberOf(lints::Lint::kLongStep,
+                               "objects.size 0.05; timestep " + schema::FormatReal(bad->remedy));
+  EXPECT_FALSE(mended->IsDoubtful());
+  EXPECT_LT(mended->Severity(), lints::LintNumber::kDoubtful);
+}
+
+TEST(Lints, CountTheRunsAndPointAtTheWorst) {
+  const compiler::Compilation result =
+      CompileStatements("timestep sweep(1 / 1000, 1 / 20); objects.size 0.2");
+  ASSERT_EQ(result.diagnostics.all().size(), 1u);
+  const dsl::Diagnostic& warning = result.diagnostics.all()[0];
+  EXPECT_EQ(warning.kind, &lints::InfoOf(lints::Lint::kLongStep).kind);
+  EXPECT_NE(warning.message.find("in 1 of 2 runs"), std::string::npos) << warning.message;
+  EXPECT_EQ(warning.span.begin, std::string("benchmark b {\ntimestep sweep(1 / 1000, ").size());
+}
+
+TEST(Lints, LeaveOutBenchmarksThatWereNotAskedFor) {
+  const std::string text = "benchmark a { }\nbenchmark b { objects.size 0.01 }\n";
+  const auto warnings = [&](const std::string& benchmark) {
+    const auto read = [&](const std::string&, std::string&) { return std::optional(text); };
+    return compiler::Compile("test.cdb", read, {"lib", benchmark}).diagnostics.warning_count();
+  };
+  EXPECT_EQ(warnings("a"), 0);
+  EXPECT_EQ(warnings("b"), 1);
+}
+
+TEST(Bounds, AreOfEachKindOfValue) {
+  const auto drawn = [](schema::DistributionKind kind, schema::Value a, schema::Value b) {
+    return schema::Value(schema::Distribution{kind, {std::move(a), std::move(b)}, {}});
+  };
+  EXPECT_EQ(lints::PositiveBounds(schema::Value(3.0)).least, 3);
+  EXPECT_EQ(lints::PositiveBounds(drawn(schema::DistributionKind::kUniform, 2.0, 5.0)).most, 5);
+  EXPECT_EQ(lints::PositiveBounds(drawn(schema::DistributionKind::kNormal, 50.0, 10.0)).least, 20);
+  EXPECT_EQ(lints::PositiveBounds(drawn(schema::DistributionKind::kNormal, 10.0, 10.0)).least,
+            0.04);
+  EXPECT_EQ(lints::PositiveBounds(schema::Value(schema::Word{"fixed"})).most, 0);
+  EXPECT_EQ(lints::LargestComponents(drawn(schema::DistributionKind::kUniform, -4.0, 3.0)),
+            Vector3d(4, 4, 4));
+  EXPECT_EQ(lints::LargestComponents(
+                drawn(schema::DistributionKind::kNormal, Vector3d(1, 0, -1), Vector3d(1, 2, 3))),
+            Vector3d(4, 6, 10));
+}
+
+}  // namespace
+}  // namespace cdb::tests

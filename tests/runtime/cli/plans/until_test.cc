@@ -1,0 +1,114 @@
+// `cdb run --until`: as few repeats as bring each interval near enough, the same for all points.
+#include "runtime/cli/plans/until.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+
+#include "runtime/store/store.h"
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+using plans::Precision;
+using store::ResultFile;
+using store::Status;
+
+const char kTwoPoints[] =
+    "benchmark s { cycles 4; repeats 12; world.side 500; detector sweep(dbvt, sap32) }";
+
+Precision Reached(std::uint64_t repeats, std::size_t within, double widest) {
+  return {.repeats = repeats, .missing = 0, .points = 10, .within = within, .widest = widest};
+}
+
+TEST(NextRepeats, GrowWithTheSquareOfTheWidth) {
+  EXPECT_EQ(plans::NextRepeats(Reached(20, 4, 0.012), 0.01, 1000), 29u);
+  EXPECT_EQ(plans::NextRepeats(Reached(20, 9, 0.01001), 0.01, 1000), 21u) << "at least one more";
+  EXPECT_EQ(plans::NextRepeats(Reached(20, 4, 0.5), 0.01, 1000), 40u) << "at most twice as many";
+  EXPECT_EQ(plans::NextRepeats(Reached(20, 4, 0.5), 0.01, 25), 25u);
+  EXPECT_EQ(plans::NextRepeats(Reached(25, 4, 0.5), 0.01, 25), 25u) << "no more";
+  EXPECT_EQ(plans::NextRepeats(Reached(20, 10, 0.009), 0.01, 1000), 20u) << "precise";
+}
+
+class Until : public testing::Test {
+ protected:
+  void SetUp() override { program_.Write("s.cdb", kTwoPoints); }
+  ResultFile Open() const { return ResultFile(program_.folder() / "s.h5"); }
+  /// How many repeats each of the two points has; all before the first that is missing.
+  std::uint64_t Repeats() const {
+    const ResultFile file = Open();
+    for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
+      const bool is_there = file.ReadStatus({{0}, rep}) == Status::kDone;
+      EXPECT_EQ(file.ReadStatus({{1}, rep}), is_there ? Status::kDone : Status::kMissing) << rep;
+      EXPECT_EQ(is_there, rep < file.begun_repeats());
+    }
+    return file.begun_repeats();
+  }
+
+  const Program program_;
+};
+
+TEST_F(Until, EndsAfterFiveRepeatsThatAreNearEnough) {
+  const Finished run = program_.Run({"run", "s.cdb", "--until", "100000%"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("5 repeats: every mean step is known within 1e+05 %\n"), std::string::npos)
+      << run.err;
+  EXPECT_NE(run.out.find("14 not run yet: repeats 6 to 12 of each point."), std::string::npos)
+      << run.out;
+  EXPECT_NE(run.out.find("95 % interval"), std::string::npos) << run.out;
+  EXPECT_EQ(Repeats(), 5u);
+  EXPECT_FALSE(program_.Exists("s.runs"));
+  // Again: there is nothing to do, and nothing is done.
+  const double started = Open().ReadReal("started", {{0}, 0});
+  const Finished again = program_.Run({"run", "s.cdb", "--until", "100000"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(Repeats(), 5u);
+  // Without it, the rest; what is there stays.
+  EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 0);
+  EXPECT_EQ(Repeats(), 12u);
+  EXPECT_EQ(Open().ReadReal("started", {{0}, 0}), started);
+  EXPECT_EQ(program_.Run({"check", "s.h5"}).status, 0);
+}
+
+TEST_F(Until, GoesOnToTheMostThatThereAre) {
+  const Finished run = program_.Run({"run", "s.cdb", "--until", "0.000001 %"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("; goes on to 10\n"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("; that is the most that `repeats` allows\n"), std::string::npos)
+      << run.err;
+  EXPECT_EQ(Repeats(), 12u);
+  EXPECT_EQ(run.out.find("not run yet"), std::string::npos) << run.out;
+}
+
+TEST_F(Until, ASmallerPartGoesOnFromALargerOne) {
+  ASSERT_EQ(program_.Run({"run", "s.cdb", "-q", "--until", "100000"}).status, 0);
+  const double started = Open().ReadReal("started", {{1}, 4});
+  EXPECT_EQ(program_.Run({"run", "s.cdb", "-q", "--until", "0.000001"}).status, 0);
+  EXPECT_EQ(Repeats(), 12u);
+  EXPECT_EQ(Open().ReadReal("started", {{1}, 4}), started);
+}
+
+TEST_F(Until, IsRefusedWhereItCannotBe) {
+  const auto error = [&](const std::string& text, const std::vector<std::string>& more) {
+    program_.Write("t.cdb", text);
+    std::vector<std::string> arguments = {"run", "t.cdb", "--until"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished finished = program_.Run(arguments);
+    EXPECT_EQ(finished.status, 2);
+    EXPECT_FALSE(program_.Exists("t.h5"));
+    return finished.err;
+  };
+  const std::string few = "benchmark t { cycles 2; world.side 500 }";
+  EXPECT_NE(error(few, {"1%"}).find("'t' has repeats 1, which is the most"), std::string::npos);
+  EXPECT_NE(error("benchmark t { repeats 9; record energy }", {"1%"}).find("records no times"),
+            std::string::npos);
+  EXPECT_NE(error(kTwoPoints, {"few"}).find("--until few: is not a percentage"), std::string::npos);
+  EXPECT_NE(error(kTwoPoints, {"0"}).find("--until 0%"), std::string::npos);
+  EXPECT_NE(error(kTwoPoints, {"1%", "--shard", "1/2"}).find("leave out --shard"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace cdb::tests
