@@ -176,15 +176,15 @@ plan::Scene ReferenceOf(const plan::Scene& scene) {
   return reference;
 }
 
-plan::Scene TwinOf(plan::Scene reference) {
-  reference.role = plan::Role::kTwin;
+plan::Scene PerturbedOf(plan::Scene reference) {
+  reference.role = plan::Role::kPerturbed;
   reference.seeds.emplace("nudge", plan::StreamSeed(reference.world.Count("seed"), "nudge"));
   return reference;
 }
 
 void AddReferences(plan::Plan& plan) {
   plan.references.clear();
-  std::unordered_map<std::string, std::string> twins;  // by the reference's id
+  std::unordered_map<std::string, std::string> perturbed_runs;  // by the reference's id
   const auto add = [&plan](plan::Scene scene) {
     plan::Run run;
     run.id = plan::RunId(scene, 0);
@@ -194,16 +194,16 @@ void AddReferences(plan::Plan& plan) {
   };
   for (plan::Run& run : plan.runs) {
     run.reference.clear();
-    run.twin.clear();
+    run.perturbed.clear();
     if (!NeedsReference(run.scene)) continue;
     const plan::Scene scene = ReferenceOf(run.scene);
     run.reference = plan::RunId(scene, 0);
-    const auto [twin, is_new] = twins.try_emplace(run.reference);
+    const auto [perturbed, is_new] = perturbed_runs.try_emplace(run.reference);
     if (is_new) {
       add(scene);
-      twin->second = add(TwinOf(scene));
+      perturbed->second = add(PerturbedOf(scene));
     }
-    run.twin = twin->second;
+    run.perturbed = perturbed->second;
   }
 }
 

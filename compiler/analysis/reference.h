@@ -44,7 +44,7 @@ plan::Scene ReferenceOf(const plan::Scene& scene);
 
 /// The reference with every object's start moved by kNudge of its size: how far the two part shows
 /// how long the reference is sure of itself.
-plan::Scene TwinOf(plan::Scene reference);
+plan::Scene PerturbedOf(plan::Scene reference);
 inline constexpr double kPerturbation = 1e-9;
 
 /// Fills `references` of the plan and names them in its runs.

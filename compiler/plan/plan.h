@@ -32,9 +32,9 @@ struct Group {
 
 /// What a run is for. Only measured runs stand on the grid; the others say what is true
 /// (compiler/reference.h).
-enum class Role { kMeasured, kReference, kTwin };
+enum class Role { kMeasured, kReference, kPerturbed };
 
-/// `measured`, `reference`, `twin`.
+/// In plans: `measured`, `reference`, `twin`.
 std::string_view RoleName(Role role);
 
 /// All that decides a run's result.
@@ -85,7 +85,7 @@ struct Run {
   Scene scene;
   /// Ids of the plan's references that it is compared with; empty where there are none, and in a
   /// run that was read by itself.
-  std::string reference, twin;
+  std::string reference, perturbed;
   bool operator==(const Run&) const = default;
 };
 
@@ -114,7 +114,7 @@ struct Plan {
   std::uint64_t repeats = 1;
   std::vector<Run> runs;                          ///< in grid order, repeats innermost
   std::vector<std::vector<std::size_t>> skipped;  ///< points that `skip` left out, in grid order
-  /// Reference runs and their twins, each once; they follow from `runs` (AddReferences).
+  /// Reference runs and their perturbed runs, each once; they follow from `runs` (AddReferences).
   std::vector<Run> references;
   /// Where it is not null, `runs` are some of its runs, and `skipped` is empty.
   std::shared_ptr<const WholePlan> whole;

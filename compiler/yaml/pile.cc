@@ -70,7 +70,8 @@ std::string PileText(const plan::Scene& scene) {
       pile.seeds.erase(group.name + "." + std::string(parameter.name()));
     }
   }
-  pile.seeds.erase("nudge");  // of a twin, which is moved after it has settled
+  pile.seeds.erase(
+      "nudge");  // of a perturbed run, whose objects are moved after the pile has settled
   return RunToYaml(run);
 }
 

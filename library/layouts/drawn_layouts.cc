@@ -55,17 +55,17 @@ class DrawnPlacer {
       : scene_(scene),
         bodies_(bodies),
         side_(bodies.side()),
-        fullness_(bodies),
+        fraction_(bodies),
         grid_(side_, ExtentsOf(bodies)),
         coverage_(bodies, grid_),
         tries_left_(kMinTriesOfAll + kMeanTriesOfAll * bodies.size()) {
-    const double fill = fullness_.balls_and_boxes(), cube = fullness_.Cube();
+    const double fill = fraction_.balls_and_boxes(), cube = fraction_.Cube();
     if (fill > kMinFillForHints * cube) hints_ = std::make_unique<Hints>(side_, bodies.size());
     misses_before_voxels_ = fill <= kMaxPlainFill * cube ? kMaxTriesOfOne : kMissesBeforeVoxels;
   }
 
   void PlaceAll() {
-    fullness_.RefuseWhatCannotFit();
+    fraction_.RefuseWhatCannotFit();
     for (const GroupRange& range : bodies_.groups())
       if (HasExactLayout(*range.group))
         for (std::size_t i = range.first; i < range.end; ++i) List(i);
@@ -97,7 +97,7 @@ class DrawnPlacer {
     for (std::size_t index = range.first; index < range.end; ++index) {
       const auto draw_along = [&](double, double) { return side_ / 6 * stream.Normal(); };
       if (!PlacePlainly(index, kMaxTriesOfOne, draw_along))
-        fullness_.TooFull(index, PackingFraction::kGivenUp);
+        fraction_.TooFull(index, PackingFraction::kGivenUp);
     }
   }
 
@@ -142,7 +142,7 @@ class DrawnPlacer {
       if (x > low && x < high) return x;
       CountTry(index);
     }
-    fullness_.TooFull(index, PackingFraction::kGivenUp);
+    fraction_.TooFull(index, PackingFraction::kGivenUp);
   }
 
   /// The voxels that are free for the objects from `first` to before `end`: for the object itself
@@ -181,7 +181,7 @@ class DrawnPlacer {
     const objects::Box domain = DomainOf(index);
     for (std::uint64_t misses = 0; misses < max_misses; ++misses) {
       FreeVoxels& voxels = search.voxels;
-      if (voxels.empty()) fullness_.TooFull(index, PackingFraction::kNoPlaceLeft);
+      if (voxels.empty()) fraction_.TooFull(index, PackingFraction::kNoPlaceLeft);
       const double count = static_cast<double>(voxels.size());
       // The product may round up to the count.
       const std::size_t drawn =
@@ -202,7 +202,7 @@ class DrawnPlacer {
       // Two draws for each voxel have found nearly all that one object covers.
       if (++search.misses < 2 * voxels.size()) continue;
       if (voxels.size() > kMinSplitVoxels + kSplitVoxelsPerObject * bodies_.size()) continue;
-      if (!voxels.CanSplit()) fullness_.TooFull(index, PackingFraction::kGivenUp);
+      if (!voxels.CanSplit()) fraction_.TooFull(index, PackingFraction::kGivenUp);
       voxels.Split([&](const objects::Box& part) { return IsCovered(search.probe, part, index); });
       search.misses = 0;
     }
@@ -232,7 +232,7 @@ class DrawnPlacer {
 
   void Settle(std::size_t index, const Vector3d& place) {
     bodies_.MoveTo(index, place);
-    fullness_.CountPlaced(index);
+    fraction_.CountPlaced(index);
     List(index);
   }
 
@@ -248,13 +248,13 @@ class DrawnPlacer {
   }
 
   void CountTry(std::size_t index) {
-    if (tries_left_-- == 0) fullness_.TooFull(index, PackingFraction::kGivenUp);
+    if (tries_left_-- == 0) fraction_.TooFull(index, PackingFraction::kGivenUp);
   }
 
   const plan::Scene& scene_;
   Bodies& bodies_;
   double side_;
-  PackingFraction fullness_;
+  PackingFraction fraction_;
   BoxGrid grid_;
   Coverage coverage_;
   std::unique_ptr<Hints> hints_;  ///< null in a sparse cube

@@ -165,10 +165,11 @@ class At {
 
 }  // namespace
 
-std::size_t HorizonOf(const measure::Samples& reference, const measure::Samples& twin) {
+std::size_t HorizonOf(const measure::Samples& reference, const measure::Samples& perturbed) {
   for (std::size_t s = 0; s < reference.shape.samples; ++s) {
     const double apart = RmsOverObjects(reference, [&](std::size_t i) {
-      return ((twin.position(s, i) - reference.position(s, i)) / reference.size(i)).squaredNorm();
+      return ((perturbed.position(s, i) - reference.position(s, i)) / reference.size(i))
+          .squaredNorm();
     });
     if (!(apart <= kHorizonDistance)) return s;
   }
@@ -222,14 +223,14 @@ double MeanMove(std::vector<double> from, std::vector<double> to) {
 
 measure::RunErrors CollectErrors(const plan::Scene& scene, const measure::Samples& run,
                                  const Standard* standard, const measure::Samples* reference,
-                                 const measure::Samples* twin) {
+                                 const measure::Samples* perturbed) {
   const auto errors = analysis::ErrorsOf(scene);
   measure::RunErrors result;
-  const bool is_sure = twin == nullptr;
-  const std::size_t horizon = is_sure ? run.shape.samples : HorizonOf(*reference, *twin);
+  const bool is_sure = perturbed == nullptr;
+  const std::size_t horizon = is_sure ? run.shape.samples : HorizonOf(*reference, *perturbed);
   const auto series = ErrorSeries(errors, run, standard);
   const auto floors =
-      is_sure ? std::vector<std::vector<double>>() : ErrorSeries(errors, *twin, standard);
+      is_sure ? std::vector<std::vector<double>>() : ErrorSeries(errors, *perturbed, standard);
   std::string unknown;
   for (std::size_t e = 0; e < errors.size(); ++e) {
     const ErrorInfo& error = *errors[e];

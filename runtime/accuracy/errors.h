@@ -11,13 +11,13 @@
 
 namespace cdb::accuracy {
 
-/// The reference is sure of itself until its twin is this far from it: root of the mean square over
-/// objects of the distance in sizes.
+/// The reference is trusted until its perturbed run is this far from it: root of the mean square
+/// over objects of the distance in sizes.
 inline constexpr double kHorizonDistance = 0.1;
 
 /// The first sample at which the two are that far apart, or not to be told; as many as there are
 /// where they never are.
-std::size_t HorizonOf(const measure::Samples& reference, const measure::Samples& twin);
+std::size_t HorizonOf(const measure::Samples& reference, const measure::Samples& perturbed);
 
 /// One value a sample, NaN where there is none: where the standard says nothing of it, and, of what
 /// only a step makes, at the start, and, of overlaps, where there is none. `standard` may be null
@@ -34,9 +34,9 @@ double Folded(std::span<const double> series, schema::Fold fold, std::size_t end
 double MeanMove(std::vector<double> from, std::vector<double> to);
 
 /// All errors that `scene` asks for, as results hold them. `standard` as above; `reference` and
-/// `twin` are null with a closed form, and then the horizon is the end and the floor 0.
+/// `perturbed` are null with a closed form, and then the horizon is the end and the floor 0.
 measure::RunErrors CollectErrors(const plan::Scene& scene, const measure::Samples& run,
                                  const Standard* standard, const measure::Samples* reference,
-                                 const measure::Samples* twin);
+                                 const measure::Samples* perturbed);
 
 }  // namespace cdb::accuracy

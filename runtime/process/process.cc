@@ -100,7 +100,7 @@ pid_t SpawnPlan::Start(const std::filesystem::path& program, std::vector<std::st
   return pid;
 }
 
-void EndStrays(const std::filesystem::path& program, const std::vector<pid_t>& known) {
+void EndOrphans(const std::filesystem::path& program, const std::vector<pid_t>& known) {
   std::ifstream children(fmt::format("/proc/self/task/{}/children", gettid()));
   for (pid_t child = -1; children >> child;) {
     std::error_code error;

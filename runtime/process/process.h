@@ -52,7 +52,7 @@ class SpawnPlan {
 
 /// Kills and reaps the children of this thread that run `program`, except those in `known`. Where
 /// the system lists no children, nothing happens.
-void EndStrays(const std::filesystem::path& program, const std::vector<pid_t>& known);
+void EndOrphans(const std::filesystem::path& program, const std::vector<pid_t>& known);
 
 /// `was ended by signal 11 (SIGSEGV, Segmentation fault)`, `ended with exit status 3`.
 std::string EndText(int wait_status);

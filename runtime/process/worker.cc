@@ -273,7 +273,7 @@ pid_t ProcessLauncher::StartProcess(const fs::path& program, SpawnPlan& spawn,
     if (answer.worker > 0) return answer.worker;
     server->second.reset();
     if (answer.is_uncertain) {
-      EndStrays(program, Processes());
+      EndOrphans(program, Processes());
       return -1;
     }
   }

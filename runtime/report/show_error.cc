@@ -37,7 +37,9 @@ class ErrorSummary {
           has_below_floor || std::ranges::any_of(table.rows, &statistics::ErrorRow::IsBelowFloor);
     }
     if (has_below_floor)
-      text += "\nBelow its floor an error says nothing: reference and twin are as far apart.\n";
+      text +=
+          "\nBelow its floor an error says nothing: the reference and its perturbed run differ as "
+          "much.\n";
     return {text, figures_.bad_cells};
   }
 

@@ -88,7 +88,7 @@ Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs
     if (const auto shape = measure::SampleShapeOf(run->scene))
       samples = static_cast<double>(shape->Count() * sizeof(double));
     // Recording and shard stand side by side; samples are those of the run, of its reference and of
-    // its twin.
+    // its perturbed run.
     demand.recorded = std::max(demand.recorded, 2 * (series + 3 * samples));
     demand.disk += 2 / kBestCompression * series;
     demand.time += SecondsOf(*run);

@@ -14,7 +14,7 @@
 namespace cdb::schedule {
 namespace {
 
-/// A reference and its twin, for runs that take turns between two of them.
+/// A reference and its perturbed run, for runs that take turns between two of them.
 constexpr std::size_t kKept = 4;
 
 measure::RunErrors AgainstForm(const plan::Run& run, const measure::Samples& samples) {
@@ -99,11 +99,11 @@ measure::RunErrors ErrorEvaluator::AgainstReference(const plan::Run& run,
     return std::nullopt;
   };
   const auto reference = find(run.reference);
-  const auto twin = find(run.twin);
+  const auto perturbed = find(run.perturbed);
   measure::RunErrors errors;
-  if (reference && twin) {
+  if (reference && perturbed) {
     const auto standard = accuracy::StandardOf(*reference);
-    errors = accuracy::CollectErrors(run.scene, samples, standard.get(), &*reference, &*twin);
+    errors = accuracy::CollectErrors(run.scene, samples, standard.get(), &*reference, &*perturbed);
   } else {
     errors = accuracy::CollectErrors(run.scene, samples, nullptr, nullptr, nullptr);
     Append(errors.message, trouble);

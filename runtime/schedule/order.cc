@@ -83,7 +83,7 @@ std::vector<std::uint64_t> ShardOfEach(const std::vector<DetectorGroup>& groups,
 std::vector<const plan::Run*> ReferencesOf(const plan::Plan& plan,
                                            const std::vector<const plan::Run*>& runs) {
   std::unordered_set<std::string_view> wanted;
-  for (const plan::Run* run : runs) wanted.insert({run->reference, run->twin});
+  for (const plan::Run* run : runs) wanted.insert({run->reference, run->perturbed});
   std::vector<const plan::Run*> references;
   for (const plan::Run& reference : plan.references)
     if (wanted.contains(reference.id)) references.push_back(&reference);

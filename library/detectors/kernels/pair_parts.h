@@ -14,8 +14,8 @@ namespace cdb::kernels {
 /// Threads: one caller.
 class PairParts {
  public:
-  explicit PairParts(unsigned threads) : crew_(std::max(threads, 1u)) {
-    for (unsigned part = 0; part < crew_.size(); ++part)
+  explicit PairParts(unsigned threads) : pool_(std::max(threads, 1u)) {
+    for (unsigned part = 0; part < pool_.size(); ++part)
       buffers_.push_back(std::make_unique<PairBuffer>());
   }
 
@@ -27,21 +27,21 @@ class PairParts {
     if (size < kWorthWaking)
       find(0u, 1u, *buffers_[0]);
     else
-      crew_.Run([&](unsigned part) { find(part, crew_.size(), *buffers_[part]); });
+      pool_.Run([&](unsigned part) { find(part, pool_.size(), *buffers_[part]); });
   }
   /// Calls run(from, to) for ranges of `begin` to `end` that together are all of it, and begin at
   /// multiples of `block` if `begin` is one: on all threads if there are enough bodies.
   template <typename Work>
   void ForEach(std::size_t begin, std::size_t end, std::size_t block, const Work& run) {
-    if (end - begin < kWorthWaking || crew_.size() == 1) return run(begin, end);
+    if (end - begin < kWorthWaking || pool_.size() == 1) return run(begin, end);
     const std::size_t blocks = (end - begin + block - 1) / block;
-    crew_.Run([&](unsigned part) {
-      const std::size_t from = begin + blocks * part / crew_.size() * block;
-      const std::size_t to = begin + blocks * (part + 1) / crew_.size() * block;
+    pool_.Run([&](unsigned part) {
+      const std::size_t from = begin + blocks * part / pool_.size() * block;
+      const std::size_t to = begin + blocks * (part + 1) / pool_.size() * block;
       run(from, std::min(to, end));
     });
   }
-  ThreadPool& pool() { return crew_; }
+  ThreadPool& pool() { return pool_; }
   PairBuffer& last() { return *buffers_.back(); }
   std::size_t size() const {
     std::size_t size = 0;
@@ -61,7 +61,7 @@ class PairParts {
   /// Waking a thread costs as much as a few hundred bodies.
   static constexpr std::size_t kWorthWaking = 1500;
 
-  ThreadPool crew_;
+  ThreadPool pool_;
   std::vector<std::unique_ptr<PairBuffer>> buffers_;
 };
 

@@ -147,7 +147,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     header.models = objects::ModelsText(state.forms);
     layouts::Place(run.scene, state);
     if (yaml::HasPile(run.scene)) SettleAndTell(run.scene, state, header.settling);
-    if (run.scene.role == plan::Role::kTwin) layouts::Perturb(run.scene, state);
+    if (run.scene.role == plan::Role::kPerturbed) layouts::Perturb(run.scene, state);
     const std::int64_t build_begin = world::Now();
     header.scalars.place_ns = static_cast<double>(build_begin - place_begin);
     pruning::Omissions omissions = pruning::DecideOmissions(run.scene, state);

@@ -218,7 +218,7 @@ TEST(RequestFor, TakesNamesBesideAuto) {
   EXPECT_TRUE(schema::InfoOf(Component::kWallPairs).IsVisible());
 }
 
-TEST(DecisionsText, SaysEveryFate) {
+TEST(DecisionsText, NamesEveryDecision) {
   EXPECT_EQ(analysis::DecisionsText({}), "");
   const analysis::PruningDecision decisions[] = {
       {schema::Component::kWalls, analysis::Decision::kOpen, "later"},

@@ -89,17 +89,17 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
       compiler::Compile((program.folder() / "gas.cdb").string(), compiler::ReadFromDisk).plans;
   ASSERT_EQ(plans.at(0).references.size(), 2u);
   const std::string reference = "gas.runs/" + plans[0].references[0].id + ".h5";
-  const std::string twin = "gas.runs/" + plans[0].references[1].id + ".h5";
+  const std::string perturbed = "gas.runs/" + plans[0].references[1].id + ".h5";
   ASSERT_EQ(program.Run({"run", "gas.cdb", "-q", "--shard", "1/2"}).status, 0);
-  ASSERT_TRUE(program.Exists(reference) && program.Exists(twin));
+  ASSERT_TRUE(program.Exists(reference) && program.Exists(perturbed));
   const std::string before = program.Read(reference);
-  fs::remove(program.folder() / twin);
+  fs::remove(program.folder() / perturbed);
   // A damaged one is run again as any shard.
-  program.Write(twin, before.substr(0, before.size() / 2));
+  program.Write(perturbed, before.substr(0, before.size() / 2));
   const Finished second = program.Run({"run", "gas.cdb", "--shard", "2/2"});
   ASSERT_EQ(second.status, 0) << second.err;
   EXPECT_EQ(program.Read(reference), before) << "it was there";
-  EXPECT_TRUE(program.Exists(twin));
+  EXPECT_TRUE(program.Exists(perturbed));
   const Finished all = program.Run({"run", "gas.cdb"});
   EXPECT_EQ(all.status, 0) << all.err;
   EXPECT_FALSE(program.Exists(reference));
@@ -220,7 +220,7 @@ position, * front, = tie, x void
           +------------------------------------------------------------
            3333                    x real time                    13330
 
-Below its floor an error says nothing: reference and twin are as far apart.
+Below its floor an error says nothing: the reference and its perturbed run differ as much.
 )");
 }
 

@@ -63,7 +63,7 @@ class Worker {
     header.decisions = "walls: kept: a test\npools: left out: a test\n";
   }
 
-  /// Figures that a reader can foretell: cycle i has the duration 1000 * phase + i, and so on.
+  /// Figures that a reader can predict: cycle i has the duration 1000 * phase + i, and so on.
   void Write(std::uint64_t cycle, bool with_contact_records = true) {
     const auto i = static_cast<std::int32_t>(cycle);
     if (const auto duration = recording_.Reals("duration"); !duration.empty())

@@ -241,12 +241,12 @@ TEST(Reference, StartsWhereTheRunDoesAndIsSampledAtTheSameTimes) {
   EXPECT_GT((samples.position(1, 0) - true_samples.position(1, 0)).norm(), 0);
 }
 
-TEST(Twin, IsNudgedByABillionthOfEachSize) {
+TEST(PerturbedRun, IsMovedByABillionthOfEachSize) {
   const plan::Scene reference = ReferenceHere(Gas({"position"}));
-  const plan::Scene twin = analysis::TwinOf(reference);
-  const Recorded truth = RunHere(reference), other = RunHere(twin);
+  const plan::Scene perturbed = analysis::PerturbedOf(reference);
+  const Recorded truth = RunHere(reference), other = RunHere(perturbed);
   ASSERT_TRUE(other.done()) << other.message();
-  const measure::Samples a = SamplesOf(truth, reference), b = SamplesOf(other, twin);
+  const measure::Samples a = SamplesOf(truth, reference), b = SamplesOf(other, perturbed);
   if (std::string_view(world::EnginePrecision()) == "double") {
     for (std::size_t i = 0; i < 30; ++i)
       EXPECT_NEAR((a.position(0, i) - b.position(0, i)).norm() / a.size(i), 1e-9, 1e-13);

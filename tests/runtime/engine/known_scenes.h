@@ -1,5 +1,5 @@
-// Small scenes whose fate follows from physics and from what is known of Bullet, with look-alikes
-// that are sound.
+// Small scenes whose outcome follows from physics and from what is known of Bullet, with
+// look-alikes that are sound.
 #pragma once
 
 #include <string>
@@ -15,16 +15,16 @@ enum class Fault { kPassing, kCrushing, kLosing, kSleeping };
 inline constexpr std::string_view kFaultNames[] = {"passing through", "crushing", "losing energy",
                                                    "false sleep"};
 
-struct FatedScene {
+struct KnownScene {
   Fault fault;
   bool is_sound;
   std::string_view family;
-  std::string_view why;  ///< the reason of its fate
+  std::string_view why;  ///< the reason for its outcome
   std::string variant;   ///< what differs within the family
   plan::Scene scene;
 };
 
 /// At least twenty of each fault and as many look-alikes; in the engine's precision.
-std::vector<FatedScene> FatedScenes();
+std::vector<KnownScene> KnownScenes();
 
 }  // namespace cdb::tests

@@ -1,4 +1,4 @@
-// What makes scenes of known fate (fated_scenes.h).
+// Builders of scenes whose outcome is known (known_scenes.h).
 #pragma once
 
 #include <fmt/format.h>
@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "tests/runtime/engine/engine_fixture.h"
-#include "tests/runtime/engine/fated_scenes.h"
+#include "tests/runtime/engine/known_scenes.h"
 
 namespace cdb::tests {
 
-inline constexpr double kFatedHz = 60;
+inline constexpr double kKnownHz = 60;
 /// One object of a scene; each is a group of its own.
-struct FatedBody {
+struct KnownBody {
   std::string_view type = "sphere";
   Eigen::Vector3d sides = Eigen::Vector3d::Ones();  ///< m
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
@@ -27,24 +27,24 @@ struct FatedBody {
 };
 
 /// Starts without walls, or with those asked for; each object is added as a group of its own.
-class FatedBuilder {
+class KnownBuilder {
  public:
-  explicit FatedBuilder(double side, std::string_view walls = "none", std::uint64_t cycles = 120)
+  explicit KnownBuilder(double side, std::string_view walls = "none", std::uint64_t cycles = 120)
       : scene_(EngineScene(1, side)) {
     SetWorld(scene_, "record", schema::WordList{"stability"});
     SetWorld(scene_, "world.walls", Word(walls));
     SetWorld(scene_, "cycles", cycles);
   }
-  FatedBuilder& World(schema::WorldParameter parameter, schema::Value value) {
+  KnownBuilder& World(schema::WorldParameter parameter, schema::Value value) {
     SetWorld(scene_, parameter, std::move(value));
     return *this;
   }
-  FatedBuilder& Group(schema::GroupParameter parameter, schema::Value value) {
+  KnownBuilder& Group(schema::GroupParameter parameter, schema::Value value) {
     SetGroup(scene_, parameter, std::move(value), count_ - 1);
     return *this;
   }
-  FatedBuilder& Weightless() { return World("acceleration", Eigen::Vector3d(0, 0, 0)); }
-  FatedBuilder& Add(const FatedBody& body) {
+  KnownBuilder& Weightless() { return World("acceleration", Eigen::Vector3d(0, 0, 0)); }
+  KnownBuilder& Add(const KnownBody& body) {
     if (count_++ > 0) scene_.groups.push_back(scene_.groups[0]);
     scene_.groups.back().name = fmt::format("group{}", count_);
     Group("type", Word(body.type));
@@ -71,9 +71,9 @@ class FatedBuilder {
 };
 
 /// A function for each fault and its look-alikes.
-class FatedCatalogue {
+class KnownCatalogue {
  public:
-  std::vector<FatedScene> scenes;
+  std::vector<KnownScene> scenes;
 
   void Passing();
   void NotPassing();
@@ -88,18 +88,18 @@ class FatedCatalogue {
   void Begin(Fault fault, bool is_sound, std::string_view family, std::string_view why) {
     head_ = {fault, is_sound, family, why, {}, {}};
   }
-  void Add(std::string variant, FatedBuilder builder) {
-    FatedScene scene = head_;
+  void Add(std::string variant, KnownBuilder builder) {
+    KnownScene scene = head_;
     scene.variant = std::move(variant);
     scene.scene = builder.Done();
     scenes.push_back(std::move(scene));
   }
 
-  FatedScene head_;
+  KnownScene head_;
 };
 
 /// On the floor of a cube of 20 m: its lower side at `height`.
-inline FatedBody Standing(std::string_view type, const Eigen::Vector3d& sides, double height,
+inline KnownBody Standing(std::string_view type, const Eigen::Vector3d& sides, double height,
                           double mass) {
   const double below = type == "cone" ? sides.y() / 4 : sides.y() / 2;
   return {.type = type,

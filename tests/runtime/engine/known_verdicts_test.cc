@@ -1,4 +1,4 @@
-// Verdicts of scenes whose fate is known beforehand: how many unsound ones pass for stable, and how
+// Verdicts of scenes whose outcome is known: how many unsound ones pass for stable, and how
 // many sound ones do not.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,32 +10,32 @@
 
 #include "runtime/measure/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
-#include "tests/runtime/engine/fated_scenes.h"
+#include "tests/runtime/engine/known_scenes.h"
 
 namespace cdb::tests {
 namespace {
 
 using measure::Verdict;
 
-struct FateCounts {
-  std::array<std::array<int, 2>, 2> runs = {};  ///< by fate and verdict: sound, stable
+struct OutcomeCounts {
+  std::array<std::array<int, 2>, 2> runs = {};  ///< by outcome and verdict: sound, stable
   int Total(bool is_sound) const { return runs[is_sound][0] + runs[is_sound][1]; }
 };
 
-TEST(Fates, VerdictsFindTheUnsoundAndAreSilentOnTheSound) {
-  std::array<FateCounts, std::size(kFaultNames)> counts;
+TEST(KnownScenes, VerdictsFindTheUnsoundAndAreSilentOnTheSound) {
+  std::array<OutcomeCounts, std::size(kFaultNames)> counts;
   std::string surprises;
-  for (const FatedScene& fated : FatedScenes()) {
-    const Recorded run = RunHere(fated.scene);
-    EXPECT_TRUE(run.done()) << fated.family << ", " << fated.variant << ": " << run.message();
+  for (const KnownScene& known : KnownScenes()) {
+    const Recorded run = RunHere(known.scene);
+    EXPECT_TRUE(run.done()) << known.family << ", " << known.variant << ": " << run.message();
     const measure::Judgement judged =
-        Judge(fated.scene, run.recording, run.header().cycles_done.load());
+        Judge(known.scene, run.recording, run.header().cycles_done.load());
     const bool is_stable = judged.verdict == Verdict::kStable;
-    ++counts[static_cast<std::size_t>(fated.fault)].runs[fated.is_sound][is_stable];
-    if (is_stable != fated.is_sound)
+    ++counts[static_cast<std::size_t>(known.fault)].runs[known.is_sound][is_stable];
+    if (is_stable != known.is_sound)
       surprises +=
-          fmt::format("  {}, {}: {} from cycle {} on, though {}\n", fated.family, fated.variant,
-                      VerdictName(judged.verdict), judged.first_bad_cycle, fated.why);
+          fmt::format("  {}, {}: {} from cycle {} on, though {}\n", known.family, known.variant,
+                      VerdictName(judged.verdict), judged.first_bad_cycle, known.why);
   }
   std::string table = fmt::format("{:20} {:>24} {:>24}\n", world::EnginePrecision(),
                                   "unsound: found, stable", "sound: stable, not");
