@@ -40,23 +40,7 @@ void StatementParser::ParseItems(File& file) {
       continue;
     } else if (token.kind == TokenKind::kPath) {
       AddDamage(Damage::kLost);
-      // One report for a whole row of them: it is one slip.
-      const std::string_view meant = DidYouMean(cursor_.Text(token), {"benchmark", "use", "let"});
-      if ((!misplaced_reported || !meant.empty()) && !token.faulty)
-        cursor_.Report(kMisplacedStatement, cursor_.SpanOf(token),
-                       cursor_.Quote(token) + " cannot stand outside a benchmark",
-                       meant.empty() ? "a file holds use, let and benchmark NAME { … }"
-                                     : text::Concat({"did you mean '", meant, "'?"}));
-      misplaced_reported |= meant.empty();
-      if (meant == "benchmark") {
-        ParseBenchmark();
-      } else if (meant.empty()) {
-        std::vector<Statement> dropped;
-        ParseStatement(dropped);
-        continue;
-      } else {
-        SkipStatement();
-      }
+      if (DropOutsideBenchmark(token, misplaced_reported)) continue;
     } else {
       AddDamage(Damage::kLost);
       cursor_.ReportUnexpected("use, let or benchmark");
@@ -72,6 +56,26 @@ void StatementParser::ParseItems(File& file) {
     }
   }
   file.damage = damage_;
+}
+
+bool StatementParser::DropOutsideBenchmark(const Token& token, bool& is_reported) {
+  const std::string_view meant = DidYouMean(cursor_.Text(token), {"benchmark", "use", "let"});
+  if ((!is_reported || !meant.empty()) && !token.faulty)
+    cursor_.Report(kMisplacedStatement, cursor_.SpanOf(token),
+                   cursor_.Quote(token) + " cannot stand outside a benchmark",
+                   meant.empty() ? "a file holds use, let and benchmark NAME { … }"
+                                 : text::Concat({"did you mean '", meant, "'?"}));
+  is_reported |= meant.empty();
+  if (meant.empty()) {
+    std::vector<Statement> dropped;
+    ParseStatement(dropped);
+    return true;
+  }
+  if (meant == "benchmark")
+    ParseBenchmark();
+  else
+    SkipStatement();
+  return false;
 }
 
 Use StatementParser::ParseUse() {
@@ -129,21 +133,7 @@ std::optional<Let> StatementParser::ParseLet() {
     SkipStatement();
     return Let{std::move(*name), nullptr};
   }
-  if (cursor_.At(TokenKind::kAssign)) {
-    cursor_.Take();
-  } else if (cursor_.AtStatementEnd()) {
-    cursor_.Report(kMissingEquals, name->span, "this name is given no value",
-                   text::Concat({"write: let ", name->text, " = …"}));
-    return Let{std::move(*name), nullptr};
-  } else {
-    const Token& found = cursor_.Peek();
-    const bool instead = found.kind == TokenKind::kColon || found.kind == TokenKind::kEqual;
-    if (!found.faulty)
-      cursor_.Report(kMissingEquals, cursor_.SpanOf(found),
-                     text::Concat({"expected '=' before the value, not ", cursor_.Describe(found)}),
-                     text::Concat({"write: let ", name->text, " = …"}));
-    if (instead) cursor_.Take();
-  }
+  if (!ParseEquals(*name)) return Let{std::move(*name), nullptr};
   ExprPtr value = values_.ParseValue();
   if (!value) {
     SkipStatement();
@@ -160,6 +150,26 @@ std::optional<Let> StatementParser::ParseLet() {
   Let first = std::move(more_lets_.front());
   more_lets_.erase(more_lets_.begin());
   return first;
+}
+
+bool StatementParser::ParseEquals(const Name& name) {
+  const std::string help = text::Concat({"write: let ", name.text, " = …"});
+  if (cursor_.At(TokenKind::kAssign)) {
+    cursor_.Take();
+    return true;
+  }
+  if (cursor_.AtStatementEnd()) {
+    cursor_.Report(kMissingEquals, name.span, "this name is given no value", help);
+    return false;
+  }
+  const Token& found = cursor_.Peek();
+  const bool instead = found.kind == TokenKind::kColon || found.kind == TokenKind::kEqual;
+  if (!found.faulty)
+    cursor_.Report(kMissingEquals, cursor_.SpanOf(found),
+                   text::Concat({"expected '=' before the value, not ", cursor_.Describe(found)}),
+                   help);
+  if (instead) cursor_.Take();
+  return true;
 }
 
 std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {

@@ -31,14 +31,7 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
   } else if (RefuseLoop()) {
   } else if (first.kind == TokenKind::kPath) {
     Name path = cursor_.TakePath();
-    const Token sign = cursor_.Peek();
-    if (sign.kind == TokenKind::kAssign || sign.kind == TokenKind::kColon) {
-      if (!sign.faulty)
-        cursor_.Report(kEqualsInSetting, cursor_.SpanOf(sign),
-                       text::Concat({"a setting is written without ", cursor_.Quote(sign)}),
-                       "write a space between the name and its value");
-      cursor_.Take();
-    }
+    RefuseSign();
     if (AtGroup()) {
       if (auto group = ParseGroup(path, first.faulty))
         keep(std::move(group));
@@ -53,15 +46,7 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
     Block dropped;
     ParseBlock(dropped, cursor_.SpanOf(first));
   } else {
-    if (first.kind == TokenKind::kRightParen || first.kind == TokenKind::kRightBracket)
-      ReportStrayBracket();
-    else if (!first.faulty)
-      cursor_.Report(
-          kUnexpectedToken, cursor_.SpanOf(first),
-          text::Concat({"a statement begins with a name, not with ", cursor_.Describe(first)}));
-    AddDamage(Damage::kLost);
-    cursor_.Take();
-    SkipStatement();
+    SkipNoStatement(first);
   }
   EndStatement();
   std::vector<Let> more = std::exchange(more_lets_, {});
@@ -74,6 +59,28 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
     Poison(next, faults);
     statements.push_back(std::move(next));
   }
+}
+
+void StatementParser::RefuseSign() {
+  const Token sign = cursor_.Peek();
+  if (sign.kind != TokenKind::kAssign && sign.kind != TokenKind::kColon) return;
+  if (!sign.faulty)
+    cursor_.Report(kEqualsInSetting, cursor_.SpanOf(sign),
+                   text::Concat({"a setting is written without ", cursor_.Quote(sign)}),
+                   "write a space between the name and its value");
+  cursor_.Take();
+}
+
+void StatementParser::SkipNoStatement(const Token& first) {
+  if (first.kind == TokenKind::kRightParen || first.kind == TokenKind::kRightBracket)
+    ReportStrayBracket();
+  else if (!first.faulty)
+    cursor_.Report(
+        kUnexpectedToken, cursor_.SpanOf(first),
+        text::Concat({"a statement begins with a name, not with ", cursor_.Describe(first)}));
+  AddDamage(Damage::kLost);
+  cursor_.Take();
+  SkipStatement();
 }
 
 void StatementParser::Poison(Let& let) {

@@ -24,9 +24,14 @@ class StatementParser {
   void ParseItems(File& file);
 
  private:
+  /// A statement outside a benchmark is reported, one of a row of them, and dropped. True if the
+  /// end of the statement has been read as well.
+  bool DropOutsideBenchmark(const Token& token, bool& is_reported);
   Use ParseUse();
   /// Of `let a, b = zip(…)` the first; the others are then in `more_lets_`.
   std::optional<Let> ParseLet();
+  /// The `=` of a let. False if no value follows; a missing `=` is reported.
+  bool ParseEquals(const Name& name);
   /// The lets of `zip`, which has been read; empty, with a report, where they do not fit.
   std::vector<Let> Unzip(std::vector<Name> names, ExprPtr zip);
   Benchmark ParseBenchmark();
@@ -45,6 +50,8 @@ class StatementParser {
   bool RefuseUnit(ExprKind last);
   bool RefuseSecondNumber(const Setting& setting);
   bool RefuseLoop();
+  /// Of `size = 5` and `size: 5`.
+  void RefuseSign();
   bool RefuseMissingSemicolon(ExprKind last, const std::string& word);
   void ParseMisplaced();
 
@@ -66,6 +73,8 @@ class StatementParser {
   /// After a statement: its end has to be here.
   void EndStatement();
   void ReportStrayBracket();
+  /// Reports that no statement begins with `first`, and skips to the end of the statement.
+  void SkipNoStatement(const Token& first);
   /// To the end of the statement; blocks on the way are still checked.
   void SkipStatement();
   void SkipEmpty() {
