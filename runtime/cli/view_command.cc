@@ -148,7 +148,7 @@ bool ViewScenario(const std::string& name, const ViewArguments& arguments, Viewe
   return true;
 }
 
-void CheckArguments(const ViewArguments& arguments) {
+void CheckOptions(const ViewArguments& arguments) {
   if (!arguments.gltf.empty() && (arguments.files.size() > 1 || !arguments.beside.empty()))
     throw options::CommandError("--gltf writes one run: name one file, and no --beside");
   if (!arguments.gltf.empty() && !arguments.gltf.ends_with(".glb"))
@@ -195,7 +195,7 @@ void CheckServe(const ViewArguments& arguments) {
 }
 
 options::ExitStatus View(const ViewArguments& arguments) {
-  CheckArguments(arguments);
+  CheckOptions(arguments);
   if (arguments.serve) {
     CheckServe(arguments);
     return ServeScenario(arguments.files[0], arguments.benchmark);

@@ -101,6 +101,47 @@ std::optional<std::uint64_t> PlanRunner::RepeatsAfter(const plan::Plan& plan,
   return next > reached.repeats ? std::optional(next) : std::nullopt;
 }
 
+bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
+  if (!IsThereAlready(out, plan)) return false;
+  const fs::path folder = ShardFolderOf(out);
+  std::error_code error;
+  // A runner that was killed right after the merge left its shards.
+  if (fs::exists(folder, error)) {
+    FolderLock leftovers(folder);
+    if (leftovers.TakeForMyself()) RemoveShards(plan, folder);
+  }
+  if (!options_.is_quiet)
+    terminal::Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
+  return true;
+}
+
+std::optional<std::uint64_t> PlanRunner::FirstRepeats(const plan::Plan& plan, const fs::path& out,
+                                                      bool has_results) const {
+  if (!options_.until) return plan.repeats;
+  const std::uint64_t least = statistics::Bootstrap::kLeastForInterval;
+  if (!has_results) return least;
+  const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
+  if (reached.IsWholeRound() && !HasShards(ShardFolderOf(out))) return RepeatsAfter(plan, reached);
+  return std::max(least, reached.repeats);
+}
+
+schedule::ExecuteOptions PlanRunner::ExecuteOptionsFor(const plan::Plan& plan,
+                                                       const fs::path& folder,
+                                                       bool starts_over) const {
+  schedule::ExecuteOptions execute;
+  execute.folder = folder;
+  execute.fresh = starts_over;
+  if (const auto submitted = cluster::ReadSubmission(folder); submitted && !starts_over)
+    execute.has_plan = submitted->plan_sha256 == plan.Sha256();
+  if (!options_.retry.is_empty())
+    execute.is_repeated = [this](const plan::Run& run, const fs::path& shard) {
+      const store::ResultFile file(shard);
+      const std::vector<std::size_t> at(file.axes().size(), 0);
+      return options_.retry.Wants(file, {at, 0}, run.id);
+    };
+  return execute;
+}
+
 ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) const {
   const plan::Plan& plan = sized.plan;
   const fs::path folder = ShardFolderOf(out);
@@ -112,75 +153,49 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
       terminal::Say(fmt::format("goes on with what `--retry` began in '{}'\n", out.string()));
     return Retry(sized, out, retry);
   }
-  const bool goes_on_anew = options_.shard.count == 1 && IsMadeAnew(plan, folder);
-  if (!options_.fresh && !goes_on_anew && IsThereAlready(out, plan)) {
-    // Shards are still there where the last runner was killed right after it had merged them.
-    if (fs::exists(folder, error)) {
-      FolderLock leftovers(folder);
-      if (leftovers.TakeForMyself()) RemoveShards(plan, folder);
-    }
-    if (!options_.is_quiet)
-      terminal::Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
-    return {{}, folder, true};
-  }
+  const bool is_part = options_.shard.count > 1;
+  const bool goes_on_anew = !is_part && IsMadeAnew(plan, folder);
+  const bool is_anew = options_.fresh || goes_on_anew;
+  if (!is_anew && IsComplete(plan, out)) return {{}, folder, true};
   if (!options_.retry.is_empty() && !options_.is_quiet && !fs::exists(folder, error))
     terminal::Say(
         fmt::format("'{}' is not there: nothing to retry, and every run is done\n", out.string()));
-  const bool is_anew = options_.fresh || goes_on_anew, is_part = options_.shard.count > 1;
-  const bool has_some = !is_anew && !is_part && fs::exists(out, error);
-  std::uint64_t repeats = plan.repeats;
-  if (options_.until) {
-    repeats = statistics::Bootstrap::kLeastForInterval;
-    if (has_some) {
-      const Precision there = PrecisionOf(store::ResultFile(out), *options_.until);
-      repeats = std::max(repeats, there.repeats);
-      if (there.IsWholeRound() && !HasShards(folder)) {
-        const auto more = RepeatsAfter(plan, there);
-        if (!more) return {{}, folder, true};
-        repeats = *more;
-      }
-    }
-  }
+  const bool has_results = !is_anew && !is_part && fs::exists(out, error);
+  std::optional<std::uint64_t> repeats = FirstRepeats(plan, out, has_results);
+  if (!repeats) return {{}, folder, true};
   FolderLock lock(folder);
   WarnOfLoad(plan);
   std::optional<KeptRuns> kept;
-  if (has_some) kept.emplace(out, RetryChoice());
-  schedule::ExecuteOptions execute;
-  execute.folder = folder;
-  execute.fresh = options_.fresh && !goes_on_anew;
+  if (has_results) kept.emplace(out, RetryChoice());
+  schedule::ExecuteOptions execute =
+      ExecuteOptionsFor(plan, folder, options_.fresh && !goes_on_anew);
   if (kept || options_.until)  // without it, finished parts are skipped by their marks
     execute.find_elsewhere = [&](const plan::Run& run) {
-      return run.rep < repeats ? (kept ? kept->Find(run) : std::nullopt) : shards::ShardInfo{};
+      return run.rep < *repeats ? (kept ? kept->Find(run) : std::nullopt) : shards::ShardInfo{};
     };
-  if (const auto submitted = cluster::ReadSubmission(folder); submitted && !execute.fresh)
-    execute.has_plan = submitted->plan_sha256 == plan.Sha256();
-  if (execute.fresh && options_.shard.count == 1)
-    files::WriteWhole(plan.Sha256(), FreshMark(folder));
-  if (!options_.retry.is_empty())
-    execute.is_repeated = [this](const plan::Run& run, const fs::path& shard) {
-      const store::ResultFile file(shard);
-      const std::vector<std::size_t> at(file.axes().size(), 0);
-      return options_.retry.Wants(file, {at, 0}, run.id);
-    };
+  if (execute.fresh && !is_part) files::WriteWhole(plan.Sha256(), FreshMark(folder));
   ExecutedPlan end = {{}, folder, false};
-  for (std::optional<std::uint64_t> more = repeats; more; execute.fresh = false) {
-    repeats = *more;
+  while (repeats) {
     end.summary = ExecuteRuns(sized, execute);
-    if (end.summary.signal != 0) {
-      SayStopped(sized, end);
-      return end;
-    }
-    if (is_part) return end;
-    // Another runner may have been faster with the same plan.
-    if (is_anew || options_.until || !options_.retry.is_empty() || !IsThereAlready(out, plan))
-      shards::Merge(plan, provenance_, {folder}, out,
-                    !is_anew && fs::exists(out, error) ? out : fs::path());
-    more = options_.until ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out), *options_.until))
-                          : std::nullopt;
+    execute.fresh = false;
+    if (end.summary.signal != 0) SayStopped(sized, end);
+    if (end.summary.signal != 0 || is_part) return end;
+    MergeRound(plan, out, is_anew);
+    repeats = options_.until
+                  ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out), *options_.until))
+                  : std::nullopt;
   }
   RemoveMergedShards(plan, folder, lock, options_.is_quiet);
   end.is_merged = true;
   return end;
+}
+
+void PlanRunner::MergeRound(const plan::Plan& plan, const fs::path& out, bool is_anew) const {
+  // Another runner may have been faster with the same plan.
+  if (!is_anew && !options_.until && options_.retry.is_empty() && IsThereAlready(out, plan)) return;
+  std::error_code error;
+  shards::Merge(plan, provenance_, {ShardFolderOf(out)}, out,
+                !is_anew && fs::exists(out, error) ? out : fs::path());
 }
 
 ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,

@@ -63,8 +63,18 @@ class PlanRunner {
   /// Replaces the runs of a results file that `retry` wants, with those that it lacks.
   ExecutedPlan Retry(const SizedPlan& plan, const std::filesystem::path& out,
                      const RetryChoice& retry) const;
+  /// `out` holds every run of the plan; leftover shards are removed.
+  bool IsComplete(const plan::Plan& plan, const std::filesystem::path& out) const;
+  /// The repeats of the first round; nullopt if the results in `out` are precise enough.
+  std::optional<std::uint64_t> FirstRepeats(const plan::Plan& plan,
+                                            const std::filesystem::path& out,
+                                            bool has_results) const;
   /// Reports the precision of the results. The repeats of the next round; nullopt after the last.
   std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan, const Precision& reached) const;
+  schedule::ExecuteOptions ExecuteOptionsFor(const plan::Plan& plan,
+                                             const std::filesystem::path& folder,
+                                             bool starts_over) const;
+  void MergeRound(const plan::Plan& plan, const std::filesystem::path& out, bool is_anew) const;
   schedule::Summary ExecuteRuns(const SizedPlan& plan, schedule::ExecuteOptions execute) const;
   void SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const;
   void WarnOfLoad(const plan::Plan& plan) const;
