@@ -36,8 +36,8 @@ void MakeResultsFolder(const fs::path& folder) {
                                             folder.string(), error.message()));
 }
 
-/// Only on a terminal, where somebody can wait for a quiet machine. The results record the load
-/// anyway.
+/// Only on a terminal, where a user can wait for a quiet machine. The results record the load in
+/// any case.
 void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
   const double load = machine::LoadAverage(), processors = machine::ProcessorCount();
   if (options_.is_quiet || isatty(STDERR_FILENO) == 0 || !plan.Records("timing") ||
@@ -114,7 +114,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   }
   const bool goes_on_anew = options_.shard.count == 1 && IsMadeAnew(plan, folder);
   if (!options_.fresh && !goes_on_anew && IsThereAlready(out, plan)) {
-    // Shards are still there where the last runner was killed right after it had merged them.
+    // Shards are still there if the last runner was killed right after it had merged them.
     if (fs::exists(folder, error)) {
       FolderLock leftovers(folder);
       if (leftovers.TakeForMyself()) RemoveShards(plan, folder);
@@ -148,7 +148,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   schedule::ExecuteOptions execute;
   execute.folder = folder;
   execute.fresh = options_.fresh && !goes_on_anew;
-  if (kept || options_.until)  // without it, finished parts are skipped by their marks
+  if (kept || options_.until)  // otherwise finished parts are skipped by their marks
     execute.find_elsewhere = [&](const plan::Run& run) {
       return run.rep < repeats ? (kept ? kept->Find(run) : std::nullopt) : shards::ShardInfo{};
     };
@@ -171,7 +171,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
       return end;
     }
     if (is_part) return end;
-    // Another runner may have been faster with the same plan.
+    // Another runner may have merged the same plan meanwhile.
     if (is_anew || options_.until || !options_.retry.is_empty() || !IsThereAlready(out, plan))
       shards::Merge(plan, provenance_, {folder}, out,
                     !is_anew && fs::exists(out, error) ? out : fs::path());
@@ -219,7 +219,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   if (options_.shard.count > 1) return end;
   shards::Merge(plan, provenance_, {folder}, out, out);
   if (lock.TakeForMyself()) {
-    fs::remove(mark, error);  // first: from here on, the shards are left over
+    fs::remove(mark, error);  // first: without the mark, the shards count as leftovers
     RemoveShards(plan, folder);
   }
   end.is_merged = true;
