@@ -1,5 +1,5 @@
 // Computes the errors of a run from its samples and the true values: pure functions. The formulae
-// are those of compiler/metrics.h and `cdb doc accuracy`.
+// are those of compiler/schema/metrics.h and `cdb doc accuracy`.
 #pragma once
 
 #include <span>

@@ -4,12 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#exit status; 128 + signal if a signal ended it
+#include <vector>
 
 namespace cdb::cluster {
 
 struct ProgramEnd {
-  int status = 0;  ///< exit status; 128 + signal where a signal ended it
+  int status = 0;  ///< exit status; 128 + signal if a signal ended it
   std::string out, err;
 };
 

@@ -30,7 +30,8 @@ std::optional<std::string> ReadInput(const std::string& path, std::string& why);
 /// file of that name in the library, with or without `.cdb`. Throws CommandError.
 std::string FindScenario(const std::string& file);
 
-/// The detail in which lints are printed: numbers that Bullet cannot follow (compiler/lints.h).
+/// The detail in which lints are printed: numbers that Bullet cannot follow
+/// (compiler/lints/lints.h).
 enum class LintText { kNone, kOneLine, kWhole };
 
 /// In colour on a terminal, and at most 20 errors.
