@@ -35,7 +35,6 @@ using SettlingListener = std::function<void(const SettlingProgress&)>;
 /// the same piles at once, one settles them. Throws library::SceneError if there is no floor or no
 /// gravity, if the objects do not come to rest, or if they would overlap; std::system_error if the
 /// other worker cannot be started.
-/// the objects would overlap; std::system_error where the other worker cannot be started.
 void SettlePiles(const plan::Scene& scene, layouts::InitialState& state,
                  const SettlingListener& listener = {});
 
