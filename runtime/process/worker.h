@@ -40,7 +40,7 @@ class TextTail {
  public:
   static constexpr std::size_t kMaxBytes = 8192;
   void Append(std::string_view text);
-  /// The last lines, at most five, printable: other bytes become `?` (dsl::Printable).
+  /// The last lines, at most five, printable: other bytes become `?` (text::Printable).
   std::string LastLines() const;
 
  private:

@@ -28,7 +28,7 @@ struct Scenario {
 };
 
 /// Answers are JSON documents. Errors in a text are part of an answer; disk errors are thrown as
-/// store::StoreError or std::system_error. Not thread-safe.
+/// files::StoreError or std::system_error. Not thread-safe.
 class Editor {
  public:
   /// `program`: cdb itself, which executes the runs.

@@ -62,7 +62,7 @@ compiler::Compilation CompileAndReport(const std::string& file,
 /// The plans of a `.cdb` file, given by path or from the library, or of a plan in YAML. Empty after
 /// diagnostics were printed (exit status 1). A plan names its own plug-ins. `named` receives the
 /// detectors of all plug-ins in the file and in `plugins`, used or not. Throws CommandError,
-/// ScheduleError, compiler::PlanError.
+/// ScheduleError, yaml::PlanError.
 std::vector<plan::Plan> LoadPlans(const std::string& file,
                                   const std::optional<std::string>& benchmark,
                                   LintText lints = LintText::kOneLine,
