@@ -6,7 +6,7 @@
 // not disturbances, such as a processor that changes its frequency.) The time of a point is the
 // mean over its cycles, which is proportional to its total work: the time of a simulated second is
 // this mean divided by the time step. With one repeat, it is the mean of that run.
-// it is the mean of that run.
+//
 // Intervals are over repeats (bootstrap.h): whole runs are drawn, which keeps the correlation
 // between the cycles of a run, and the statistic is computed from each draw. A draw may contain one
 // repeat several times, and a stall in it would then outvote the others. Stalls are therefore
