@@ -21,7 +21,7 @@ using schema::Fold;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// Root of the mean square over the objects that move of what `of(object)` gives.
+/// Root mean square of `of(object)` over the moving objects.
 template <typename Of>
 double RmsOverObjects(const measure::Samples& samples, Of of) {
   double sum = 0;
@@ -36,7 +36,7 @@ double RmsOverObjects(const measure::Samples& samples, Of of) {
 
 double Over(double error, double scale) { return scale > 0 ? error / scale : kNone; }
 
-/// One sample of a run beside what is true then.
+/// One sample of a run, with the true values at its time.
 class At {
  public:
   At(const measure::Samples& run, const Standard* standard, std::size_t sample)
@@ -209,7 +209,7 @@ double Folded(std::span<const double> series, Fold fold, std::size_t end) {
 
 double MeanMove(std::vector<double> from, std::vector<double> to) {
   CDB_CHECK(from.size() == to.size());
-  // A NaN has no place in an order.
+  // NaN cannot be sorted.
   for (const auto* values : {&from, &to})
     for (const double value : *values)
       if (std::isnan(value)) return kNone;

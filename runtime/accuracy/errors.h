@@ -1,5 +1,5 @@
-// Samples and what is true to errors: pure functions. The formulae are those of compiler/metrics.h
-// and `cdb doc accuracy`.
+// Computes the errors of a run from its samples and the true values: pure functions. The formulae
+// are those of compiler/schema/metrics.h and `cdb doc accuracy`.
 #pragma once
 
 #include <span>
@@ -11,30 +11,31 @@
 
 namespace cdb::accuracy {
 
-/// The reference is trusted until its perturbed run is this far from it: root of the mean square
-/// over objects of the distance in sizes.
+/// The reference is trusted until its perturbed run is this far from it: the root mean square over
+/// the objects of the distance in sizes.
 inline constexpr double kHorizonDistance = 0.1;
 
-/// The first sample at which the two are that far apart, or not to be told; as many as there are
-/// where they never are.
+/// The first sample at which the two runs are that far apart or cannot be compared; the number of
+/// samples if there is none.
 std::size_t HorizonOf(const measure::Samples& reference, const measure::Samples& perturbed);
 
-/// One value a sample, NaN where there is none: where the standard says nothing of it, and, of what
-/// only a step makes, at the start, and, of overlaps, where there is none. `standard` may be null
-/// where no error of `errors` needs it. Result: [error][sample].
+/// One value per sample. NaN where the standard has no value, for errors of a step at the start,
+/// and for overlaps where there are none. `standard` may be null if no error of `errors` needs it.
+/// Result: [error][sample].
 std::vector<std::vector<double>> ErrorSeries(std::span<const schema::ErrorInfo* const> errors,
                                              const measure::Samples& run, const Standard* standard);
 
-/// The series as one number; the start, where all is true, is left out, and so is `end` and what
-/// follows. NaN where one of the values is, but of Fold::kMeanOfSome only where all are.
+/// Reduces the series to one number. The start, where the error is zero by definition, and the
+/// samples from `end` on are left out. NaN if one of the values is; for Fold::kMeanOfSome, only if
+/// all are.
 double Folded(std::span<const double> series, schema::Fold fold, std::size_t end);
 
-/// How far the values of `from` have to be moved, on average, to be those of `to`: W1 of two
-/// distributions of as many values. In any order.
+/// The mean distance by which the values of `from` have to be moved to become those of `to`: the
+/// Wasserstein distance W1 of two distributions of equal size. The values may be in any order.
 double MeanMove(std::vector<double> from, std::vector<double> to);
 
-/// All errors that `scene` asks for, as results hold them. `standard` as above; `reference` and
-/// `perturbed` are null with a closed form, and then the horizon is the end and the floor 0.
+/// All errors that `scene` requests, as the results store them. `standard` as above. `reference`
+/// and `perturbed` are null for a closed form; the horizon is then the end and the floor 0.
 measure::RunErrors CollectErrors(const plan::Scene& scene, const measure::Samples& run,
                                  const Standard* standard, const measure::Samples* reference,
                                  const measure::Samples* perturbed);

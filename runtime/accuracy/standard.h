@@ -1,4 +1,4 @@
-// What a run's samples are compared with: another run's, or a closed form.
+// The standard that the samples of a run are compared with: another run or a closed form.
 #pragma once
 
 #include <memory>
@@ -9,25 +9,27 @@
 
 namespace cdb::accuracy {
 
-/// What is true at each sample of a run. Not for several threads.
+/// The true values at each sample of a run. Not thread-safe.
 class Standard {
  public:
   virtual ~Standard() = default;
-  /// What it says nothing of is empty.
+  /// Values that the standard does not define are empty.
   virtual closed_forms::Truth At(std::size_t sample) const = 0;
   virtual std::optional<double> Contacts(std::size_t sample) const = 0;
-  /// What errors are divided by; 0 where the scene has none, and then they have no value.
+  /// Scales that errors are divided by. A scale of 0 means that the scene has none; its errors then
+  /// have no value.
   virtual double energy_scale() const = 0;            ///< J
   virtual double momentum_scale() const = 0;          ///< kg m/s
   virtual double angular_momentum_scale() const = 0;  ///< kg m^2/s
 };
 
-/// The samples of a reference run, which outlive it. The energy of its scene is the most kinetic
-/// energy that it has at a sample, and what lifts every object by its own size: so that a stack at
-/// rest has one too.
+/// The standard given by the samples of a reference run, which must outlive it. The energy scale is
+/// the largest kinetic energy at any sample plus the energy that lifts every object by its own
+/// size; the second term gives a stack at rest a scale too.
 std::unique_ptr<Standard> StandardOf(const measure::Samples& reference);
 
-/// A closed form; both outlive it. Scales of momentum are the run's own.
+/// A closed form; both arguments must outlive the result. The scales of momentum are those of the
+/// run.
 std::unique_ptr<Standard> StandardOf(const closed_forms::ClosedForm& form,
                                      const measure::Samples& run);
 

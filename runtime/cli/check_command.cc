@@ -1,5 +1,5 @@
-// `cdb check`: the errors of scenario files, without running them; whether results files, shards
-// and traces are whole.
+// `cdb check`: reports the errors of scenario files without running them, and whether results
+// files, shards and traces are intact.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ compiler::Compilation CompileToJson(const std::string& file,
   return result;
 }
 
-/// Whether this machine can run it, with nothing else at work. Says so where it cannot.
+/// True if this machine could run the grid with no other load. Prints the reason if not.
 bool FitsHere(const grid::Grid& grid, const std::string& file) {
   plan::Plan plan = grid.head;
   plan.whole =

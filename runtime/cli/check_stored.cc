@@ -30,8 +30,8 @@ const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
       fmt::format("{}: is damaged: {}; it was left as it is: {}", file, why, store::kResultRemedy));
 }
 
-/// Nullopt for a file of an earlier version, without a plan or with one that this cdb cannot read.
-/// Throws StoreError where there should be one.
+/// Nullopt for a file of an earlier version without a plan, or with a plan that this cdb cannot
+/// read. Throws StoreError if the plan is missing from a file that must have one.
 std::optional<plans::SizedPlan> PlanIn(const store::ResultFile& results, const std::string& file) {
   const std::string text = results.ReadProvenance("plan_text");
   if (text.empty() && results.has_digest()) RefuseContents(file, "it holds no plan");
@@ -45,7 +45,7 @@ std::optional<plans::SizedPlan> PlanIn(const store::ResultFile& results, const s
   }
 }
 
-/// How many cells there are of each status.
+/// The number of cells of each status.
 struct StatusCounts {
   std::array<std::uint64_t, std::size(store::kStatusNames)> of = {};
   std::uint64_t runs = 0;
@@ -64,7 +64,7 @@ StatusCounts CountCells(const store::ResultFile& results) {
   return counts;
 }
 
-/// Throws StoreError where the file is not of the plan that it holds.
+/// Throws StoreError if the file does not match the plan that it holds.
 void CompareWithPlan(const store::ResultFile& results, const plan::Plan& plan,
                      const std::string& file) {
   if (plan.Sha256() != results.plan_sha256())
@@ -88,7 +88,7 @@ options::ExitStatus CheckResults(const std::string& file) {
   const store::ResultFile results(file, store::ProofOf::kEveryValue);
   const std::string plan_name = results.plan_sha256().substr(0, 12);
   if (results.is_shard()) {
-    shards::ReadShardInfo(file);  // refuses one that is cut short, as a merge does
+    shards::ReadShardInfo(file);  // refuses a truncated shard, as a merge does
     terminal::Print(fmt::format("{}: {}: the shard of a run of plan {}; {}\n", file,
                                 State(results.has_digest()), plan_name,
                                 Proof(results.has_digest())));

@@ -1,4 +1,4 @@
-// `cdb check` of what cdb wrote: results files, shards and traces.
+// `cdb check` for files that cdb wrote: results files, shards and traces.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace cdb::cli {
 
-/// Reads every byte of `file`, and prints in one line whether it is as it was written, whether its
-/// runs are those of its plan, and how many are missing (kRuns). Damage is an error (kWorld).
+/// Reads every byte of `file`. Prints in one line whether it is as it was written, whether its runs
+/// are those of its plan, and how many are missing (kRuns). Damage is an error (kWorld).
 options::ExitStatus CheckStored(const std::string& file);
 
 }  // namespace cdb::cli

@@ -1,5 +1,6 @@
-// The subcommands of `cdb`. Each function declares the options of one; parsing a command line that
-// names it runs it and sets `status`. Commands throw CommandError and the errors of what they use.
+// The subcommands of `cdb`. Each function declares the options of one subcommand. When the parsed
+// command line names that subcommand, it is executed and sets `status`. Commands throw CommandError
+// and the errors of the functions that they use.
 #pragma once
 
 #include "runtime/cli/options/exit_status.h"
@@ -19,29 +20,30 @@ void AddTraceCommand(CLI::App& app, options::ExitStatus& status);
 void AddShowCommand(CLI::App& app, options::ExitStatus& status);
 /// Writes one page of all files. Exit status 3 if a run failed, or its timings do not count.
 void AddReportCommand(CLI::App& app, options::ExitStatus& status);
-/// What changed between results files. Exit status 4 if something is worse by more than
+/// Prints the changes between results files. Exit status 4 if something is worse by more than
 /// --fail-above.
 void AddCompareCommand(CLI::App& app, options::ExitStatus& status);
 /// Runs the suite and prints the map. Safe to rerun: finished runs are skipped. Failed runs are
 /// expected here: exit status 0.
 void AddStabilityCommand(CLI::App& app, options::ExitStatus& status);
 /// Runs the standard suite and prints a score for each configuration and kind of application, or
-/// checks results of it. Safe to rerun: finished runs are skipped. Exit status 3 if runs failed or
-/// a submission is not comparable, 4 if another machine's results are not borne out.
+/// checks results of the suite. Safe to rerun: finished runs are skipped. Exit status 3 if runs
+/// failed or a submission is not comparable, 4 if another machine's results are not borne out.
 void AddSuiteCommand(CLI::App& app, options::ExitStatus& status);
 /// Compares the pairs and contacts of detectors with exact ones in each cycle, and prints a table.
 /// Exit status 3 for a missed pair or a failed run.
 void AddVerifyCommand(CLI::App& app, options::ExitStatus& status);
-/// A page with the bodies of a run in 3-D, or those of a scenario at its start.
+/// Writes a page with the bodies of a run in 3-D, or those of a scenario at its start.
 void AddViewCommand(CLI::App& app, options::ExitStatus& status);
-/// Job arrays of a Slurm cluster, and a merge after each. Exit status 2 if runs are missing at the
-/// end.
+/// Submits job arrays to a Slurm cluster, each followed by a merge job. Exit status 2 if runs are
+/// missing at the end.
 void AddSubmitCommand(CLI::App& app, options::ExitStatus& status);
 void AddMergeCommand(CLI::App& app, options::ExitStatus& status);
 void AddFormatCommand(CLI::App& app, options::ExitStatus& status);
-/// The language server, until the editor ends it.
+/// Runs the language server until the editor ends it.
 void AddLspCommand(CLI::App& app, options::ExitStatus& status);
-/// What makes timings doubtful here. Exit status 3 if a fixed loop does not run steadily.
+/// Prints the conditions of this machine that make timings doubtful. Exit status 3 if a fixed loop
+/// does not run steadily.
 void AddDoctorCommand(CLI::App& app, options::ExitStatus& status);
 
 }  // namespace cdb::cli

@@ -1,4 +1,4 @@
-// `cdb compare`: two results files of one benchmark side by side, or several in order.
+// `cdb compare`: compares two results files of one benchmark, or several in order.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ compare::CompareOptions OptionsOf(const CompareArguments& arguments) {
           arguments.lists_all};
 }
 
-/// The shortest ends of the paths that tell them apart: `a.h5`, `before/first.h5`.
+/// The shortest trailing parts of the paths that distinguish them: `a.h5`, `before/first.h5`.
 std::vector<std::string> NamesOf(const std::vector<std::string>& paths) {
   std::vector<std::string> names;
   for (std::size_t parts = 1;; ++parts) {
@@ -71,7 +71,7 @@ std::vector<std::string> NamesOf(const std::vector<std::string>& paths) {
   }
 }
 
-/// The results files of a folder, by their names.
+/// The names of the results files in a folder.
 std::set<std::string> ResultsIn(const std::string& folder) {
   std::set<std::string> names;
   std::error_code error;
@@ -81,8 +81,8 @@ std::set<std::string> ResultsIn(const std::string& folder) {
   return names;
 }
 
-/// The files of each benchmark, in the order of the arguments; `unmatched` gets what only some
-/// folders have.
+/// The files of each benchmark, in the order of the arguments. `unmatched` receives the files that
+/// are not in all of the folders.
 std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& arguments,
                                               std::vector<std::string>& unmatched) {
   std::error_code error;
@@ -130,7 +130,7 @@ std::vector<compare::BenchmarkHistory> ReadAll(const std::vector<std::vector<std
   return benchmarks;
 }
 
-/// `names`: of the files or folders of the command.
+/// `names`: the names of the files or folders on the command line.
 compare::Document DocumentOf(const std::vector<compare::BenchmarkHistory>& benchmarks,
                              const std::vector<std::string>& names,
                              const std::vector<std::string>& unmatched,

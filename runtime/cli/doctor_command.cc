@@ -16,7 +16,7 @@ namespace cdb::cli {
 namespace {
 
 constexpr double kSeconds = 2;
-/// ns: a cycle of a few objects is timed by a dozen readings, and takes some microseconds.
+/// ns: a cycle of a few objects takes some microseconds and is timed by a dozen clock readings.
 constexpr double kSlowClock = 100;
 
 std::string Percent(double part) { return fmt::format("{:.1f} %", 100 * part); }

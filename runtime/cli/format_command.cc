@@ -1,4 +1,4 @@
-// `cdb fmt`: scenario files in the standard layout.
+// `cdb fmt`: formats scenario files in the standard layout.
 #include <fmt/format.h>
 
 #include <memory>
@@ -19,7 +19,7 @@ namespace {
 
 struct FormatArguments {
   std::vector<std::string> files;
-  bool check = false;  ///< change nothing; exit status 1 where something would change
+  bool check = false;  ///< change nothing; exit status 1 if a file would change
 };
 
 options::ExitStatus FormatFiles(const FormatArguments& arguments) {

@@ -16,7 +16,7 @@
 namespace cdb::cli {
 namespace {
 
-/// Diagnostics come when nothing was typed for this time, ms.
+/// Diagnostics are sent when nothing has been typed for this time, ms.
 constexpr int kQuietTime = 150;
 
 /// False at the end of standard input.

@@ -46,7 +46,7 @@ void AddCommands(CLI::App& app, ExitStatus& status) {
   help::AddGenerateCommand(app, status);
 }
 
-/// Throws CommandError where there is no command `name`.
+/// Throws CommandError if there is no command `name`.
 void CheckCommandName(const CLI::App& app, const std::string& name) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) {
@@ -85,15 +85,15 @@ ExitStatus MainWithErrors(int argc, char** argv) {
   return ExitStatus::kWorld;
 }
 
-/// A descriptor that was closed would be given to the first file that is opened, and be printed
-/// into.
+/// Opens closed standard descriptors. Otherwise the next file to be opened would get such a
+/// descriptor, and output would be written into it.
 void KeepStandardDescriptors() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    // Standard output cannot be written then, and says so.
+    // Read-only as standard input and output: writing to it fails, and the failure is reported.
     if (fcntl(fd, F_GETFD) < 0) open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-/// Whatever the command printed has to have arrived.
+/// Reports an error if some of the output could not be written.
 ExitStatus CheckOutput(ExitStatus status) {
   const auto fault = cdb::terminal::FinishOutput();
   if (!fault) return status;
@@ -106,8 +106,8 @@ ExitStatus CheckOutput(ExitStatus status) {
 
 int main(int argc, char** argv) {
   KeepStandardDescriptors();
-  // A limit on the size of files is an error of the write that meets it, with a message; it must
-  // not end the program.
+  // A write beyond the limit on the size of files must fail with an error and a message, not end
+  // the program.
   std::signal(SIGXFSZ, SIG_IGN);
   return static_cast<int>(CheckOutput(MainWithErrors(argc, argv)));
 }

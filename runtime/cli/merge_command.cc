@@ -1,4 +1,4 @@
-// `cdb merge`: a results file from the shards of a run.
+// `cdb merge`: makes a results file from the shards of a sweep.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,11 +36,11 @@ namespace fs = std::filesystem;
 struct MergeArguments {
   std::string out;
   std::vector<std::string> shards;  ///< shards, or folders of them
-  std::uint64_t wait_s = 0;         ///< for shards that are missing
-  bool removes = false;             ///< the shards, once all are merged
+  std::uint64_t wait_s = 0;         ///< time to wait for missing shards
+  bool removes = false;             ///< remove the shards once all are merged
 };
 
-/// The plans that lie beside the shards of runs, the same file once.
+/// The plans that lie beside the shards. A file is listed once.
 std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
   std::error_code error;
   std::vector<std::string> plans;
@@ -59,7 +59,8 @@ std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
       fmt::join(shards, "', '")));
 }
 
-/// Of the list beside a short form where this cdb, or its plug-ins, make another plan of that.
+/// Reads a plan file. If this cdb, or its plug-ins, expand a short form to another plan, the list
+/// of runs beside it is read instead.
 plans::SizedPlan ReadPlan(const std::string& file, const std::string& text) {
   const fs::path list = fs::path(file).parent_path() / "plan.yaml";
   std::error_code error;
@@ -72,7 +73,7 @@ plans::SizedPlan ReadPlan(const std::string& file, const std::string& text) {
   }
 }
 
-/// The one plan of all files. Throws CommandError where they are of several.
+/// The one plan of all files. Throws CommandError if there are several.
 plans::SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   const std::string text = options::ReadText(files[0]);
   plans::SizedPlan sized = ReadPlan(files[0], text);
@@ -87,8 +88,8 @@ plans::SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   return sized;
 }
 
-/// Until `is_there`, or `seconds` have passed. A network file system may show what another node
-/// wrote only after a while, and sooner if the folder is read.
+/// Waits until `is_there` returns true or `seconds` have passed. A network file system may show a
+/// file of another node only after a while, and sooner if the folder is read.
 void WaitForShards(const std::function<bool()>& is_there, double seconds) {
   constexpr auto kPause = std::chrono::milliseconds(500);
   const auto begin = std::chrono::steady_clock::now();
@@ -99,7 +100,7 @@ void WaitForShards(const std::function<bool()>& is_there, double seconds) {
   }
 }
 
-/// What a reader of the results has to know of the machines.
+/// Prints the facts about the machines' processors that a reader of the results must know.
 void SayProcessors(const store::ResultFile& file) {
   terminal::Say(statistics::ProcessorText(file, statistics::AllCells(file)));
 }

@@ -1,4 +1,4 @@
-// `cdb plan`: the runs of a scenario as a table, as YAML, or with what each leaves out.
+// `cdb plan`: prints the runs of a scenario as a table or as YAML, or the omissions of each run.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,15 +30,14 @@ struct PlanArguments {
   std::string file;
   std::optional<std::string> benchmark;
   std::string out;                   ///< empty: a table on standard output; `-`: YAML there
-  bool why = false;                  ///< what each run leaves out, in place of the table
-  std::string only;                  ///< the id of the one run that `why` is about, or empty
-  bool estimate = false;             ///< what the sweep will cost, in place of the table
-  std::uint64_t jobs = 1;            ///< runs at a time, of the estimate
+  bool why = false;                  ///< explain the omissions of each run, in place of the table
+  std::string only;                  ///< the id of the one run that `why` explains, or empty
+  bool estimate = false;             ///< estimate the cost of the sweep, in place of the table
+  std::uint64_t jobs = 1;            ///< runs at a time, for the estimate
   std::vector<std::string> plugins;  ///< shared libraries with detectors
 };
 
-/// What a run leaves out and what that changes a measurement by; `?` where the placed objects
-/// decide.
+/// The components that a run omits; `?` after a name if the placed objects decide.
 std::string LeftOut(const plan::Scene& scene) {
   using analysis::Decision;
   std::string names;
@@ -69,7 +68,7 @@ std::string InColumns(std::string_view decisions) {
   return text;
 }
 
-/// False where the scene cannot be made, or needs what `omit` names.
+/// False if the scene cannot be made, or needs a component that `omit` names.
 bool SayWhy(const plan::Scene& scene) {
   try {
     const layouts::InitialState state = layouts::MakeInitialState(scene);
@@ -87,7 +86,7 @@ options::ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string&
     const std::vector<std::size_t>* last = nullptr;
     for (const plan::Run& run : plan.runs) {
       if (!only.empty() && run.id != only) continue;
-      // Repeats are the same scene.
+      // Repeats have the same scene.
       if (last != nullptr && run.at == *last) continue;
       last = &run.at;
       const std::string alike = only.empty() && plan.repeats > 1
@@ -105,10 +104,10 @@ options::ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string&
   return good ? options::ExitStatus::kGood : options::ExitStatus::kScenario;
 }
 
-/// Runs in a table; a plan in YAML has them all.
+/// Limit of runs in a table; a plan in YAML has them all.
 constexpr std::uint64_t kMostShown = 10'000;
 
-/// `plan`: with the runs that are shown, of `runs`; `skipped` points have none.
+/// `plan`: holds the runs to show, out of `runs`; `skipped` points have none.
 std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped) {
   std::string grid;
   for (const plan::Axis& axis : plan.axes)
@@ -175,7 +174,7 @@ void RequireOne(std::size_t benchmarks, const std::string& file) {
         "{} has {} benchmarks and a plan is of one: choose it by -b", file, benchmarks));
 }
 
-/// Of a plan that was written before.
+/// Prints a plan that was written before.
 options::ExitStatus PrintPlanFile(const PlanArguments& arguments) {
   const auto plans = options::LoadPlans(arguments.file, arguments.benchmark,
                                         options::LintText::kOneLine, arguments.plugins);

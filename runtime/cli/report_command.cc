@@ -1,4 +1,4 @@
-// `cdb report`: results files as one page for a browser.
+// `cdb report`: writes a page for a browser from results files.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -29,7 +29,7 @@ std::string PageName(const ReportArguments& arguments) {
   return std::filesystem::path(arguments.files[0]).replace_extension(".html").string();
 }
 
-/// A page must never take the place of what it is of.
+/// A page must never replace a results file that it shows.
 void CheckPageName(const ReportArguments& arguments) {
   for (const std::string& file : arguments.files) {
     std::error_code error;

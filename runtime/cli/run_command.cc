@@ -1,4 +1,4 @@
-// `cdb run`: the plans of a scenario to results files.
+// `cdb run`: executes the plans of a scenario and writes results files.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ struct RunArguments {
   std::string until;                 ///< a percentage, or empty
   std::string shard;                 ///< `K/N`, or empty
   std::string only;                  ///< the id of one run, or empty
-  std::vector<std::string> retry;    ///< how runs ended that are run again
+  std::vector<std::string> retry;    ///< retry runs with these endings
   std::vector<std::string> plugins;  ///< shared libraries with detectors
   bool fresh = false;
   bool quiet = false;
@@ -59,7 +59,7 @@ schedule::ShardChoice ParseShard(const std::string& text) {
       fmt::format("--shard {} is not K/N: the K-th of N parts, from 1/N to N/N", text));
 }
 
-/// A run as a plan of its own, called like the run.
+/// A plan with just this run, named after it.
 plan::Plan PlanOfOne(const plan::Plan& head, plan::Run run) {
   plan::Plan one = head;
   one.title = fmt::format("{}: {}", head.benchmark, plan::Describe(head, run));
@@ -88,7 +88,7 @@ std::optional<plan::Plan> FindRun(const grid::Grid& grid, const std::string& id)
   return found;
 }
 
-/// The run `id` by itself. Other runs are not listed.
+/// The run `id` as a plan with no other runs. Runs are not listed for it.
 std::vector<plans::SizedPlan> OnlyRun(const RunArguments& arguments) {
   const options::LintText lints =
       arguments.quiet ? options::LintText::kNone : options::LintText::kOneLine;
@@ -113,8 +113,8 @@ std::vector<plans::SizedPlan> OnlyRun(const RunArguments& arguments) {
       fmt::format("no run has the id '{}'; `cdb plan` lists them", arguments.only));
 }
 
-/// The plan whose results `-o` names already, where it has the run of `--only`: that run is run
-/// again there. Empty where there is no such file, or it is of another plan.
+/// The plan of the existing results file `-o`, if it contains the run of `--only`; that run is then
+/// run again in that file. Empty if there is no such file or it belongs to another plan.
 std::vector<plans::SizedPlan> PlanOfExisting(const RunArguments& arguments) {
   std::error_code error;
   if (arguments.only.empty() || arguments.out.empty() || arguments.fresh ||
@@ -144,7 +144,7 @@ options::ExitStatus RunPlan(const plans::SizedPlan& plan, const fs::path& out,
   return end.summary.HasBadRuns() ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
-/// Runs side by side are slower than each alone, by what the others do then.
+/// Runs that execute side by side slow each other down, which falsifies their times.
 void CheckJobs(const RunArguments& arguments, const std::vector<plans::SizedPlan>& plans) {
   if (arguments.jobs == 1 || arguments.shares_timings) return;
   for (const plans::SizedPlan& sized : plans)

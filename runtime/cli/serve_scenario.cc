@@ -16,7 +16,7 @@
 namespace cdb::cli {
 namespace {
 
-/// The file as the editor holds it, and the others as they are on the disk.
+/// Reads the edited file from the editor and all others from the disk.
 scenario::ReadFile ReadEdited(const std::string& file, const std::string& text) {
   return [file, text](const std::string& path, std::string& why) -> std::optional<std::string> {
     if (path == file) return text;

@@ -8,8 +8,8 @@
 
 namespace cdb::cli {
 
-/// Serves until Ctrl-C. `benchmark`: default, the first of the file. Throws CommandError for a file
-/// that is not there, a scenario that comes with cdb, or a benchmark that it has not got.
+/// Serves until Ctrl-C. `benchmark`: the first of the file by default. Throws CommandError for a
+/// missing file, a scenario that comes with cdb, or an unknown benchmark.
 options::ExitStatus ServeScenario(const std::string& file,
                                   const std::optional<std::string>& benchmark);
 

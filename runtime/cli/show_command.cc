@@ -1,4 +1,4 @@
-// `cdb show`: a results file as tables on the terminal, or as CSV or JSON for scripts.
+// `cdb show`: prints a results file as tables, or as CSV or JSON for scripts.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -27,8 +27,8 @@ namespace {
 struct ShowArguments {
   std::string file;
   std::vector<std::string> by;  ///< axes that make the rows
-  std::string baseline;     ///< the detector that ratios are to; empty: the first with all cells
-  bool only_sound = false;  ///< without runs whose timings a verdict voids
+  std::string baseline;     ///< the baseline of ratios; empty: the first detector with all cells
+  bool only_sound = false;  ///< leave out runs whose timings are voided by their verdict
   std::string error;        ///< an array of /accuracy to set against run time; empty: a summary
   std::vector<std::string> each;    ///< with `error`: axes with a table for each value
   std::vector<std::string> select;  ///< `axis=value`
@@ -38,7 +38,7 @@ struct ShowArguments {
   bool csv = false, json = false;
 };
 
-/// An option, whether it is given, and why it does not go with the form of output.
+/// An option, whether it is given, and the reason why it does not go with the form of output.
 struct Misfit {
   bool is_given;
   const char* why;
@@ -49,7 +49,7 @@ void CheckMisfits(std::initializer_list<Misfit> misfits) {
     if (misfit.is_given) throw options::CommandError(misfit.why);
 }
 
-/// Throws CommandError for options that say nothing to what is printed.
+/// Throws CommandError for options that have no effect on the chosen output.
 void CheckOptions(const ShowArguments& a) {
   if (a.json && a.csv) throw options::CommandError("--json and --csv are two forms: choose one");
   if (a.json)
@@ -79,7 +79,7 @@ void CheckOptions(const ShowArguments& a) {
        {a.plots, "--error has its plot anyway; leave --plot out"}});
 }
 
-/// The place of `name` among `names`. Throws CommandError that lists them.
+/// The index of `name` in `names`. Throws CommandError that lists them.
 std::size_t PlaceOf(std::string_view option, const std::string& name,
                     std::span<const std::string_view> names) {
   const auto found = std::ranges::find(names, name);

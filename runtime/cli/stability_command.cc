@@ -1,4 +1,5 @@
-// `cdb stability`: the stability suite of the library, and the map of where it stops being sound.
+// `cdb stability`: runs the stability suite of the library and prints where simulation stops being
+// sound.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -48,7 +49,7 @@ std::vector<std::string> SuiteFiles() {
   return names;
 }
 
-/// Those of the suite that were asked for; all where none was.
+/// The requested scenes of the suite; all if none was requested.
 std::vector<std::string> Choose(const std::vector<std::string>& asked) {
   const auto names = SuiteFiles();
   if (asked.empty()) return names;
@@ -69,7 +70,7 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
   std::vector<plan::Plan> plans;
   for (const std::string& name : Choose(arguments.scenes)) {
     const std::string file = fmt::format("{}/{}", kSuite, name);
-    // What the lints say of it is what it is for.
+    // No lints: these scenarios use such numbers on purpose.
     const auto loaded = options::LoadPlans(file, {}, options::LintText::kNone);
     if (loaded.empty()) return options::ExitStatus::kScenario;
     for (const plan::Plan& plan : loaded)

@@ -1,4 +1,5 @@
-// `cdb submit`: the plans of a scenario to job arrays of Slurm, each with a merge after it.
+// `cdb submit`: submits the plans of a scenario as job arrays to Slurm, each followed by a merge
+// job.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,11 +40,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A task is dispatched in about a second, and should be worth it.
+/// Target duration of a task, s. Dispatching one takes about a second.
 constexpr double kTaskSeconds = 60;
-/// So that a slow one does not hold up the end for long.
+/// Several tasks per core, so that a slow one does not delay the end for long.
 constexpr std::uint64_t kTasksOfCore = 4;
-/// Of schedule::EstimatedWork, as Bullet's `dbvt` takes them with hundreds of objects.
+/// Time per unit of schedule::EstimatedWork, s, with Bullet's `dbvt` and hundreds of objects.
 constexpr double kSecondsOfWork = 1e-6;
 
 struct SubmitArguments {
@@ -52,14 +53,14 @@ struct SubmitArguments {
   std::string out;
   std::uint64_t tasks = 0;  ///< 0: by work and cores
   cluster::JobOptions job;
-  std::vector<std::string> retry;  ///< how runs ended that are run again
+  std::vector<std::string> retry;  ///< retry runs with these endings
   std::vector<std::string> plugins;
   bool is_dry = false;
   bool no_follow = false;
   bool quiet = false;
 };
 
-/// One plan on its way to a results file.
+/// One plan and its results file.
 struct Target {
   plans::SizedPlan sized;
   fs::path out, shards;
@@ -82,7 +83,7 @@ std::uint64_t MostThreads(const plan::Plan& plan) {
   return threads;
 }
 
-/// s: as a laptop needs for all runs, roughly.
+/// A rough estimate for all runs on a laptop, s.
 double EstimatedSeconds(const plan::Plan& plan) {
   double work = 0;
   for (const plan::Run& run : plan.Bounds()) work += schedule::EstimatedWork(run);
@@ -109,8 +110,8 @@ std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& pl
   return std::min(wanted, most);
 }
 
-/// Those with a run that is not in `kept`, which may be null, and that has no whole shard, or one
-/// of whose references has none.
+/// The tasks with a run that is not in `kept` (which may be null) and that lacks an intact shard
+/// itself or for one of its references.
 std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks,
                                        const plans::KeptRuns* kept, bool is_quiet) {
   const plan::Plan& plan = target.plan();
@@ -119,7 +120,7 @@ std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks
   if (plan.whole) {
     if (kept == nullptr) return schedule::FindUnmarkedShards(plan, target.shards, tasks);
     for (std::uint64_t task = 1; task <= tasks; ++task) missing.push_back(task);
-    return missing;  // those without any end at once
+    return missing;  // tasks without a missing run end at once
   }
   std::set<std::string_view> missing_runs;
   std::vector<std::string> warnings;
@@ -149,7 +150,7 @@ cluster::Sweep SweepOf(const Target& target, std::uint64_t tasks) {
           {}};
 }
 
-/// The command that writes the plan which a dry run's script needs.
+/// The command that writes the plan for the script of a dry run.
 std::string PlanCommand(const SubmitArguments& arguments, const Target& target) {
   const std::string file = terminal::ShellWord(arguments.file);
   const std::string to =
@@ -162,7 +163,8 @@ std::string PlanCommand(const SubmitArguments& arguments, const Target& target) 
   return words + " -o " + to;
 }
 
-/// `--fresh` keeps its state in the folder of shards, and knows only one machine.
+/// Refuses a folder that a stopped `cdb run --fresh` has left: it keeps its state there and works
+/// on one machine only.
 void RefuseOtherWork(const Target& target) {
   std::error_code error;
   if (fs::exists(plans::FreshMark(target.shards), error))
@@ -196,7 +198,7 @@ class Submitter {
       targets.push_back({std::move(sized), std::move(out), std::move(shards)});
     }
     options::ExitStatus status = options::ExitStatus::kGood;
-    // All are submitted before the first is waited for.
+    // All plans are submitted before the first is waited for.
     std::vector<std::optional<cluster::Submission>> submitted;
     for (const Target& target : targets) submitted.push_back(Submit(target));
     if (arguments_.is_dry) return status;
@@ -220,8 +222,8 @@ class Submitter {
   }
 
  private:
-  /// The jobs of the plan, those that are at work already or new ones. Nullopt where every run has
-  /// ended, and for a dry run.
+  /// The jobs of the plan: those at work, or new ones. Nullopt if every run has ended, and for a
+  /// dry run.
   std::optional<cluster::Submission> Submit(const Target& target) {
     plans::CheckIsOfPlan(target.out.string(), target.plan());
     if (arguments_.is_dry) {
@@ -256,7 +258,7 @@ class Submitter {
     return SubmitMissing(target, retry, before);
   }
 
-  /// What is run again in the result that is there: by --retry, or by one that has not ended.
+  /// The runs to run again in the existing result: by --retry, or by an unfinished retry.
   plans::RetryChoice RetryOf(const Target& target) const {
     std::error_code error;
     if (!fs::exists(target.out, error)) {
@@ -294,7 +296,7 @@ class Submitter {
           fmt::format("another cdb is submitting '{}'; nothing was submitted: the same command "
                       "follows its jobs when it has ended",
                       target.out.string()));
-    // By another cdb, before we had the lock.
+    // Submitted by another cdb before this one had the lock.
     const auto meanwhile = cluster::ReadSubmission(target.shards);
     if (meanwhile && meanwhile->plan_sha256 == plan.Sha256() &&
         (!before || before->array != meanwhile->array) && IsAtWork(*meanwhile))
@@ -303,7 +305,7 @@ class Submitter {
     std::optional<plans::KeptRuns> kept;
     if (!retry.is_empty()) {
       kept.emplace(target.out, retry);
-      // Tasks go by it.
+      // The tasks read it.
       files::WriteWhole(retry.Text(), target.shards / schedule::kRetryMarkName);
     }
     sweep.missing = FindMissing(target, tasks, kept ? &*kept : nullptr, arguments_.quiet);
@@ -317,7 +319,7 @@ class Submitter {
     const std::string array = cluster::Submit(cluster::ArrayJob(sweep, arguments_.job));
     cluster::Submission made = {plan.Sha256(), tasks, array, array};
     try {
-      // Known before there is a merge, so that whoever comes after us follows it.
+      // Recorded before there is a merge job, so that a later `cdb submit` follows the array.
       cluster::WriteSubmission(made, target.shards);
       made.merge = cluster::Submit(cluster::MergeJob(sweep, arguments_.job, array));
       cluster::WriteSubmission(made, target.shards);
@@ -339,7 +341,7 @@ class Submitter {
         cluster::DryRunText(sweep, arguments_.job, PlanCommand(arguments_, target)));
   }
 
-  /// After the jobs: their merge may have been lost with a controller.
+  /// Called after the jobs: their merge job may have been lost with a controller.
   options::ExitStatus Finish(const Target& target,
                              const std::optional<cluster::Submission>& submission) {
     const plan::Plan& plan = target.plan();
@@ -356,7 +358,7 @@ class Submitter {
                               : plan.RunCount());
         return options::ExitStatus::kWorld;
       }
-      // What the merge job has merged, if it ran, and what came after it.
+      // Shards that the merge job has merged, if it ran, and any that came later.
       plans::MergeOnto(plan, {target.shards}, target.out);
       const std::size_t missing =
           std::max(not_again, plans::CountMissing(store::ResultFile(target.out), plan));
@@ -393,7 +395,7 @@ class Submitter {
     terminal::Say(text);
   }
 
-  /// Its last line, or where it would be.
+  /// The last line of the log, or its path if there is none.
   static std::string LogText(const fs::path& log) {
     std::string why, last;
     std::istringstream lines(plan::ReadInputFile(log, why).value_or(""));

@@ -1,4 +1,5 @@
-// `cdb suite`: the standard suite, its scores, and whether results of it can be trusted.
+// `cdb suite`: runs the standard suite, prints its scores, and checks whether results can be
+// trusted.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -32,8 +33,8 @@ struct SuiteArguments {
   std::vector<std::string> only;  ///< kinds or scenes; empty: all
   std::string out = "suite";      ///< folder of the results
   plans::SuiteChoice choice;
-  std::uint64_t seed = 0;          ///< 0: the published ones
-  std::vector<std::string> retry;  ///< how runs ended that are run again
+  std::uint64_t seed = 0;          ///< 0: the published seeds
+  std::vector<std::string> retry;  ///< retry runs with these endings
   std::uint64_t noisy_retries = 0;
   std::string check, against;  ///< folders
   bool fresh = false;
@@ -47,7 +48,7 @@ bool Names(const std::string& word, const StandardScene& scene) {
   return word == scene.kind || word == scene.name || word == scene.Id();
 }
 
-/// Those that were asked for. Throws CommandError for a word that names none.
+/// The requested scenes. Throws CommandError for a word that matches none.
 std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
   std::vector<std::string> names;
   for (const suite::Kind& kind : suite::Kinds()) names.emplace_back(kind.name);
@@ -71,7 +72,7 @@ std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
   return chosen;
 }
 
-/// Void timings or no timings at all.
+/// True if a run has void timings or none.
 bool HasBadRuns(const plans::SuiteFolder& read) {
   for (const suite::SceneFigures& scene : read.scenes)
     for (const suite::ConfigurationFigures& of : scene.configurations)
@@ -86,7 +87,7 @@ bool HasDisturbedRuns(const plans::SuiteFolder& read) {
   });
 }
 
-/// Its name, or why there is none: the figures are there without it.
+/// The name of the page, or the reason why there is none: the figures do not depend on it.
 std::string WritePage(const plans::SuiteFolder& read, const fs::path& folder) {
   try {
     plans::WriteSuiteSummary(read, folder);

@@ -1,4 +1,4 @@
-// `cdb trace`: the boxes of runs, recorded for detectors to be run on.
+// `cdb trace`: records the boxes of runs, so that detectors can be run on them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ class Tracer {
         stop_(stop),
         launcher_(process::FindWorkers(plan), 1, &stop) {}
 
-  /// ExitStatus::kRuns for a failed run, of which there is no file.
+  /// ExitStatus::kRuns for a failed run; no file is written for it.
   options::ExitStatus Trace(const plan::Run& run, const fs::path& file) {
     files::RemoveStaleTemporariesBeside(file);
     if (!arguments_.fresh && store::TracedRun(file) == run.id) {
@@ -56,7 +56,9 @@ class Tracer {
     launcher_.Start(0, run, "");
     std::optional<process::Ending> ending;
     while (!ending && !stop_.requested()) ending = launcher_.Wait(1);
-    if (!ending) return options::ExitStatus::kGood;  // whoever asked to stop sees to the status
+    if (!ending)
+      return options::ExitStatus::kGood;  // the code that requested the stop sets the
+                                          // status
     if (ending->result.status != store::Status::kDone) {
       terminal::Say(fmt::format("{}: {}: {}\n", plan::Describe(plan_, run),
                                 store::StatusName(ending->result.status), ending->result.message));
@@ -82,7 +84,7 @@ class Tracer {
     if (!arguments_.quiet) terminal::Print(fmt::format("{}: {}\n", file.string(), what));
   }
 
-  /// What is written over is a trace, or asked for.
+  /// Throws CommandError if the file exists and --fresh is not given.
   void CheckIsOurs(const fs::path& file) const {
     std::error_code error;
     if (!arguments_.fresh && fs::exists(file, error))

@@ -1,4 +1,4 @@
-// `cdb verify`: every detector's pairs against brute force, in every cycle of a scenario.
+// `cdb verify`: compares every detector's pairs with brute force, in every cycle of a scenario.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,8 +27,8 @@ namespace fs = std::filesystem;
 struct VerifyArguments {
   std::string file;
   std::optional<std::string> benchmark;
-  std::vector<std::string> detectors;   ///< empty: the file's own; `all`: every one that can
-  std::optional<std::uint64_t> cycles;  ///< nullopt: the file's own
+  std::vector<std::string> detectors;   ///< empty: those of the file; `all`: every one that can
+  std::optional<std::uint64_t> cycles;  ///< nullopt: as in the file
   std::vector<std::string> plugins;     ///< shared libraries with detectors
   std::string out;                      ///< folder of the results; empty: the current one
   std::uint64_t jobs = 1;
@@ -36,7 +36,7 @@ struct VerifyArguments {
   bool quiet = false;
 };
 
-/// Beside the results, so that one run of them can be seen by itself.
+/// Writes the plan beside the results, so that a single run can be executed from it.
 void WritePlan(const plan::Plan& plan, const fs::path& path) {
   files::WriteWhole(yaml::ToYaml(plan), path);
 }

@@ -1,4 +1,4 @@
-// `cdb view`: a run, or the start of a scenario, as a page with bodies in 3-D.
+// `cdb view`: writes a page with the bodies of a run, or of the start of a scenario, in 3-D.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -33,13 +33,13 @@ struct ViewArguments {
   bool serve = false;
 };
 
-/// A .glb file is shorter than 4 GB; its poses take less than twice the bytes of a page's.
+/// A .glb file must be smaller than 4 GB; its poses take less than twice the bytes of a page's.
 constexpr std::size_t kGltfBudget = 1'000'000'000;
 
 using statistics::AxisSelection;
 using view::SceneRecording;
 
-/// By its contents; a missing or an empty file is known by its name.
+/// Decided by the contents of the file, or by its name if it is missing or empty.
 bool IsResults(const std::string& file) {
   return file.ends_with(".h5") || file.ends_with(".nc") || store::IsStored(file);
 }
@@ -55,8 +55,8 @@ bool HasAxis(const std::vector<plan::Axis>& axes, const AxisSelection& selection
          std::ranges::find(axes, selection.axis, &plan::Axis::name) != axes.end();
 }
 
-/// Of `selections` those for this sweep. With two files one of them may lack an axis; `used` gets
-/// the axes that were found.
+/// The elements of `selections` that apply to this sweep. With two files, one of them may lack an
+/// axis; `used` receives the axes that were found.
 std::vector<AxisSelection> ForSweep(const std::vector<plan::Axis>& axes,
                                     std::vector<AxisSelection> selections,
                                     const ViewArguments& arguments, std::set<std::string>& used) {
@@ -84,13 +84,13 @@ view::FrameChoice FramesOf(const ViewArguments& arguments, std::size_t runs) {
   return choice;
 }
 
-/// What the files of a command line gave.
+/// The recordings from the files of a command line.
 struct Viewed {
   std::vector<SceneRecording> recordings;
-  std::set<std::string> axes;  ///< that --select named
+  std::set<std::string> axes;  ///< named by --select
 };
 
-/// The runs of one results file: that which is selected, and the one beside it.
+/// The selected run of one results file, and the one beside it.
 void ViewResults(const std::string& name, const ViewArguments& arguments,
                  const view::FrameChoice& choice, Viewed& viewed) {
   std::vector<SceneRecording>& recordings = viewed.recordings;
@@ -177,12 +177,13 @@ void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>
   const std::string title = first.title.empty() ? first.benchmark : first.title;
   const std::string page = page::Assemble(page::ViewTemplate(), title + " (cdb view)",
                                           view::SceneDocument(title, recordings));
-  // A results file may say anything, and its name of the benchmark is to be a file here.
+  // The name of the benchmark comes from a results file, which may contain anything; here it
+  // becomes a file name.
   const std::string name = text::IsPlainName(first.benchmark) ? first.benchmark : "view";
   Write(arguments.out.empty() ? name + ".scene.html" : arguments.out, page, "open it in a browser");
 }
 
-/// `--serve` shows what the browser asks for.
+/// Throws CommandError for options that --serve does not take: the browser chooses what to show.
 void CheckServe(const ViewArguments& arguments) {
   if (arguments.files.size() != 1 || IsResults(arguments.files[0]))
     throw options::CommandError("--serve edits one scenario file: name it");

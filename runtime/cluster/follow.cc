@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// s: a cluster has one controller for all its users.
+/// Pauses between queries, s: a cluster has one controller for all its users.
 constexpr double kFirstPause = 1, kLongestPause = 5, kPauseGrowth = 1.3;
 
 void Pause(double seconds, const process::StopFlag& stop) {
@@ -55,10 +55,10 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// Every run has a shard.
+  /// True if every run has a shard.
   bool IsMerging() const { return shards_.ended() == shards_.total(); }
 
-  /// False where Slurm has nothing of it any more.
+  /// Queries folder and Slurm. False if Slurm no longer lists the jobs.
   bool Look() {
     std::string why;
     const auto active = FindActive(submission_.array, submission_.merge, why);
@@ -88,7 +88,7 @@ class Watch {
 
   void Show() {
     if (bar_.output().is_terminal) return bar_.Draw(true, [this] { return State(); });
-    // Without a line for each look where nothing has come.
+    // No line if nothing has changed.
     if (shards_.ended() == told_) return;
     if (!pace_.IsDue(shards_.ended(), shards_.total(), bar_.output().now_s())) return;
     told_ = shards_.ended();
@@ -134,7 +134,7 @@ void ShardCount::Update() {
       try {
         bad_ += !shards::ReadShardInfo(entry->path()).outcome.IsGood();
       } catch (const std::runtime_error&) {
-        continue;  // not seen yet as it is written, or just merged
+        continue;  // is being written and not yet visible, or was just merged
       }
     }
     seen_.insert(std::move(id));
@@ -149,7 +149,7 @@ void Follow(const plan::Plan& plan, const fs::path& shards, const Submission& su
   double pause_s = kFirstPause;
   while (!stop.requested() && watch.Look()) {
     Pause(pause_s, stop);
-    // The merge takes little time.
+    // Merging takes little time, so look often.
     pause_s = watch.IsMerging() ? kFirstPause : std::min(pause_s * kPauseGrowth, kLongestPause);
   }
 }

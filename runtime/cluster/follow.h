@@ -1,5 +1,4 @@
-// Watches a sweep on a cluster until its jobs have ended: by the shards in its folder, and by
-// Slurm.
+// Follows a sweep on a cluster until its jobs have ended, by the shards in its folder and by Slurm.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +14,32 @@
 
 namespace cdb::cluster {
 
-/// Runs that have a shard.
+/// Counts the runs that have a shard.
 class ShardCount {
  public:
   /// `plan`: lists its runs, or has a `whole`.
   ShardCount(const plan::Plan& plan, std::filesystem::path folder);
-  /// Looks into the folder. A shard that cannot be read yet counts the next time; one that is gone,
-  /// because it was merged, still counts.
+  /// Reads the folder. A shard that cannot be read yet is counted by a later call; one that has
+  /// been merged and removed stays counted.
   void Update();
 
   std::size_t ended() const { return ended_; }
   std::size_t total() const { return total_; }
-  std::size_t bad() const { return bad_; }  ///< of those that came while this looked
+  std::size_t bad() const {
+    return bad_;
+  }  ///< failed runs among the shards that appeared after
+     ///< the first Update()
 
  private:
   const std::filesystem::path folder_;
   std::size_t total_ = 0, ended_ = 0, bad_ = 0;
   bool is_first_ = true;
-  std::set<std::string, std::less<>> seen_;  ///< ids
+  std::set<std::string, std::less<>> seen_;  ///< ids of the runs
 };
 
-/// Returns when Slurm has no task of the jobs any more, or when `stop` asks for it. `output`: the
-/// bar, or lines; not used where `is_quiet`. Where Slurm does not answer, waits and says so. Throws
-/// SlurmError where there is no squeue, StoreError.
+/// Returns when Slurm has no more tasks of the jobs, or when `stop` requests it. `output`: a
+/// progress bar or lines; not used if `is_quiet`. If Slurm does not answer, waits and prints a
+/// message. Throws SlurmError if there is no squeue, StoreError.
 void Follow(const plan::Plan& plan, const std::filesystem::path& shards,
             const Submission& submission, const process::StopFlag& stop,
             const schedule::ProgressOutput& output, bool is_quiet);

@@ -19,7 +19,7 @@ constexpr std::string_view kLogBegin = "slurm-", kLogEnding = ".log";
 /// A network file system shows new files to other nodes within a minute (acdirmax of nfs(5)).
 constexpr int kVisibleAfter_s = 90;
 
-/// As a shell takes it for one word.
+/// Quotes a path as one word for the shell.
 std::string Quoted(const fs::path& path) {
   const std::string text = path.string();
   if (text.find_first_of("\n\r") != std::string::npos)
@@ -30,7 +30,7 @@ std::string Quoted(const fs::path& path) {
   return terminal::ShellWord(text);
 }
 
-/// Until the node sees what the script needs.
+/// The head of a script: waits until the node sees the files that the script needs.
 std::string Begin(const SweepFiles& files) {
   return fmt::format(
       R"(#!/bin/sh
@@ -49,7 +49,7 @@ done
 }
 
 std::vector<std::string> CommonWords(const Sweep& sweep, const JobOptions& options) {
-  // Logs by a name alone: sbatch would expand signs in a path.
+  // Logs by file name only: sbatch would expand % signs in a path.
   std::vector<std::string> words = {
       "sbatch",     "--parsable", "--chdir=" + sweep.files.shards.string(),
       "--ntasks=1", "--requeue",  "--open-mode=append"};
@@ -85,8 +85,8 @@ std::string IndexList(const std::vector<std::uint64_t>& indices) {
   return fmt::format("{}", fmt::join(ranges, ","));
 }
 
-/// All tasks where the list of the missing ones is longer than an argument of a program may be
-/// (128 KiB on Linux); the others end at once.
+/// All tasks if the list of the missing ones exceeds the largest argument of a program (128 KiB on
+/// Linux); tasks without missing runs end at once.
 std::string TasksToSubmit(const Sweep& sweep) {
   constexpr std::size_t kLongest = 100'000;
   const std::string missing = IndexList(sweep.missing);
@@ -99,7 +99,7 @@ Job ArrayJob(const Sweep& sweep, const JobOptions& options) {
   add("--job-name=cdb-" + sweep.name);
   add("--array=" + TasksToSubmit(sweep));
   add(fmt::format("--cpus-per-task={}", sweep.threads));
-  // A core for each thread: its neighbour on the same core would share its units.
+  // A core for each thread: a second thread on the same core would share its units.
   add("--hint=nomultithread");
   add(fmt::format("--output={}%A_%a{}", kLogBegin, kLogEnding));
   if (options.is_exclusive) add("--exclusive");
@@ -126,7 +126,7 @@ exit 75  # RequeueExit of slurm.conf may name it
 Job MergeJob(const Sweep& sweep, const JobOptions& options, const std::string& array) {
   Job job = {CommonWords(sweep, options), {}};
   job.words.push_back("--job-name=cdb-merge-" + sweep.name);
-  // Also if a task failed: what is there is merged.
+  // `afterany`: the shards are merged even if a task failed.
   job.words.push_back("--dependency=afterany:" + array);
   job.words.push_back(fmt::format("--output={}%j{}", kLogBegin, kLogEnding));
   job.words.insert(job.words.end(), options.more.begin(), options.more.end());

@@ -32,7 +32,7 @@ struct Pipe {
   Descriptor read_end, write_end;
 };
 
-/// Appends what can be read; closes `from` at its end.
+/// Appends the available data; closes `from` at end of file.
 void Drain(Descriptor& from, std::string& text) {
   char buffer[4096];
   const ssize_t got = read(from.get(), buffer, sizeof buffer);
@@ -43,7 +43,7 @@ void Drain(Descriptor& from, std::string& text) {
   }
 }
 
-/// 0, or the error.
+/// Returns 0 or an error number.
 int Spawn(const std::vector<std::string>& words, const Pipe& in, const Pipe& out, const Pipe& err,
           pid_t& pid) {
   posix_spawn_file_actions_t actions;
@@ -88,7 +88,7 @@ std::optional<ProgramEnd> RunProgram(const std::vector<std::string>& words,
   in.read_end.Close();
   out.write_end.Close();
   err.write_end.Close();
-  // A program that does not read it says why it ended.
+  // Errors are ignored: a program that does not read its input reports the reason itself.
   static_cast<void>(measure::TryWriteAll(in.write_end.get(), std::as_bytes(std::span(input))));
   in.write_end.Close();
   ProgramEnd end;

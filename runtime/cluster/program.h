@@ -1,4 +1,4 @@
-// Starts a program of the system and collects what it prints.
+// Runs a program of the system and collects its output.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,16 @@
 namespace cdb::cluster {
 
 struct ProgramEnd {
-  int status = 0;  ///< exit status; 128 + signal where a signal ended it
+  int status = 0;  ///< exit status; 128 + signal if a signal ended it
   std::string out, err;
 };
 
-/// There is an executable file of that name.
+/// True if PATH has an executable file of that name.
 bool IsInPath(const std::string& program);
 
-/// Runs the program `words[0]`, found in PATH, with `input` (at most 64 kB) as standard input,
-/// until it ends. In a process group of its own, so that Ctrl-C does not reach it. Nullopt where
-/// there is no such program. Throws std::system_error where no process can be started.
+/// Runs the program `words[0]`, found in PATH, until it ends, with `input` (at most 64 kB) as
+/// standard input. It has its own process group, so that Ctrl-C does not reach it. Nullopt if there
+/// is no such program. Throws std::system_error if no process can be started.
 std::optional<ProgramEnd> RunProgram(const std::vector<std::string>& words,
                                      std::string_view input = {});
 

@@ -14,7 +14,7 @@ namespace {
 
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// The last, which names the cause.
+/// The last line of a message names the cause.
 std::string LastLine(std::string_view text) {
   while (text.ends_with('\n')) text.remove_suffix(1);
   const auto begin = text.rfind('\n');
@@ -29,7 +29,7 @@ std::string LastLine(std::string_view text) {
                   program));
 }
 
-/// Nullopt where it is missing or refuses.
+/// The output of a program; nullopt if it is missing or fails.
 std::optional<std::string> Ask(const std::vector<std::string>& words) {
   const auto end = RunProgram(words);
   if (!end || end->status != 0) return std::nullopt;
@@ -42,14 +42,14 @@ std::uint64_t NumberIn(std::string_view text) {
   return number;
 }
 
-/// Lines of two fields, `6|FAILED`: those that did not end well.
+/// The tasks that failed, from lines of two fields, `6|FAILED`.
 std::map<std::uint64_t, std::string> FailuresIn(const std::string& text) {
   std::map<std::uint64_t, std::string> failures;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     const auto bar = line.find('|');
     if (bar == std::string::npos) continue;
-    const auto place = line.rfind('_', bar);  // sacct says 12_6 for the task
+    const auto place = line.rfind('_', bar);  // sacct prints the task as 12_6
     const std::uint64_t task =
         NumberIn(std::string_view(line).substr(place == std::string::npos ? 0 : place + 1));
     const std::string state = line.substr(bar + 1);
@@ -81,7 +81,7 @@ void Cancel(const std::string& id) { static_cast<void>(RunProgram({"scancel", id
 
 std::optional<ActiveTasks> FindActive(const std::string& array, const std::string& merge,
                                       std::string& why) {
-  // Those that have ended are not listed; a task each.
+  // One line for each task; tasks that have ended are not listed.
   const auto end = RunProgram(
       {"squeue", "--noheader", "--array", "--jobs=" + array + "," + merge, "--format=%T|%r"});
   if (!end) FailMissing("squeue");
@@ -99,7 +99,7 @@ std::optional<ActiveTasks> FindActive(const std::string& array, const std::strin
     const std::string reason = line.substr(bar + 1);
     if (line.starts_with("PENDING")) {
       ++active.waiting;
-      // That the merge waits for the array says nothing.
+      // The merge job always waits for the array.
       if (reason != "Dependency" && reason != "None") active.reason = reason;
     } else {
       ++active.running;
@@ -122,7 +122,8 @@ Capacity FindCapacity(const std::string& partition) {
   Capacity capacity;
   std::vector<std::string> words = {"sinfo", "--noheader", "--format=%P|%C"};
   if (!partition.empty()) words.push_back("--partition=" + partition);
-  // `bench*|0/2/0/2`: the default partition has a star; allocated, idle, other and all processors.
+  // `bench*|0/2/0/2`: the default partition has a star; numbers are allocated, idle, other and all
+  // processors.
   std::istringstream lines(Ask(words).value_or(""));
   for (std::string line; std::getline(lines, line);) {
     const auto bar = line.find('|');
@@ -134,7 +135,7 @@ Capacity FindCapacity(const std::string& partition) {
   for (std::string line; std::getline(settings, line);)
     if (line.starts_with("MaxArraySize"))
       if (const auto size = NumberIn(std::string_view(line).substr(line.rfind(' ') + 1)); size > 1)
-        capacity.most_tasks = size - 1;  // of indices below it
+        capacity.most_tasks = size - 1;  // size is one more than the largest index
   return capacity;
 }
 

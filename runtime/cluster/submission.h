@@ -1,5 +1,5 @@
-// What was submitted for a folder of shards: a file beside them, so that the same command follows
-// the jobs or goes on after them.
+// The record of jobs submitted for a folder of shards: a file in it, by which the same command
+// follows the jobs or continues after them.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,18 @@ namespace cdb::cluster {
 struct Submission {
   std::string plan_sha256;
   std::uint64_t tasks = 1;   ///< parts of the plan
-  std::string array, merge;  ///< ids of the jobs; `merge` is `array` until there is one
+  std::string array, merge;  ///< ids of the jobs; `merge` equals `array` until there is a merge job
 };
 
-/// Nullopt where there is none, or a damaged one.
+/// Nullopt if there is none, or if it is damaged.
 std::optional<Submission> ReadSubmission(const std::filesystem::path& shards);
 /// Throws StoreError.
 void WriteSubmission(const Submission& submission, const std::filesystem::path& shards);
-/// Keeps other cdb from submitting to the same folder. Tasks that start meanwhile do not heed it.
+/// Keeps other cdb processes from submitting to the same folder. Starting tasks ignore it.
 class SubmissionLock {
  public:
   explicit SubmissionLock(const std::filesystem::path& shards);
-  /// False while another cdb submits. True where the file system knows no locks.
+  /// False while another cdb submits. True if the file system does not support locks.
   bool is_held() const { return is_held_; }
 
  private:
@@ -33,7 +33,7 @@ class SubmissionLock {
   bool is_held_ = true;
 };
 
-/// With the logs of its jobs.
+/// Removes the submission and the logs of its jobs.
 void RemoveSubmission(const std::filesystem::path& shards);
 
 }  // namespace cdb::cluster

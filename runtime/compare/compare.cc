@@ -6,7 +6,7 @@ namespace cdb::compare {
 
 namespace {
 
-/// Throws StoreError as MatchPoints does; if these are different benchmarks, it says so first.
+/// Throws StoreError as MatchPoints does; for different benchmarks, the message begins with that.
 PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b,
                            const CompareOptions& options) {
   std::vector<statistics::AxisSelection> selections;

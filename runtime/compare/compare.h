@@ -1,5 +1,5 @@
-// Two results files of the same benchmark side by side: what became faster or slower, less true,
-// less stable (`cdb compare`). Numbers only; compare_text.h and compare_json.h print them.
+// Compares two results files of one benchmark: speed, accuracy and stability (`cdb compare`).
+// Numbers only; text.h and json.h print them.
 #pragma once
 
 #include <optional>
@@ -15,15 +15,15 @@ namespace cdb::compare {
 
 struct CompareOptions {
   std::vector<std::string> select = {};      ///< `axis=value`
-  std::optional<measure::Phase> phase = {};  ///< that alone
-  /// What is worse by more is a failure; what may differ by less is the same.
+  std::optional<measure::Phase> phase = {};  ///< only this phase
+  /// A value that is worse by more than this is a failure; values that differ by less are the same.
   double margin = 0.05;
   /// Groups are judged relative to the median of all groups.
   bool is_relative = false;
-  bool lists_all = false;  ///< every point, also where nothing changed
+  bool lists_all = false;  ///< list every point, also those that did not change
 };
 
-/// `b` relative to `a`. The files must outlive it.
+/// File `b` relative to file `a`, both of which must outlive it.
 struct Comparison {
   const ComparedFile *a, *b;
   PointMatch match;
@@ -32,14 +32,14 @@ struct Comparison {
   std::vector<FactComparison> facts;
   TimeComparison times;
 };
-/// Throws StoreError for unlike scenes, points that do not match, and if options ask for what the
-/// files do not have. Not judged yet.
+/// Throws StoreError for unlike scenes, for points that do not match, and if the options request
+/// data that the files lack. The changes are not judged yet.
 Comparison Compare(const ComparedFile& a, const ComparedFile& b, const CompareOptions& options);
 
 /// Judges the times of all comparisons of a command as one family of tests.
 void JudgeAll(const std::vector<Comparison*>& comparisons, const CompareOptions& options);
 
-/// The judgement that counts.
+/// The judgement that the options select.
 const JudgedChange& JudgementOf(const TimeChange& change, const CompareOptions& options);
 /// Groups, facts and points that are slower or worse by more than the margin: `sap step`.
 std::vector<std::string> WorseThings(const Comparison& comparison, const CompareOptions& options);

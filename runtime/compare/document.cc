@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLineWidth = 100;
 
-/// Breaks at spaces; further lines are indented by four more.
+/// Breaks lines at spaces; continuation lines are indented by four more.
 std::string Wrapped(const std::string& line, const std::string& indent) {
   std::string text, current = indent;
   std::istringstream words(line);
@@ -29,7 +29,7 @@ std::string Wrapped(const std::string& line, const std::string& indent) {
   return text + current + "\n";
 }
 
-/// What Markdown would take for its own.
+/// Escapes the characters that Markdown would interpret.
 std::string Escaped(const std::string& text) {
   std::string escaped;
   for (const char c : text) {

@@ -23,7 +23,7 @@ using Document = std::vector<DocumentSection>;
 
 /// Lines of more than 100 columns are wrapped.
 std::string TerminalText(const Document& document);
-/// In GitHub's dialect, which has tables.
+/// In GitHub's dialect of Markdown, which has tables.
 std::string MarkdownText(const Document& document);
 
 /// `1.052`: four significant digits, and all digits of a whole number; `-` for NaN.
@@ -32,7 +32,7 @@ std::string FourDigits(double value);
 std::string PercentText(double ratio);
 /// `+4.6 .. +5.8 %`.
 std::string PercentRange(double low, double high);
-/// `25.12 us`, in the unit that `like_ns` is read most easily in.
+/// `25.12 us`, in the unit that suits `like_ns`.
 std::string TimeText(double ns, double like_ns);
 
 }  // namespace cdb::compare

@@ -22,7 +22,7 @@ namespace {
 using Cell = store::ResultFile::Cell;
 using Kind = FactComparison::Kind;
 
-/// Of the peak memory of a process, where there are too few repeats to know it.
+/// The assumed spread of the peak memory of a process if there are too few repeats to measure it.
 constexpr double kSpreadOfFew = 0.05;
 
 std::vector<Cell> CellsAt(const store::ResultFile& file, const statistics::Point& at) {
@@ -35,7 +35,7 @@ std::vector<Cell> CellsAt(const store::ResultFile& file, const statistics::Point
   return cells;
 }
 
-/// Nothing for a run that failed before its last cycle.
+/// Empty for a run that failed before its last cycle.
 std::set<std::string> StatesAt(const store::ResultFile& file, const statistics::Point& at) {
   std::set<std::string> states;
   for (const Cell& cell : CellsAt(file, at))
@@ -44,7 +44,7 @@ std::set<std::string> StatesAt(const store::ResultFile& file, const statistics::
   return states;
 }
 
-/// How the repeats of a point ended: the worst of them.
+/// The worst ending among the repeats of a point.
 struct Ending {
   int rank = -1;
   std::string name;
@@ -62,7 +62,7 @@ Ending EndingAt(const store::ResultFile& file, const statistics::Point& at) {
     if (status == store::Status::kDone) {
       ending.is_known = judgement.verdict != measure::Verdict::kUnknown;
     } else {
-      // Without a verdict it did not get to its first cycle.
+      // A run without a verdict failed before its first cycle.
       ending.rank = std::max(ending.rank, static_cast<int>(measure::Verdict::kTimedOut));
       if (judgement.verdict == measure::Verdict::kUnknown)
         ending.rank = static_cast<int>(measure::Verdict::kCrashed) + 1;
@@ -101,10 +101,10 @@ struct NumberFact {
   std::string name;
   std::string unit = {};
   bool less_is_better = true;
-  bool varies = false;  ///< between repeats: a difference up to the floor is none
+  bool varies = false;  ///< the value varies between repeats: a difference up to the floor is none
   double scale = 1;     ///< of the unit
   std::function<double(const ComparedFile&, const statistics::Point&)> value = {};
-  /// Differences up to it say nothing.
+  /// Differences up to the floor are not significant.
   std::function<double(const ComparedFile&, const statistics::Point&)> floor = {};
 };
 
@@ -144,7 +144,7 @@ FactComparison CompareNumbers(const ComparedFile& a, const ComparedFile& b, cons
   return fact;
 }
 
-/// Over the cycles that have a value; NaN where none has.
+/// The sum over the cycles that have a value; NaN if none has.
 double SumOf(const ComparedFile& of, const char* series, const statistics::Point& at) {
   double sum = terminal::kNone;
   const std::vector<Cell> cells = CellsAt(of.file, at);
@@ -161,7 +161,7 @@ double LargestOf(const ComparedFile& of, const char* series, const statistics::P
   return most;
 }
 
-/// Of the repeats, sorted.
+/// The peaks of the repeats, sorted.
 std::vector<double> PeaksAt(const ComparedFile& of, const statistics::Point& at) {
   std::vector<double> peaks;
   for (const Cell& cell : CellsAt(of.file, at))
@@ -171,7 +171,8 @@ std::vector<double> PeaksAt(const ComparedFile& of, const statistics::Point& at)
   return peaks;
 }
 
-/// The spread of the repeats, and what any other run changes: a few say little about it.
+/// The spread between repeats, at least a fraction of the median; a larger fraction for few
+/// repeats, which show little of the spread.
 double PeakSpread(const ComparedFile& of, const statistics::Point& at) {
   const std::vector<double> peaks = PeaksAt(of, at);
   if (peaks.empty()) return 0;
@@ -241,7 +242,7 @@ void AddMemoryFacts(std::vector<NumberFact>& facts) {
                    .floor = PeakSpread});
 }
 
-/// The name of a fact for people.
+/// The title of a fact in the output.
 std::string TitleOf(const NumberFact& fact) {
   std::string title =
       fact.kind == Kind::kError ? fact.name.substr(std::string("accuracy/").size()) : fact.name;

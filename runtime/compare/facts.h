@@ -1,7 +1,7 @@
-// What is no time: the state that runs end in, verdicts, errors, missed pairs, memory, of two
-// results files (`cdb compare`). It is the same in every repeat, so that it is compared exactly,
-// without statistics; only the peak of the resident memory varies, and has changed if the ranges of
-// its repeats are apart.
+// Compares the figures of two results files other than times: final states, verdicts, errors,
+// missed pairs and memory (`cdb compare`). They are the same in every repeat, so they are compared
+// exactly, without statistics. Only the peak of the resident memory varies: it has changed if the
+// ranges of its repeats do not overlap.
 #pragma once
 
 #include <string>
@@ -12,14 +12,15 @@
 
 namespace cdb::compare {
 
-/// Whether the physics is the same to the last bit; of detectors on traces, the pairs that they
-/// list in the last cycle.
+/// Whether the motion is the same to the last bit; for detectors on traces, whether they report the
+/// same pairs in the last cycle.
 struct StateComparison {
-  bool of_pairs = false;  ///< every run is on a trace
+  bool of_pairs = false;  ///< compares pairs: every run is on a trace
   std::size_t same = 0;
-  std::vector<std::size_t> other;      ///< matched points with another last state
-  std::vector<std::size_t> unsettled;  ///< those whose repeats differ in one file: not repeatable
-  std::size_t unknown = 0;             ///< a run without a last state: it failed
+  std::vector<std::size_t> other;      ///< matched points with different final states
+  std::vector<std::size_t> unsettled;  ///< points whose repeats differ within one file: not
+                                       ///< repeatable
+  std::size_t unknown = 0;             ///< points with a run without a final state: it failed
 };
 
 enum class Direction { kBetter, kWorse, kOther };
@@ -30,7 +31,7 @@ struct FactChange {
   Direction direction;
   double a = terminal::kNone, b = terminal::kNone;
   std::string text_a, text_b;  ///< with units
-  /// Of the values; infinite from 0, or where one is missing.
+  /// The relative change of the values; infinite from 0, or if one is missing.
   double RelativeChange() const;
 };
 
@@ -45,11 +46,12 @@ struct FactComparison {
   };
   Kind kind;
   std::string name;                 ///< `energy error`
-  std::size_t points = 0;           ///< compared
+  std::size_t points = 0;           ///< number compared
   std::vector<FactChange> changes;  ///< the largest first
 
   std::size_t Count(Direction direction) const;
-  /// Something is worse: a verdict or a count of misses at all, others by more than `margin`.
+  /// True if something is worse: a verdict or a count of misses at all, other values by more than
+  /// `margin`.
   bool IsWorse(double margin) const;
 };
 

@@ -10,7 +10,7 @@
 namespace cdb::compare {
 namespace {
 
-/// The group's change in the phase that all groups are compared by; null where it has none.
+/// The group's change in the phase by which all groups are compared; null if it has none.
 const TimeChange* FindChange(const Comparison& comparison, const std::string& group) {
   const auto found = std::ranges::find(comparison.times.groups, group, &TimedGroup::name);
   if (found == comparison.times.groups.end()) return nullptr;
@@ -19,19 +19,19 @@ const TimeChange* FindChange(const Comparison& comparison, const std::string& gr
   return change == found->phases.end() ? nullptr : &*change;
 }
 
-/// The second file relative to the first is a step, and not among `to_first`.
+/// The second file relative to the first is in `steps`, not in `to_first`.
 const Comparison& ToFirst(const BenchmarkHistory& benchmark, std::size_t file) {
   return file == 1 ? benchmark.steps[0] : benchmark.to_first[file - 2];
 }
 
-/// The step to file `i`, of a group; null where that was not timed.
+/// A group's change from file `i - 1` to file `i`; null if it was not timed.
 const JudgedChange* FindStep(const BenchmarkHistory& benchmark, std::size_t i,
                              const std::string& group, const CompareOptions& options) {
   const TimeChange* change = FindChange(benchmark.steps[i - 1], group);
   return change == nullptr ? nullptr : &JudgementOf(*change, options);
 }
 
-/// Where the group became faster or slower: `c.h5 +5.2 %`.
+/// The steps at which the group became faster or slower: `c.h5 +5.2 %`.
 std::string StepsText(const BenchmarkHistory& benchmark, const std::vector<std::string>& names,
                       const std::string& group, const CompareOptions& options) {
   std::string text;
@@ -78,7 +78,7 @@ void AddSteps(const BenchmarkHistory& benchmark, const std::vector<std::string>&
     }
 }
 
-/// What differs from each file to the next, and which facts changed.
+/// Setups that differ and facts that changed from each file to the next.
 std::vector<std::string> StepLines(const BenchmarkHistory& benchmark) {
   std::vector<std::string> lines;
   for (const Comparison& step : benchmark.steps) {

@@ -1,4 +1,5 @@
-// Results files of one benchmark in order, as of several commits (`cdb compare a.h5 b.h5 c.h5`).
+// Results files of one benchmark in order, for example of several commits (`cdb compare a.h5 b.h5
+// c.h5`).
 #pragma once
 
 #include <memory>
@@ -12,8 +13,9 @@ namespace cdb::compare {
 
 struct BenchmarkHistory {
   std::vector<std::unique_ptr<ComparedFile>> files;  ///< two or more
-  std::vector<Comparison> steps;     ///< each file but the first relative to the one before it
-  std::vector<Comparison> to_first;  ///< the second file after the first and on; empty for two
+  std::vector<Comparison> steps;                     ///< each file relative to the one before it
+  std::vector<Comparison> to_first;  ///< the third file and later ones, relative to the first;
+                                     ///< empty for two
 
   /// The last file relative to the first.
   const Comparison& Whole() const { return to_first.empty() ? steps[0] : to_first.back(); }
@@ -21,17 +23,17 @@ struct BenchmarkHistory {
 /// Throws StoreError as Compare does.
 BenchmarkHistory MakeHistory(std::vector<std::unique_ptr<ComparedFile>> files,
                              const CompareOptions& options);
-/// Corrects for the tests of all benchmarks together.
+/// Judges all steps, corrected for the tests of all benchmarks together.
 void JudgeHistories(std::vector<BenchmarkHistory>& benchmarks, const CompareOptions& options);
 
-/// For several files: what differs from one to the next, then a line for each group, with its ratio
-/// to the first file and the steps at which it changed. `names`: of the files, or of the folders
-/// that they are in.
+/// For several files: the differences from one to the next, then a line for each group with its
+/// ratio to the first file and the steps at which it changed. `names`: of the files, or of their
+/// folders.
 Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
                          const std::vector<std::string>& names, const CompareOptions& options);
 
 /// A character for each value, `▁` for the least and `█` for the greatest; a blank for NaN. Values
-/// within 1 % of each other are on one level.
+/// within 1 % of each other are drawn at one height.
 std::string Sparkline(const std::vector<double>& values);
 
 }  // namespace cdb::compare

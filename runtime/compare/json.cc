@@ -35,7 +35,7 @@ const char* DirectionWord(Direction direction) {
   return "other";
 }
 
-/// By the names of the axes; numbers as text, as in tables.
+/// Coordinates by the names of the axes; numbers are text, as in tables.
 Json PlaceJson(const PointMatch& match, std::size_t point) {
   Json place = Json::object();
   for (std::size_t i = 0; i < match.axes.size(); ++i)

@@ -18,14 +18,14 @@ namespace {
 using statistics::AxisSelection;
 using Cell = store::ResultFile::Cell;
 
-/// An axis as far as it is selected.
+/// The selected part of an axis.
 struct SelectedAxis {
-  std::size_t place = 0;            ///< in the file
-  std::vector<std::size_t> values;  ///< indices
+  std::size_t place = 0;            ///< index of the axis in the file
+  std::vector<std::size_t> values;  ///< indices of the selected values
 };
 using SelectedAxes = std::map<std::string, SelectedAxis>;
 
-/// The indices of the values that are selected; all without a selection of the axis.
+/// The indices of the selected values; all if the axis has no selection.
 std::vector<std::size_t> SelectValues(const plan::Axis& axis,
                                       const std::vector<AxisSelection>& selections) {
   std::set<std::size_t> indices;
@@ -66,7 +66,7 @@ void CheckSelections(const ComparedFile& a, const ComparedFile& b,
                                           selection.axis, fmt::join(names, ", ")));
 }
 
-/// Its cells were neither skipped nor are they missing.
+/// True if its cells are neither skipped nor missing.
 bool Ran(const store::ResultFile& file, const statistics::Point& at) {
   for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
     const store::Status status = file.ReadStatus({at, rep});
@@ -101,7 +101,7 @@ class Matcher {
     return points.empty() ? "none" : points[0];
   }
 
-  /// An axis that the other file lacks, or has with another value.
+  /// For an axis that the other file lacks, or has with another value.
   void IgnoreAxis(const ComparedFile& of, const std::string& name, const SelectedAxis& axis) {
     const std::string values = statistics::ValuesText(of.file.axes()[axis.place], axis.values);
     if (axis.values.size() > 1)
@@ -140,7 +140,7 @@ class Matcher {
     }
   }
 
-  /// The selected points that ran, by their values on the axes of the match.
+  /// The selected points that ran, keyed by their values on the axes of the match.
   std::vector<std::pair<Key, statistics::Point>> PointsOf(const ComparedFile& of,
                                                           const SelectedAxes& selected) const {
     std::vector<std::pair<Key, statistics::Point>> points;

@@ -65,8 +65,8 @@ class ResultText {
     }
   }
 
-  /// Groups with phases that are judged so: `grid broad, detect; sweep`, the latter in all phases.
-  /// `bound`: gets the farthest that one of them may be from 1.
+  /// Groups with the phases of that verdict: `grid broad, detect; sweep`, the latter in all phases.
+  /// `bound` is raised to the largest bound of their distances from 1.
   std::vector<std::string> GroupsJudged(ChangeVerdict verdict, double& bound) const {
     std::vector<std::string> groups;
     for (const TimedGroup& group : of_.times.groups) {
@@ -146,7 +146,7 @@ class ResultText {
     }
   }
 
-  /// Points that changed in groups that did not.
+  /// Counts the points that changed in groups that did not.
   void AddPointCounts(std::vector<std::string>& lines) const {
     if (of_.times.points.size() == of_.times.groups.size()) return;
     std::size_t tests = 0, slower = 0, faster = 0;
@@ -245,7 +245,7 @@ std::string Counted(std::size_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-/// The first of `places`, and how many more there are.
+/// The first of `places`, and the number of the others.
 std::string PlacesText(const std::vector<std::string>& places) {
   const auto shown = static_cast<std::ptrdiff_t>(std::min(places.size(), kMostPlaces));
   std::string text = fmt::format("{}", fmt::join(places.begin(), places.begin() + shown, "; "));

@@ -1,4 +1,4 @@
-// What changed between two results files, a line for each finding (`cdb compare`).
+// The result of a comparison of two results files, a line for each finding (`cdb compare`).
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,17 @@
 
 namespace cdb::compare {
 
-/// For people who read no further: times, states, facts, and whether something is worse.
+/// A summary that stands alone: times, states, facts, and whether something is worse.
 std::vector<std::string> ResultLines(const Comparison& comparison, const CompareOptions& options);
 
-/// The lines of what is not a time: states and facts that changed.
+/// The lines about states and facts that changed.
 std::vector<std::string> FactLines(const Comparison& comparison);
 
-// Words of all texts about comparisons.
+// Phrases shared by all texts about comparisons.
 std::string PhaseName(measure::Phase phase);
 /// `8 points`.
 std::string Counted(std::size_t count, const char* noun);
-/// The first of `places`, and how many more there are.
+/// The first of `places`, and the number of the others.
 std::string PlacesText(const std::vector<std::string>& places);
 /// `0.02046 -> 0.02154 (+5.28 %)`.
 std::string ChangeText(const FactChange& change);

@@ -17,7 +17,7 @@
 namespace cdb::compare {
 namespace {
 
-/// Facts of /provenance, and what they are called here.
+/// Facts of /provenance, with their names in the output.
 constexpr std::pair<const char*, const char*> kFacts[] = {
     {"cdb_version", "cdb"},
     {"commit", "commit of cdb"},
@@ -36,8 +36,8 @@ constexpr std::pair<const char*, const char*> kFacts[] = {
     {"plugins", "--plugin"},
 };
 
-/// Parameters that say how a scene is run and measured, not what is in it. A name that ends with a
-/// dot is a block.
+/// Parameters that control how a scene is run and measured, not its contents. A name that ends with
+/// a dot is a block.
 constexpr std::string_view kNotOfTheScene[] = {
     "detector", "narrow_phase", "pair_order", "threads", "precision", "solver.",
     "repeats",  "timeout",      "memory",     "record",  "omit",      "accuracy."};
@@ -48,7 +48,7 @@ bool IsOfTheScene(std::string_view parameter) {
   });
 }
 
-/// What differs between the scenes, by the name of the parameter: the texts of both, each once.
+/// The parameters that differ between the scenes, by name, with the distinct values of both files.
 class SceneDifferences {
  public:
   void Add(const plan::Scene& a, const plan::Scene& b) {
@@ -72,7 +72,7 @@ class SceneDifferences {
     }
   }
 
-  /// Those of the scene itself, or the others.
+  /// The differences in parameters of the scene, or in the others.
   std::vector<SetupDifference> List(bool of_the_scene) const {
     std::vector<SetupDifference> list;
     for (const auto& [name, texts] : found_) {
@@ -152,7 +152,7 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
   return differences.List(false);
 }
 
-/// When the runs of a file began, s since 1970; sorted.
+/// The start times of the runs of a file, s since 1970; sorted.
 std::vector<double> StartsOf(const ComparedFile& of) {
   std::vector<double> starts;
   if (!of.file.Has("started")) return starts;
@@ -163,8 +163,8 @@ std::vector<double> StartsOf(const ComparedFile& of) {
   return starts;
 }
 
-/// Whether the machine may have changed between the files: a note if it may. Nothing for two
-/// machines, and where nobody knows.
+/// Adds a note if the machine may have changed between the files. No note for two machines, or if
+/// the times are unknown.
 void CompareOccasions(const ComparedFile& a, const ComparedFile& b, SetupComparison& setup) {
   if (a.file.ReadProvenance("host") != b.file.ReadProvenance("host")) return;
   const std::vector<double> of_a = StartsOf(a), of_b = StartsOf(b);

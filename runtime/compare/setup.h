@@ -1,5 +1,5 @@
-// What two results files were made by: machine, build, parameters (`cdb compare`). Said before any
-// figure.
+// Differences in machine, build and parameters between two results files (`cdb compare`), printed
+// before any figure.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace cdb::compare {
 
-/// A fact that differs, as each file has it; `-` for none.
+/// A fact that differs, with its value in each file; `-` if it has none.
 struct SetupDifference {
   std::string name;
   std::string a, b;
@@ -17,12 +17,12 @@ struct SetupDifference {
 
 struct SetupComparison {
   std::vector<SetupDifference> machine;     ///< machine, build and versions
-  std::vector<SetupDifference> parameters;  ///< of the runs, and plug-ins
-  std::vector<std::string> notes;           ///< sentences about builds and occasions to be wary of
-  bool is_interleaved = false;              ///< the runs of both files, in time
+  std::vector<SetupDifference> parameters;  ///< parameters of the runs, and plug-ins
+  std::vector<std::string> notes;           ///< warnings about builds and occasions, in sentences
+  bool is_interleaved = false;              ///< the runs of both files are interleaved in time
 };
-/// Compares the provenance of two files, and the scenes of their matched points. Throws StoreError
-/// if parameters that make another scene differ, with what to do.
+/// Compares the provenance of two files, and the scenes of their matched points. Throws StoreError,
+/// with the remedy, if parameters of the scene differ.
 SetupComparison CompareSetups(const ComparedFile& a, const ComparedFile& b,
                               const PointMatch& match);
 

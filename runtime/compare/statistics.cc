@@ -16,7 +16,7 @@ double UpperTail(double t, double nu) {
   return t < 0 ? 1 - tail : tail;
 }
 
-/// The t that is exceeded with the probability `tail`, below 1 / 2; by bisection.
+/// The t that is exceeded with the probability `tail`, which is below 1 / 2; by bisection.
 double ExceededWith(double tail, double nu) {
   double low = 0, high = 1;
   while (UpperTail(high, nu) > tail) high *= 2;
@@ -27,7 +27,7 @@ double ExceededWith(double tail, double nu) {
   return high;
 }
 
-/// `combine` of the estimates over the draws of each file.
+/// Applies `combine` to the estimates over the draws of each file.
 template <typename Combine>
 Change CombinedChanges(const std::vector<Change>& parts, Combine combine) {
   std::vector<statistics::Estimate> over_a, over_b;
@@ -38,7 +38,7 @@ Change CombinedChanges(const std::vector<Change>& parts, Combine combine) {
   return {combine(over_a), combine(over_b)};
 }
 
-/// The places of the tests in `p`, the least first.
+/// The indices of the tests in `p`, the least p first.
 std::vector<std::size_t> SortedTests(const std::vector<double>& p) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < p.size(); ++i)

@@ -35,7 +35,7 @@ class ComparisonText {
     return of_.match.points[point].PlaceText(of_.match.axes);
   }
 
-  /// What must be known before any figure is read.
+  /// Facts that a reader must know before any figure.
   DocumentSection Head() const {
     DocumentSection head = {fmt::format("{}: from {} to {}", of_.a->file.title(), a_, b_)};
     for (const auto& list : {of_.setup.machine, of_.setup.parameters})
@@ -146,7 +146,7 @@ class ComparisonText {
     return notes;
   }
 
-  /// The points that changed, or all; nothing where each group is one point.
+  /// The points that changed, or all points; empty if each group is a single point.
   DocumentSection Points() const {
     DocumentSection points = {options_.lists_all ? "Each point" : "Points that changed"};
     if (of_.times.points.size() == of_.times.groups.size() && !options_.lists_all) return points;

@@ -1,4 +1,4 @@
-// A comparison of two results files in words and tables (`cdb compare`).
+// The text of a comparison of two results files: sentences and tables (`cdb compare`).
 #pragma once
 
 #include "runtime/compare/compare.h"
@@ -6,8 +6,8 @@
 
 namespace cdb::compare {
 
-/// What differs between the files and how far their times can be trusted; what changed; the facts;
-/// the times of groups; the points that changed. Throws StoreError.
+/// In this order: differences between the files, and how far their times can be trusted; the
+/// changes; the facts; the times of groups; the points that changed. Throws StoreError.
 Document CompareDocument(const Comparison& comparison, const CompareOptions& options);
 
 }  // namespace cdb::compare

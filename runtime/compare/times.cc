@@ -15,7 +15,7 @@ namespace {
 
 using measure::Phase;
 
-/// Of how many repeats the fastest counts: cycle_times.h.
+/// The number of fastest repeats that count: see cycle_times.h.
 std::size_t FastestOf(const ComparedFile& a, const ComparedFile& b) {
   return statistics::FastestOf(std::min(a.file.begun_repeats(), b.file.begun_repeats()));
 }
@@ -67,7 +67,7 @@ class TimeComparer {
     return found == measured_b_.end() ? nullptr : found->second;
   }
 
-  /// Why the times of a point cannot be compared; empty if they can.
+  /// The reason why the times of a point cannot be compared; empty if they can.
   std::string WhyNot(std::size_t i) const {
     const statistics::MeasuredPoint *a = MeasuredA(i), *b = MeasuredB(i);
     for (const auto& [point, file] : {std::pair{a, &a_}, std::pair{b, &b_}}) {
@@ -90,7 +90,7 @@ class TimeComparer {
     for (const Phase phase : phases_) {
       const statistics::Estimate &a = times_a_.Of(*MeasuredA(i), phase).mean,
                                  &b = times_b_.Of(*MeasuredB(i), phase).mean;
-      // A phase that was omitted has no times.
+      // An omitted phase has no times.
       if (!(a.value > 0) || !(b.value > 0)) continue;
       const Change change = ChangeOf(a, b);
       timed.phases.push_back({phase, a.value, b.value, change, {test_.Of(change)}, {}});
@@ -128,7 +128,7 @@ class TimeComparer {
     }
   }
 
-  /// Each group over the median of all, phase by phase.
+  /// Divides each group's ratio by the median of all groups, for each phase.
   void MakeRelative() {
     for (const Phase phase : phases_) {
       std::vector<TimeChange*> of_groups;
@@ -147,7 +147,7 @@ class TimeComparer {
     }
   }
 
-  /// Points are to the overhead what cycles are to a time: one measurement of each in each repeat.
+  /// Points take the place of cycles here: each repeat measures the overhead once at each point.
   statistics::Estimate HarnessOf(const ComparedFile& of, bool is_a) {
     std::vector<std::vector<double>> repeats(of.file.begun_repeats());
     for (const TimedPoint& point : made_.points)
@@ -174,7 +174,7 @@ class TimeComparer {
   TimeComparison made_;
 };
 
-/// Adjusts the p-values of one family of tests, and judges.
+/// Adjusts the p-values of one family of tests and judges them.
 template <typename Adjust>
 void JudgeFamily(const std::vector<JudgedChange*>& family, Adjust adjust, double margin) {
   std::vector<double> p;

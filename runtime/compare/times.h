@@ -1,5 +1,5 @@
-// The run times of two results files: the statistic of cycle_times.h at each matched point, in each
-// phase, and the ratio b / a of it (`cdb compare`).
+// The run times of two results files: the statistic of cycle_times.h at each matched point and in
+// each phase, and its ratio b / a (`cdb compare`).
 #pragma once
 
 #include <optional>
@@ -13,30 +13,30 @@
 
 namespace cdb::compare {
 
-/// A test and what follows from it.
+/// A test and its verdict.
 struct JudgedChange {
   TestedChange tested;
   double adjusted_p = terminal::kNone;
   ChangeVerdict verdict = ChangeVerdict::kCannotTell;
-  /// Slower, and the whole interval by more than `margin`.
+  /// True if it is slower, and the whole interval is above `margin`.
   bool IsSlowerThan(double margin) const {
     return verdict == ChangeVerdict::kSlower && tested.interval.low > 1 + margin;
   }
 };
 
-/// One phase, of a point or a group.
+/// The times of one phase, at a point or of a group.
 struct TimeChange {
   measure::Phase phase;
-  double a_ns, b_ns;  ///< of a group: geometric means over its points
+  double a_ns, b_ns;  ///< for a group, geometric means over its points
   Change change;
   JudgedChange absolute;
-  /// Over the median of all groups in this phase, which a change of the machine or of common code
-  /// moves; a ratio of NaN where there are fewer than kLeastGroups.
+  /// Relative to the median of all groups in this phase, which follows changes of the machine or of
+  /// common code; the ratio is NaN if there are fewer than kLeastGroups groups.
   JudgedChange relative;
 };
 
 struct TimedPoint {
-  std::size_t point;  ///< of the match
+  std::size_t point;  ///< index in the match
   std::vector<TimeChange> phases;
 };
 
@@ -48,30 +48,30 @@ struct TimedGroup {
 };
 
 struct TimeComparison {
-  /// A median of fewer groups would follow one that changed.
+  /// The median of fewer groups would follow a single group that changed.
   static constexpr std::size_t kLeastGroups = 3;
 
   bool has_intervals = false;  ///< both files have enough repeats
   std::vector<TimedPoint> points;
   std::vector<TimedGroup> groups;
-  /// The median of the groups in `common_phase`.
+  /// The median of all groups in `common_phase`.
   std::optional<TestedChange> common;
   measure::Phase common_phase = measure::Phase::kStep;
-  /// cdb's own overhead of a cycle, which no detector changes.
+  /// cdb's own overhead per cycle, which does not depend on the detector.
   std::optional<TestedChange> harness;
-  /// Points whose times are not compared, and why.
+  /// Points whose times are not compared, with the reason.
   std::vector<std::pair<std::size_t, std::string>> left_out;
 
-  /// All groups moved together.
+  /// True if all groups changed together.
   bool HasCommonShift() const { return common && common->p <= kSignificance; }
 };
 
-/// `phase`: that alone; by default all. Not judged yet.
+/// `phase`: only that phase; all by default. The changes are not judged yet.
 TimeComparison CompareTimes(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
                             std::optional<measure::Phase> phase);
 
-/// Corrects for all tests of `comparisons` together, and judges: groups by Holm, points by
-/// Benjamini and Hochberg. `margin`: as of JudgeChange.
+/// Judges groups by Holm and points by Benjamini and Hochberg, corrected for all tests of
+/// `comparisons` together. `margin`: as for JudgeChange.
 void JudgeTimes(const std::vector<TimeComparison*>& comparisons, double margin);
 
 }  // namespace cdb::compare

@@ -1,4 +1,4 @@
-// How the time of a step changes along the axes, for conclusions.h.
+// Conclusions about the time of a step along the axes (conclusions.h).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ std::string CellsNote(std::size_t cells, std::size_t of) {
                     : fmt::format(", the geometric mean over {} cells", cells);
 }
 
-/// From the first value of an axis of numbers to its last.
+/// Compares the first and the last value of an axis of numbers.
 void AddScaling(const ConclusionParts& parts, std::size_t axis, std::vector<Conclusion>& all) {
   const plan::Axis& along = parts.file.axes()[axis];
   const statistics::Comparison comparison =
@@ -58,7 +58,7 @@ void AddScaling(const ConclusionParts& parts, std::size_t axis, std::vector<Conc
        std::move(answer), "scaling", certainty});
 }
 
-/// The fastest value of an axis of words.
+/// Finds the fastest value of an axis of words.
 void AddFastestValue(const ConclusionParts& parts, std::size_t axis, std::vector<Conclusion>& all) {
   const plan::Axis& along = parts.file.axes()[axis];
   const statistics::Comparison comparison =
@@ -86,7 +86,7 @@ void AddFastestValue(const ConclusionParts& parts, std::size_t axis, std::vector
                  std::move(answer), "scaling", ranking->certainty()});
 }
 
-/// Where no detectors are compared.
+/// The growth over all runs, if no detectors are compared.
 void AddGrowthOfAll(const ConclusionParts& parts, std::vector<Conclusion>& all) {
   const auto growth = statistics::GrowthByRow(parts.file, parts.points, {}, parts.times);
   if (!growth || !growth->is_matched || growth->exponents.empty()) return;
@@ -107,7 +107,7 @@ void ConcludeAxes(const ConclusionParts& parts, std::vector<Conclusion>& all) {
   const auto detectors = statistics::DetectorAxis(parts.file);
   for (std::size_t i = 0; i < parts.file.axes().size(); ++i) {
     const plan::Axis& axis = parts.file.axes()[i];
-    // Over seeds, times only scatter.
+    // Times over seeds only scatter.
     if (i == detectors || axis.values.size() < 2 || axis.name == "seed") continue;
     if (axis.IsText()) {
       AddFastestValue(parts, i, all);

@@ -1,4 +1,4 @@
-// Which detector is best, for conclusions.h.
+// Conclusions about detectors (conclusions.h).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,11 +19,11 @@
 namespace cdb::conclusions {
 namespace {
 
-/// Exceptions that are named one by one.
+/// Limit of exceptions that are named individually.
 constexpr std::size_t kMaxExceptions = 3;
-/// Of points whose worst cycles get intervals, which takes a second bootstrap.
+/// Limit of points whose worst cycles get intervals, which takes a second bootstrap.
 constexpr std::size_t kMaxWorstPoints = 1000;
-/// A smaller part of the memory of a process is no difference between detectors.
+/// A smaller relative difference in the memory of a process is no difference between detectors.
 constexpr double kLikeMemory = 0.02;
 
 class DetectorConclusions {
@@ -62,7 +62,7 @@ class DetectorConclusions {
   std::string Name(std::size_t value) const { return terminal::CoordinateText(Axis(), value); }
   void Add(Conclusion conclusion) { all_.push_back(std::move(conclusion)); }
 
-  /// It does the work that is timed.
+  /// True if the detector does the work that is timed: it finds pairs, and misses none.
   bool IsHonest(std::size_t value) const {
     const schema::DetectorInfo* info = schema::FindDetector(Name(value));
     if (info != nullptr && info->family == "none") return false;
@@ -125,10 +125,10 @@ class DetectorConclusions {
          ranking->certainty()});
   }
 
-  /// The best against those that cannot be told from it, or the next, and the last.
+  /// Compares the best with those that it is tied with, or else with the next, and with the last.
   std::string Winner(const Ranking& ranking, const char* quantity) const {
     std::vector<std::string> ties = {Name(ranking.best)};
-    std::size_t shown = 0;  // among the others
+    std::size_t shown = 0;  // of the others
     for (std::size_t i = 0; i < ranking.others.size(); ++i) {
       if (ranking.others[i].certainty != Certainty::kTie) continue;
       ties.push_back(Name(ranking.others[i].value));
@@ -150,7 +150,7 @@ class DetectorConclusions {
                         : text;
   }
 
-  /// Over which cells, and where another is better.
+  /// The cells compared, and the exceptions where another value is better.
   std::string Where(const Ranking& ranking) const {
     std::string text;
     if (ranking.of > 1)
@@ -173,7 +173,7 @@ class DetectorConclusions {
     return text + fmt::format(" It is not the best everywhere: {}.", report::JoinWords(places));
   }
 
-  /// Those that did not do the work.
+  /// Names the detectors that were not ranked because they did not do the work.
   std::string NotRanked() const {
     std::string text;
     for (const std::size_t value : left_out_)

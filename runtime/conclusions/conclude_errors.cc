@@ -1,4 +1,4 @@
-// Which configuration is accurate enough and fast, for conclusions.h.
+// Conclusions about configurations that are both accurate enough and fast (conclusions.h).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,9 +15,9 @@
 namespace cdb::conclusions {
 namespace {
 
-/// Scenes that have conclusions of their own.
+/// Limit of scenes that get separate conclusions.
 constexpr std::size_t kMaxScenes = 3;
-/// Configurations that are named one by one.
+/// Limit of configurations that are named individually.
 constexpr std::size_t kMaxNamed = 3;
 
 class ErrorConclusions {
@@ -64,7 +64,7 @@ class ErrorConclusions {
     const std::string text = report::SettingText(parts_.file, figures_.each, scene);
     return text.empty() ? text : fmt::format(" for {}", text);
   }
-  /// A sentence, and how certain it is.
+  /// A sentence and its certainty.
   std::pair<std::string, Certainty> MostAccurate(
       const std::vector<const statistics::ErrorRow*>& rows) const {
     const statistics::ErrorRow& best =
@@ -84,7 +84,7 @@ class ErrorConclusions {
     return {text, ties.empty() ? Certainty::kClear : Certainty::kTie};
   }
 
-  /// The other end of the front. `rows`: the fastest first.
+  /// The fast end of the front. `rows`: the fastest first.
   std::string Fastest(const std::vector<const statistics::ErrorRow*>& rows) const {
     const statistics::ErrorRow& fastest = *rows[0];
     std::vector<std::string> ties;

@@ -1,4 +1,4 @@
-// Where the simulation stops being sound, for conclusions.h.
+// Conclusions about the limits of sound simulation (conclusions.h).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace cdb::conclusions {
 namespace {
 
-/// Lines of verdicts that are told apart.
+/// Limit of different lines of verdicts.
 constexpr std::size_t kMaxLines = 4;
 
 class VerdictConclusion {
@@ -59,7 +59,7 @@ class VerdictConclusion {
     return found == counts.end() ? 0 : found->second;
   }
 
-  /// Points of the axis next to each other whose verdicts differ.
+  /// The number of adjacent points along the axis whose verdicts differ.
   std::size_t ChangesAlong(std::size_t axis) const {
     std::size_t changes = 0;
     for (const auto& [at, word] : verdicts_) {
@@ -85,7 +85,7 @@ class VerdictConclusion {
     return own;
   }
 
-  /// The verdicts along that axis, a sentence for all places where they are alike.
+  /// The verdicts along that axis, one sentence for all places with equal verdicts.
   std::string Along() const {
     const auto own = OwnAxis();
     if (!own) return {};
@@ -105,7 +105,7 @@ class VerdictConclusion {
     return text;
   }
 
-  /// Neighbours with one verdict.
+  /// Adjacent points with the same verdict.
   struct Segment {
     std::string word;
     std::size_t first, last;
@@ -125,7 +125,7 @@ class VerdictConclusion {
     return text;
   }
 
-  /// What the places have in common, and how many they are: ` with day storm (2 cases)`.
+  /// The coordinates that the places have in common, and their number: ` with day storm (2 cases)`.
   std::string PlacesText(const std::vector<std::size_t>& axes,
                          const std::vector<statistics::Point>& places) const {
     std::vector<std::size_t> common;

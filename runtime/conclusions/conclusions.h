@@ -1,8 +1,8 @@
-// The answers that a sweep gives, in sentences: which configuration is best at what, by how much
-// and with what certainty, and what was wrong with it. Chosen from what the file sweeps.
+// The conclusions of a sweep, in sentences: the best configuration for each purpose, its margin,
+// the certainty, and any faults. They are chosen by what the file sweeps.
 //
 // A difference is clear if the 95 % interval of the ratio (cycle_times.h) excludes 1, and a tie if
-// it does not. With fewer repeats than an interval takes, it is unknown.
+// it does not. With too few repeats for an interval, it is unknown.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ std::string_view CertaintyName(Certainty certainty);
 
 struct Conclusion {
   std::string question, answer;  ///< whole sentences
-  std::string_view kind;         ///< `fastest`, `growth`: for a reader that chooses among them
+  std::string_view kind;         ///< `fastest`, `growth`: for readers that select among them
   Certainty certainty;
 };
 
@@ -31,25 +31,26 @@ struct ConclusionParts {
   const std::vector<statistics::MeasuredPoint>& points;
   const std::vector<statistics::DetectorFindings>& findings;
   statistics::CycleTimes& times;
-  bool only_sound;  ///< `points` are without void ones
+  bool only_sound;  ///< `points` are without those with void timings
 };
 
-/// The first answers what the sweep asks first. Empty where nothing was measured. Throws
-/// StoreError.
+/// The first conclusion answers the main question of the sweep. Empty if nothing was measured.
+/// Throws StoreError.
 std::vector<Conclusion> Conclusions(const ConclusionParts& parts);
 
-// The parts of it, each for one kind of sweep.
-/// Of the axis of detectors: missed pairs, time of a step and of detect, growth.
+// The parts of Conclusions, each for one kind of sweep. For the axis of detectors: missed pairs,
+// times of step and detect, growth.
 void ConcludeDetectors(const ConclusionParts& parts, std::vector<Conclusion>& all);
-/// Of the axis of detectors: worst cycle and memory.
+/// For the axis of detectors: worst cycle and memory.
 void ConcludeDetectorLimits(const ConclusionParts& parts, std::vector<Conclusion>& all);
-/// How the time of a step changes along the other axes, and growth with the number of objects.
+/// The change of the time of a step along the other axes, and its growth with the number of
+/// objects.
 void ConcludeAxes(const ConclusionParts& parts, std::vector<Conclusion>& all);
-/// Of each error: the most accurate configuration within real time, and the fastest of the front.
+/// For each error: the most accurate configuration within real time, and the fastest of the front.
 void ConcludeErrors(const ConclusionParts& parts, std::vector<Conclusion>& all);
-/// Where the simulation stops being sound.
+/// The limits of sound simulation.
 void ConcludeVerdicts(const ConclusionParts& parts, std::vector<Conclusion>& all);
-/// What a step takes, and its largest phase: for a file without axes.
+/// The time of a step and its largest phase, for a file without axes.
 void ConcludeStep(const ConclusionParts& parts, std::vector<Conclusion>& all);
 
 }  // namespace cdb::conclusions

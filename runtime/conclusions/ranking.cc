@@ -41,7 +41,7 @@ class Ranker {
   }
 
  private:
-  /// At the matched points that have both.
+  /// The ratios at the matched points that have both.
   std::vector<statistics::Estimate> Ratios(std::size_t value, std::size_t to) const {
     std::vector<statistics::Estimate> ratios;
     for (const statistics::ComparedPoint& point : comparison_.points) {

@@ -1,4 +1,4 @@
-// The values of an axis ranked by a figure, over the points where they can be compared.
+// Ranks the values of an axis by a figure, over the points where they can be compared.
 #pragma once
 
 #include <cstddef>
@@ -15,35 +15,35 @@
 
 namespace cdb::conclusions {
 
-/// A figure of a point, of which less is better.
+/// A figure of a point; less is better.
 using FigureOfPoint = std::function<statistics::Estimate(const statistics::MeasuredPoint&)>;
 
 struct Ranking {
   struct Other {
-    std::size_t value;  ///< on the axis
+    std::size_t value;  ///< index on the axis
     statistics::Estimate
-        ratio;  ///< of its figure to that of the best: the geometric mean over the points
+        ratio;  ///< geometric mean, over the points, of its figure relative to the best
     Certainty certainty;
   };
-  std::size_t best;           ///< on the axis
-  std::vector<Other> others;  ///< the least ratio first
-  std::size_t cells, of;      ///< points that were compared, of all
-  /// Where another value is better than the best, and no tie: the value, and the point beside the
-  /// axis.
+  std::size_t best;           ///< index on the axis
+  std::vector<Other> others;  ///< in order of increasing ratio
+  std::size_t cells, of;      ///< number of points compared, and of all points
+  /// A point where another value is clearly better than the best: the value, and the point without
+  /// the axis.
   struct Exception {
     std::size_t value;
     statistics::Point at;
   };
   std::vector<Exception> exceptions;
 
-  /// Clear if every other is clearly worse; unknown if that of one is.
+  /// Clear if every other value is clearly worse; unknown if that is unknown for one of them.
   Certainty certainty() const;
 };
 
-/// Whether a ratio is another than 1.
+/// Whether a ratio differs from 1.
 Certainty CertaintyOf(const statistics::Interval& interval, statistics::IntervalKind kind);
 
-/// `left_out`: values that must not win. Nullopt where fewer than two values, or no points, can be
+/// `left_out`: values that must not win. Nullopt if fewer than two values, or no points, can be
 /// compared.
 std::optional<Ranking> RankValues(const statistics::Comparison& comparison,
                                   const FigureOfPoint& figure_of,

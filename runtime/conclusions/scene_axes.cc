@@ -9,13 +9,13 @@
 namespace cdb::conclusions {
 namespace {
 
-/// Parameters of objects that are settings of the simulation all the same.
+/// Parameters of objects that nevertheless belong to the method of simulation.
 constexpr std::string_view kMethods[] = {"margin", "ccd", "contact_stiffness", "contact_damping"};
 
 bool IsOfScene(const plan::Axis& axis) {
-  if (axis.parameter.empty()) return axis.IsText();  // `cases`; a `let` may be anything
+  if (axis.parameter.empty()) return axis.IsText();  // `cases`; a `let` may be either
   for (const schema::Parameter& parameter : schema::Schema()) {
-    // A named group stands before its parameter: `pebbles.size`.
+    // A group's name precedes its parameter: `pebbles.size`.
     const bool is_it = parameter.grouped
                            ? axis.parameter.ends_with("." + std::string(parameter.name))
                            : axis.parameter == parameter.name;

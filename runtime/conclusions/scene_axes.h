@@ -1,4 +1,4 @@
-// The axes of a results file by what they change: the scene, or how it is simulated.
+// Divides the axes of a results file into those of the scene and those of its simulation.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace cdb::conclusions {
 
-/// The axes whose values are other scenes, which no front should compare: parameters of objects and
-/// of the world, and named cases.
+/// The axes whose values are different scenes, which must not share a front: parameters of objects
+/// and of the world, and named cases.
 std::vector<std::size_t> SceneAxes(const store::ResultFile& file);
 
 }  // namespace cdb::conclusions

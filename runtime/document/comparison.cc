@@ -62,7 +62,7 @@ class RatioColumns {
             {"is_matched", std::move(is_matched)}};
   }
 
-  /// Geometric, over the matched points.
+  /// The geometric mean over the matched points.
   Json MeanOf(std::size_t detector, Phase phase) const {
     const std::vector<statistics::Estimate> ratios =
         statistics::MatchedRatios(comparison_, detector, phase, source_.times());
@@ -91,7 +91,7 @@ class RatioColumns {
   const statistics::Comparison& comparison_;
 };
 
-/// Those that a comparison takes.
+/// The axis of detectors, if they can be compared.
 std::optional<std::size_t> ComparedAxis(const DocumentSource& source) {
   const auto axis = statistics::DetectorAxis(source.file());
   if (!axis || source.file().axes()[*axis].values.size() < 2 || !source.HasTimes() ||

@@ -8,9 +8,9 @@
 
 namespace cdb::document {
 
-/// `detector_axis`: its place; null where the file sweeps none.
+/// `detector_axis`: its index; null if the file does not sweep detectors.
 Json DocumentDetectorAxis(const DocumentSource& source);
-/// `ratios`; null where no detectors are compared. `baseline`: as in show.h. Throws StoreError.
+/// `ratios`; null if no detectors are compared. `baseline`: as in show.h. Throws StoreError.
 Json DocumentRatios(const DocumentSource& source, const std::string& baseline);
 /// `fronts`: for each error, one for each scene (scene_axes.h).
 Json DocumentFronts(const DocumentSource& source, bool only_sound);

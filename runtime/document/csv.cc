@@ -61,7 +61,7 @@ class CsvTable {
   void Add(std::string head, std::function<std::string(const GridPoint&)> value) {
     columns_.push_back({std::move(head), std::move(value)});
   }
-  /// A number of points with cycles.
+  /// A numeric column for points with cycles.
   void AddNumber(std::string head, std::function<double(const statistics::MeasuredPoint&)> value) {
     Add(std::move(head), [value = std::move(value)](const GridPoint& point) {
       return point.measured == nullptr ? std::string() : CsvNumber(value(*point.measured));
@@ -114,7 +114,7 @@ class CsvTable {
       for (const char* suffix : {"", "_floor"}) {
         const std::string name = std::string(error.name) + suffix;
         if (!file_.Has("accuracy/" + name)) continue;
-        // An axis may have the name.
+        // With a prefix, as an axis may have the same name.
         AddNumber("error_" + name, [this, name](const statistics::MeasuredPoint& point) {
           return file_.ReadReal("accuracy/" + name, point.cells[0]);
         });

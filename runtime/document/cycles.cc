@@ -20,9 +20,9 @@ using measure::Phase;
 constexpr std::size_t kMaxBins = 200, kMaxTimelines = 60;
 constexpr std::size_t kMaxDistributions = 500, kMaxStepDistributions = 2000;
 constexpr int kPercents[] = {0, 5, 10, 20, 25, 30, 40, 50, 60, 70, 75, 80, 90, 95, 100};
-constexpr int kDigits = 4;  // more than a screen shows
+constexpr int kDigits = 4;  // more than a screen can show
 
-/// The points whose cycles are drawn: as many of each detector.
+/// The points whose cycles are drawn: the same number for each detector.
 std::vector<std::size_t> ChooseTimelines(const DocumentSource& source) {
   const auto axis = statistics::DetectorAxis(source.file());
   const std::size_t detectors = axis ? source.file().axes()[*axis].values.size() : 1;
@@ -39,7 +39,7 @@ std::vector<std::size_t> ChooseTimelines(const DocumentSource& source) {
   return chosen;
 }
 
-/// From where to where each bin goes.
+/// The begin and end of each bin.
 std::vector<std::pair<std::size_t, std::size_t>> BinsOf(std::uint64_t cycles) {
   const std::size_t count = std::min<std::size_t>(cycles, kMaxBins);
   std::vector<std::pair<std::size_t, std::size_t>> bins;
@@ -48,7 +48,7 @@ std::vector<std::pair<std::size_t, std::size_t>> BinsOf(std::uint64_t cycles) {
   return bins;
 }
 
-/// The mean of the cycles of each bin that ran; null where none did.
+/// The mean of each bin over the cycles that ran; null if none did.
 Json Binned(const std::vector<double>& cycles,
             const std::vector<std::pair<std::size_t, std::size_t>>& bins) {
   return JsonColumn(bins.size(), [&](std::size_t i) {
@@ -70,7 +70,7 @@ Json QuantilesOf(std::vector<double> cycles) {
   });
 }
 
-/// The mean over the cycles of each repeat of a point.
+/// The mean over the cycles, for each repeat of a point.
 Json RepeatMeans(const store::ResultFile& file, const statistics::MeasuredPoint& point,
                  Phase phase) {
   Json means = Json::array();
@@ -84,7 +84,7 @@ Json RepeatMeans(const store::ResultFile& file, const statistics::MeasuredPoint&
 Json DocumentCycles(const DocumentSource& source) {
   if (!source.HasTimes() || source.IsLarge()) return nullptr;
   const std::vector<std::size_t> chosen = ChooseTimelines(source);
-  // Those that ran: a file has room for more.
+  // Cycles that ran; the file has room for more.
   std::size_t cycles = 0;
   for (const std::size_t i : chosen)
     cycles = std::max(cycles,

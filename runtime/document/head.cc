@@ -20,7 +20,7 @@ namespace {
 
 using Cell = store::ResultFile::Cell;
 
-/// A name in the document and in /provenance.
+/// The names of a fact in the document and in /provenance.
 using Fact = std::pair<const char*, const char*>;
 
 Json FactsOf(const store::ResultFile& file, std::initializer_list<Fact> facts) {
@@ -30,8 +30,8 @@ Json FactsOf(const store::ResultFile& file, std::initializer_list<Fact> facts) {
   return all;
 }
 
-/// The reason in a line `walls: left out: why` of the decisions of a run; empty where it is not
-/// there.
+/// The reason in a line `walls: left out: why` of the decisions of a run; empty if there is no such
+/// line.
 std::string ReasonIn(const std::string& decisions, std::string_view component) {
   const std::string line = std::string(component) + ": left out: ";
   for (auto at = decisions.find(line); at != std::string::npos; at = decisions.find(line, at + 1)) {

@@ -8,7 +8,7 @@
 namespace cdb::document {
 namespace {
 
-/// Above it, not every whole number is a double.
+/// Above this, not every whole number is representable as a double.
 constexpr double kMaxWhole = 9007199254740992.0;
 
 double Rounded(double value, int digits) {

@@ -10,7 +10,7 @@ namespace cdb::document {
 /// Keys stay in the order in which they are written.
 using Json = nlohmann::ordered_json;
 
-/// `value` to so many significant digits; null where it is not finite.
+/// `value` to `digits` significant digits; null if it is not finite.
 Json JsonNumber(double value, int digits = 6);
 Json JsonNumbers(const std::vector<double>& values, int digits = 6);
 
@@ -22,7 +22,7 @@ Json JsonColumn(std::size_t count, Of of) {
   return column;
 }
 
-/// Every array below `columns` whose values are all the same as `{"constant": value}`.
+/// Replaces every array below `columns` whose values are all equal by `{"constant": value}`.
 Json FoldColumns(Json columns);
 
 }  // namespace cdb::document

@@ -23,7 +23,7 @@ using GridPoint = DocumentSource::GridPoint;
 struct PhaseWords {
   std::string_view label, definition;
 };
-/// In the order of measure::Phase (engine/world/timed_world.h).
+/// In the order of measure::Phase.
 constexpr std::array<PhaseWords, measure::kPhaseCount> kPhaseWords = {{
     {"broad phase", "Boxes are moved; overlapping pairs of boxes are found and lost."},
     {"narrow phase", "Contacts of the pairs are computed, and manifolds refreshed."},
@@ -90,7 +90,7 @@ class PointColumns {
   Json Column(Of of) const {
     return JsonColumn(points_.size(), [&](std::size_t i) -> Json { return of(points_[i]); });
   }
-  /// Of points with cycles; null for the others.
+  /// Values for points with cycles; null for the others.
   template <typename Of>
   Json MeasuredColumn(Of of) const {
     return Column([&](const GridPoint& point) -> Json {
@@ -200,7 +200,7 @@ class PointColumns {
     return times;
   }
 
-  /// Repeats have the same counts; memory is the most of them.
+  /// All repeats have the same counts; memory is their maximum.
   void AddCounts(Json& all) const {
     for (const char* series : {"pairs", "manifolds", "contacts", "exact_pairs", "missed_pairs"})
       if (file_.Has(series))

@@ -7,10 +7,10 @@ namespace cdb::document {
 
 /// `axes`.
 Json DocumentAxes(const DocumentSource& source);
-/// `phases`: their names and what they are.
+/// `phases`: their names and contents.
 Json DocumentPhases();
 /// `points`. For more than kMaxWholePoints points: step and detect only, with mean and interval,
-/// and columns that say one thing throughout as `{"constant": value}`.
+/// and constant columns as `{"constant": value}`.
 Json DocumentPoints(const DocumentSource& source);
 
 }  // namespace cdb::document

@@ -16,7 +16,7 @@ namespace cdb::document {
 namespace {
 
 constexpr int kVersion = 1;
-/// Of failures, on a page.
+/// Limit of failures on a page.
 constexpr std::size_t kMaxFailures = 200;
 
 std::string GeneratorOf(const store::ResultFile& file) {
@@ -83,7 +83,7 @@ DocumentText ResultsDocument(const store::ResultFile& file, const DocumentOption
   document["machine"] = DocumentMachine(file);
   document["build"] = DocumentBuild(file);
   document["provenance"] = DocumentProvenance(file);
-  // Text of damaged files may not be UTF-8.
+  // The text of damaged files may not be UTF-8.
   return {document.dump(-1, ' ', false, Json::error_handler_t::replace),
           source.groups().bad.size() + source.references().size()};
 }

@@ -1,5 +1,6 @@
-// A results file as one JSON document: for `cdb show --json`, the page of `cdb report`, and modules
-// for notebooks. `cdb doc document` describes it. All statistics are made here; a reader draws.
+// A results file as one JSON document, for `cdb show --json`, the page of `cdb report`, and
+// notebook modules. `cdb doc document` describes it. All statistics are computed here; readers only
+// display them.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +11,10 @@
 namespace cdb::document {
 
 struct DocumentOptions {
-  std::string file;           ///< the name of the results file, for people
-  std::string baseline = {};  ///< the detector that ratios are to; empty: as in show.h
-  bool only_sound = false;    ///< without runs whose timings a verdict voids
-  /// With the times of each cycle, and with distributions.
+  std::string file;           ///< the name of the results file, for display
+  std::string baseline = {};  ///< the baseline of ratios; empty: as in show.h
+  bool only_sound = false;    ///< leave out runs whose timings are voided by their verdict
+  /// Include the times of each cycle, and distributions.
   bool for_page = false;
 };
 
@@ -22,11 +23,11 @@ struct DocumentText {
   std::size_t bad_cells = 0;  ///< as in ShowText
 };
 
-/// More points make a document that no page opens.
+/// A document with more points is too large for a page.
 inline constexpr std::size_t kMaxDocumentPoints = 100'000;
 
-/// Throws StoreError, also for a detector that the file has not got, and for more points than
-/// kMaxDocumentPoints.
+/// Throws StoreError, also for a detector that the file does not contain, and for more than
+/// kMaxDocumentPoints points.
 DocumentText ResultsDocument(const store::ResultFile& file, const DocumentOptions& options);
 
 }  // namespace cdb::document

@@ -1,4 +1,4 @@
-// What the parts of a results document (results_document.h) are made from.
+// The data that the parts of a results document (results_document.h) share.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,15 @@
 
 namespace cdb::document {
 
-/// Of points up to which a document has all statistics of all phases.
+/// The largest number of points for which a document has all statistics of all phases.
 inline constexpr std::size_t kMaxWholePoints = 5000;
 
 class DocumentSource {
  public:
-  /// A point of the grid that some run was made at.
+  /// A point of the grid with at least one run.
   struct GridPoint {
     statistics::Point at;
-    const statistics::MeasuredPoint* measured;  ///< null where no repeat has cycles
+    const statistics::MeasuredPoint* measured;  ///< null if no repeat has cycles
   };
 
   /// Throws StoreError.
@@ -37,16 +37,16 @@ class DocumentSource {
   const std::vector<statistics::MeasuredPoint>& measured() const { return measured_; }
   /// The rows of the document's columns, in grid order.
   const std::vector<GridPoint>& points() const { return points_; }
-  /// The place of a point among `points()`.
+  /// The index of a point in `points()`.
   std::size_t IndexOf(const statistics::Point& at) const { return index_.at(at); }
   statistics::CycleTimes& times() const { return times_; }
   const statistics::CellGroups& groups() const { return groups_; }
   const std::vector<statistics::DetectorFindings>& findings() const { return findings_; }
-  /// Why reference runs are of no use, a line each.
+  /// The reasons why reference runs cannot be used, a line each.
   const std::vector<std::string>& references() const { return references_; }
 
   bool HasTimes() const { return file_.Has("duration"); }
-  /// More than kMaxWholePoints: only the figures that a page can hold.
+  /// More than kMaxWholePoints points: the document has only the figures that a page can hold.
   bool IsLarge() const { return points_.size() > kMaxWholePoints; }
   int digits() const { return IsLarge() ? 4 : 6; }
   Json Number(double value) const { return JsonNumber(value, digits()); }
@@ -61,13 +61,13 @@ class DocumentSource {
   const std::vector<statistics::MeasuredPoint> measured_;
   std::vector<GridPoint> points_;
   std::map<statistics::Point, std::size_t> index_;
-  mutable statistics::CycleTimes times_;  ///< computes when asked
+  mutable statistics::CycleTimes times_;  ///< computed on demand
   const statistics::CellGroups groups_;
   const std::vector<statistics::DetectorFindings> findings_;
   const std::vector<std::string> references_;
 };
 
-/// A line for a terminal as a sentence for a page: without its indent and its end of line.
+/// Turns a line for a terminal into a sentence for a page: without indent and line end.
 std::string Sentence(std::string_view line);
 
 }  // namespace cdb::document

@@ -9,11 +9,11 @@
 
 namespace cdb::document {
 
-/// Reads the plan once, where the file does not state the time step itself. Throws StoreError.
+/// Reads the plan once, if the file does not state the time step itself. Throws StoreError.
 class TimeSteps {
  public:
   explicit TimeSteps(const store::ResultFile& file);
-  /// In s; NaN where neither the file nor its plan says.
+  /// In s; NaN if neither the file nor its plan states it.
   double Of(const store::ResultFile::Cell& cell) const;
 
  private:

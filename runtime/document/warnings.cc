@@ -105,7 +105,7 @@ class WarningList {
     Add("processors", fmt::format("{}", fmt::join(lines, " ")));
   }
 
-  /// Detectors that are compared did not leave out the same.
+  /// The compared detectors had different omissions.
   void AddUnlike() {
     std::set<std::string> components;
     for (const statistics::MeasuredPoint& point : source_.measured())

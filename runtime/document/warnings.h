@@ -1,4 +1,4 @@
-// What to know before a figure of a results file is quoted, for results documents
+// Warnings to read before quoting a figure of a results file, for results documents
 // (results_document.h).
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace cdb::document {
 
-/// `warnings`: each with its kind and a sentence, the worst first.
+/// `warnings`: each with its kind and a sentence, the most severe first.
 Json DocumentWarnings(const DocumentSource& source);
 
 }  // namespace cdb::document

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using schema::Parameter;
 
-/// Kinds of the protocol.
+/// CompletionItemKind of the protocol.
 enum class ItemKind {
   kFunction = 3,
   kVariable = 6,
@@ -142,7 +142,7 @@ class Completer {
       Add(std::string(parameter.name), ItemKind::kProperty, parameter.doc);
   }
 
-  /// Scenario files beside this one and in the library, as `use` names them.
+  /// Scenario files beside this one and in the library, in the form that `use` takes.
   void AddFiles() {
     Add("detector", ItemKind::kKeyword, "the detectors of a shared library");
     AddFilesIn(fs::path(path_).parent_path(), 1);

@@ -1,4 +1,4 @@
-// Completion: the words that may stand at a place.
+// Completion: the words that are allowed at a position.
 #pragma once
 
 #include <string>

@@ -63,7 +63,7 @@ class ContextFinder {
     context_.prefix = source_.text().substr(begin, offset_ - begin);
   }
 
-  /// Where the name before the place begins, which may end with a dot: `world.`.
+  /// The start of the name before the position. The name may end with a dot: `world.`.
   std::uint32_t WordBegin() const {
     const auto is_of_name = [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
@@ -114,12 +114,12 @@ class ContextFinder {
   }
   static bool IsAssign(const Token& token) { return token.kind == TokenKind::kAssign; }
 
-  /// Cases do not nest blocks: what stands in a case stands in the benchmark.
+  /// A case is not a block level of its own: its statements belong to the benchmark.
   void FindPlace() {
     for (std::size_t i = 1; i < blocks_.size(); ++i) {
       const Block& block = blocks_[i];
       if (block.kind == "cases") {
-        ++i;  // the case itself
+        ++i;  // skip the case itself
       } else if (block.kind == "objects" && context_.block.empty() && !context_.is_grouped) {
         context_.is_grouped = true;
         context_.group = block.label.empty() ? block.kind : block.label;
@@ -131,7 +131,7 @@ class ContextFinder {
 
   void FindInBlock() {
     FindPlace();
-    if (blocks_.back().kind == "cases") return;  // the name of a case
+    if (blocks_.back().kind == "cases") return;  // the position is at the name of a case
     if (statement_.empty()) {
       context_.expected = Expected::kStatement;
     } else if (Word(0) == "let") {
@@ -146,7 +146,7 @@ class ContextFinder {
     FindOpenWord();
   }
 
-  /// In `skip when detector == `, the words of detector.
+  /// In `skip when detector == `, the words of `detector` are expected.
   void FindCompared() {
     for (std::size_t i = statement_.size(); i-- > 1;) {
       const TokenKind kind = statement_[i].kind;
@@ -158,7 +158,7 @@ class ContextFinder {
     }
   }
 
-  /// The word whose bracket is open: `ring(`.
+  /// Finds the word whose bracket is open: `ring(`.
   void FindOpenWord() {
     int closed = 0;
     for (std::size_t i = statement_.size(); i-- > 0;) {
@@ -174,7 +174,7 @@ class ContextFinder {
   const std::uint32_t offset_, word_begin_;
   Context context_;
   std::vector<Block> blocks_;
-  std::vector<Token> statement_;  ///< what stands before the place, since the statement began
+  std::vector<Token> statement_;  ///< tokens of the statement up to the position
 };
 
 }  // namespace

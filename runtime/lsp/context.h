@@ -1,4 +1,4 @@
-// What may stand at a place of a text, whether or not the text around it parses.
+// The words that are allowed at a position of a text, whether or not the text around it parses.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 namespace cdb::lsp {
 
 enum class Expected {
-  kNothing,    ///< a comment, a new name
-  kItem,       ///< of a file: use, let, benchmark
-  kStatement,  ///< of a block
+  kNothing,    ///< in a comment, or for a new name
+  kItem,       ///< at file level: use, let, benchmark
+  kStatement,  ///< in a block
   kValue,      ///< of `parameter`, or of a let
   kCondition,  ///< after `skip when`
   kBase,       ///< a benchmark, after `from`
@@ -23,15 +23,15 @@ enum class Expected {
 
 struct Context {
   Expected expected = Expected::kNothing;
-  std::uint32_t begin = 0, end = 0;                ///< the word or the text that is being written
-  std::string prefix;                              ///< of it, up to the place
-  std::string group, block;                        ///< as of scenario::Scope
+  std::uint32_t begin = 0, end = 0;                ///< the word or the text at the position
+  std::string prefix;                              ///< its part before the position
+  std::string group, block;                        ///< as in scenario::Scope
   bool is_grouped = false;                         ///< inside objects { }
-  const schema::Parameter* parameter = nullptr;    ///< that is being set, or compared
+  const schema::Parameter* parameter = nullptr;    ///< that is being set or compared
   const schema::ParametrisedWord* word = nullptr;  ///< whose arguments are being written
 };
 
-/// At the byte `offset`.
+/// The context at the byte `offset`.
 Context ContextAt(const text::Source& source, std::uint32_t offset);
 
 /// The parameter that a path names in a block; null if there is none.

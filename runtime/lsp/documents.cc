@@ -27,7 +27,7 @@ void Documents::Change(const std::string& uri, std::int64_t version, const Json&
       continue;
     }
     const text::Source source("", document->text);
-    const std::uint32_t mark = source.FileOffset(0);  // a byte order mark stays where it is
+    const std::uint32_t mark = source.FileOffset(0);  // keep a byte order mark
     const std::uint32_t first = OffsetOf(source, PositionIn(range, "start"));
     const std::uint32_t last = OffsetOf(source, PositionIn(range, "end"));
     const std::uint32_t begin = std::min(first, last), end = std::max(first, last);

@@ -1,4 +1,4 @@
-// The texts that the editor has open, and what the compiler says of them.
+// The texts that the editor has open, with the compiler's diagnostics.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace cdb::lsp {
 
-/// Compiles `path` with the files that `read` gives.
+/// Compiles `path` with the files returned by `read`.
 using CompileFile =
     std::function<compiler::Compilation(const std::string& path, const scenario::ReadFile& read)>;
 
@@ -29,8 +29,9 @@ struct Document {
   std::string uri, path;
   std::string text;
   std::int64_t version = 0;
-  bool is_published = false;                 ///< its diagnostics are those of its text
-  std::shared_ptr<const Analysis> analysis;  ///< null until it is asked for
+  bool is_published = false;                 ///< the published diagnostics are those of the present
+                                             ///< text
+  std::shared_ptr<const Analysis> analysis;  ///< null until it is requested
 };
 
 /// Not thread-safe.
@@ -39,25 +40,25 @@ class Documents {
   explicit Documents(CompileFile compile) : compile_(std::move(compile)) {}
 
   void Open(const Json& item);
-  /// Changes in their order: parts of the text, or all of it.
+  /// Applies changes in their order: to parts of the text, or to all of it.
   void Change(const std::string& uri, std::int64_t version, const Json& changes);
   void Close(const std::string& uri) { open_.erase(uri); }
   /// Null if it is not open.
   Document* Find(const std::string& uri);
   std::map<std::string, Document>& all() { return open_; }
 
-  /// Of its present text.
+  /// The analysis of the present text.
   std::shared_ptr<const Analysis> Analyse(Document& document);
-  /// As if the open texts at these paths were others.
+  /// Compiles with the given texts in place of the open ones at these paths.
   compiler::Compilation CompileWith(const std::string& path,
                                     const std::map<std::string, std::string>& edited) const;
 
  private:
-  /// A change shows in every text that uses the changed one.
+  /// A change affects every text that uses the changed one.
   void ForgetAnalyses();
 
   CompileFile compile_;
-  std::map<std::string, Document> open_;  ///< by address
+  std::map<std::string, Document> open_;  ///< by URI
 };
 
 }  // namespace cdb::lsp

@@ -25,7 +25,7 @@ Json LocationJson(const text::Span& span) {
   return {{"uri", UriOf(span.source->name())}, {"range", RangeJson(span)}};
 }
 
-/// The first `use` of the main file, for what is wrong behind it.
+/// The first `use` of the main file: the position for errors in used files.
 text::Span FirstUse(const Analysis& analysis) {
   for (const auto& item : analysis.compilation.scenario->main()->tree.items)
     if (const auto* use = std::get_if<dsl::Use>(&item)) return use->span;
@@ -54,7 +54,7 @@ Json DiagnosticJson(const dsl::Diagnostic& diagnostic, const Analysis& analysis)
   return json;
 }
 
-/// The name or the word at the place, as the text writes it.
+/// The span of the name or word at the position.
 std::optional<text::Span> WordAt(const text::Source& source, std::uint32_t offset) {
   dsl::Diagnostics unused;
   for (const dsl::Token& token : dsl::Lex(source, unused).tokens)

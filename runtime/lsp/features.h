@@ -1,4 +1,4 @@
-// What the server answers about a place of a text.
+// The answers of the server about a position in a text.
 #pragma once
 
 #include <optional>
@@ -9,23 +9,23 @@
 
 namespace cdb::lsp {
 
-/// Of the document's text, as the protocol lists them. What is wrong in another file stands at the
-/// `use` that reads it.
+/// Diagnostics of the document, in the form of the protocol. An error in another file is shown at
+/// the `use` that reads it.
 Json DiagnosticsOf(const Analysis& analysis);
 
-/// What the manual says of the word at the place; null where there is none.
+/// The manual entry of the word at the position; null if there is none.
 Json HoverAt(const Analysis& analysis, std::uint32_t offset);
 
-/// Where the name, or the file of a `use`, is defined; null where it is not.
+/// The definition of the name, or the file of a `use`; null if there is none.
 Json DefinitionOf(const Analysis& analysis, const std::string& path, std::uint32_t offset,
                   const std::string& library);
-/// Every place of the name at this place.
+/// All occurrences of the name at this position.
 Json ReferencesTo(const Analysis& analysis, std::uint32_t offset);
 
-/// The number of runs behind the name of each benchmark; nothing while there are errors.
+/// The number of runs behind the name of each benchmark; empty while there are errors.
 Json InlayHints(const Analysis& analysis);
 
-/// Benchmarks, their groups and lets.
+/// Benchmarks with their groups and lets.
 Json SymbolsOf(const Analysis& analysis);
 
 }  // namespace cdb::lsp

@@ -1,4 +1,4 @@
-// Reading JSON of which nothing is known: what is missing or of another type is a default.
+// Reads untrusted JSON: values that are missing or have another type become defaults.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@ namespace cdb::lsp {
 
 using Json = nlohmann::json;
 
-/// null where `object` is none, or has no such member.
+/// null if `object` is not an object, or has no such member.
 const Json& Member(const Json& object, const char* name);
 std::string TextIn(const Json& object, const char* name);
-/// 0 for what is no whole number.
+/// 0 if the member is not a whole number.
 std::int64_t NumberIn(const Json& object, const char* name);
 Position PositionIn(const Json& object, const char* name);
 
 Json ToJson(const Position& position);
-/// Of a span of `source`.
+/// The range of a span of `source`.
 Json RangeJson(const text::Span& span);
 
 }  // namespace cdb::lsp

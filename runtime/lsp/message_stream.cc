@@ -19,7 +19,7 @@ bool StartsWithLength(std::string_view line) {
   return true;
 }
 
-/// Of the last line that states it.
+/// The length in the last line that states it.
 std::optional<std::size_t> LengthIn(std::string_view head) {
   std::optional<std::size_t> length;
   while (!head.empty()) {
@@ -36,7 +36,7 @@ std::optional<std::size_t> LengthIn(std::string_view head) {
   return length;
 }
 
-/// Where the head ends, and how many bytes end it; npos if it goes on.
+/// The end of the head, and the length of its terminator; npos if the head is incomplete.
 std::pair<std::size_t, std::size_t> EndOfHead(std::string_view bytes) {
   const std::size_t crlf = bytes.find("\r\n\r\n"), lf = bytes.find("\n\n");
   return crlf < lf ? std::pair(crlf, std::size_t{4}) : std::pair(lf, std::size_t{2});

@@ -9,17 +9,17 @@
 
 namespace cdb::lsp {
 
-/// Cuts messages out of what arrives. A head without a length, or with one that is no number, is
-/// skipped; a message of more than kLongestMessage bytes ends the stream, as its end cannot be
-/// waited for.
+/// Extracts messages from a stream of bytes. A head with a missing or malformed length is skipped.
+/// A message of more than kLongestMessage bytes breaks the stream, because its end cannot be waited
+/// for.
 class MessageReader {
  public:
   static constexpr std::size_t kLongestMessage = std::size_t{64} << 20;
 
   void Add(std::string_view bytes) { buffer_ += bytes; }
-  /// The next whole message; nullopt until more bytes arrive.
+  /// The next complete message; nullopt until more bytes arrive.
   std::optional<std::string> Next();
-  /// Nothing that arrives now can be understood.
+  /// The stream is broken: later bytes cannot be interpreted.
   bool is_broken() const { return is_broken_; }
 
  private:

@@ -34,7 +34,8 @@ void CheckName(const std::string& name) {
         fmt::format("'{}' cannot be a name: names are made of letters, digits and '_'", name));
 }
 
-/// What the runs are, whatever their axes are called; of a large grid, how many and the first ones.
+/// Identifies the runs, independent of the names of axes. For a large grid: their number and the
+/// first ones.
 std::vector<std::string> RunIds(const compiler::Compilation& compilation) {
   constexpr std::uint64_t kMostPoints = 1000;
   std::vector<std::string> ids;

@@ -1,4 +1,4 @@
-// Renaming a let wherever it is used.
+// Renames a let and all its uses.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,16 @@
 
 namespace cdb::lsp {
 
-/// The name cannot be changed; the text says why.
+/// The name cannot be changed; the message gives the reason.
 struct RenameError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The range of the let's name at this place. Throws RenameError.
+/// The range of the let's name at this position. Throws RenameError.
 Json PrepareRename(const Analysis& analysis, std::uint32_t offset);
 
-/// A WorkspaceEdit. The edited texts are compiled: if the runs would not be the same, nothing is
-/// changed. Throws RenameError.
+/// Returns a WorkspaceEdit. The edited texts are compiled, and nothing is changed if the runs would
+/// differ. Throws RenameError.
 Json Rename(Documents& documents, Document& document, std::uint32_t offset, const std::string& name,
             const std::string& library);
 

@@ -14,7 +14,7 @@
 namespace cdb::lsp {
 namespace {
 
-// Codes of the protocol.
+// Error codes of the protocol.
 constexpr int kParseError = -32700;
 constexpr int kInvalidRequest = -32600;
 constexpr int kMethodNotFound = -32601;
@@ -46,7 +46,7 @@ void Server::Handle(const std::string& message) {
   const Json& id = Member(json, "id");
   const std::string method = TextIn(json, "method");
   if (method.empty()) {
-    // An answer to a request of the server, which makes none, or nothing at all.
+    // Answers are ignored: this server sends no requests.
     const bool is_answer = json.is_object() && (json.contains("result") || json.contains("error"));
     if (!is_answer)
       SendError(IsId(id) ? id : Json(nullptr), {kInvalidRequest, "the message has no method"});
@@ -102,7 +102,7 @@ void Server::PublishDiagnostics() {
     try {
       diagnostics = DiagnosticsOf(*documents_.Analyse(document));
     } catch (const std::exception& error) {
-      // A plug-in cannot be looked into, say: this must not end the server.
+      // An error, for example a plug-in that cannot be loaded, must not end the server.
       diagnostics.push_back({{"range", RangeJson({})},
                              {"severity", 1},
                              {"source", "cdb"},

@@ -1,4 +1,4 @@
-// The language server: requests in, answers out.
+// The language server: takes requests and sends answers.
 #pragma once
 
 #include <functional>
@@ -16,20 +16,18 @@ struct ServerOptions {
   std::function<void(const std::string& message)> send;  ///< JSON, without its head
 };
 
-/// Serves one client. Never throws for anything that a client sends; a malformed message is
-/// answered by an error, or ignored if it asks for no answer. Not thread-safe.
-/// Source: Language Server Protocol 3.17.
+/// Serves one client. No client input makes it throw: a malformed message is answered by an error,
+/// or ignored if it expects no answer. Not thread-safe. Source: Language Server Protocol 3.17.
 class Server {
  public:
   explicit Server(ServerOptions options);
 
   void Handle(const std::string& message);
-  /// Sends the diagnostics of texts that changed; whoever feeds the server calls it when no message
-  /// waits.
+  /// Sends the diagnostics of texts that changed. Call it when no message is waiting.
   void PublishDiagnostics();
 
   bool has_ended() const { return has_ended_; }
-  /// The client said `shutdown` before `exit`.
+  /// The client sent `shutdown` before `exit`.
   bool ended_well() const { return is_shut_down_; }
 
  private:

@@ -14,7 +14,7 @@ namespace cdb::lsp {
 using scenario::Joined;
 using scenario::ScenarioFile;
 
-/// Walks the trees twice: definitions, then the names that refer to them.
+/// Walks the trees twice: first for definitions, then for references to them.
 class SymbolCollector {
  public:
   SymbolCollector(const scenario::Scenario& scenario, Symbols& symbols)
@@ -33,7 +33,7 @@ class SymbolCollector {
   }
 
  private:
-  /// Where a statement or an expression stands.
+  /// The location of a statement or an expression.
   struct Place {
     const ScenarioFile* file = nullptr;
     const dsl::Benchmark* benchmark = nullptr;
@@ -126,7 +126,8 @@ class SymbolCollector {
     return span.source->text().substr(span.begin, span.end - span.begin);
   }
 
-  /// The definitions of `table` in the benchmark and its bases that `fits`, made one family.
+  /// Joins the definitions of `table` in the benchmark and its bases that satisfy `fits` into one
+  /// family. Returns the first.
   std::optional<std::size_t> FindIn(
       const std::map<const dsl::Benchmark*, std::vector<std::size_t>>& table,
       const dsl::Benchmark* benchmark, const std::function<bool(std::size_t)>& fits) {
@@ -157,7 +158,7 @@ class SymbolCollector {
     return file_lets_.at(let->let);
   }
 
-  /// `pebbles` of `pebbles.size`.
+  /// Records a reference to a group: `pebbles` of `pebbles.size`.
   void ReferGroup(const std::string& path, const text::Span& span, const Place& place) {
     const std::string head = path.substr(0, path.find('.'));
     if (head.size() == path.size() || span.source == nullptr) return;
@@ -210,7 +211,7 @@ class SymbolCollector {
   void Refer(const dsl::Block& block, const Place& place) {
     for (const dsl::Statement& statement : block.statements) {
       if (const auto* let = std::get_if<dsl::Let>(&statement.what)) {
-        FindLet(let->name.text, place);  // one family with what it overrides
+        FindLet(let->name.text, place);  // joins it to the family of the let that it overrides
         Refer(*let->value, place);
       } else if (const auto* setting = std::get_if<dsl::Setting>(&statement.what)) {
         Refer(*setting, place);
@@ -245,7 +246,8 @@ class SymbolCollector {
   std::map<const dsl::Benchmark*, std::size_t> benchmarks_;
   std::map<const dsl::Benchmark*, const ScenarioFile*> homes_;
   std::map<const dsl::Benchmark*, std::vector<std::size_t>> lets_, groups_;
-  std::vector<std::size_t> families_;  ///< of each definition: another of its family, or itself
+  std::vector<std::size_t> families_;  ///< for each definition, another one of its family, or
+                                       ///< itself
 };
 
 Symbols::Symbols(const scenario::Scenario& scenario) { SymbolCollector(scenario, *this).Run(); }

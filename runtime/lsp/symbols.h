@@ -1,4 +1,4 @@
-// Names of a scenario and where they are defined: lets, benchmarks and groups of objects.
+// Names in a scenario and their definitions: lets, benchmarks and groups of objects.
 #pragma once
 
 #include <cstddef>
@@ -19,28 +19,29 @@ struct Definition {
   SymbolKind kind;
   text::Span name;
   text::Span whole;                           ///< the let, or the head of the block
-  std::string block;                          ///< of a let: the blocks around it, `objects.links`
-  const dsl::Benchmark* benchmark = nullptr;  ///< that it is in; null outside of them
-  /// Definitions of one family have one meaning: a let, and those that override it.
+  std::string block;                          ///< for a let, the blocks around it: `objects.links`
+  const dsl::Benchmark* benchmark = nullptr;  ///< the enclosing benchmark; null outside of
+                                              ///< benchmarks
+  /// Definitions of one family share a meaning: a let, and those that override it.
   std::size_t family = 0;
 };
 
-/// A name that is a definition, or refers to one.
+/// A name that is a definition or a reference to one.
 struct Occurrence {
   text::Span span;
   std::size_t definition = 0;  ///< index into definitions()
 };
 
-/// Of the main file and all files that it uses. Points into the scenario.
+/// The symbols of the main file and all files that it uses. Points into the scenario.
 class Symbols {
  public:
   explicit Symbols(const scenario::Scenario& scenario);
 
   std::span<const Definition> definitions() const { return definitions_; }
   std::span<const Occurrence> occurrences() const { return occurrences_; }
-  /// Null where no name of the source touches the byte.
+  /// Null if no name of the source touches the byte.
   const Occurrence* At(const text::Source& source, std::uint32_t offset) const;
-  /// Every name of the family of `definition`, each once.
+  /// Every occurrence of the family of `definition`, each once.
   std::vector<text::Span> FamilyOf(std::size_t definition) const;
 
  private:

@@ -30,7 +30,7 @@ Words WordsOfRole(schema::WordRole role) {
   return words;
 }
 
-/// `world.side`, and `side` as it is called in world { }.
+/// `world.side`, and `side`, its name inside world { }.
 std::set<std::string> ParameterNames() {
   std::set<std::string> names;
   for (const schema::Parameter& parameter : schema::Schema()) {
@@ -82,7 +82,7 @@ Vocabulary MakeVocabulary() {
   return all;
 }
 
-/// `(?:b|aa)` with the longest first, so that none hides one that it begins.
+/// `(?:b|aa)`, the longest first, so that no alternative hides a longer one that it begins.
 std::string Alternatives(Words words) {
   std::ranges::stable_sort(words, std::ranges::greater(), &std::string::size);
   std::string text;
@@ -138,7 +138,7 @@ std::string TextMateGrammar() {
   patterns.push_back(Match("keyword.other.cdb", WholeWord(all.modifiers)));
   patterns.push_back(Match("support.function.cdb", WholeWord(all.functions)));
   patterns.push_back(Match("constant.language.cdb", WholeWord(all.constants)));
-  // Also `pebbles.size`, of a group.
+  // Also `pebbles.size`, with the name of a group.
   patterns.push_back(
       Match("variable.parameter.cdb",
             R"((?<![\w.])(?:[A-Za-z_]\w*\.)?)" + Alternatives(all.parameters) + R"((?![\w.]))"));

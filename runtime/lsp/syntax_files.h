@@ -5,7 +5,7 @@
 
 namespace cdb::lsp {
 
-/// A TextMate grammar, for VS Code and others that read them.
+/// A TextMate grammar, for VS Code and other editors that support the format.
 std::string TextMateGrammar();
 std::string VimSyntax();
 /// The words of each class, as JSON: statements, modifiers, functions, constants, parameters,

@@ -5,21 +5,21 @@
 
 namespace cdb::machine {
 
-/// Its name; `localhost` where it has none.
+/// The name of this machine; `localhost` if it has none.
 std::string HostName();
 
-/// The load average of the last minute; NaN if the system does not say.
+/// The load average of the last minute; NaN if the system does not report it.
 double LoadAverage();
 
-/// ns since the system began, of all processors together; NaN if it does not say. In steps of 10 ms
-/// on most systems. Source: proc_stat(5).
+/// Times since the system started, ns, summed over all processors; NaN if the system does not
+/// report them. The resolution is 10 ms on most systems. Source: proc_stat(5).
 struct TimeOfAllProcessors {
-  double busy = 0;    ///< with programs and the system's own work
+  double busy = 0;    ///< used by programs and the system
   double stolen = 0;  ///< taken by other virtual machines
 };
 TimeOfAllProcessors ReadTimeOfAllProcessors();
 
-/// The number of processors that this process may run on; NaN if the system does not say.
+/// The number of processors that this process may run on; NaN if the system does not report it.
 double ProcessorCount();
 
 }  // namespace cdb::machine

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the processors: as much as other programs may take without showing in a run.
+/// Fraction of the processors that other programs may use without a visible effect on a run.
 constexpr double kMostLoad = 0.1;
 
 std::optional<std::string> FirstLineOf(const fs::path& file) {

@@ -10,11 +10,11 @@
 namespace cdb::machine {
 namespace {
 
-/// The system counts ticks, and a run that is short sees one more or less.
+/// The system counts in ticks, so a short run may be off by one or two of them.
 constexpr double kTicksNs = 30e6;
 constexpr double kLongPauses = 2, kEvenSteps = 1.5;
 
-/// The mean over the median, where nine in ten steps are alike; else 1.
+/// The mean over the median if nine in ten steps are alike; else 1.
 double PauseRatio(std::span<const double> steps) {
   std::vector<double> sorted;
   std::ranges::copy_if(steps, std::back_inserter(sorted), [](double ns) { return ns > 0; });

@@ -1,4 +1,4 @@
-// Whether a run had the machine to itself, judged from what the worker measured about it.
+// Judges from the worker's measurements whether other programs disturbed a run.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace cdb::machine {
 
 /// `flag_values` of the array `noise`.
 enum class Noise : std::int8_t {
-  kUnknown,  ///< the run did not get to its end, or was not timed
+  kUnknown,  ///< the run did not finish, or was not timed
   kQuiet,
   kNoisy,  ///< its times are those of a disturbed machine
 };
@@ -22,29 +22,30 @@ std::span<const std::string_view> NoiseNames();
 
 struct NoiseJudgement {
   Noise noise = Noise::kUnknown;
-  std::string why;  ///< of a noisy one, for people: `12 % of the time not on a processor`
-  /// The largest part of its time that other programs and virtual machines disturbed, 0 to 1.
+  std::string why;  ///< reason for a noisy run, for the output: `12 % of the time not on a
+                    ///< processor`
+  /// The largest fraction of its time that was disturbed by other programs or virtual machines, 0
+  /// to 1.
   double disturbed = 0;
 
-  /// Its times are to be preferred: it was measured, and quiet or less disturbed.
+  /// True if its times are to be preferred: it was measured, and was quiet or less disturbed.
   bool IsQuieterThan(const NoiseJudgement& other) const;
 };
 
-/// The most parts of the wall-clock time of a quiet run: off the processor, with one thread, and
-/// taken by other virtual machines.
+/// Limits for a quiet run, as fractions of its wall-clock time: off the processor (with one
+/// thread), and taken by other virtual machines.
 inline constexpr double kMostOffProcessor = 0.02, kMostStolen = 0.01;
-/// The most processors that other programs may use beside it: caches, memory and frequency are
-/// shared.
+/// The most processors that other programs may use: they share caches, memory and frequency.
 inline constexpr double kMostOthers = 0.1;
 
 struct MachineLoad {
   double load = 0;        ///< one-minute load average when the run began
-  double processors = 0;  ///< that the runner may use
+  double processors = 0;  ///< number that the runner may use
 };
 
-/// `steps`: the time of each cycle, ns. `threads`: those that the detector may use; with several,
-/// the thread that is measured waits for the others, and time off the processor says nothing. A run
-/// is noisy if
+/// `steps`: the time of each cycle, ns. `threads`: the number that the detector may use. With
+/// several, the measured thread waits for the others, so that time off the processor has no
+/// meaning. A run is noisy if
 ///   1 - CPU time / wall-clock time > kMostOffProcessor (one thread),
 ///   stolen time / wall-clock time > kMostStolen,
 ///   other programs used more than kMostOthers of a processor, by more than 30 ms,

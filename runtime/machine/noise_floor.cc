@@ -25,7 +25,7 @@ double ProcessorTimeOfThread() {
   return static_cast<double>(time.tv_sec) * 1e9 + static_cast<double>(time.tv_nsec);
 }
 
-/// Marsaglia's xorshift: each step waits for the one before, and nothing can be left out.
+/// Marsaglia's xorshift: each step depends on the one before, so nothing can be optimised away.
 std::uint64_t Work(std::uint64_t state, int steps) {
   for (int i = 0; i < steps; ++i) {
     state ^= state << 13;
@@ -54,7 +54,7 @@ NoiseFloor MeasureNoiseFloor(double seconds) {
   NoiseFloor floor;
   floor.clock_ns = CostOfClock();
   volatile std::uint64_t state = 88172645463325252ULL;
-  state = Work(state, kSteps);  // until the processor is awake
+  state = Work(state, kSteps);  // warm-up, until the processor runs at speed
   std::vector<double> times;
   times.reserve(static_cast<std::size_t>(seconds * 1e4) + 1);
   const TimeOfAllProcessors before = ReadTimeOfAllProcessors();

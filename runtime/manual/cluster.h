@@ -1,4 +1,4 @@
-// Sweeps on many machines, for `cdb doc cluster`.
+// The text of `cdb doc cluster`: sweeps on many machines.
 #pragma once
 
 #include <string_view>

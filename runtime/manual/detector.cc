@@ -15,7 +15,7 @@ namespace {
 
 using schema::DetectorInfo;
 
-/// What it cannot do, or needs; in the order of how much it matters.
+/// Limitations and requirements of a detector, the most important first.
 std::vector<std::string> Limits(const DetectorInfo& detector) {
   std::vector<std::string> limits;
   const schema::DetectorPart* part = schema::FindDetectorPart(detector.part);
@@ -30,7 +30,7 @@ std::vector<std::string> Limits(const DetectorInfo& detector) {
   return limits;
 }
 
-/// Lines of at most so many columns, where words allow.
+/// Wraps text into lines of at most `columns` columns, where words allow.
 std::vector<std::string> Lines(std::string_view text, std::size_t columns) {
   std::vector<std::string> lines = {""};
   while (!text.empty()) {

@@ -1,4 +1,4 @@
-// The results document, for `cdb doc document`.
+// The text of `cdb doc document`: the results document.
 #pragma once
 
 #include <string_view>

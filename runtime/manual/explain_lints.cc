@@ -1,4 +1,4 @@
-// The lints of compiler/lints/lints.h. `cdb doc lints` prints their limits.
+// Explanations of the lints of compiler/lints/lints.h. `cdb doc lints` prints their limits.
 #include <fmt/format.h>
 
 #include <deque>
@@ -100,7 +100,7 @@ constexpr LintExample kExamples[] = {
      "benchmark b { cycles 300; objects { size 40; quantity 2; location stack } }\n"},
 };
 
-/// What a lint of the table says, and its limit.
+/// The text of a lint in the table, and its limit.
 std::string LintText(const lints::LintInfo& info) {
   return fmt::format(
       "{} if a number of the scene is beyond its limit. The number: {}. The limit: {}.",
@@ -108,7 +108,7 @@ std::string LintText(const lints::LintInfo& info) {
 }
 
 std::vector<Explanation> MakeRows() {
-  static std::deque<std::string> texts;  // of the rows, which point into it
+  static std::deque<std::string> texts;  // owns the texts to which the rows refer
   std::vector<Explanation> rows;
   for (const LintExample& example : kExamples) {
     const lints::LintInfo& info = lints::InfoOf(example.lint);

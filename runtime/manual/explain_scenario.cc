@@ -1,4 +1,4 @@
-// The kinds of compiler/scenario/diagnostic_kinds.h.
+// Explanations of the kinds in compiler/scenario/diagnostic_kinds.h.
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "runtime/manual/explanation.h"
 

@@ -1,13 +1,13 @@
-// The kinds of dsl/diagnostic_kinds.h.
+// Explanations of the kinds in dsl/diagnostic_kinds.h.
 #include "dsl/diagnostic_kinds.h"
 #include "runtime/manual/explanation.h"
 
 namespace cdb::manual {
 namespace {
 
-using namespace std::string_view_literals;  // an example may hold a NUL byte
+using namespace std::string_view_literals;  // an example may contain a NUL byte
 
-/// One level of brackets more than the parser follows.
+/// One level of brackets more than the parser accepts.
 constexpr std::string_view kDeep =
     "let n = "
     "(((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((("

@@ -17,7 +17,7 @@ bool IsSameWord(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, lower, lower);
 }
 
-/// Four spaces before each line. Long lines, and bytes that are no text, are cut and replaced.
+/// Indents each line by four spaces. Cuts long lines, and replaces bytes that are not text.
 std::string ExampleText(std::string_view text) {
   constexpr std::size_t kLongest = 90;
   std::string indented;

@@ -1,4 +1,4 @@
-// Every kind of diagnostic with a wrong and a right example: what `cdb explain CODE` prints.
+// Every kind of diagnostic with a wrong and a right example: the output of `cdb explain CODE`.
 #pragma once
 
 #include <optional>
@@ -30,8 +30,8 @@ std::vector<const Explanation*> AllExplanations();
 /// none.
 std::vector<const Explanation*> FindExplanations(std::string_view wanted);
 
-/// `E0201 unknown-name: …`, why it is wrong, and both examples. `rendered`: the diagnostics of the
-/// wrong example, as `cdb check` prints them.
+/// The text `E0201 unknown-name: …`, the reason why it is an error, and both examples. `rendered`:
+/// the diagnostics of the wrong example, as `cdb check` prints them.
 std::string ExplanationText(const Explanation& explanation, std::string_view rendered);
 /// A table of every code.
 std::string ExplanationList();

@@ -23,7 +23,7 @@ namespace {
 
 using schema::Parameter;
 
-/// A word that stands alone, from one of the catalogues.
+/// A word without arguments, from one of the catalogues.
 struct CatalogueWord {
   std::string kind, name, doc;
 };
@@ -58,7 +58,7 @@ const std::vector<CatalogueWord>& CatalogueWords() {
   return all;
 }
 
-/// `name` is the parameter's, the last part of it, or that of a block it is in.
+/// True if `name` is the parameter's name, its last part, or that of a block around it.
 bool Names(std::string_view name, const Parameter& parameter) {
   return name == parameter.FullName() || name == parameter.name ||
          name == parameter.name.substr(parameter.name.find('.') + 1) ||
@@ -73,7 +73,8 @@ std::string LanguageWordText(const schema::LanguageWord& word) {
                      terminal::Wrapped(word.doc, 2), word.syntax, word.example);
 }
 
-/// `walls: a word of omit, world.walls`, and what these are; empty if no parameter takes it.
+/// `walls: a word of omit, world.walls`, and a description of these; empty if no parameter takes
+/// it.
 std::string TakersText(std::string_view name) {
   std::vector<std::string> takers;
   std::string about;

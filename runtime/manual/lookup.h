@@ -1,4 +1,4 @@
-// Every word of the language and of the results, and what the manual says of it.
+// Every word of the language and of the results, with its manual entry.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace cdb::manual {
 /// series and diagnostics. Empty if there is nothing.
 std::string TextAbout(std::string_view name);
 
-/// What a word is, in one line: `detector: Bullet's two dynamic trees`. Empty if it is none.
+/// The kind of a word, in one line: `detector: Bullet's two dynamic trees`. Empty if it is unknown.
 std::string LineAbout(std::string_view name);
 
 /// All names that TextAbout knows, each once.

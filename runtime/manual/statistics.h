@@ -1,4 +1,4 @@
-// How `cdb show` and `cdb compare` make their figures, for `cdb doc statistics`.
+// The text of `cdb doc statistics`: the statistics of `cdb show` and `cdb compare`.
 #pragma once
 
 #include <string_view>

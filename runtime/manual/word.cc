@@ -45,7 +45,7 @@ std::vector<const ParametrisedWord*> CallsOf(const Parameter& parameter) {
   return calls;
 }
 
-/// Words that stand alone and words with arguments, then the arguments.
+/// Words with and without arguments, then the arguments.
 template <typename Rows>
 std::string Words(const char* title, const Rows& rows,
                   const std::vector<const ParametrisedWord*>& calls) {

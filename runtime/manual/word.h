@@ -1,4 +1,4 @@
-// Parameters, and words with their arguments, as `cdb doc` prints them.
+// Manual entries of parameters, and of words with their arguments (`cdb doc`).
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace cdb::manual {
 std::string ParameterReference(const schema::Parameter& parameter);
 std::string WordReference(const schema::ParametrisedWord& word);
 
-// The words of a kind, then the arguments of those that have some.
+// The words of a kind, then the arguments of those that have any.
 std::string ObjectReference();
 std::string LayoutReference();
 std::string ScheduleReference();

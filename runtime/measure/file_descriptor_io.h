@@ -13,7 +13,7 @@
 
 namespace cdb::measure {
 
-/// To its end.
+/// Reads to the end of the file.
 inline std::string ReadAll(int fd) {
   std::string bytes;
   char buffer[65536];
@@ -26,7 +26,7 @@ inline std::string ReadAll(int fd) {
   }
 }
 
-/// False, with errno set, if that failed.
+/// False, with errno set, if writing failed.
 inline bool TryWriteAll(int fd, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t count = write(fd, bytes.data(), bytes.size());

@@ -21,7 +21,7 @@ class FixedText {
     text_[length] = '\0';
     return *this;
   }
-  /// Ends at the end of the memory where the terminator was overwritten.
+  /// Ends at the end of the memory if the terminator was overwritten.
   std::string str() const { return std::string(text_, strnlen(text_, kSize)); }
 
  private:

@@ -27,7 +27,7 @@ namespace cdb::measure {
 namespace {
 
 constexpr std::size_t kMostDescriptors = 8, kMostText = 32 << 10;
-/// Descriptors stand here until they get their numbers.
+/// Descriptors are kept above this number until they get their final ones.
 constexpr int kAboveAllTargets = 16;
 
 struct RequestHead {
@@ -37,10 +37,10 @@ struct RequestHead {
   std::array<std::int32_t, kMostDescriptors> targets;
 };
 
-/// A request as it comes, in memory that no request changes the layout of.
+/// A received request, in memory whose layout does not depend on the request.
 struct Received {
   RequestHead head;
-  std::array<char, kMostText> text;  ///< arguments, each with a NUL behind it
+  std::array<char, kMostText> text;  ///< arguments, each terminated by a NUL
   std::size_t text_size;
   std::array<int, kMostDescriptors> descriptors;
 };
@@ -51,7 +51,7 @@ union Ancillary {
   char bytes[CMSG_SPACE(sizeof(int) * kMostDescriptors)];
 };
 
-/// False at the end of the connection, and for what AskForWorker does not send.
+/// False at the end of the connection, and for a message that AskForWorker does not send.
 bool Receive(int server, Received& request) {
   std::array<iovec, 2> parts = {
       {{&request.head, sizeof request.head}, {request.text.data(), request.text.size()}}};
@@ -76,9 +76,9 @@ bool Receive(int server, Received& request) {
   return true;
 }
 
-/// A child of our parent, with one thread and a copy of all that we have, as fork would make a
-/// child of ours; a negative number if that cannot be. `tid` is where the C library keeps its
-/// number of the thread, which fork would set.
+/// Creates a child of our parent, with one thread and a copy of our memory, as fork would create a
+/// child of ours; returns a negative number on failure. `tid` is the address where the C library
+/// keeps the id of the thread, which fork would set.
 pid_t ForkSibling(void* tid) {
   clone_args how = {};
   how.flags = CLONE_PARENT | CLONE_CHILD_SETTID | CLONE_CHILD_CLEARTID;
@@ -100,19 +100,19 @@ bool TakeDescriptors(const Received& request) {
   return syscall(SYS_close_range, static_cast<unsigned>(last) + 1, ~0U, 0) == 0;
 }
 
-/// By how many bytes addresses are moved.
+/// The number of bytes by which addresses are moved.
 struct Shift {
   std::size_t heap = 0, stack = 0;
 };
 
-/// Moves what is allocated from now on. The stack is to be moved by the caller.
+/// Moves later allocations. The caller moves the stack.
 Shift ShiftAddresses() {
   const int persona = personality(0xffffffff);
   std::array<std::uint32_t, 3> random = {};
   if ((persona != -1 && (persona & ADDR_NO_RANDOMIZE) != 0) ||
       getrandom(random.data(), sizeof random, 0) != sizeof random)
     return {};
-  // Nothing of it is touched, so it costs no memory; a process that may not have it goes without.
+  // The space is never touched, so it costs no memory. A process that cannot get it does without.
   constexpr std::size_t kPage = 4096, kHeapPages = 1 << 10, kMappedPages = 1 << 14;
   constexpr std::size_t kStackBytes = 1 << 14, kStackStep = 16;
   const std::size_t heap = random[0] % kHeapPages * kPage;
@@ -132,7 +132,7 @@ std::vector<std::string> ArgumentsOf(const Received& request) {
   return arguments;
 }
 
-/// The heap, anonymous mappings and stacks of threads. False if it cannot be set.
+/// Limits heap, anonymous mappings and stacks of threads. False if the limit cannot be set.
 bool LimitMemory(std::uint64_t bytes) {
   rlimit limit = {};
   if (getrlimit(RLIMIT_DATA, &limit) != 0) return false;
@@ -148,7 +148,7 @@ bool LimitMemory(std::uint64_t bytes) {
   const Shift shift = ShiftAddresses();
   auto* room = static_cast<volatile char*>(alloca(shift.stack + 1));
   *room = 0;
-  // What a run may allocate must not depend on chance.
+  // The random shift must not count towards the limit.
   if (request.head.memory > 0 && !LimitMemory(request.head.memory + shift.heap))
     _exit(kCannotBegin);
   exit(run(ArgumentsOf(request)));
@@ -160,7 +160,7 @@ void BindToRunner() {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const char* runner = getenv(kRunnerVariable);
   if (runner != nullptr && std::strtol(runner, nullptr, 10) != getppid()) _exit(0);
-  unsetenv(kRunnerVariable);  // what this process starts has it for a parent
+  unsetenv(kRunnerVariable);  // processes started by this one have it as parent
   const char* memory = getenv(kMemoryVariable);
   if (memory != nullptr && !LimitMemory(std::strtoull(memory, nullptr, 10))) _exit(0);
   unsetenv(kMemoryVariable);
@@ -203,7 +203,7 @@ ForkAnswer AskForWorker(int server, const ForkRequest& request) {
 void ServeForks(int (*run)(const std::vector<std::string>& arguments)) {
   static Received request;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // Who made the socket: it may have died before this program was loaded.
+  // The process that made the socket may have died before this program was loaded.
   ucred maker = {};
   socklen_t size = sizeof maker;
   const pid_t runner =
@@ -213,7 +213,7 @@ void ServeForks(int (*run)(const std::vector<std::string>& arguments)) {
   void* tid = nullptr;
   const bool can_fork = prctl(PR_GET_TID_ADDRESS, &tid) == 0 && tid != nullptr;
   close(kServerFd);
-  unsetenv(kBindNow);  // programs that a worker starts are none of our business
+  unsetenv(kBindNow);  // programs started by a worker must not inherit it
   unsetenv(kRunnerVariable);
   cpu_set_t all;
   if (sched_getaffinity(0, sizeof all, &all) != 0) CPU_ZERO(&all);
@@ -223,7 +223,7 @@ void ServeForks(int (*run)(const std::vector<std::string>& arguments)) {
       CPU_ZERO(&cpus);
       CPU_SET(static_cast<unsigned>(request.head.cpu), &cpus);
     }
-    sched_setaffinity(0, sizeof cpus, &cpus);  // so that the worker never runs elsewhere
+    sched_setaffinity(0, sizeof cpus, &cpus);  // the worker then never runs on another processor
     const pid_t worker = can_fork ? ForkSibling(tid) : -1;
     if (worker == 0) BeWorker(request, runner, run);
     for (std::size_t i = 0; i < request.head.descriptors; ++i) close(request.descriptors[i]);

@@ -1,5 +1,5 @@
-// Workers forked from one that has its libraries loaded, which saves the greater part of what a
-// process costs to start. Both ends of the socket between the runner and that process.
+// Forks workers from a process that has its libraries loaded, which saves most of the cost of
+// starting a process. Both ends of the socket between the runner and that process.
 #pragma once
 
 #include <sys/types.h>
@@ -11,47 +11,49 @@
 
 namespace cdb::measure {
 
-/// The worker's option to wait for requests at kServerFd in place of running a run.
+/// Option of the worker program: wait for requests at kServerFd instead of executing a run.
 inline constexpr const char* kServeOption = "--serve";
 inline constexpr int kServerFd = 3;
-/// In its environment: the linker looks up all functions at once, and not in the first cycle of
-/// each worker, which would also have to copy the page that the result is written to.
+/// Environment variable of that process: the linker resolves all functions at once. Otherwise each
+/// worker would resolve them in its first cycle, and copy the page to which the results are
+/// written.
 inline constexpr const char* kBindNow = "LD_BIND_NOW";
 
-/// In the environment of a worker that the runner starts itself: its process number. A worker whose
-/// parent is another one has outlived it.
+/// Environment variable of a worker that the runner starts itself: the runner's process id. A
+/// worker with another parent has outlived its runner.
 inline constexpr const char* kRunnerVariable = "CDB_RUNNER";
-/// The same for its memory limit, in bytes.
+/// The same for the worker's memory limit, in bytes.
 inline constexpr const char* kMemoryVariable = "CDB_MEMORY_LIMIT";
-/// Worker: dies when its runner does, from now on, and at once if that has happened; takes the
-/// memory limit of its environment. Unsets both variables.
+/// Worker: makes this process die with its runner, at once if the runner is already dead, and sets
+/// the memory limit from the environment. Unsets both variables.
 void BindToRunner();
 
 struct ForkRequest {
-  std::vector<std::pair<int, int>> descriptors;  ///< of the runner, and their numbers in the worker
-  std::vector<std::string> arguments;            ///< without the program; none of them empty
-  int cpu = -1;                                  ///< the only one to run on; -1: any
-  std::uint64_t memory = 0;                      ///< bytes of private memory at most; 0: no limit
+  std::vector<std::pair<int, int>> descriptors;  ///< of the runner, with their numbers in the
+                                                 ///< worker
+  std::vector<std::string> arguments;            ///< without the program; none is empty
+  int cpu = -1;                                  ///< the only processor to run on; -1: any
+  std::uint64_t memory = 0;                      ///< limit of private memory, bytes; 0: no limit
 };
 
 struct ForkAnswer {
   pid_t worker = -1;  ///< a child of this process, as if it had forked it; -1: none
-  /// No worker is known, and yet one may have been started: the server ended before it answered.
+  /// The server ended before it answered: no worker is known, but one may have been started.
   bool is_uncertain = false;
 };
 
-/// Runner: asks the process at the other end of `server` (a SOCK_SEQPACKET) for a worker. There is
-/// none if that process has ended, cannot fork so, or the request does not fit. Threads: one at a
-/// time.
+/// Runner: requests a worker from the process at the other end of `server` (a SOCK_SEQPACKET).
+/// There is none if that process has ended or cannot fork in this way, or if the request is too
+/// long. Threads: one at a time.
 ForkAnswer AskForWorker(int server, const ForkRequest& request);
 
 /// Worker: answers requests at kServerFd until the runner closes its end, then ends the process. In
-/// each worker, calls `run` with the arguments of the request, and exits with what it returns. A
-/// worker has the descriptors of the request beside those up to STDERR_FILENO, leads a process
-/// group, and is killed when the runner ends. Heap, stack and later mappings have other addresses
-/// in each worker, as in processes of their own, unless the system is told not to randomize them.
-/// Between requests the server runs nothing that depends on them: every worker begins alike. To be
-/// called by a process with one thread.
+/// each worker, calls `run` with the arguments of the request, and exits with its return value. A
+/// worker has the descriptors of the request in addition to those up to STDERR_FILENO, leads a
+/// process group, and is killed when the runner ends. Heap, stack and later mappings have different
+/// addresses in each worker, as in independent processes, unless the system is told not to
+/// randomize them. The state of the server does not depend on earlier requests: every worker begins
+/// alike. Must be called by a process with one thread.
 [[noreturn]] void ServeForks(int (*run)(const std::vector<std::string>& arguments));
 
 }  // namespace cdb::measure

@@ -1,4 +1,5 @@
-// Records which function of a plug-in a worker is executing, to report where it crashed or hung.
+// Records the function of a plug-in that a worker is executing, to report the place of a crash or
+// hang.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +20,10 @@ enum class PluginCall : std::uint32_t {
   kDestroy
 };
 
-/// A call into the plug-in `index` of a scene, in a number; 0 for none.
+/// Encodes a call into the plug-in `index` of a scene; 0 for none.
 std::uint32_t PluginCallCode(PluginCall call, std::size_t index);
 
-/// FindPairs of detector `mine` (libmine.so); empty for none, and for what a crash left there.
+/// `FindPairs of detector `mine` (libmine.so)`; empty for none, and for a code damaged by a crash.
 std::string PluginCallText(std::uint32_t code, const plan::Scene& scene);
 
 }  // namespace cdb::measure

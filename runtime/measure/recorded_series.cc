@@ -29,7 +29,7 @@ std::vector<const Series*> RecordedSeries(const plan::Plan& plan) {
     seen = series;
     all.insert(all.end(), series.begin(), series.end());
   }
-  // They are elements of one array.
+  // The pointers refer to elements of one array, so this is its order.
   std::ranges::sort(all);
   const auto repeated = std::ranges::unique(all);
   all.erase(repeated.begin(), repeated.end());

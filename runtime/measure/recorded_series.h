@@ -8,11 +8,11 @@
 
 namespace cdb::measure {
 
-/// Those that Series::IsRecordedBy of some run, in the order of AllSeries.
+/// The series that some run records (Series::IsRecordedBy), in the order of AllSeries.
 std::vector<const Series*> RecordedSeries(const plan::Plan& plan);
 
-/// The same of one run after the other: found anew only where a run records something else than the
-/// one before. Not for several threads.
+/// The same for one run after the other. Computed again only if a run records other series than the
+/// one before. Not thread-safe.
 class RecordedSeriesOf {
  public:
   const std::vector<const Series*>& Find(const plan::Scene& scene);

@@ -14,7 +14,7 @@
 namespace cdb::measure {
 namespace {
 
-/// Bodies without a filter were never in the world: walls that the run left out.
+/// Bodies without a filter were never in the world: they are omitted walls.
 std::vector<std::size_t> BodiesOf(const Recording& recording) {
   const auto filters = recording.Reals("box_filters");
   std::vector<std::size_t> bodies;

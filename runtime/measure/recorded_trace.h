@@ -7,8 +7,9 @@
 
 namespace cdb::measure {
 
-/// Of a finished run of `scene` that records `boxes`. Walls that the run omitted are not in the
-/// trace. Throws std::runtime_error where no body is left or a side is NaN, std::system_error.
+/// The trace of a finished run of `scene` that records `boxes`. Walls that the run omitted are not
+/// in the trace. Throws std::runtime_error if no body is left or a side is NaN, and
+/// std::system_error.
 TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording);
 
 }  // namespace cdb::measure

@@ -24,16 +24,16 @@ namespace {
   throw std::system_error(errno, std::generic_category(), "cannot map the recording of a run");
 }
 
-/// Whole pages of any system, on each side of a recording.
+/// Guard on each side of a recording: a multiple of the page size on any system.
 constexpr std::size_t kGuardBytes = 64 << 10;
 
-/// The addresses that a recording takes with its guards.
+/// The size of the address range of a recording with its guards.
 std::size_t GuardedBytes(std::size_t bytes) {
   return (bytes + kGuardBytes - 1) / kGuardBytes * kGuardBytes + 2 * kGuardBytes;
 }
 
-/// Between pages that nobody can touch: a process that writes past a buffer beside it dies before
-/// it changes a measurement.
+/// Maps the recording between inaccessible pages: a process that writes beyond an adjacent buffer
+/// crashes before it changes a measurement.
 std::byte* MapBetweenGuards(int fd, std::size_t bytes) {
   void* room = mmap(nullptr, GuardedBytes(bytes), PROT_NONE,
                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -81,7 +81,7 @@ Recording Recording::Create(const plan::Scene& scene) {
   if (fd < 0)
     throw std::system_error(errno, std::generic_category(), "no memory for the recording of a run");
   Recording recording(fd, scene, true);
-  // A worker that cuts it short would take the runner with it, which reads it still.
+  // If a worker truncated the file, reading it would crash the runner.
   fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW);
   recording.Clear();
   return recording;

@@ -25,37 +25,40 @@ enum class WorkerOutcome : std::int32_t {
   kRunning = 0,
   kDone = 1,
   kFailed = 2,
-  kAgain = 3,  ///< the runner is to start it once more, with kStartAgainKeeps kept; `message`: why
+  kAgain = 3,  ///< the runner must start the run again with kStartAgainKeeps kept; `message`: the
+               ///< reason
 };
-/// Names of components, as kKeepOption takes them.
+/// Names of components, in the format of kKeepOption.
 inline constexpr const char* kStartAgainKeeps = "walls";
 
-/// Reference values for verdicts, of a run that records stability; NaN otherwise.
+/// Reference values for verdicts, for a run that records stability; NaN otherwise.
 struct VerdictScales {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double initial_energy = kNone;  ///< J, as the series `energy`, before the first recorded cycle
-  /// J, that kinetic energy plus what the objects can gain by falling.
+  /// J: the kinetic energy at that time plus the energy that the objects can gain by falling.
   double energy_scale = kNone;
   double least_side = kNone;   ///< m, of the smallest object
   double speed_scale = kNone;  ///< m/s, sqrt(g size) of that object
-  double moving_objects = 0;   ///< that are not fixed
+  double moving_objects = 0;   ///< number of objects that are not fixed
 };
 
-/// What the message of a run that failed for want of memory begins with.
+/// The start of the message of a run that failed because it ran out of memory.
 inline constexpr std::string_view kOutOfMemory = "out of memory";
 
 /// The header of the memory. Written by the worker, read by the runner after the worker has exited.
 struct RecordingHeader {
   static constexpr std::uint64_t kMagic = 0x38'47'4e'49'44'52'43'00;  // "\0CRDING8"
   std::uint64_t magic;
-  std::uint64_t bytes;  ///< of the whole memory
+  std::uint64_t bytes;  ///< size of the whole memory
   std::atomic<std::uint64_t> cycles_done;
   std::atomic<WorkerOutcome> outcome;
-  std::atomic<std::uint32_t> plugin_call;       ///< where the worker is (measure/plugin_call.h)
-  std::atomic<std::uint32_t> is_out_of_memory;  ///< not 0 once an allocation failed
+  std::atomic<std::uint32_t> plugin_call;       ///< the current call into a plug-in
+                                                ///< (measure/plugin_call.h)
+  std::atomic<std::uint32_t> is_out_of_memory;  ///< nonzero once an allocation has failed
   Settling settling;
   FixedText<20> state_hash;   ///< 16 hex digits after the last cycle; empty before
-  FixedText<2048> message;    ///< why it failed, in the user's words, or starts again
+  FixedText<2048> message;    ///< reason why the run failed, for the user, or why it must start
+                              ///< again
   FixedText<256> omitted;     ///< names of the omitted components (compiler/analysis/pruning.h)
   FixedText<4096> decisions;  ///< the decision about each component, and its reason
   FixedText<4096> models;     ///< the hulls of the compounds in the scene (ModelsText)
@@ -64,40 +67,39 @@ struct RecordingHeader {
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
-/// A mapping of one run's recording, between pages that cannot be touched. Not copied; unmapped and
-/// closed at the end. Not for several threads.
+/// A mapping of one run's recording, between inaccessible pages. Not copyable; unmapped and closed
+/// on destruction. Not thread-safe.
 class Recording {
  public:
-  /// Runner: makes the memory for `scene`, filled with "no value" (-1 and NaN). Throws
+  /// Runner: creates the memory for `scene`, filled with "no value" (-1 and NaN). Throws
   /// std::system_error.
   static Recording Create(const plan::Scene& scene);
-  /// Worker: maps what the runner made, every page touched, so that no cycle pays for a page fault.
-  /// Throws std::runtime_error where the memory is not a recording of this scene.
+  /// Worker: maps the runner's memory and touches every page, so that no cycle includes a page
+  /// fault. Throws std::runtime_error if the memory is not a recording of this scene.
   static Recording Open(int fd, const plan::Scene& scene);
 
   Recording(Recording&& other) noexcept;
   Recording& operator=(Recording&&) = delete;
   ~Recording();
 
-  /// As Create left it: for a run that starts again.
+  /// Restores the state after Create, for a run that starts again.
   void Clear();
 
   int fd() const { return fd_; }
   RecordingHeader& header() { return *header_; }
   const RecordingHeader& header() const { return *header_; }
 
-  /// The values of a series, laid out as `Series::shape` says; empty where the scene does not
-  /// record it.
+  /// The values of a series, in the layout of `Series::shape`; empty if the scene does not record
+  /// it.
   std::span<std::int32_t> Ints(std::string_view series) { return Find<std::int32_t>(series); }
   std::span<double> Reals(std::string_view series) { return Find<double>(series); }
   std::span<const std::int32_t> Ints(std::string_view series) const {
     return Find<std::int32_t>(series);
   }
   std::span<const double> Reals(std::string_view series) const { return Find<double>(series); }
-  /// The same as bytes.
+  /// The values of the series as bytes.
   std::span<const std::byte> Bytes(const Series& series) const;
-  /// The run's samples, in the places that SampleShapeOf the scene gives them; empty where it asks
-  /// for no errors.
+  /// The run's samples, in the layout of SampleShapeOf the scene; empty if it requests no errors.
   std::span<double> SampleValues() const;
 
  private:
@@ -120,18 +122,19 @@ class Recording {
   std::size_t samples_offset_ = 0, samples_count_ = 0;
 };
 
-/// The worker's descriptors, set up by whoever starts it: one run as YAML to read, the recording,
-/// and a file that ContactRecords are appended to (there also where the run records no contacts).
+/// The worker's descriptors, set up by the process that starts it: one run as YAML to read, the
+/// recording, and a file to which ContactRecords are appended (present even if the run records
+/// none).
 inline constexpr int kRunFd = 3;
 inline constexpr int kRecordingFd = 4;
 inline constexpr int kContactsFd = 5;
-/// The trace to run the detector on (trace_memory.h); only where the run names one.
+/// The trace to run the detector on (trace_memory.h); only if the run names one.
 inline constexpr int kTraceFd = 6;
-/// Instead, in a run without a trace: the poses that its groups take from HDF5 files
-/// (layouts::PackPoses); only where there are any.
+/// For a run without a trace: the poses that its groups take from HDF5 files (layouts::PackPoses);
+/// only if there are any.
 inline constexpr int kPosesFd = kTraceFd;
-/// The worker's option for a run that must keep components which it could leave out: followed by
-/// their names, separated by spaces, and by the reason.
+/// Option of the worker for a run that must keep components that it could omit: followed by their
+/// names, separated by spaces, and by the reason.
 inline constexpr const char* kKeepOption = "--keep";
 
 }  // namespace cdb::measure

@@ -1,5 +1,5 @@
-// The table of scalars: everything that a worker measures once in a run. The recording and the
-// results follow from it.
+// The table of scalars that a worker measures once per run. The layouts of the recording and of the
+// results are derived from it.
 #pragma once
 
 #include <limits>
@@ -14,26 +14,26 @@ struct RunScalars {
   double peak_rss_bytes = kNone;  ///< of the worker process
   double place_ns = kNone;        ///< placing the objects
   double build_ns = kNone;        ///< deciding the omissions and building the world
-  /// Of a cycle: its clock stamps and a call of a detector that does nothing.
+  /// Overhead of a cycle: its clock stamps and a call of a detector that does nothing.
   double harness_ns = kNone;
   double fill_fraction = kNone;  ///< objects' volume over the cube's
-  // Of the recorded cycles, with the measurements between them.
+  // For all recorded cycles, including the measurements between them.
   double cycles_wall_ns = kNone, cycles_cpu_ns = kNone;
-  double preemptions = kNone;  ///< of the thread: involuntary context switches
+  double preemptions = kNone;  ///< involuntary context switches of the thread
   double page_faults = kNone;  ///< of the thread
-  double stolen_ns = kNone;    ///< by other virtual machines, of all processors
-  double others_ns = kNone;    ///< processor time of other programs, of all processors
-  double processors = kNone;   ///< that the process may run on
-  /// Set by the runner: times that the run was measured, of which the quietest is kept.
+  double stolen_ns = kNone;    ///< taken by other virtual machines, summed over all processors
+  double others_ns = kNone;    ///< processor time of other programs, summed over all processors
+  double processors = kNone;   ///< number that the process may run on
+  /// Set by the runner: the number of times that the run was measured; the quietest one is kept.
   double attempts = kNone;
 };
 
 struct RunScalarInfo {
-  std::string_view name;  ///< the array in the results
+  std::string_view name;  ///< name of the array in the results
   std::string_view unit;
   std::string_view doc;  ///< the array's long_name
   double RunScalars::*value;
-  bool is_count = false;  ///< an int32 in the results
+  bool is_count = false;  ///< stored as int32 in the results
 };
 std::span<const RunScalarInfo> AllRunScalars();
 

@@ -1,5 +1,5 @@
-// Samples compared with the ground truth: the state of every object at even times, taken in a pass
-// without a clock, and the resulting errors. Shared by worker, runner and store.
+// Samples for the comparison with the ground truth: the state of every object at regular times,
+// taken in a pass without a clock, and the resulting errors. Shared by worker, runner and store.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,16 +16,16 @@
 
 namespace cdb::measure {
 
-/// Of a body's state: position, orientation quaternion x y z w, linear and angular velocity.
+/// Size of a body's state: position, orientation quaternion x y z w, linear and angular velocity.
 inline constexpr std::size_t kStateSize = 13;
-/// Of a body once: mass, kg (0 where it is fixed), and size, m.
+/// Constants of a body: mass, kg (0 if it is fixed), and size, m.
 inline constexpr std::size_t kBodySize = 2;
 
-/// What is summed over all objects at a sample.
+/// Quantities summed over all objects at a sample.
 enum Observable {
   kKinetic,        ///< J
-  kPotential,      ///< J, of weight under the acceleration of the time, and of springs
-  kAccelerationX,  ///< m/s^2, of that time
+  kPotential,      ///< J, of weight under the acceleration at that time, and of springs
+  kAccelerationX,  ///< m/s^2, at that time
   kAccelerationY,
   kAccelerationZ,
   kMomentumX,  ///< kg m/s
@@ -34,28 +34,29 @@ enum Observable {
   kAngularX,  ///< kg m^2/s, about the common centre of mass
   kAngularY,
   kAngularZ,
-  kMomentumSum,     ///< of the objects' m|v|
-  kAngularSum,      ///< of the lengths of the objects' own
-  kDepthMean,       ///< of the contacts that overlap, in sizes of the smaller object; 0 for none
-  kDepthMax,        ///< of them
+  kMomentumSum,     ///< sum of the objects' m|v|
+  kAngularSum,      ///< sum of the magnitudes of the objects' own angular momenta
+  kDepthMean,       ///< mean over overlapping contacts, in sizes of the smaller object; 0 if there
+                    ///< are none
+  kDepthMax,        ///< their maximum
   kContactCount,    ///< contact points
-  kPairsExact,      ///< pairs of objects whose exact boxes overlap; no value where nobody asks
-  kPairsMissed,     ///< of them, those that the broad phase has not got
-  kPairsPhantom,    ///< those that it has got and are none of them
-  kOverlapsExact,   ///< overlaps that a closed form tells; no value where nobody asks for geometry
-  kOverlapsMissed,  ///< of them, those without a contact point
-  kDepthErrorSum,   ///< of the others' |depth - exact|, in sizes of the smaller object
-  kNormalErrorSum,  ///< of the angles between normals, rad, where there is only one normal
-  kNormalCount,     ///< those
+  kPairsExact,      ///< pairs of objects whose exact boxes overlap; no value if not requested
+  kPairsMissed,     ///< exact pairs that the broad phase lacks
+  kPairsPhantom,    ///< pairs of the broad phase that are not exact pairs
+  kOverlapsExact,   ///< overlaps with a closed form; no value if geometry is not requested
+  kOverlapsMissed,  ///< those without a contact point
+  kDepthErrorSum,   ///< sum of |depth - exact| over the others, in sizes of the smaller object
+  kNormalErrorSum,  ///< sum of the angles between normals, rad, where the normal is unique
+  kNormalCount,     ///< number of these angles
   kObservableCount,
 };
 std::span<const std::string_view> ObservableNames();
 std::span<const std::string_view> StateNames();
-/// The unit of each, separated by spaces; 1 where it has none.
+/// The unit of each observable, separated by spaces; 1 if it has none.
 std::string_view ObservableUnits();
 std::string_view StateUnits();
 
-/// Places in a block of doubles that holds all of a run's samples: bodies, then states, then
+/// The layout of all samples of a run in one block of doubles: bodies, then states, then
 /// observables.
 struct SampleShape {
   std::size_t samples = 0, objects = 0;
@@ -70,10 +71,10 @@ struct SampleShape {
   }
   bool operator==(const SampleShape&) const = default;
 };
-/// Nullopt where the scene asks for no errors.
+/// Nullopt if the scene requests no errors.
 std::optional<SampleShape> SampleShapeOf(const plan::Scene& scene);
 
-/// A run's samples, to be read. `values` are `shape.Count()` of somebody else's.
+/// A read-only view of a run's samples. `values` are `shape.Count()` numbers owned elsewhere.
 struct Samples {
   SampleShape shape;
   double interval_s = 0;
@@ -97,7 +98,8 @@ struct Samples {
   Eigen::Vector3d acceleration(std::size_t sample) const {
     return Eigen::Map<const Eigen::Vector3d>(&values[shape.Observables(sample) + kAccelerationX]);
   }
-  /// Heights are measured along it: against the acceleration at the start; y where there is none.
+  /// The direction along which heights are measured: against the acceleration at the start; y if
+  /// there is none.
   Eigen::Vector3d Up() const;
   Eigen::Vector3d momentum(std::size_t sample) const {
     return Eigen::Map<const Eigen::Vector3d>(&values[shape.Observables(sample) + kMomentumX]);
@@ -108,15 +110,16 @@ struct Samples {
   double energy(std::size_t sample) const {
     return observable(sample, kKinetic) + observable(sample, kPotential);
   }
-  /// Every object's state is a number at every sample.
+  /// True if every object's state is finite at every sample.
   bool IsFinite() const;
 };
 
-/// The errors of one run, by the arrays of /accuracy that hold them: one value, or one a sample.
+/// The errors of one run, by their arrays in /accuracy: one value, or one per sample.
 struct RunErrors {
   std::map<std::string, std::vector<double>, std::less<>> values;
-  std::string truth;    ///< what they are compared with: a closed form, or a reference's id
-  std::string message;  ///< why some have no value; empty where all have
+  std::string truth;    ///< the standard that they are compared with: a closed form, or the id of a
+                        ///< reference
+  std::string message;  ///< the reason why some have no value; empty if all have one
 };
 
 }  // namespace cdb::measure

@@ -1,4 +1,4 @@
-// How far a worker is with settling the piles of its scene, before the first cycle.
+// Progress of a worker in settling the piles of its scene, before the first cycle.
 #pragma once
 
 #include <atomic>
@@ -8,20 +8,21 @@
 namespace cdb::measure {
 
 enum class SettlingPhase : std::uint32_t {
-  kNone,     ///< no pile, not yet, or all is at rest
+  kNone,     ///< no pile, not started, or all at rest
   kWaiting,  ///< another run settles the same pile
   kSettling,
 };
 
-/// In the header of a recording: written by the worker, read by the runner while it runs.
+/// In the header of a recording: written by the worker, read by the runner meanwhile.
 struct Settling {
   std::atomic<SettlingPhase> phase;
-  std::atomic<std::uint32_t> at_rest, objects;  ///< of the piles
-  std::atomic<double> seconds;  ///< that this run has settled for; 0 where it found its piles
+  std::atomic<std::uint32_t> at_rest, objects;  ///< over all piles
+  std::atomic<double> seconds;  ///< time that this run has spent on settling; 0 if it found settled
+                                ///< piles
 };
 
-/// `340 of 1000 objects are at rest`, `another run settles the same pile`; empty where nothing
-/// settles.
+/// `340 of 1000 objects are at rest`, `another run settles the same pile`; empty if no pile is
+/// settling.
 std::string SettlingText(const Settling& settling);
 
 }  // namespace cdb::measure

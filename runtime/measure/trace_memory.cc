@@ -55,12 +55,12 @@ TraceMemory TraceMemory::Create(const TraceShape& shape) {
   TraceMemory trace(fd, nullptr, shape);
   const std::size_t bytes = AllBytes(shape);
   if (ftruncate(fd, static_cast<off_t>(bytes)) != 0) fail();
-  // Whoever reads it must not find it cut short.
+  // A reader must not find it truncated.
   fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW);
   void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   if (memory == MAP_FAILED) fail();
   trace.memory_ = static_cast<std::byte*>(memory);
-  // Nor changed by one worker for the others; this mapping stays as it is.
+  // Nor may one worker change it for the others. This mapping stays writable.
   fcntl(fd, F_ADD_SEALS, F_SEAL_FUTURE_WRITE);
   const Header header = {Header::kMagic, shape.bodies, shape.cycles, shape.ItemBytes()};
   std::memcpy(trace.memory_, &header, sizeof header);

@@ -14,14 +14,15 @@ namespace {
 using analysis::Expectation;
 using enum Verdict;
 
-// The measured thresholds. Lengths are in sides of the object, energies in the run's energy scale.
-constexpr double kFrozenPart = 0.01;  ///< of the objects
+// Thresholds found by measurement. Lengths are in sides of the object, energies in the run's energy
+// scale.
+constexpr double kFrozenPart = 0.01;  ///< fraction of the objects
 constexpr double kLeastTurn = 0.9;
 constexpr double kExplosion = 1, kDrift = 0.01;
 constexpr double kLost = 0.1, kSpinDrift = 0.03;
 constexpr double kCollapse = 0.25, kLateDepth = 0.05, kPeakDepth = 0.25;
-constexpr double kLateSpeed = 0.02;  ///< of the speed scale
-/// The part of a run that is late.
+constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
+/// The fraction of a run, at its end, that counts as late.
 constexpr double kLate = 0.25;
 
 constexpr VerdictInfo kVerdicts[] = {
@@ -45,7 +46,7 @@ constexpr VerdictInfo kVerdicts[] = {
     {kCrashed, "crashed", "its process did not end by itself"},
 };
 
-/// One run under the eye of every criterion. Each gives the first bad cycle, or -1.
+/// Applies every criterion to one run. Each returns the first bad cycle, or -1.
 class Case {
  public:
   Case(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles)
@@ -125,7 +126,7 @@ class Case {
     return FirstIn(Ints(series), [](std::int32_t count) { return count > 0; });
   }
 
-  /// Bad where the median of the late part is; shows at the first late cycle above the limit.
+  /// Bad if the median of the late part is above the limit; returns the first late cycle above it.
   std::int64_t LateAbove(const char* series, double limit) const {
     const auto values = Reals(series);
     if (values.empty()) return -1;
@@ -140,7 +141,7 @@ class Case {
         values, [limit](double x) { return x > limit; }, late_);
   }
 
-  /// Energy above the least it has had.
+  /// The first cycle in which the energy is above its least value so far by more than the limit.
   std::int64_t FirstRise(double limit) const {
     if (expectation_ == Expectation::kDriven) return -1;
     const auto energy = Reals("energy");
@@ -152,7 +153,7 @@ class Case {
     return -1;
   }
 
-  /// Bad where it is so at the end; shows where that began.
+  /// Bad if the count is positive at the end; returns the start of that stretch.
   std::int64_t LastStretch(const char* series) const {
     const auto counts = Ints(series);
     if (counts.empty() || counts.back() <= 0) return -1;
@@ -185,7 +186,7 @@ class Case {
   const plan::Scene& scene_;
   const Recording& recording_;
   const VerdictScales& scales_;
-  const std::size_t n_, late_;  ///< cycles; the first late one
+  const std::size_t n_, late_;  ///< number of cycles; first late one
   const Expectation expectation_;
 };
 

@@ -1,5 +1,5 @@
 // The verdict of a run: whether the simulation was sound, and the first cycle at which it was not.
-// Computed from the recorded series alone, so that a run that crashed has one too. The criteria
+// Computed from the recorded series only, so that a crashed run has a verdict too. The criteria
 // were found by measurement; `cdb doc verdicts` prints the table.
 #pragma once
 
@@ -12,10 +12,10 @@
 
 namespace cdb::measure {
 
-/// `flag_values` of the array `verdict`, in this order: the later, the worse; the worst that
-/// applies is given.
+/// `flag_values` of the array `verdict`, in this order: later values are worse. The worst one that
+/// applies is reported.
 enum class Verdict : std::int8_t {
-  kUnknown,  ///< it did not run, or `record` has no stability
+  kUnknown,  ///< the run did not start, or `record` lacks stability
   kStable,
   kDrifting,
   kPenetrating,
@@ -30,27 +30,27 @@ enum class Verdict : std::int8_t {
   kCrashed,
 };
 
-/// One row of THE table of verdicts.
+/// One row of the table of verdicts, the only place where they are defined.
 struct VerdictInfo {
   Verdict verdict;
   std::string_view name;  ///< `non_finite`
-  std::string_view doc;   ///< the criterion, one line
+  std::string_view doc;   ///< the criterion, in one line
 };
 std::span<const VerdictInfo> Verdicts();
 std::string_view VerdictName(Verdict verdict);
 
-/// Bodies did not move as the engine was told: what a cycle took is no time of this scene. Stored,
-/// and left out of every summary.
+/// True if bodies did not move as the engine was told: the time of a cycle is not that of this
+/// scene. Such timings are stored, but left out of every summary.
 constexpr bool HasVoidTimings(Verdict verdict) { return verdict >= Verdict::kFrozen; }
 
 struct Judgement {
   Verdict verdict = Verdict::kUnknown;
-  std::int64_t first_bad_cycle = -1;  ///< recorded cycles from 0; -1 where none is bad
+  std::int64_t first_bad_cycle = -1;  ///< recorded cycles from 0; -1 if none is bad
 };
 
-/// What the recording of a run says that went through its first `n_cycles` cycles; `outcome` is how
-/// its process ended as far as that is a verdict of its own (kTimedOut, kCrashed), else kUnknown.
-/// A crash or a timeout shows at the cycle that was not finished.
+/// Judges a run from the recording of its first `n_cycles` cycles. `outcome` is the ending of its
+/// process if that is a verdict (kTimedOut, kCrashed), else kUnknown. The first bad cycle of a
+/// crash or a timeout is the one that was not finished.
 Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
                 Verdict outcome = Verdict::kUnknown);
 

@@ -1,4 +1,4 @@
-// In place of the bundled pages, where npm is missing.
+// Replaces the bundled pages in a build without npm.
 #include "runtime/page/page.h"
 
 namespace cdb::page {

@@ -25,7 +25,7 @@ std::string EscapeHtml(std::string_view text) {
   return escaped;
 }
 
-/// In JSON `<` occurs in strings only, so that a script element can hold the document.
+/// In JSON, `<` occurs only in strings; escaped, the document is safe inside a script element.
 std::string EscapeJson(std::string_view json) {
   std::string escaped;
   escaped.reserve(json.size());

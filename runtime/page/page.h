@@ -1,7 +1,7 @@
-// Self-contained HTML pages: they open from disk, offline, and load nothing.
-// A page is a template, which esbuild makes from the JavaScript and the style sheet beside this
-// file, and a JSON document, which the script draws. Its Content-Security-Policy allows no other
-// script, and no text of the document can leave the element that it is in.
+// Self-contained HTML pages: they open from disk, offline, and load nothing. A page consists of a
+// template, which esbuild makes from the JavaScript and the style sheet beside this file, and a
+// JSON document, which the script draws. Its Content-Security-Policy allows no other script, and
+// the document is escaped, so that its text cannot leave its element.
 #pragma once
 
 #include <stdexcept>
@@ -15,16 +15,16 @@ struct Template {
   std::string_view before_title, before_data, after_data;
 };
 
-/// `cdb report`: figures of results. `cdb view`: bodies in 3-D.
+/// Pages of `cdb report`, with figures, and of `cdb view`, with bodies in 3-D.
 const Template& ReportTemplate();
 const Template& ViewTemplate();
 
-/// The pages are not in this build, which was made without npm.
+/// This build has no pages, because it was made without npm.
 struct PageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The whole page. `title` is plain text; `json` a document as UTF-8. Throws PageError.
+/// The whole page. `title` is plain text; `json` is a document in UTF-8. Throws PageError.
 std::string Assemble(const Template& page, std::string_view title, std::string_view json);
 
 }  // namespace cdb::page

@@ -20,7 +20,7 @@
 namespace cdb::process {
 namespace {
 
-/// What a worker wrote before it ended; empty where a crash left something else there.
+/// The text that a worker wrote before it ended; empty if a crash damaged it.
 std::string LinesOf(std::string text) {
   const bool is_text = std::ranges::all_of(
       text, [](unsigned char c) { return c < 0x7f && (c >= ' ' || c == '\n'); });
@@ -63,7 +63,7 @@ void ClearUnfinished(measure::Recording& recording, const measure::RunExtents& r
   }
 }
 
-/// The contacts of the first cycles; fewer cycles where a worker died before it had written the
+/// The contacts of the first cycles; of fewer cycles if a worker died before it had written the
 /// contacts of all that it finished.
 std::vector<measure::ContactRecord> ReadContacts(int fd, std::span<const std::int32_t> counts,
                                                  std::uint64_t& n_cycles) {
@@ -108,17 +108,18 @@ std::string BytesText(double bytes) {
   return fmt::format("{:.4g} {}", bytes, kUnits[unit]);
 }
 
-/// A failed allocation may have been survived, and the run may have failed for another reason.
+/// A failed allocation alone is not enough: the run may have recovered and failed for another
+/// reason.
 bool EndedOutOfMemory(const measure::RecordingHeader& header, measure::WorkerOutcome outcome) {
   if (header.is_out_of_memory.load(std::memory_order_relaxed) == 0) return false;
   if (outcome != measure::WorkerOutcome::kFailed) return true;
   const std::string message = header.message.str();
-  // The latter in the words of a plug-in.
+  // The second text comes from a plug-in.
   return message.starts_with(measure::kOutOfMemory) || message.ends_with(std::bad_alloc().what());
 }
 
-/// How the run ended, and why. `reported`: the cycles that the worker says it finished, of which
-/// the result may have fewer.
+/// Sets the status of the run and its message. `reported`: the number of cycles that the worker
+/// reported as finished; the result may have fewer.
 void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::RecordingHeader& header,
                std::uint64_t reported, store::RunResult& result) {
   const measure::WorkerOutcome outcome = header.outcome.load(std::memory_order_acquire);

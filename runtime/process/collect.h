@@ -1,4 +1,4 @@
-// Collects the result of a worker: how its process ended, and its recording.
+// Collects the result of a worker from its recording and the ending of its process.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace cdb::process {
 
-/// How the process ended.
+/// The ending of a process.
 struct ProcessEnd {
-  int wait_status = 0;        ///< as waitpid gives it
-  bool is_timed_out = false;  ///< we killed it
+  int wait_status = 0;        ///< as returned by waitpid
+  bool is_timed_out = false;  ///< killed by the runner
   std::string last_lines;     ///< of its standard error; may be empty
 };
 
-/// Status, message, what was left out, cycles that ran, series (they point into `recording`) and
-/// contacts. What a worker that did not end well wrote of a cycle that it did not finish is taken
-/// back to "no value". `contacts_fd` is the file of ContactRecords. Throws std::system_error where
-/// it cannot be read. The time and machine fields are the caller's.
+/// Collects status, message, omissions, number of cycles, series (which point into `recording`) and
+/// contacts. If a worker failed, the values of the cycle that it did not finish are reset to "no
+/// value". `contacts_fd` is the file of ContactRecords. Throws std::system_error if it cannot be
+/// read. The caller sets the fields for time and machine.
 store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::Recording& recording,
                          int contacts_fd);
 

@@ -18,14 +18,15 @@ ForkServer::ForkServer(const std::filesystem::path& program) {
   socket_ = Descriptor(ends[0]);
   const Descriptor theirs(ends[1]), nowhere(open("/dev/null", O_WRONLY | O_CLOEXEC));
   SpawnPlan spawn;
-  spawn.Give(nowhere.get(), STDERR_FILENO);  // a run that starts without it says what is wrong
+  spawn.Give(nowhere.get(), STDERR_FILENO);  // if the server fails, a directly started worker
+                                             // reports the reason
   spawn.Give(theirs.get(), measure::kServerFd);
   spawn.SetVariable(std::string(measure::kBindNow) + "=1");
   pid_ = spawn.Start(program, {measure::kServeOption});
 }
 
 ForkServer::~ForkServer() {
-  kill(pid_, SIGKILL);  // it is not reaped, so its number is its own
+  kill(pid_, SIGKILL);  // it has not been reaped, so its id is still valid
   while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }

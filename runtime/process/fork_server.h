@@ -1,4 +1,4 @@
-// Starts workers by a worker program that is loaded already and forks itself for each.
+// Starts workers by forking them from a worker program that is already loaded.
 #pragma once
 
 #include <sys/types.h>
@@ -10,8 +10,8 @@
 
 namespace cdb::process {
 
-/// A process of a worker program that serves measure::ForkRequest. Ended at the end; workers that
-/// it started go on. Not for several threads.
+/// A process of a worker program that answers measure::ForkRequest. Ended on destruction; workers
+/// that it started continue. Not thread-safe.
 class ForkServer {
  public:
   /// Throws ScheduleError if the program cannot be started.
@@ -20,7 +20,7 @@ class ForkServer {
   ForkServer(const ForkServer&) = delete;
   ForkServer& operator=(const ForkServer&) = delete;
 
-  /// No worker if the program or the system cannot do it.
+  /// Returns no worker if the program or the system does not support it.
   measure::ForkAnswer Start(const measure::ForkRequest& request);
   pid_t pid() const { return pid_; }
 

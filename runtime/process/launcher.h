@@ -1,5 +1,5 @@
-// The scheduler's interface to the system: start a run, and wait for its end. Tests replace it by a
-// fake.
+// The scheduler's interface to the system: starts a run, and waits for its end. Tests replace it by
+// a fake.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace cdb::process {
 
-/// Environment error (no worker program, cannot fork, a folder of another plan). The message names
-/// the cause, what was kept and the remedy. Exit status 2.
+/// An environment error (no worker program, cannot fork, a folder of another plan). The message
+/// names the cause, what was kept and the remedy. Exit status 2.
 class ScheduleError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// How a run ended. `result.series` point into `recording`, so both are kept until the shard is
+/// The ending of a run. `result.series` point into `recording`, so both are kept until the shard is
 /// written.
 struct Ending {
   std::size_t slot = 0;
@@ -30,31 +30,33 @@ struct Ending {
   std::unique_ptr<measure::Recording> recording;
 };
 
-/// How far a running worker has got.
+/// Progress of a running worker.
 struct Pulse {
-  std::uint64_t cycles = 0;   ///< recorded
-  std::string plugin_call;    ///< in which it is (measure/plugin_call.h); empty for none
-  std::string settling = {};  ///< how its piles settle (measure/settling.h); empty if they do not
+  std::uint64_t cycles = 0;   ///< recorded so far
+  std::string plugin_call;    ///< the current call into a plug-in (measure/plugin_call.h); empty
+                              ///< for none
+  std::string settling = {};  ///< progress of settling piles (measure/settling.h); empty if none
+                              ///< settles
 };
 
-/// Carries out runs, one a slot. Not for several threads.
+/// Executes runs, one per slot. Not thread-safe.
 class Launcher {
  public:
-  /// Ends what is still running.
+  /// Ends the runs that are still executing.
   virtual ~Launcher() = default;
 
-  /// Starts `run` in a slot that is free; `run` outlives it. `kept`: names of components, separated
-  /// by spaces, that it must not leave out. Throws ScheduleError.
+  /// Starts `run` in a free slot; `run` must outlive it. `kept`: names of components, separated by
+  /// spaces, that it must not omit. Throws ScheduleError.
   virtual void Start(std::size_t slot, const plan::Run& run, const std::string& kept) = 0;
 
-  /// The next run that ended. None where `seconds` passed first or the user asked to stop; a run
-  /// that has ended by then is handed out before a stop is heeded.
+  /// The next run that ended. None if `seconds` pass first or the user requests a stop; a run that
+  /// has already ended is returned even then.
   virtual std::optional<Ending> Wait(double seconds) = 0;
 
-  /// Of the run in a slot that is taken.
+  /// The progress of the run in an occupied slot.
   virtual Pulse PulseOf(std::size_t /*slot*/) const { return {}; }
 
-  /// Ends all that is running and forgets it.
+  /// Ends all running runs and forgets them.
   virtual void StopAll() = 0;
 };
 

@@ -39,7 +39,7 @@ Descriptor MemoryFile(const char* name) {
 }
 
 Descriptor WatchProcess(pid_t pid) {
-  // By number: the header of glibc 2.36 lacks its extern "C".
+  // Called by number, because the header of glibc 2.36 lacks its extern "C".
   Descriptor fd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
   if (fd.get() < 0) FailToStart("cannot watch a worker", errno);
   return fd;
@@ -58,7 +58,7 @@ SpawnPlan::~SpawnPlan() {
 }
 
 void SpawnPlan::Give(int from, int to) {
-  // A source that is itself one of the targets would be overwritten before its turn.
+  // A source that is also a target would be overwritten before it is copied.
   constexpr int kAboveAllTargets = 16;
   sources_.emplace_back(fcntl(from, F_DUPFD_CLOEXEC, kAboveAllTargets));
   if (sources_.back().get() < 0) FailToStart("no descriptor to start a run", errno);
@@ -79,7 +79,7 @@ pid_t SpawnPlan::Start(const std::filesystem::path& program, std::vector<std::st
   sigset_t set;
   sigemptyset(&set);
   Check(posix_spawnattr_setsigmask(&attributes_, &set));
-  sigfillset(&set);  // what we ignore or handle is none of the worker's business
+  sigfillset(&set);  // the worker must not inherit signals that we ignore or handle
   Check(posix_spawnattr_setsigdefault(&attributes_, &set));
   Check(posix_spawnattr_setpgroup(&attributes_, 0));
   Check(posix_spawnattr_setflags(

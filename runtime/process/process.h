@@ -1,4 +1,4 @@
-// Starts worker processes: file descriptors, signals, and messages about how a process ended.
+// Starts worker processes: file descriptors, signals, and messages about the ending of a process.
 #pragma once
 
 #include <spawn.h>
@@ -14,17 +14,17 @@
 
 namespace cdb::process {
 
-/// What a worker gets are copies.
+/// A worker gets copies of descriptors.
 using plan::Descriptor;
 
-/// A file without a name. Throws ScheduleError.
+/// An anonymous file. Throws ScheduleError.
 Descriptor MemoryFile(const char* name);
 
-/// Becomes readable when the process has ended. Throws ScheduleError.
+/// A descriptor that becomes readable when the process has ended. Throws ScheduleError.
 Descriptor WatchProcess(pid_t pid);
 
-/// What a worker is started with: standard input empty, standard output dropped unless it is given,
-/// no signal ignored or blocked, a process group of its own. Throws ScheduleError.
+/// The setup of a worker: standard input is empty, standard output is dropped unless it is given,
+/// no signal is ignored or blocked, and the worker has its own process group. Throws ScheduleError.
 class SpawnPlan {
  public:
   SpawnPlan();
@@ -32,32 +32,32 @@ class SpawnPlan {
   SpawnPlan(const SpawnPlan&) = delete;
   SpawnPlan& operator=(const SpawnPlan&) = delete;
 
-  /// A copy of `from`, as `to` over there.
+  /// Gives the worker a copy of `from`, with the number `to`.
   void Give(int from, int to);
-  /// A variable of its environment beside ours: `NAME=value`.
+  /// Adds a variable to the environment that the worker inherits: `NAME=value`.
   void SetVariable(std::string variable) { variables_.push_back(std::move(variable)); }
-  /// What was given.
+  /// The descriptors given so far, and their numbers in the worker.
   std::vector<std::pair<int, int>> Given() const;
-  /// Nothing beside what was given is open over there.
+  /// The worker has no open descriptors other than those that were given.
   pid_t Start(const std::filesystem::path& program, std::vector<std::string> arguments = {});
 
  private:
   posix_spawn_file_actions_t actions_;
   posix_spawnattr_t attributes_;
   std::vector<Descriptor> sources_;
-  std::vector<int> targets_;  ///< of each source
+  std::vector<int> targets_;  ///< number in the worker, for each source
   std::vector<std::string> variables_;
-  int last_ = 2;  ///< the highest that is given, or standard error
+  int last_ = 2;  ///< the highest number given, or that of standard error
 };
 
-/// Kills and reaps the children of this thread that run `program`, except those in `known`. Where
-/// the system lists no children, nothing happens.
+/// Kills and reaps the children of this thread that run `program`, except those in `known`. Has no
+/// effect if the system does not list children.
 void EndOrphans(const std::filesystem::path& program, const std::vector<pid_t>& known);
 
 /// `was ended by signal 11 (SIGSEGV, Segmentation fault)`, `ended with exit status 3`.
 std::string EndText(int wait_status);
 
-/// The world refused. Throws ScheduleError: what, and the system's words for `error`.
+/// An environment error. Throws ScheduleError with `what` and the system's message for `error`.
 [[noreturn]] void FailToStart(std::string_view what, int error);
 
 }  // namespace cdb::process

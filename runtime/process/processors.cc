@@ -13,13 +13,13 @@
 namespace cdb::process {
 namespace {
 
-/// Without a descriptor where another process has it.
+/// Has no descriptor if another process holds the claim.
 Descriptor Claim(std::string_view name, int cpu) {
   Descriptor fd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un address = {};
   address.sun_family = AF_UNIX;
   const std::string text = fmt::format("{}-{}", name, cpu);
-  // After the NUL by which the namespace is known.
+  // After the NUL that marks the abstract namespace.
   const std::size_t size = std::min(text.size(), sizeof address.sun_path - 1);
   std::memcpy(address.sun_path + 1, text.data(), size);
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + size);

@@ -1,4 +1,4 @@
-// Which processor each slot of a runner measures on.
+// Assigns a processor to each slot of a runner.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +11,17 @@ namespace cdb::process {
 
 inline constexpr std::string_view kProcessorClaim = "cdb-processor";
 
-/// Processors that no other runner of this machine measures on: several `cdb run` side by side, as
-/// GNU parallel starts them, must not meet on one. A claim is an address in the abstract namespace
-/// of Unix sockets, which the system takes back from a process that is killed. Not for several
-/// threads.
+/// Processors on which no other runner of this machine measures: several `cdb run` side by side, as
+/// started by GNU parallel, must not share one. A claim is an address in the abstract namespace of
+/// Unix sockets, which the system releases when a process is killed. Not thread-safe.
 class ClaimedProcessors {
  public:
-  /// One for each of `slots`, of those that this thread may run on, the last ones first: the first
-  /// ones serve most interrupts. None where fewer are free. `name`: of the claims; tests have their
-  /// own.
+  /// Claims one processor for each of `slots`, out of those that this thread may run on, from the
+  /// last one down: the first ones serve most interrupts. Claims none if too few are free. `name`:
+  /// of the claims; tests use different ones.
   explicit ClaimedProcessors(std::size_t slots, std::string_view name = kProcessorClaim);
 
-  /// Of a slot; -1 where there is none: it may run anywhere.
+  /// The processor of a slot; -1 if there is none, and the slot may run anywhere.
   int Of(std::size_t slot) const { return cpus_.empty() ? -1 : cpus_[slot]; }
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
-/// A handler has no argument of ours.
+/// Global, because a signal handler has no user argument.
 std::atomic<StopFlag*> g_flag{nullptr};
 
 void HandleSignal(int signal) {

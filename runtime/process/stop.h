@@ -5,10 +5,10 @@
 
 namespace cdb::process {
 
-/// Set once, from anywhere, also from a signal handler.
+/// Set once, from any thread or from a signal handler.
 class StopFlag {
  public:
-  /// Throws std::system_error where there is no descriptor left.
+  /// Throws std::system_error if no descriptor is left.
   StopFlag();
   ~StopFlag();
   StopFlag(const StopFlag&) = delete;
@@ -17,9 +17,9 @@ class StopFlag {
   /// Async-signal-safe.
   void Request(int signal);
   bool requested() const { return signal() != 0; }
-  /// The first signal that asked, 0 where none did. The process then exits with 128 + signal.
+  /// The first signal that requested a stop, or 0. The process then exits with 128 + signal.
   int signal() const { return signal_.load(std::memory_order_acquire); }
-  /// Readable once a stop is asked for.
+  /// Readable once a stop is requested.
   int fd() const { return fd_; }
 
  private:
@@ -28,9 +28,9 @@ class StopFlag {
 };
 static_assert(std::atomic<int>::is_always_lock_free);
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP set `flag`; a second one of a kind ends the process
-/// at once, as always. A signal that was ignored before (nohup, a shell's background job) stays
-/// ignored. One at a time in a process.
+/// While it lives, SIGINT, SIGTERM and SIGHUP set `flag`; a second signal of the same kind ends the
+/// process at once, as by default. A signal that was ignored before (nohup, a shell's background
+/// job) stays ignored. Only one may exist in a process at a time.
 class StopOnSignals {
  public:
   explicit StopOnSignals(StopFlag& flag);

@@ -10,20 +10,20 @@
 
 namespace cdb::process {
 
-/// Keeps the last few: a worker's copy of the descriptor keeps its own alive. Not for several
-/// threads.
+/// Keeps the most recent traces. A worker has a copy of the descriptor, which keeps its trace
+/// alive. Not thread-safe.
 class TraceCache {
  public:
   explicit TraceCache(std::size_t places) : places_(places) {}
 
-  /// The descriptor of the trace, valid until as many others were asked for as there are places.
-  /// Throws StoreError, std::system_error.
+  /// The descriptor of the trace, valid until it has been displaced by others. Throws StoreError,
+  /// std::system_error.
   int Get(const analysis::TraceName& name);
 
  private:
   std::size_t places_;
   std::list<std::pair<analysis::TraceName, measure::TraceMemory>>
-      traces_;  ///< the last asked for first
+      traces_;  ///< the most recently requested first
 };
 
 }  // namespace cdb::process

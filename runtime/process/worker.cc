@@ -35,15 +35,15 @@ using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC
 
 Descriptor RunFile(const std::string& text) {
   Descriptor fd = MemoryFile("cdb-run");
-  // A worker reads from the start: pwrite leaves the shared offset there.
+  // A worker reads from the start: pwrite does not move the shared offset.
   const ssize_t written = pwrite(fd.get(), text.data(), text.size(), 0);
   if (written != static_cast<ssize_t>(text.size()))
     FailToStart("no memory to start a run", written < 0 ? errno : ENOSPC);
   return fd;
 }
 
-/// What we start while it lives starts on `cpu`: a child inherits, so there is no moment at which
-/// it runs elsewhere.
+/// While it lives, new processes start on `cpu`. A child inherits the setting, so it never runs
+/// elsewhere.
 class OnCpu {
  public:
   explicit OnCpu(int cpu) {
@@ -89,9 +89,9 @@ double SecondsSinceEpoch() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// What the worker cannot read by itself; none where there is nothing.
+/// The poses that the worker cannot read itself; none if there are none.
 std::optional<Descriptor> PosesFile(const plan::Scene& scene) {
-  if (analysis::TraceOf(scene)) return std::nullopt;  // nothing is placed
+  if (analysis::TraceOf(scene)) return std::nullopt;  // a run on a trace places nothing
   try {
     const std::string packed = layouts::PackPoses(scene);
     if (packed.empty()) return std::nullopt;
@@ -126,7 +126,7 @@ std::uint64_t MemoryLimitOf(const plan::Scene& scene) {
 std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_point start) {
   if (!scene.world.WordOr("timeout").empty()) return std::nullopt;
   const double seconds = scene.world.Real("timeout");
-  constexpr double kLongest = 1e9;  // past it the clock's counter could overflow
+  constexpr double kLongest = 1e9;  // a larger value could overflow the clock's counter
   return start + std::chrono::duration_cast<Clock::duration>(
                      std::chrono::duration<double>(std::min(seconds, kLongest)));
 }
@@ -139,7 +139,7 @@ machine::NoiseJudgement NoiseOf(const plan::Run& run, const store::RunResult& re
   const auto steps =
       duration.empty() ? duration
                        : duration.subspan(measure::IndexOf(measure::Phase::kStep) * cycles, cycles);
-  // The load is that of the machine: all processors count, not the one that the worker stays on.
+  // The load is that of the whole machine, so all its processors count, not only the worker's.
   return machine::JudgeNoise(result.scalars, {result.load, machine::ProcessorCount()},
                              run.scene.world.Count("threads"), steps);
 }
@@ -185,7 +185,7 @@ std::string TextTail::LastLines() const {
   const bool is_cut = rest.size() > kMaxLength;
   if (is_cut) rest.remove_prefix(rest.size() - kMaxLength);
   std::string text = is_cut ? "..." : "";
-  // The first bytes may be the end of a character that was cut in two.
+  // The first bytes may be the rest of a character that was cut.
   while (is_cut && !rest.empty() && (static_cast<unsigned char>(rest[0]) & 0xc0) == 0x80)
     rest.remove_prefix(1);
   return text + text::Printable(rest);
@@ -196,11 +196,11 @@ std::string TextTail::LastLines() const {
 struct ProcessLauncher::Worker {
   const plan::Run* run = nullptr;
   std::size_t slot = 0;
-  std::string kept;             // components, as the scheduler wants it
-  bool is_second_time = false;  // the first one asked for it
+  std::string kept;             // components, as requested by the scheduler
+  bool is_second_time = false;  // started again at its own request
   std::unique_ptr<measure::Recording> recording;
   Descriptor contacts;
-  Descriptor errors;  // read end of its standard error; closed at its end
+  Descriptor errors;  // read end of its standard error; closed at end of file
   TextTail tail;
   double started_s = 0;
   double load = 0;
@@ -208,7 +208,7 @@ struct ProcessLauncher::Worker {
   std::optional<Clock::time_point> deadline;
   bool is_timed_out = false;
   pid_t pid = -1;
-  Descriptor pidfd;  // readable when it has ended
+  Descriptor pidfd;  // readable when the process has ended
 
   ~Worker() {
     if (pid < 0) return;
@@ -216,8 +216,8 @@ struct ProcessLauncher::Worker {
     while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
     }
   }
-  /// Safe while it is not reaped: its id cannot have been given to another. A worker that has only
-  /// just been forked may not lead its group yet.
+  /// Safe until the process is reaped: its id cannot have been reused. A newly forked worker may
+  /// not lead its process group yet.
   void Kill() const {
     kill(-pid, SIGKILL);
     kill(pid, SIGKILL);
@@ -245,7 +245,7 @@ Pulse ProcessLauncher::PulseOf(std::size_t slot) const {
 
 void ProcessLauncher::StopAll() {
   for (const auto& worker : workers_)
-    if (worker) worker->Kill();  // all at once, then wait for each
+    if (worker) worker->Kill();  // kill all at once, then wait for each
   for (auto& worker : workers_) worker.reset();
   servers_.clear();
 }
@@ -265,7 +265,7 @@ pid_t ProcessLauncher::StartProcess(const fs::path& program, SpawnPlan& spawn,
   try {
     if (is_new) server->second = std::make_unique<ForkServer>(program);
   } catch (const ScheduleError&) {
-    // Starting the worker itself says why, in the words of the run.
+    // Starting the worker directly reports the reason.
   }
   if (server->second != nullptr) {
     how.descriptors = spawn.Given();
@@ -318,7 +318,7 @@ bool ProcessLauncher::TryToLaunch(Worker& worker, const std::vector<std::string>
   if (pipe2(ends, O_CLOEXEC) != 0) FailToStart("no descriptor to start a run", errno);
   worker.errors = Descriptor(ends[0]);
   const Descriptor their_errors(ends[1]);
-  fcntl(ends[0], F_SETFL, O_NONBLOCK);  // ours; theirs may block until we have read
+  fcntl(ends[0], F_SETFL, O_NONBLOCK);  // only our end; the worker may block until we have read
 
   SpawnPlan spawn;
   spawn.Give(their_errors.get(), STDERR_FILENO);
@@ -370,7 +370,7 @@ std::optional<Ending> ProcessLauncher::Wait(double seconds) {
     for (const auto& worker : workers_) {
       if (!worker) continue;
       watched.push_back({worker->pidfd.get(), POLLIN, 0});
-      watched.push_back({worker->errors.get(), POLLIN, 0});  // -1 once closed: poll skips it
+      watched.push_back({worker->errors.get(), POLLIN, 0});  // -1 once closed: ignored by poll
       if (worker->deadline && !worker->is_timed_out) next = std::min(next, *worker->deadline);
     }
     if (stop_ != nullptr) watched.push_back({stop_->fd(), POLLIN, 0});
@@ -407,7 +407,7 @@ std::optional<Ending> ProcessLauncher::Wait(double seconds) {
 
 void ProcessLauncher::DrainErrors(Worker& worker) {
   char buffer[16384];
-  // Bounded, so that a worker that never stops writing cannot hold us here.
+  // Bounded, so that a worker that never stops writing cannot block us here.
   for (int rounds = 0; rounds < 64 && worker.errors.get() >= 0; ++rounds) {
     const ssize_t got = read(worker.errors.get(), buffer, sizeof buffer);
     if (got > 0) {
@@ -424,7 +424,7 @@ std::optional<Ending> ProcessLauncher::Reap(Worker& worker) {
   Ending ending;
   ending.slot = worker.slot;
   ending.wall_s = std::chrono::duration<double>(Clock::now() - worker.start).count();
-  // What it left running goes with it, before its number can be given to others.
+  // Kills the processes that it left running, before its process group id can be reused.
   worker.Kill();
   DrainErrors(worker);
   ProcessEnd end;
@@ -441,7 +441,7 @@ std::optional<Ending> ProcessLauncher::Reap(Worker& worker) {
   } catch (const std::system_error& error) {
     throw ScheduleError(error.what());
   }
-  // Of one that did not live to say it, as the system counted.
+  // For a worker that ended before it reported the value, as counted by the system.
   double& peak = ending.result.scalars.peak_rss_bytes;
   if (std::isnan(peak)) peak = static_cast<double>(usage.ru_maxrss) * 1024;
   ending.result.started_s = worker.started_s;

@@ -1,4 +1,4 @@
-// The launcher used outside of tests: one process for each run, with the worker program of its
+// The launcher used outside of tests: one process for each run, by the worker program of the run's
 // precision.
 #pragma once
 
@@ -22,37 +22,37 @@
 
 namespace cdb::process {
 
-/// The worker programs; empty where no run of the plan needs it.
+/// The worker programs; a path is empty if no run of the plan needs it.
 struct WorkerPrograms {
   std::filesystem::path single;   ///< cdb-worker-f32
   std::filesystem::path double_;  ///< cdb-worker-f64
 };
 
-/// Looks beside this program, then in ../libexec/cdb of its folder, for what the plan needs. Throws
-/// ScheduleError, which says where it looked and what to do.
+/// Finds the programs that the plan needs: beside this program, then in ../libexec/cdb of its
+/// folder. Throws ScheduleError, which names the places searched and the remedy.
 WorkerPrograms FindWorkers(const plan::Plan& plan);
 /// The same for a program in `folder`.
 WorkerPrograms FindWorkers(const plan::Plan& plan, const std::filesystem::path& folder);
 
-/// The end of what a worker wrote to standard error, for the message of a crash: at most
-/// kMaxBytes, however much was written.
+/// The end of a worker's standard error, for the message of a crash: at most kMaxBytes, however
+/// long the text.
 class TextTail {
  public:
   static constexpr std::size_t kMaxBytes = 8192;
   void Append(std::string_view text);
-  /// The last lines, at most five, printable: other bytes become `?` (dsl::Printable).
+  /// The last lines, at most five, printable: other bytes become `?` (text::Printable).
   std::string LastLines() const;
 
  private:
   std::string text_;
 };
 
-/// Runs workers as processes, forked from one of their program that is loaded already, or started
-/// if that cannot be: standard input empty, standard output dropped, standard error kept for the
-/// message, each in a process group of its own so that Ctrl-C reaches only us. A run's timeout ends
-/// its worker with SIGKILL, and its memory limit is set before its own code runs. Each
-/// slot's worker stays on a processor of its own (ClaimedProcessors), unless its detector may use
-/// several threads.
+/// Runs workers as processes, forked from a loaded worker program, or started directly if that
+/// fails. Standard input is empty, standard output is dropped, standard error is kept for the
+/// message. Each worker has its own process group, so that Ctrl-C reaches only this process. A
+/// run's timeout ends its worker with SIGKILL, and its memory limit is set before its own code
+/// runs. The worker of each slot stays on one processor (ClaimedProcessors), unless its detector
+/// may use several threads.
 class ProcessLauncher : public Launcher {
  public:
   /// `stop` may be null. `claim`: of ClaimedProcessors.
@@ -67,15 +67,15 @@ class ProcessLauncher : public Launcher {
 
  private:
   struct Worker;
-  /// -1 if what was given must be made anew: a process that is no more may have used it.
+  /// -1 if the recording must be made anew, because a process that has ended may have used it.
   pid_t StartProcess(const std::filesystem::path& program, SpawnPlan& spawn,
                      measure::ForkRequest how);
   std::vector<pid_t> Processes() const;
   void DrainErrors(Worker& worker);
-  /// Gives it new descriptors and starts its process. Throws ScheduleError.
+  /// Creates new descriptors and starts the process. Throws ScheduleError.
   void Launch(Worker& worker, const std::vector<std::string>& arguments);
   bool TryToLaunch(Worker& worker, const std::vector<std::string>& arguments);
-  /// A worker whose process has ended, if that asked for it; once.
+  /// Starts a worker again whose process has ended with that request; at most once.
   bool StartAgain(Worker& worker);
   /// None if it was started again.
   std::optional<Ending> Reap(Worker& worker);
@@ -85,7 +85,7 @@ class ProcessLauncher : public Launcher {
   const StopFlag* stop_;
   TraceCache traces_;
   const ClaimedProcessors processors_;
-  /// Of each program that was started; null if it cannot serve.
+  /// For each program that was started; null if it cannot fork workers
   std::map<std::filesystem::path, std::unique_ptr<ForkServer>> servers_;
   std::vector<std::unique_ptr<Worker>> workers_;
 };

@@ -14,11 +14,11 @@ using layouts::ObjectState;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Bullet pushes what has sunk in out again, without regard to energy: by `solver.erp` of the depth
-/// each step. What sinks in within a step has come that far in it, so this is as if speeds were
-/// larger by erp. The rest is for what the solver leaves undone in its iterations.
+/// Bullet pushes penetrating bodies out again by `solver.erp` of the depth per step, regardless of
+/// energy. A body that penetrates within a step has moved that far in it, so this is as if speeds
+/// were larger by erp. The rest allows for the error that the solver leaves after its iterations.
 constexpr double kSpeedFactor = 1.3;
-/// m: shallower than this Bullet mends a penetration by velocity, which stays
+/// m: Bullet corrects shallower penetrations by a velocity, which persists
 /// (m_splitImpulsePenetrationThreshold), unless `contact faithful` forbids it.
 constexpr double kShallow = 0.04;
 
@@ -68,7 +68,7 @@ void ClusterEnergy::Update(ContactCluster& cluster) const {
   const Vector3d velocity = cluster.momentum / cluster.mass;
   cluster.energy_in_air = 0;
   for (const std::uint32_t i : cluster.members) cluster.energy_in_air += KineticEnergy(i, velocity);
-  // What has once lost its momentum to the world does not get it back by meeting more.
+  // A cluster that has once lost momentum to the world does not regain it by meeting others.
   cluster.is_slowed = !FallsFreely(cluster);
 }
 
@@ -81,9 +81,9 @@ double ClusterEnergy::KineticEnergy(std::size_t object, const Vector3d& frame) c
          2;
 }
 
-/// J: the work that gravity can do on the object until walls hold it. A step of Bullet's loses
-/// g^2 dt^2 / 2 of a falling object's energy per mass, which is as much as the push out of a wall
-/// gives back when it has sunk in by a step's way.
+/// J: the work that gravity can do on the object before walls stop it. A step of Bullet's loses g^2
+/// dt^2 / 2 of a falling object's energy per mass; this is as much as being pushed out of a wall
+/// gives back after a penetration by the displacement of one step.
 double ClusterEnergy::WeightedDrop(std::size_t object) const {
   const ObjectState& it = state_.objects[object];
   double work = 0;
@@ -92,7 +92,7 @@ double ClusterEnergy::WeightedDrop(std::size_t object) const {
     if (g == 0) continue;
     if (!room_.Holds(2 * axis + (g > 0 ? 1 : 0))) return kInfinity;
     const double sunk = trajectories_[object].FastestUntil(horizon_.end) * horizon_.timestep;
-    // A faster one could pass through a box in one step.
+    // A faster object could pass through a box in one step.
     if (sunk > kWallThickness * room_.half()) return kInfinity;
     const double lowest = room_.half() - it.solid.InnerRadius() + sunk;
     work += std::abs(g) * std::max(0.0, lowest - std::copysign(1.0, g) * it.pose.position[axis]);
@@ -100,24 +100,25 @@ double ClusterEnergy::WeightedDrop(std::size_t object) const {
   return it.mass * work;
 }
 
-/// m/s: what bounces may add where Bullet mends shallow penetrations by velocity and the bounce
-/// itself keeps so much that together they are more than what came in.
+/// m/s: the speed that a bounce may add if Bullet corrects shallow penetrations by velocity and the
+/// bounce itself keeps so much that together they exceed the incoming speed.
 double ClusterEnergy::Boost(const ContactCluster& cluster, std::size_t object) const {
   if (is_faithful_ || cluster.restitution + erp_ <= 1) return 0;
   return (1 + erp_) * kShallow / horizon_.timestep *
          std::sqrt(cluster.mass / state_.objects[object].mass);
 }
 
-/// m/s relative to the cluster's centre of mass while nothing from outside acts on it but gravity.
+/// m/s relative to the cluster's centre of mass, as long as gravity is the only external force.
 double ClusterEnergy::SpeedInAir(const ContactCluster& cluster, std::size_t object) const {
   return (kSpeedFactor + erp_) *
              std::sqrt(2 * cluster.energy_in_air / state_.objects[object].mass) +
          Boost(cluster, object);
 }
 
-/// Whether the cluster's energy in the falling frame never grows. Sleep stops an object in the
-/// world, which could make it faster in the frame; but to be slow in the world for as long as sleep
-/// takes it must first have changed its velocity in the frame by nearly all of g times that.
+/// True if the cluster's energy in the falling frame never grows. Sleep stops an object in the
+/// world, which could make it faster in that frame; but to be slow in the world for as long as
+/// sleep takes, it must first have changed its velocity in the frame by nearly all of g times that
+/// duration.
 bool ClusterEnergy::FallsFreely(const ContactCluster& cluster) const {
   if (cluster.leans || cluster.is_slowed) return false;
   if (!sleeps_) return true;
@@ -144,8 +145,9 @@ Region ClusterEnergy::RegionOf(const ContactCluster& cluster, std::size_t object
     region.rate = region.limit = SpeedInAir(cluster, object);
     fastest = region.rate + region.drift.stableNorm() + fall;
   } else {
-    // sqrt(2 E) is the length of the velocities weighted by the masses' roots. Gravity adds
-    // |g| sqrt(M) dt to it in a step; and energy that walls hold is bounded besides.
+    // sqrt(2 E) is the norm of the velocities weighted by the square roots of the masses. Gravity
+    // adds
+    // g| sqrt(M) dt to it per step; if walls hold the cluster, its energy is also bounded.
     const double factor = (kSpeedFactor + erp_) / std::sqrt(state_.objects[object].mass);
     const double boost = Boost(cluster, object);
     const double per_second = g.stableNorm() * std::sqrt(cluster.mass);

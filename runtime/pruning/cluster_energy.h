@@ -1,5 +1,5 @@
-// How fast the members of a contact cluster can get, by its energy: in free fall, the energy in the
-// falling frame; in contact with a wall or a fixed object, with damping or with sleeping, the
+// Bounds the speed of the members of a contact cluster by its energy: in free fall, the energy in
+// the falling frame; in contact with a wall or a fixed object, with damping or with sleeping, the
 // energy in the world frame, to which gravity adds.
 //
 // SI units. Errors: none. Threads: any.
@@ -27,11 +27,11 @@ struct ContactCluster {
   double mass = 0;         ///< kg
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< at the start
   double energy = 0;                                   ///< J: kinetic, at the start
-  double energy_in_air = 0;   ///< J: the same in the frame of the centre of mass
+  double energy_in_air = 0;   ///< J: kinetic, in the frame of the centre of mass
   double energy_of_drop = 0;  ///< J: what gravity can add before walls stop all members
   double restitution = 0;     ///< the largest
 
-  /// Takes over the members of the other, which is empty afterwards.
+  /// Takes over the members of the other cluster, which is empty afterwards.
   void Absorb(ContactCluster& other);
 };
 
@@ -43,9 +43,9 @@ class ClusterEnergy {
                 const std::vector<Trajectory>& trajectories);
 
   ContactCluster Alone(std::size_t object) const;
-  /// After a change of the members: updates `energy_in_air` and `is_slowed`.
+  /// Call after the members changed: updates `energy_in_air` and `is_slowed`.
   void Update(ContactCluster& cluster) const;
-  /// The region of a member that is in `ball` at `time`, when the cluster has a new contact.
+  /// The region of a member that is in `ball` at `time`, after a new contact of the cluster.
   Region RegionOf(const ContactCluster& cluster, std::size_t object, const Ball& ball,
                   double time) const;
 

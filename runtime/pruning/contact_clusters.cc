@@ -15,10 +15,11 @@ namespace {
 
 constexpr std::uint32_t kNoCluster = std::numeric_limits<std::uint32_t>::max();
 
-/// So near to touching, for its size, counts as touching, and after so many steps towards it too.
+/// A gap smaller than this, relative to the size, counts as touching. So does an approach that
+/// takes more than kMaxApproaches steps.
 constexpr double kNearly = 1e-3;
 constexpr int kMaxApproaches = 200;
-/// What such a step costs beside a test of two boxes.
+/// The cost of such a step, in tests of two boxes.
 constexpr std::uint64_t kTestsOfApproach = 4;
 
 }  // namespace
@@ -70,7 +71,7 @@ std::optional<std::string> ContactClusters::Follow(std::uint64_t& tests_left) {
   return std::nullopt;
 }
 
-/// A reason to give up, if there is one.
+/// Returns the reason if the analysis has to give up.
 std::optional<std::string> ContactClusters::Process(const Event& event) {
   for (const std::uint32_t i : {event.object, event.other})
     if (std::isfinite(state_.objects[i].contact_stiffness))
@@ -92,7 +93,7 @@ std::optional<std::string> ContactClusters::Process(const Event& event) {
   return std::nullopt;
 }
 
-/// The cluster of the object, alone in a new one if need be.
+/// The cluster of the object; a new one if it has none.
 std::uint32_t ContactClusters::Join(std::size_t object) {
   if (cluster_of_[object] != kNoCluster) return cluster_of_[object];
   cluster_of_[object] = static_cast<std::uint32_t>(clusters_.size());
@@ -107,7 +108,7 @@ void ContactClusters::Merge(std::uint32_t to, std::uint32_t from) {
   clusters_[to].Absorb(clusters_[from]);
 }
 
-/// Gives all members new regions from `time` on; false where one cannot be followed.
+/// Gives all members new regions from `time` on; false if one cannot be followed.
 bool ContactClusters::Redirect(ContactCluster& cluster, double time) {
   energy_.Update(cluster);
   for (const std::uint32_t i : cluster.members) {
@@ -168,7 +169,7 @@ void ContactClusters::ForeseeMeetings(std::size_t object) {
 }
 
 void ContactClusters::ForeseeMeeting(std::size_t object, std::size_t other) {
-  // A cluster that leans has nothing new to learn from another fixed object.
+  // Another contact with a fixed object adds nothing to a cluster that leans on one.
   if (motions_.IsFixed(other) && ClusterOf(object).leans) return;
   const double touching =
       TouchingDistance(motions_.trajectory(object), motions_.trajectory(other)) +
@@ -183,8 +184,8 @@ void ContactClusters::ForeseeMeeting(std::size_t object, std::size_t other) {
   if (time) MeetObject(object, other, *time);
 }
 
-/// A time from `begin` on, not later than the first at which `gap` is 0 or less, if there is one;
-/// `gap` never shrinks faster than `fastest`.
+/// A time from `begin` on, not later than the first at which `gap` is 0 or less, if there is one.
+/// `gap` must never shrink faster than `fastest`.
 template <typename Gap>
 std::optional<double> ContactClusters::FirstContact(double begin, double fastest, double near,
                                                     const Gap& gap) {

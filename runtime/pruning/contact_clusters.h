@@ -1,9 +1,10 @@
-// Contact clusters: groups of objects that may meet, and where each object can be after a contact.
+// Contact clusters: groups of objects that may meet, and the possible positions of each object
+// after a contact.
 //
 // From the earliest possible contact on, a member of a cluster may move in any way that the energy
-// of the cluster permits (cluster_energy.h). So each member is inside a ball that grows with time.
-// An object that the ball reaches may touch the cluster from then on, and joins it; then all balls
-// grow as fast as the new energy permits. Contacts are processed in order of time.
+// of the cluster permits (cluster_energy.h): each member is inside a ball that grows with time. An
+// object that the ball reaches may touch the cluster from then on and joins it; all balls then grow
+// as fast as the new energy permits. Contacts are processed in order of time.
 //
 // SI units. Errors: none. Threads: one.
 #pragma once
@@ -28,18 +29,17 @@ namespace cdb::pruning {
 
 class ContactClusters {
  public:
-  /// The arguments must outlive the object. `trajectories` may not contain NaN or infinity.
+  /// The arguments must outlive the object. `trajectories` must not contain NaN or infinity.
   ContactClusters(const plan::Scene& scene, const layouts::InitialState& state,
                   const Horizon& horizon, const Room& room,
                   const std::vector<Trajectory>& trajectories);
 
-  /// To be called for every contact in free flight, which happens `time` s after the start or
-  /// later.
+  /// Call for every contact in free flight, which happens `time` s after the start or later.
   void MeetObject(std::size_t object, std::size_t other, double time);
   void MeetWall(std::size_t object, int wall, double time);
 
   /// Computes the consequences of the contacts up to the end of the run. If it has to give up,
-  /// returns the reason, and any two objects may touch. Decrements `tests_left` with its work.
+  /// returns the reason; any two objects may then touch. Decrements `tests_left` by its work.
   std::optional<std::string> Follow(std::uint64_t& tests_left);
 
   /// By object: the bits of the walls that it may touch. Valid after Follow.
@@ -50,8 +50,9 @@ class ContactClusters {
   struct Event {
     double time;
     std::uint32_t object, other;
-    std::int32_t wall;  ///< below 0: with `other`
-    /// Versions of both when the event was predicted; it is void if one of them has changed since.
+    std::int32_t wall;  ///< negative: the event is with `other`
+    /// Versions of both objects when the event was predicted; it is void if one of them has
+    /// changed.
     std::uint32_t object_version, other_version;
     bool operator>(const Event& event) const;
   };

@@ -20,7 +20,7 @@ Box Region::Core(double time) const {
 }
 
 Box Region::Hull(double time) const {
-  // As a parabola in the time from the start.
+  // As a parabola in the time since the start.
   const Vector3d c0 = -drift * since - FallUntil(gravity, timestep, since);
   const Box moved = RangeOf(c0, drift + gravity * (timestep / 2), gravity / 2, since, time);
   return Grown({core.min() + moved.min(), core.max() + moved.max()}, Radius(time) + error);

@@ -1,5 +1,5 @@
-// Where each object can be: on its trajectory until its first possible contact, in a region that
-// grows from then on.
+// The possible positions of each object: on its trajectory until its first possible contact, in a
+// growing region from then on.
 //
 // SI units. Errors: none. Threads: one.
 #pragma once
@@ -27,7 +27,7 @@ struct Region {
   double since = 0;
   Box core;                 ///< at `since`
   Eigen::Vector3d drift;    ///< m/s
-  Eigen::Vector3d gravity;  ///< 0 in the world
+  Eigen::Vector3d gravity;  ///< 0 in the world frame
   double timestep = 0;
   double radius = 0;                     ///< m, at `since`
   double rate = 0, more = 0, limit = 0;  ///< it grows by min(rate + more t, limit)
@@ -48,25 +48,25 @@ class ObjectMotions {
   const Trajectory& trajectory(std::size_t object) const { return trajectories_[object]; }
   bool IsFixed(std::size_t object) const { return trajectory(object).motion == Motion::kFixed; }
 
-  /// The object had a contact, or another one.
+  /// Call when the object has a contact, the first or a later one.
   void SetRegion(std::size_t object, const Region& region);
   /// 0 in free flight; each new region changes it.
   std::uint32_t version(std::size_t object) const { return versions_[object]; }
   bool IsInFlight(std::size_t object) const { return version(object) == 0; }
-  /// Of an object that is not in free flight.
+  /// The region of an object that is not in free flight.
   const Region& region(std::size_t object) const { return regions_[object]; }
 
-  /// Where the object is at `time`.
+  /// The possible positions of the object's centre at `time`.
   Ball BallAt(std::size_t object, double time) const;
-  /// m: the rounding of BallAt.
+  /// m: the rounding error of BallAt.
   double ErrorOf(std::size_t object) const;
-  /// m/s: the surface of BallAt is never faster, in the world and in the falling frame.
+  /// m/s: bound of the speed of the surface of BallAt, in the world and in the falling frame.
   double FastestInWorld(std::size_t object) const;
   double FastestInAir(std::size_t object) const;
 
  private:
   const std::vector<Trajectory>& trajectories_;
-  const double fall_;                    ///< m/s: what gravity adds until the end
+  const double fall_;                    ///< m/s: velocity that gravity adds until the end
   std::vector<std::uint32_t> versions_;  ///< by object
   std::vector<Region> regions_;          ///< by object
 };

@@ -18,9 +18,9 @@ using analysis::Decision;
 using analysis::PruningDecision;
 using schema::Component;
 
-/// Half of the diagonal, m, at which Bullet switches off a body, to be safe.
+/// Half of the diagonal, m, at which Bullet disables a body, as a safety margin.
 constexpr double kSafeBox = analysis::kLargestBox / 2;
-/// Entries of Bullet's pools, and enough for boxes that overlap where nothing touches.
+/// The size of Bullet's pools, and room for boxes that overlap although nothing touches.
 constexpr int kBulletsPool = 4096, kFewPairs = 64;
 
 class Settlement {
@@ -58,7 +58,7 @@ class Settlement {
                                            forecast_.largest_box));
         [[fallthrough]];
       case Component::kSolver:
-        // Islands decide who sleeps, and pairs who is in an island, touch or no touch.
+        // Islands decide which objects sleep, and pairs, touching or not, make islands.
         if (forecast_.nothing_touches && rests_) return decide(false, Rest());
         return decide(forecast_.nothing_touches, forecast_.closest);
       case Component::kSleeping:
@@ -80,7 +80,7 @@ class Settlement {
                                            in_pieces_));
         return decide(true, "a pair without a contact has no effect in sorted order");
       default:
-        CDB_CHECK(false);  // the numbers alone settle the rest
+        CDB_CHECK(false);  // the other components are decided by the numbers alone
     }
   }
 
@@ -113,8 +113,8 @@ class Settlement {
                               forecast_.largest_cluster, kLargestCluster, forecast_.closest));
   }
 
-  /// Those there can be; no more than a few, beside the walls that are kept, where the objects are
-  /// so far apart that walls can be left out; never more than Bullet's own.
+  /// The number of possible pairs. If the objects are so far apart that walls can be omitted, only
+  /// a few in addition to the kept walls. Never more than Bullet's own size.
   int PoolSize() const {
     const double most = moving_ * (moving_ - 1) / 2 + moving_ * fixed_ + static_cast<double>(all_);
     double enough = kBulletsPool;
@@ -125,10 +125,10 @@ class Settlement {
 
   const Reachability forecast_;
   const bool rests_;
-  double moving_ = 0, fixed_ = 0;   ///< objects
-  std::size_t all_ = 0, kept_ = 0;  ///< pairs of a moving object and a wall
+  double moving_ = 0, fixed_ = 0;   ///< number of objects
+  std::size_t all_ = 0, kept_ = 0;  ///< number of pairs of a moving object and a wall
   int pool_size_ = 0;
-  std::ptrdiff_t in_pieces_ = 0;  ///< the first object of several convex pieces, from 1; 0: none
+  std::ptrdiff_t in_pieces_ = 0;  ///< the first object with several convex pieces, from 1; 0: none
 };
 
 }  // namespace

@@ -23,21 +23,21 @@ namespace {
 using Eigen::Vector3d;
 using layouts::ObjectState;
 
-/// m: Bullet's boxes are larger by 0.02 on each side.
+/// m: Bullet enlarges boxes by 0.02 on each side.
 constexpr double kBoxGrowth = 0.1;
-/// Where this many tests an object, and more in all, are not enough, the scene is too dense to
-/// forecast; a sparse one needs a hundredth.
+/// Limits of tests, per object and in all. A scene that needs more is too dense to analyse; a
+/// sparse one needs a hundredth.
 constexpr std::uint64_t kTestsOfOne = 64, kMinTests = 1'000'000;
 
-/// Free objects are tested against one another as they fall, where their ways are straight;
-/// whoever is fixed or slowed against all in the world.
+/// Free objects are tested against one another in the falling frame, where their paths are
+/// straight; fixed and slowed objects are tested against all in the world frame.
 enum Kind : std::uint8_t { kStill, kFree, kSlow };
 constexpr SweepPartners kFalling = {0, 1 << kFree, 0, 0};
 constexpr SweepPartners kWorld = {1 << kFree | 1 << kSlow, 1 << kStill | 1 << kSlow,
                                   1 << kStill | 1 << kFree | 1 << kSlow, 0};
 
-/// Moving objects that may meet, by the first contacts alone: a lower bound of the clusters, as
-/// contacts only add to where an object may be.
+/// Moving objects that may meet, by the first contacts alone: a lower bound of the clusters,
+/// because contacts only add to the possible positions of an object.
 class FirstClusters {
  public:
   explicit FirstClusters(std::size_t objects) : parent_(objects), size_(objects, 1) {
@@ -64,7 +64,7 @@ class FirstClusters {
   std::size_t largest_ = 1;
 };
 
-/// An object with a wall or another object, named when the text is made.
+/// An object and a wall or another object; their names are made with the text.
 struct Encounter {
   double rank = std::numeric_limits<double>::infinity();  ///< s until they meet, or m between them
   std::size_t object = 0, other = 0;
@@ -97,7 +97,7 @@ std::string EscapeText(const Encounter& escape) {
   return "no wall stands, and no two objects come near one another";
 }
 
-/// What makes the objects' motion unknown before it happens, if something does.
+/// The reason why the objects' motion cannot be known in advance, if there is one.
 std::optional<std::string> WhatChanges(const plan::Scene& scene) {
   if (schema::AsCall(scene.world.Get("acceleration")) != nullptr)
     return "the acceleration changes while it runs";
@@ -153,7 +153,7 @@ class Forecaster {
   }
 
  private:
-  /// What keeps the search from an answer, if something does.
+  /// The reason why the search has no answer, if there is one.
   std::optional<std::string> Follow() {
     if (what_changes_) return what_changes_;
     for (std::size_t i = 0; i < trajectories_.size(); ++i) {
@@ -162,7 +162,7 @@ class Forecaster {
       if (!IsFinite(i))
         return fmt::format("object {} gets too far for the forecast's numbers", i + 1);
     }
-    // Before the walls, as it is here that a crowd is found.
+    // Before the walls, because this detects dense scenes.
     const bool are_few = MeetObjects(kFalling) && MeetObjects(kWorld);
     if (first_clusters_.largest() > kLargestCluster)
       return "too many objects may meet one another to follow them all";
@@ -188,7 +188,7 @@ class Forecaster {
     const Trajectory& trajectory = trajectories_[object];
     const Box path = trajectory.PathUntil(horizon_.end);
     const Box falling = trajectory.FallingPathUntil(horizon_.end, state_.acceleration);
-    // Squares of distances must be finite too.
+    // Squares of distances must not overflow either.
     const double squares = path.min().squaredNorm() + path.max().squaredNorm() +
                            falling.min().squaredNorm() + falling.max().squaredNorm() +
                            trajectory.slack.squaredNorm() +
@@ -229,7 +229,7 @@ class Forecaster {
     }
   }
 
-  /// False where there are too many.
+  /// False if there are too many.
   bool MeetObjects(const SweepPartners& partners) {
     std::vector<SweptBox> boxes;
     boxes.reserve(trajectories_.size());
@@ -242,7 +242,7 @@ class Forecaster {
       const Box path = &partners == &kFalling
                            ? trajectory.FallingPathUntil(horizon_.end, state_.acceleration)
                            : trajectory.PathUntil(horizon_.end);
-      // Half of each threshold is more than the smaller one.
+      // Half the sum of the thresholds is at least the smaller one.
       const Vector3d grown =
           trajectory.extent + trajectory.slack + Vector3d::Constant(trajectory.threshold / 2);
       boxes.push_back(
@@ -271,7 +271,7 @@ class Forecaster {
     clusters_->MeetObject(a, b, approach.time);
   }
 
-  /// m^2: beyond it products of squares overflow.
+  /// m^2: above it, products of squares overflow.
   static constexpr double kLargestSquare = 1e150;
 
   const std::optional<std::string> what_changes_;

@@ -1,6 +1,6 @@
-// Reachability analysis: which objects may touch a wall or one another during a run, proven before
-// the first cycle. Knows no physics engine. For the properties of Bullet 3.24 that it relies on,
-// see trajectory.h and contact_clusters.h.
+// Reachability analysis: the walls and objects that each object may touch during a run, proven
+// before the first cycle. Independent of the physics engine. For the properties of Bullet 3.24 that
+// it relies on, see trajectory.h and contact_clusters.h.
 //
 // Without contacts, a body in Bullet moves along x0 + (v0 + g dt/2) t + g t^2/2 up to rounding, so
 // that two undamped bodies move along a straight line in each other's frame. Bodies that may meet
@@ -22,9 +22,8 @@
 
 namespace cdb::pruning {
 
-/// Where more objects than these may meet one another, the analysis gives up: contacts that share
-/// an object are likely, and a run without its walls would soon have to start again with all of
-/// them.
+/// If more objects than these may meet one another, the analysis gives up: contacts that share an
+/// object are likely, and a run without its walls would soon have to be restarted with all of them.
 inline constexpr std::size_t kLargestCluster = 64;
 
 struct Reachability {

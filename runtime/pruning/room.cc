@@ -7,9 +7,10 @@ namespace cdb::pruning {
 Room::Room(const plan::Scene& scene, const Horizon& horizon)
     : standing_(StandingWalls(scene)),
       half_(scene.world.Real("world.side") / 2),
-      // A wall is half_ away, and so is what comes near it: the omission guard allows 16 of these.
+      // Walls, and the objects near them, are at a distance of about half_. The omission guard
+      // allows 16 of these.
       rounding_(32 * horizon.rounding * half_),
-      // A box ends a little outside the cube, where only another box stops what moves there.
+      // A box wall ends a little outside the cube, where only another box stops objects.
       is_endless_(scene.world.WordOr("world.wall_shape") == "plane" ||
                   scene.world.WordOr("world.walls") == "all") {}
 

@@ -17,7 +17,7 @@ class Room {
   bool Stands(int wall) const { return (standing_ >> wall & 1) != 0; }
   std::uint8_t standing() const { return standing_; }
   double half() const { return half_; }
-  /// No object can get past the wall, at any distance from its centre.
+  /// True if no object can get past the wall, at any distance from its centre.
   bool Holds(int wall) const { return Stands(wall) && is_endless_; }
   /// Clearance, m, between the wall and an object of radius `reach`, m, whose centre is in
   /// `places`, beyond the distance at which they touch. If 0 or less, the object may touch the

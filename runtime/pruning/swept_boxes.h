@@ -40,7 +40,7 @@ class SortedBoxes {
   /// No box may contain a NaN.
   explicit SortedBoxes(std::vector<SweptBox> boxes);
 
-  /// All that overlap `box` along the axis, and some more.
+  /// All boxes that overlap `box` along the axis, and some more.
   std::span<const SweptBox> Near(const Box& box) const;
 
  private:

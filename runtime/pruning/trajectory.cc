@@ -13,39 +13,39 @@ using Eigen::Vector3d;
 using layouts::ObjectState;
 using objects::Solid;
 
-/// btPersistentManifold's breaking threshold, a part of the shape's disc.
+/// btPersistentManifold's breaking threshold, as a fraction of the shape's angular motion disc.
 constexpr double kThreshold = 0.02;
-/// Operations beside the steps whose rounding counts: start, timestep and acceleration becoming
-/// Bullet's numbers, F = m g and back, and detection's own.
+/// Operations other than the steps whose rounding counts: conversion of start, timestep and
+/// acceleration to Bullet's numbers, F = m g and back, and those of the detection.
 constexpr double kOtherOperations = 32;
 
-/// How far Bullet's rounded corners may stand out of the solid. Its margin is never more than the
-/// least half extent.
+/// The distance by which Bullet's rounded corners may protrude from the solid. Its margin is never
+/// more than the least half extent.
 double MarginOf(const ObjectState& object) {
   if (object.solid.IsBall()) return 0;
   return std::min(object.margin, object.solid.HalfExtents().minCoeff());
 }
 
-/// btCollisionShape::getAngularMotionDisc, or more: of the ball around the shape's box, which for a
-/// ball is a cube, and for a compound is made of the boxes of its turned pieces.
+/// Bound of btCollisionShape::getAngularMotionDisc: that of the ball around the shape's box, which
+/// for a ball is a cube, and for a compound is made of the boxes of its rotated pieces.
 double AngularMotionDisc(const Solid& solid) {
   if (solid.compound != nullptr) return 4 * std::sqrt(3.0) * solid.OuterRadius();
   return solid.HalfExtents().stableNorm() + std::abs(solid.BoxCentre());
 }
 
-/// Moments of inertia are equal and nothing slows the spin, so that it stays what it is.
+/// True if the moments of inertia are equal and nothing slows the spin, so that it stays constant.
 bool SpinsSteadily(const ObjectState& object) {
   const Vector3d moments = object.solid.InertiaPerMass();
   return moments.x() == moments.y() && moments.y() == moments.z() && object.angular_damping == 0;
 }
 
-/// The times from 0 to `end`, in order, between which the distance |d + w t + g t^2/2| grows or
-/// shrinks all the time.
+/// The times from 0 to `end`, in order, between which the distance |d + w t + g t^2/2| is
+/// monotonic.
 class Turns {
  public:
   Turns(const Vector3d& d, const Vector3d& w, const Vector3d& g, double end) {
     Add(0);
-    // Half the derivative of the distance's square.
+    // Half the derivative of the squared distance.
     const std::array<double, 4> slope{d.dot(w), w.dot(w) + d.dot(g), 1.5 * w.dot(g), g.dot(g) / 2};
     if (slope[3] == 0) {
       if (slope[1] > 0) AddWithin(-slope[0] / slope[1], end);
@@ -67,7 +67,7 @@ class Turns {
     const auto at = [&](double t) {
       return slope[0] + t * (slope[1] + t * (slope[2] + t * slope[3]));
     };
-    // The slope itself is monotone between its own turns, so that each part has one root at most.
+    // The slope is monotonic between its own turning points, so each part has at most one root.
     std::array<double, 4> parts{0, 0, 0, end};
     const double b = slope[2], discriminant = b * b - 3 * slope[3] * slope[1];
     const double q = -(b + std::copysign(std::sqrt(std::max(discriminant, 0.0)), b));
@@ -94,14 +94,13 @@ class Turns {
 
 }  // namespace
 
-// Rounding to nearest errs by u = rounding / 2 of the result at most. A step adds g dt to the
+// Rounding to nearest errs by at most u = rounding / 2 of the result. A step adds g dt to the
 // velocity, which errs by u |v| and, with F = m g, F / m and the product with dt, by 5 u |g| dt:
-// after k steps the velocity is off by no more than u (k + 12) |v|. A step of the place errs by
-// u (|x| + 2 |v| dt) and carries the velocity's error: after K steps
-// u (K + 14) (|x| + T |v|) in all. Start, timestep and detection are the other operations;
-// `rounding` doubles it all.
+// after k steps the error of the velocity is at most u (k + 12) |v|. A step of the position errs by
+// u (|x| + 2 |v| dt) and adds the velocity's error: after K steps u (K + 14) (|x| + T |v|) in all.
+// Start, timestep and detection are the other operations; `rounding` doubles all of it.
 double Horizon::PlaceError(double largest_place, double largest_speed) const {
-  // What does not move is not rounded but at the start and by detection.
+  // Objects that do not move are rounded only at the start and by detection.
   const double operations = largest_speed == 0 ? kOtherOperations : steps + kOtherOperations;
   return rounding * operations * (largest_place + end * largest_speed);
 }
@@ -130,7 +129,7 @@ Box RangeOf(const Vector3d& c0, const Vector3d& c1, const Vector3d& c2, double b
   Box box(at(begin));
   box.extend(at(end));
   for (int axis = 0; axis < 3; ++axis) {
-    const double vertex = -c1[axis] / (2 * c2[axis]);  // not finite where there is none
+    const double vertex = -c1[axis] / (2 * c2[axis]);  // not finite if there is none
     if (!(vertex > begin && vertex < end)) continue;
     const double extreme = c0[axis] + vertex * (c1[axis] + vertex * c2[axis]);
     box.min()[axis] = std::min(box.min()[axis], extreme);
@@ -152,7 +151,7 @@ Box Trajectory::PathUntil(double time) const {
     case Motion::kSlowed:
       break;
   }
-  // Along an axis the velocity after j steps is between min(v, 0) + min(g, 0) j dt and the same
+  // Along an axis, the velocity after j steps is between min(v, 0) + min(g, 0) j dt and the same
   // with max: damping and sleep bring it nearer to 0, and a step adds g dt or, asleep, nothing.
   const Vector3d fall = FallUntil(acceleration, timestep, time);
   return {start + velocity.cwiseMin(0) * time + fall.cwiseMin(0),
@@ -172,7 +171,7 @@ Box Trajectory::FallingPathUntil(double time, const Vector3d& gravity) const {
 
 double Trajectory::FastestUntil(double time) const {
   if (motion == Motion::kFixed) return 0;
-  // A norm is convex, so a free one is fastest first or last.
+  // A norm is convex, so a free object is fastest at the start or at the end.
   const double last = motion == Motion::kFree
                           ? (velocity + acceleration * time).stableNorm()
                           : velocity.stableNorm() + acceleration.stableNorm() * time;
@@ -182,15 +181,15 @@ double Trajectory::FastestUntil(double time) const {
 double LongestRest(const ObjectState& object, const Vector3d& acceleration,
                    const Horizon& horizon) {
   const double spin = object.angular_velocity.stableNorm();
-  // The gyroscopic term, w x I w, is rounding alone where the moments are equal.
+  // The gyroscopic term, w x I w, is only rounding if the moments are equal.
   const double spin_error = horizon.SpeedError(spin) * (8 + 4 * spin * horizon.timestep);
   if (SpinsSteadily(object) && spin - spin_error >= kSlowSpin) return 0;
-  // What is damped is slow in the end, and gravity may keep it so.
+  // A damped object becomes slow in the end, and gravity may keep it slow.
   if (object.linear_damping > 0) return horizon.end;
   const Vector3d& v = object.linear_velocity;
   const double g = acceleration.stableNorm();
   const double slow = kSlowSpeed + horizon.SpeedError(v.stableNorm() + g * horizon.end);
-  // The quadratic below needs a gravity to speak of.
+  // The quadratic below needs a gravity that is not negligible.
   if (g * horizon.end < 1e-9) return v.stableNorm() - g * horizon.end < slow ? horizon.end : 0;
   // |v + g t| < slow between the roots of a quadratic.
   const Vector3d along = acceleration / g;
@@ -201,7 +200,7 @@ double LongestRest(const ObjectState& object, const Vector3d& acceleration,
   const double begin = std::max(0.0, middle - half);
   const double end = std::min(horizon.end, middle + half);
   if (!(begin <= end)) return 0;
-  // So many looks find it slow, each of which counts a step.
+  // Each step in which Bullet finds it slow counts as one timestep.
   return std::min(end - begin + horizon.timestep, horizon.end);
 }
 
@@ -217,7 +216,7 @@ Trajectory TrajectoryOf(const ObjectState& object, const Vector3d& acceleration,
   if (!object.IsFixed()) {
     trajectory.velocity = object.linear_velocity;
     trajectory.acceleration = acceleration;
-    // Bullet adds up the time asleep in its own precision: 1 % for that.
+    // 1 % for the error of Bullet's sum of the time asleep, in its own precision.
     const bool may_sleep = scene.world.On("sleeping") &&
                            LongestRest(object, acceleration, horizon) >= 0.99 * kSleepAfter;
     trajectory.motion = object.linear_damping > 0 || may_sleep ? Motion::kSlowed : Motion::kFree;
@@ -230,7 +229,8 @@ Trajectory TrajectoryOf(const ObjectState& object, const Vector3d& acceleration,
         fastest[axis]);
   trajectory.extent = Vector3d::Constant(trajectory.radius);
   if (object.IsFixed() || object.angular_velocity.isZero(0)) {
-    // Without spin it stays as it is turned but for rounding, which may turn it a little each step.
+    // Without spin, the orientation is constant up to rounding, which may turn it a little in each
+    // step.
     const objects::Box bounds = objects::Bounds(object.solid, object.pose.orientation);
     const double turned = 4 * horizon.SpeedError(trajectory.radius);
     const Vector3d half = bounds.upper.cwiseMax(-bounds.lower).array() + (margin + turned);

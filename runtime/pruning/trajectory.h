@@ -1,5 +1,6 @@
-// Trajectory of an object without contacts: where it can be until a given time, when two objects
-// first come within touching distance, and how long an object is slow.
+// Trajectory of an object without contacts: its possible positions until a given time, the time at
+// which two objects first come within touching distance, and the duration for which an object is
+// slow.
 //
 // A cycle of Bullet 3.24 damps the velocity, detects, adds g dt to the velocity and then moves by
 // v dt, so that after k cycles an undamped object is at x0 + (v0 + g dt/2) t + g t^2/2, t = k dt.
@@ -21,7 +22,7 @@ using Box = Eigen::AlignedBox3d;
 /// The duration of the run, and the rounding of Bullet.
 struct Horizon {
   double timestep = 0;  ///< s
-  double steps = 0;     ///< warmup and cycles
+  double steps = 0;     ///< including warm-up
   double end = 0;       ///< s; one step more than the run, as a safety margin
   double rounding = 0;  ///< twice the largest relative error of one operation
 
@@ -44,8 +45,8 @@ struct Trajectory {
   Eigen::Vector3d start, velocity;
   Eigen::Vector3d acceleration;  ///< 0 if fixed
   double radius = 0;             ///< of the bounding sphere about the centre of mass
-  double threshold = 0;          ///< Bullet makes a contact below this distance from a wall; of two
-                                 ///< objects the smaller one counts
+  double threshold = 0;          ///< Bullet makes a contact below this distance from a wall; for
+                                 ///< two objects the smaller value counts
   Eigen::Vector3d extent;        ///< half extents of a box that contains it until the first contact
   Eigen::Vector3d slack;         ///< rounding of the position until the first contact
   double timestep = 0;
@@ -94,7 +95,7 @@ template <typename Predicate>
 double FirstTime(double end, const Predicate& is_true) {
   if (is_true(0.0)) return 0;
   double before = 0, after = end;
-  // Halving a double reaches the last bit of any time that matters in 60.
+  // 60 bisections reach the last bit of any relevant time.
   for (int i = 0; i < 60; ++i) {
     const double middle = before + (after - before) / 2;
     (is_true(middle) ? after : before) = middle;
@@ -105,8 +106,8 @@ double FirstTime(double end, const Predicate& is_true) {
 using analysis::kSleepAfter;
 using analysis::kSlowSpeed;
 using analysis::kSlowSpin;
-/// The longest uninterrupted time, s, that a moving object in free flight is slow, at most `end`.
-/// As Bullet counts: one step for each step in which it finds the object slow.
+/// The longest uninterrupted time, s, for which a moving object in free flight is slow, at most
+/// `end`, counted as Bullet does: one step for each step in which it finds the object slow.
 double LongestRest(const layouts::ObjectState& object, const Eigen::Vector3d& acceleration,
                    const Horizon& horizon);
 

@@ -12,15 +12,15 @@
 
 namespace cdb::report {
 
-/// Holds references to its arguments, and to its rows.
+/// Refers to its arguments and to its rows, which must outlive it.
 class RowTable {
  public:
   RowTable(const store::ResultFile& file, const std::vector<std::size_t>& by, bool pools)
       : file_(file), by_(by), pools_(pools) {}
 
-  /// Of figures, aligned to the right.
+  /// A column of figures, aligned to the right.
   void AddColumn(std::string_view head) { heads_.emplace_back(head); }
-  /// A figure for each column. `note` stands before the row's mark.
+  /// A figure for each column. `note` precedes the row's mark.
   void AddRow(const statistics::Row& row, std::vector<std::string> figures,
               const std::string& note = "");
   std::string Text() const;
@@ -39,7 +39,7 @@ class RowTable {
   std::vector<Line> lines_;
 };
 
-/// The first columns of a row.
+/// The first columns of a row: its coordinates.
 std::vector<std::string> Coordinates(const store::ResultFile& file,
                                      const std::vector<std::size_t>& axes,
                                      const statistics::Point& at);

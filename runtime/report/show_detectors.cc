@@ -17,7 +17,7 @@
 namespace cdb::report {
 namespace {
 
-/// The axes that make rows, detectors last so that they stand side by side.
+/// The axes that make rows, detectors last so that their rows are adjacent.
 std::vector<std::size_t> RowsOf(const store::ResultFile& file, std::size_t point_count,
                                 std::size_t detector_axis, std::vector<std::size_t> by) {
   if (by.empty() && point_count <= kMaxRows) {
@@ -34,11 +34,11 @@ std::string CountText(double count) {
 }
 
 std::string ExponentText(double p) {
-  // Without "-0.00".
+  // Avoids "-0.00".
   return std::isnan(p) ? "-" : fmt::format("{:.2f}", std::round(100 * p) / 100 + 0.0);
 }
 
-/// The unit in which most means are read easily.
+/// The unit in which most means are easy to read.
 terminal::TimeUnit UnitOf(const std::vector<statistics::DetectorCosts>& costs) {
   std::vector<double> means;
   for (const statistics::DetectorCosts& row : costs) means.push_back(row.mean.value);
@@ -83,12 +83,12 @@ std::string CostsText(const store::ResultFile& file,
                      times.StatisticAndIntervalLine(rows.pools), rows.MatchLines());
 }
 
-/// The numbers of objects that an exponent is fitted over: `10 .. 40`.
+/// The range of the number of objects over which an exponent is fitted: `10 .. 40`.
 std::string ObjectsText(const statistics::DetectorGrowth::Exponent& exponent) {
   return CountText(exponent.least) + " .. " + CountText(exponent.most);
 }
 
-/// What to know before the exponents of two rows are compared.
+/// Notes to read before the exponents of two rows are compared.
 std::string GrowthNotes(const statistics::DetectorGrowth& growth) {
   std::string text;
   if (!growth.is_matched) text += "  Rows are of unlike numbers of objects: do not compare them.\n";

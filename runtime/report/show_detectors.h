@@ -1,4 +1,4 @@
-// What each detector of a comparison costs and how that grows, for `cdb show`.
+// The cost of each detector in a comparison, and its growth, for `cdb show`.
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,17 @@
 
 namespace cdb::report {
 
-/// Two tables. Of detect: mean and worst cycle, pairs, faults and memory of each detector, in the
-/// order of their axis, at each point of the other axes, or of `by` where that is not empty; what
-/// makes no rows is pooled. And where one axis of three numbers or more changes how many objects
-/// there are: p of detect ~ objects^p, by least squares over the logarithms of means. Empty where
-/// the file sweeps no detectors or holds no timings. Throws StoreError.
+/// Two tables. For detect: mean and worst cycle, pairs, faults and memory of each detector, in the
+/// order of their axis, at each point of the other axes, or of `by` if that is not empty; axes that
+/// make no rows are pooled. If one axis with at least three numbers changes the number of objects:
+/// p of detect ~ objects^p, by least squares over the logarithms of means. Empty if the file does
+/// not sweep detectors or has no timings. Throws StoreError.
 std::string ShowDetectors(const store::ResultFile& file,
                           const std::vector<statistics::MeasuredPoint>& points,
                           const std::vector<std::size_t>& by, statistics::CycleTimes& times);
 
-/// One line: what calling a detector costs beside its own work, and what part of the fastest
-/// detector's time that is. Empty where no run says it.
+/// One line: the overhead of calling a detector, and its fraction of the fastest detector's time.
+/// Empty if no run states it.
 std::string HarnessText(const store::ResultFile& file,
                         const std::vector<statistics::MeasuredPoint>& points,
                         statistics::CycleTimes& times);

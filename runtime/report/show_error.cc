@@ -132,7 +132,7 @@ class ErrorSummary {
     return table.Text();
   }
 
-  /// Which statistic over what, how the intervals were made, and what a tie is.
+  /// States the statistic, how the intervals were made, and the meaning of a tie.
   std::string Legend(const statistics::ErrorRows& rows) const {
     std::string text = times_.StatisticAndIntervalLine(rows.matched.pools);
     if (HasErrorIntervals())

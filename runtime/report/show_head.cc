@@ -21,7 +21,7 @@ namespace {
 using Cell = store::ResultFile::Cell;
 
 constexpr std::size_t kMaxBadListed = 8;
-/// A smaller share of the tensor without values is not worth a line.
+/// A smaller fraction of the tensor without values is not reported.
 constexpr double kNoticeablePadding = 0.05;
 
 class Head {
@@ -52,7 +52,7 @@ class Head {
         are_late ? fmt::format(": repeats {} to {} of each point", begun + 1, all) : "");
   }
 
-  /// The title and the runs.
+  /// The title and the number of runs.
   std::string Grid() const {
     std::string grid;
     for (const plan::Axis& axis : file_.axes())
@@ -67,7 +67,8 @@ class Head {
     return text + '\n' + Padding();
   }
 
-  /// The tensor is as long as the longest run; the cycles that shorter ones lack have no values.
+  /// The tensor is as long as the longest run; cycles beyond the end of shorter ones have no
+  /// values.
   std::string Padding() const {
     std::uint64_t least = file_.cycles(), all = 0;
     for (const Cell& cell : groups_.good) {
@@ -84,7 +85,7 @@ class Head {
         least, file_.cycles(), 100 * share);
   }
 
-  /// Why the timings are not to be quoted.
+  /// The reasons why the timings must not be quoted.
   std::string Timing() const {
     std::string text;
     if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
@@ -96,7 +97,7 @@ class Head {
     return text;
   }
 
-  /// Where the errors are shown, if the file has any.
+  /// The command that shows the errors, if the file has any.
   std::string Errors() const {
     std::string names;
     for (const schema::ErrorInfo& error : schema::Errors())
@@ -105,7 +106,7 @@ class Head {
     return names.empty() ? names : fmt::format("  Errors, by cdb show --error: {}.\n", names);
   }
 
-  /// What the physics of the runs in the figures is worth. Nothing where no run was judged.
+  /// How sound the physics of the runs in the figures is. Empty if no run was judged.
   std::string Verdicts() const {
     std::string doubts;
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
@@ -128,12 +129,12 @@ class Head {
                        sound, doubts);
   }
 
-  /// How well convex hulls stand for the models of the scene, a line for each.
+  /// How well the convex hulls approximate the models of the scene, a line for each.
   std::string Models() const {
     std::set<std::string> lines;
     std::istringstream all(file_.ReadProvenance("models"));
     for (std::string line; std::getline(all, line);) {
-      // Texts of several runs are joined.
+      // The texts of several runs are joined.
       if (line.starts_with("; ")) line.erase(0, 2);
       if (!line.empty()) lines.insert(line);
     }
@@ -142,7 +143,7 @@ class Head {
     return text;
   }
 
-  /// What the measurement is without, and in how many of the runs.
+  /// The omissions, and the number of runs with each.
   std::string LeftOut() const {
     if (!file_.Has("omitted")) return {};
     std::map<std::size_t, std::string, std::greater<>> by_count;
@@ -178,7 +179,7 @@ class Head {
     return text;
   }
 
-  /// Runs that are in no figure with others.
+  /// Runs that are not pooled with others in any figure.
   std::string BadRuns() const {
     const auto& bad = groups_.bad;
     if (bad.empty()) return {};
@@ -197,7 +198,7 @@ class Head {
   const store::ResultFile& file_;
   const HeadParts& parts_;
   const statistics::CellGroups& groups_;
-  std::vector<Cell> measured_;  ///< the good ones; where there are none, the others
+  std::vector<Cell> measured_;  ///< the sound cells; if there are none, the others
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The head of a summary (`cdb show`): what was run, and how far its figures can be trusted.
+// The head of a summary (`cdb show`): the runs, and how far their figures can be trusted.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct HeadParts {
   const std::vector<statistics::DetectorFindings>& findings;
   const std::vector<std::string>& references;  ///< the failed reference runs
   bool only_sound;                             ///< void runs are in no table
-  std::string harness;                         ///< a line
+  std::string harness;                         ///< one line
 };
 
 /// Throws StoreError.

@@ -1,4 +1,4 @@
-// What disturbed the runs of a results file, for summaries.
+// Disturbances of the runs of a results file, for summaries.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace cdb::report {
 
-/// One line: how many of `cells` were noisy, and the cause in the one that was longest off the
-/// processor. Empty where none was, or the file does not say. Throws StoreError.
+/// One line: the number of noisy `cells`, and the cause for the one that was longest off the
+/// processor. Empty if none was noisy, or the file does not say. Throws StoreError.
 std::string NoiseText(const store::ResultFile& file,
                       const std::vector<store::ResultFile::Cell>& cells);
 

@@ -68,7 +68,7 @@ class PhaseTables {
     });
   }
 
-  /// That of the median step.
+  /// The unit of the median step.
   terminal::TimeUnit UnitOf() {
     std::vector<double> steps;
     if (has_times_)
@@ -85,7 +85,7 @@ class PhaseTables {
     return statistics::MeanOf(means);
   }
 
-  /// Repeats have the same.
+  /// Repeats have the same counts.
   double MeanCount(const statistics::Row& row, const char* series) const {
     std::vector<double> means;
     for (const statistics::MeasuredPoint* point : row.points)

@@ -1,4 +1,4 @@
-// What each phase of a cycle takes, for `cdb show`.
+// The time of each phase of a cycle, for `cdb show`.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,9 @@
 namespace cdb::report {
 
 /// Up to three tables with a row for each value on the axes `by`: the time of every phase, or of
-/// those in `phases` where that is not empty, and the means of pairs and of contacts; the 5th and
-/// 95th percentile over the cycles; and the intervals of the means. Empty for a file without
-/// timings and pairs. Throws StoreError.
+/// those in `phases` if that is not empty, and the means of pairs and contacts; the 5th and 95th
+/// percentile over the cycles; and the intervals of the means. Empty for a file without timings and
+/// pairs. Throws StoreError.
 std::string ShowPhases(const store::ResultFile& file,
                        const std::vector<statistics::MeasuredPoint>& points,
                        const std::vector<std::size_t>& by,

@@ -19,7 +19,7 @@ namespace cdb::report {
 namespace {
 
 constexpr std::size_t kMaxSparklines = 24, kSparkWidth = 50;
-/// An axis of fewer numbers makes no curve.
+/// An axis with fewer numbers gets no curve.
 constexpr std::size_t kLeastOnAxis = 3;
 constexpr std::string_view kBars[] = {"\u2581", "\u2582", "\u2583", "\u2584",
                                       "\u2585", "\u2586", "\u2587", "\u2588"};
@@ -71,7 +71,8 @@ std::string OverCycles(const store::ResultFile& file,
   return text;
 }
 
-/// The geometric mean over all other axes but that of detectors, a letter for each of these.
+/// The geometric mean over all other axes except that of detectors, with a letter for each
+/// detector.
 std::string OverAxis(const store::ResultFile& file,
                      const std::vector<statistics::MeasuredPoint>& points, std::size_t axis,
                      measure::Phase phase, statistics::CycleTimes& times) {

@@ -11,12 +11,12 @@
 
 namespace cdb::report {
 
-/// Bars, from the least to the most of `values`, which are averaged in at most `width` bins; a
-/// space where there is none.
+/// Bars from the least to the greatest of `values`, which are averaged in at most `width` bins; a
+/// space for a bin without values.
 std::string Sparkline(const std::vector<double>& values, std::size_t width);
 
-/// The phases (the step where `phases` is empty) over the cycles, a line for each of at most 24
-/// points; and over each axis of three numbers or more. Empty for a file without timings.
+/// The phases (only the step if `phases` is empty) over the cycles, a line for each of at most 24
+/// points; and over each axis of at least three numbers. Empty for a file without timings.
 std::string ShowPlots(const store::ResultFile& file,
                       const std::vector<statistics::MeasuredPoint>& points,
                       const std::vector<measure::Phase>& phases, statistics::CycleTimes& times);

@@ -17,7 +17,7 @@
 namespace cdb::report {
 namespace {
 
-/// A line where detectors that are compared at one point did not leave out the same.
+/// A line if detectors that are compared at one point had different omissions.
 std::string UnlikeText(const statistics::Comparison& comparison) {
   std::set<std::string> components;
   std::size_t unlike = 0;
@@ -113,7 +113,7 @@ class RatioTable {
     table.AddRow(std::move(range));
   }
 
-  /// What is below each ratio, and what the means are of.
+  /// Explains the numbers below each ratio, and the means.
   std::string Legend() const {
     std::string text = "  No interval: one repeat.\n";
     if (times_.bootstrap().kind() == statistics::IntervalKind::kRange)
@@ -137,8 +137,8 @@ class RatioTable {
   const plan::Axis& detector_;
   const statistics::Comparison& comparison_;
   statistics::CycleTimes& times_;
-  std::vector<std::size_t> others_;  ///< axes
-  bool has_parentheses_ = false;     ///< some ratio is not in the means
+  std::vector<std::size_t> others_;  ///< indices of axes
+  bool has_parentheses_ = false;     ///< some ratio is not included in the means
 };
 
 }  // namespace

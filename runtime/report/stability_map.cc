@@ -15,7 +15,7 @@ namespace {
 
 using plan::Axis;
 
-/// The graded axis; none where no axis has numbers.
+/// The graded axis; none if no axis has numbers.
 std::optional<std::size_t> OwnAxis(const std::vector<Axis>& axes) {
   for (std::size_t i = axes.size(); i-- > 0;)
     if (!axes[i].IsText()) return i;

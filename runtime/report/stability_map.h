@@ -1,4 +1,4 @@
-// The map of a stability suite: where each configuration stops being sound.
+// The map of a stability suite: the limits of sound simulation for each configuration.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace cdb::report {
 
-/// One benchmark's part: along its own axis, the last one of numbers, the verdicts of every
-/// combination of the other axes, a line each, equal neighbours drawn together:
-/// `single  stable 1 .. 5 | penetrating 10 | collapsed 20 .. 1000`. The worst of repeats counts.
-/// Throws StoreError.
+/// The part of one benchmark: the verdicts along its graded axis, the last one of numbers, in a
+/// line for each combination of the other axes, with equal neighbours joined:
+/// `single  stable 1 .. 5 | penetrating 10 | collapsed 20 .. 1000`
+/// The worst verdict of the repeats counts. Throws StoreError.
 std::string StabilityMap(const store::ResultFile& file);
 
 }  // namespace cdb::report

@@ -12,7 +12,7 @@
 namespace cdb::report {
 namespace {
 
-/// What is wrong with a detector, the worst first.
+/// The fault of a detector, the worst first.
 enum class Fault { kMissesPairs, kMissesContacts, kFails, kNone };
 
 Fault FaultOf(const statistics::DetectorFindings& of) {
@@ -74,7 +74,7 @@ class Verified {
   }
 
  private:
-  /// Where it goes wrong, and how to see that.
+  /// The first occurrence of each fault, and the command that reproduces it.
   std::string Below(const statistics::DetectorFindings& of) const {
     std::string text;
     const auto add = [&](const std::string& what, const store::ResultFile::Cell& cell) {

@@ -21,14 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A rigid body of Bullet has 700 bytes, its boxes and pairs take more; 1.9 kB were measured.
+/// A rigid body of Bullet has 700 bytes, and its boxes and pairs take more; 1.9 kB were measured.
 constexpr double kBytesOfObject = 1000;
 /// No results compress better.
 constexpr double kBestCompression = 20;
-constexpr double kSecondsOfObject = 10e-9;  // in a cycle
-constexpr double kSecondsOfRun = 1e-3;      // its process and its shard
+constexpr double kSecondsOfObject = 10e-9;  // per cycle
+constexpr double kSecondsOfRun = 1e-3;      // for its process and its shard
 constexpr double kMostSeconds = 365.25 * 24 * 3600;
-/// Of the free memory: something is left to the system.
+/// Fraction of the free memory; the rest is left to the system.
 constexpr double kUsableMemory = 0.8;
 
 double BytesOf(const std::vector<const measure::Series*>& all, const measure::RunExtents& extents) {
@@ -47,7 +47,7 @@ double SecondsOf(const plan::Run& run) {
   return world.WordOr("timeout").empty() ? std::min(seconds, world.Real("timeout")) : seconds;
 }
 
-/// Bytes of a line of /proc/meminfo.
+/// A value of /proc/meminfo, in bytes.
 double MemoryInfo(std::string_view wanted) {
   std::ifstream info("/proc/meminfo");
   for (std::string name; info >> name; std::getline(info, name)) {
@@ -57,8 +57,8 @@ double MemoryInfo(std::string_view wanted) {
   return std::numeric_limits<double>::infinity();
 }
 
-/// Bytes that the control group (version 2) may use; infinite where there is no limit. What it uses
-/// now says little: most of it may be cache.
+/// Bytes that the control group (version 2) may use; infinite if there is no limit. Its present
+/// usage is not subtracted, because most of it may be cache.
 double GroupLimit() {
   std::ifstream file("/sys/fs/cgroup/memory.max");
   double bytes = 0;
@@ -67,7 +67,7 @@ double GroupLimit() {
 
 std::string BytesText(double bytes) { return fmt::format("{:.3g} GB", bytes / 1e9); }
 
-/// Throws SceneError for a model that is not on this machine. `checked`: words that were looked up.
+/// Throws SceneError for a model that is not on this machine. `checked`: words already looked up.
 void CheckModelsOf(const schema::Value& type, std::set<std::string>& checked) {
   if (const schema::Distribution* drawn = schema::AsDistribution(type))
     for (const schema::Value& choice : drawn->arguments) CheckModelsOf(choice, checked);
@@ -87,12 +87,12 @@ Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs
     double samples = 0;
     if (const auto shape = measure::SampleShapeOf(run->scene))
       samples = static_cast<double>(shape->Count() * sizeof(double));
-    // Recording and shard stand side by side; samples are those of the run, of its reference and of
-    // its perturbed run.
+    // Recording and shard exist at the same time; samples are those of the run, of its reference
+    // and of its perturbed run.
     demand.recorded = std::max(demand.recorded, 2 * (series + 3 * samples));
     demand.disk += 2 / kBestCompression * series;
     demand.time += SecondsOf(*run);
-    if (analysis::TraceOf(run->scene)) continue;  // nothing is placed
+    if (analysis::TraceOf(run->scene)) continue;  // a run on a trace places nothing
     demand.objects = std::max(demand.objects, static_cast<double>(run->scene.ObjectCount()));
   }
   demand.scene = demand.objects * kBytesOfObject;

@@ -1,5 +1,5 @@
-// What a plan takes at least of memory, disk and time, and the models that it names. Where this
-// machine has less, it is refused with the numbers before hours of work rather than after.
+// Lower bounds of the memory, disk and time that a plan takes, and the models that it names. A plan
+// that exceeds this machine is refused with the numbers before it starts, not after hours of work.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,17 @@
 namespace cdb::schedule {
 
 struct Demand {
-  double objects = 0;   ///< of the largest scene
-  double recorded = 0;  ///< bytes: the recording of the widest run and its shard, side by side
+  double objects = 0;   ///< number in the largest scene
+  double recorded = 0;  ///< bytes: the largest recording and its shard, which exist at the same
+                        ///< time
   double scene = 0;     ///< bytes: bodies of the largest scene
-  double disk = 0;      ///< bytes: all shards and the merged file, as small as they may get
-  double time = 0;      ///< s: all runs, each at the rate of an engine that has nothing to do
+  double disk = 0;      ///< bytes: all shards and the merged file, at the best compression
+  double time = 0;      ///< s: all runs, at a rate that no engine exceeds
 };
 
-/// A lower bound of executing `runs`, `jobs` at a time.
+/// A lower bound for executing `runs`, `jobs` at a time.
 Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs);
-/// The same of the `parts`-th part of the plan.
+/// The same for one of `parts` equal parts of the plan.
 Demand LeastDemand(const plan::Plan& plan, std::uint64_t jobs = 1, std::uint64_t parts = 1);
 
 struct Capacity {
@@ -30,15 +31,15 @@ struct Capacity {
   double disk = std::numeric_limits<double>::infinity();    ///< bytes
 };
 
-/// All memory of this machine, or of the control group; the disk is not looked at.
+/// All memory of this machine, or of the control group; the disk is not checked.
 Capacity WholeMachine();
-/// What is free now, and free on the disk of `folder` or of the nearest folder above it.
+/// Free memory, and free space on the disk of `folder` or of the nearest existing folder above it.
 Capacity FreeNow(const std::filesystem::path& folder);
 
-/// Why it does not fit, with the numbers and the remedy; empty where it may.
+/// The reason why it does not fit, with the numbers and the remedy; empty if it may fit.
 std::string WhyTooLarge(const Demand& demand, const Capacity& capacity);
 
-/// Throws ScheduleError with WhyTooLarge of what is free now.
+/// Throws ScheduleError with WhyTooLarge for the capacity that is free now.
 void CheckFits(const std::string& benchmark, const Demand& demand,
                const std::filesystem::path& folder);
 

@@ -14,7 +14,7 @@
 namespace cdb::schedule {
 namespace {
 
-/// A reference and its perturbed run, for runs that take turns between two of them.
+/// A reference and its perturbed run, for runs that alternate between two references.
 constexpr std::size_t kKept = 4;
 
 measure::RunErrors AgainstForm(const plan::Run& run, const measure::Samples& samples) {

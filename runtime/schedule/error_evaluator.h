@@ -13,18 +13,19 @@
 
 namespace cdb::schedule {
 
-/// Plan and folder of shards outlive it. Not for several threads.
+/// Plan and folder of shards must outlive it. Not thread-safe.
 class ErrorEvaluator {
  public:
   ErrorEvaluator(const plan::Plan& plan, std::filesystem::path folder);
 
-  /// The errors of a run that has ended with `status`, from the samples in its recording. What is
-  /// not to be had has no value, and the message says why; nothing is thrown for it.
+  /// The errors of a run that has ended with `status`, from the samples in its recording. An error
+  /// that cannot be computed has no value, and the message gives the reason; no exception is thrown
+  /// for it.
   measure::RunErrors ErrorsOf(const plan::Run& run, store::Status status,
                               const measure::Recording& recording);
 
  private:
-  /// The shard of a reference, read once and kept while it is one of the last that were asked for.
+  /// The shard of a reference, read once and kept while it is among the most recently requested.
   /// Throws StoreError.
   const shards::ReferenceShard& Find(const std::string& id);
   measure::RunErrors AgainstReference(const plan::Run& run, const measure::Samples& samples);
@@ -33,7 +34,8 @@ class ErrorEvaluator {
   const std::string plan_sha256_;
   const std::filesystem::path folder_;
   std::map<std::string, const plan::Run*, std::less<>> references_;
-  std::list<std::pair<std::string, shards::ReferenceShard>> kept_;  ///< the last asked for first
+  std::list<std::pair<std::string, shards::ReferenceShard>> kept_;  ///< the most recently requested
+                                                                    ///< first
 };
 
 }  // namespace cdb::schedule

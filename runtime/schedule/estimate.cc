@@ -18,7 +18,8 @@ void TimeEstimate::Fit::Add(double objects, double cycle_s) {
 
 double TimeEstimate::Fit::CycleSeconds(double objects) const {
   const double spread = n * xx - x * x;
-  // Runs of about one size say nothing about the slope, and no detector is steeper than all pairs.
+  // Runs of similar size do not determine the slope, and no detector is steeper than testing all
+  // pairs.
   constexpr double kMinSpread = 0.01;
   const double slope =
       spread > kMinSpread * n * n ? std::clamp((n * xy - x * y) / spread, 0.0, 2.0) : 1.0;
@@ -45,7 +46,7 @@ void TimeEstimate::Ended(const plan::Run& run, std::optional<double> wall_s) {
   if (!wall_s) return;
   ++times.ended;
   times.sum_s += *wall_s;
-  constexpr double kShortest = 1e-9;  // s; its logarithm is finite
+  constexpr double kShortest = 1e-9;  // s; keeps its logarithm finite
   const double cycle_s = std::max(*wall_s, kShortest) / kind.cycles;
   fits_[kind.detector].Add(kind.objects, cycle_s);
   all_.Add(kind.objects, cycle_s);

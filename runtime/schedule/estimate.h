@@ -12,19 +12,19 @@
 
 namespace cdb::schedule {
 
-/// A run is predicted from the mean of its like (same detector, objects, cycles), else by a power
-/// law of the time of a cycle in the number of objects, fitted to its detector's runs, else to all
-/// runs. Not for several threads.
+/// Predicts a run from the mean of similar ones (same detector, objects, cycles), or else by a
+/// power law of the time of a cycle in the number of objects, fitted to the runs of its detector,
+/// or else to all runs. Not thread-safe.
 class TimeEstimate {
  public:
   explicit TimeEstimate(const std::vector<const plan::Run*>& to_do);
 
-  /// `run` took `wall_s`. What a run that ended badly took says nothing about others: give none.
+  /// `run` took `wall_s`. Pass none for a failed run, whose time predicts nothing.
   void Ended(const plan::Run& run, std::optional<double> wall_s);
 
-  /// Seconds; none before anything has ended.
+  /// Seconds; none before any run has ended.
   std::optional<double> Predict(const plan::Run& run) const;
-  /// The sum over all that has not ended.
+  /// The sum over all runs that have not ended.
   std::optional<double> Left() const;
 
  private:
@@ -39,7 +39,7 @@ class TimeEstimate {
     std::size_t left = 0, ended = 0;
     double sum_s = 0;
   };
-  /// Of log(seconds a cycle) on log(objects): least squares from running sums.
+  /// Fit of log(seconds per cycle) over log(objects): least squares from running sums.
   struct Fit {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     void Add(double objects, double cycle_s);

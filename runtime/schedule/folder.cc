@@ -26,7 +26,7 @@ constexpr std::string_view kPlanName = "plan.yaml";
 constexpr std::string_view kShardEnding = ".h5";
 constexpr std::string_view kBrokenEnding = ".h5.broken";
 
-/// `0123456789abcdef.h5` → the run's id; anything else is not a shard of ours and left alone.
+/// `0123456789abcdef.h5` → the run's id. Other files are not our shards and are left alone.
 std::string ShardRunId(std::string_view name, std::string_view ending) {
   constexpr std::size_t kIdDigits = 16;
   if (name.size() != kIdDigits + ending.size() || !name.ends_with(ending)) return {};
@@ -62,7 +62,7 @@ void ForEachName(const fs::path& folder, Visit visit) {
       file.parent_path().string()));
 }
 
-/// Removes shards, broken ones too, plans and marks.
+/// Removes shards (including broken ones), plans and marks.
 void RemoveFilesOfPlans(const fs::path& folder) {
   ForEachName(folder, [&](const std::string& name) {
     if (ShardRunId(name, kShardEnding).empty() && ShardRunId(name, kBrokenEnding).empty() &&
@@ -106,7 +106,7 @@ ShardFolder::ShardFolder(const plan::Plan& plan, fs::path folder, bool fresh)
   if (fresh) RemoveFilesOfPlans(folder_);
 }
 
-/// By the plan in the folder: the ids of all runs would take their time.
+/// Compares with the plan in the folder, because computing the ids of all runs would take long.
 void ShardFolder::RefuseOtherWhole() const {
   const fs::path file = folder_ / kPlanName;
   std::string why;
@@ -157,7 +157,8 @@ bool ShardFolder::Has(const plan::Run& run) const {
 std::optional<shards::ShardInfo> ShardFolder::Find(const plan::Run& run,
                                                    std::vector<std::string>& warnings) const {
   const fs::path shard = ShardOf(run);
-  // What the system refuses to open is not broken: setting it aside would hide a good shard.
+  // A file that the system refuses to open is not broken: setting it aside would hide an intact
+  // shard.
   const int fd = open(shard.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0 && errno == ENOENT) return std::nullopt;
   if (fd < 0) FailStore("read", shard, errno);
@@ -172,12 +173,12 @@ std::optional<shards::ShardInfo> ShardFolder::Find(const plan::Run& run,
       return info;
     fault = shard.string() + ": is the shard of another run";
   } catch (const files::StoreError& error) {
-    // Without what it tells a person to do: it is done here.
+    // Without the advice to the user, which is followed here.
     fault = error.what();
     fault = fault.substr(0, fault.find("; it was left as it is"));
   }
   const fs::path broken = shard.string() + ".broken";
-  // Another driver may have set it aside already.
+  // Another runner may have set it aside already.
   if (rename(shard.c_str(), broken.c_str()) != 0 && errno != ENOENT)
     FailStore("set aside", shard, errno);
   warnings.push_back(

@@ -17,13 +17,13 @@ namespace {
 
 /// Runs that differ only in the detector.
 struct DetectorGroup {
-  std::string point;  ///< names the scene without its detector
+  std::string point;  ///< identifies the scene without its detector
   std::uint64_t rep = 0;
   double work = 0;
   std::vector<const plan::Run*> runs;
 };
 
-/// Two runs of one point have the same.
+/// A key that is the same for two runs of one point.
 std::string PointKey(const plan::Run& run) {
   plan::Scene scene = run.scene;
   scene.world.Erase("detector");
@@ -31,7 +31,7 @@ std::string PointKey(const plan::Run& run) {
   return plan::RunId(scene, 0);
 }
 
-/// In grid order, the repeats one after the other.
+/// In grid order, with the repeats one after the other.
 std::vector<DetectorGroup> GroupByDetector(const plan::Plan& plan) {
   std::vector<DetectorGroup> groups;
   std::unordered_set<std::string_view> seen;
@@ -49,8 +49,8 @@ std::vector<DetectorGroup> GroupByDetector(const plan::Plan& plan) {
   return groups;
 }
 
-/// Fisher and Yates, by hand: std::shuffle differs between standard libraries, and every node of a
-/// cluster must come to the same order.
+/// Fisher and Yates, written out: std::shuffle differs between standard libraries, and every node
+/// of a cluster must get the same order.
 void Shuffle(std::vector<const plan::Run*>& runs, std::uint64_t seed) {
   for (std::size_t i = runs.size(); i > 1; --i) {
     seed = plan::StreamSeed(seed, "order");
@@ -58,7 +58,8 @@ void Shuffle(std::vector<const plan::Run*>& runs, std::uint64_t seed) {
   }
 }
 
-/// The shard of each group, from 1: the heaviest first, each to the shard that has least so far.
+/// The shard of each group, from 1: the heaviest first, each to the shard with the least load so
+/// far.
 std::vector<std::uint64_t> ShardOfEach(const std::vector<DetectorGroup>& groups,
                                        std::uint64_t count) {
   std::vector<std::size_t> heaviest(groups.size());
@@ -94,8 +95,8 @@ double EstimatedWork(const plan::Run& run) {
   const plan::WorldSettings& world = run.scene.world;
   const auto cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));
   const auto objects = static_cast<double>(run.scene.ObjectCount());
-  // A cycle of an empty world costs about as much as ten objects, a process and its shard about as
-  // much as ten thousand objects for one cycle.
+  // A cycle of an empty world costs about as much as ten objects; a process and its shard cost
+  // about as much as ten thousand objects for one cycle.
   return 10'000 + cycles * (10 + objects);
 }
 

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t Summary::*kCounts[] = {&Summary::done, &Summary::failed, &Summary::crashed,
                                              &Summary::timed_out, &Summary::spoiled};
 
-/// How the runs of a part ended; nullopt where it is not marked, or for another plan.
+/// The summary of the runs of a part; nullopt if it is not marked, or is marked for another plan.
 std::optional<Summary> ReadMark(const fs::path& mark, const std::string& plan_sha256) {
   std::string why, sha256;
   std::istringstream in(plan::ReadInputFile(mark, why).value_or(""));
@@ -49,7 +49,7 @@ class PartMarks {
     const std::uint64_t runs = plan.RunCount() / shards;
     parts_ = std::max<std::uint64_t>(1, (runs + part_runs - 1) / part_runs);
   }
-  /// Of each shard.
+  /// The number of parts of each shard.
   std::uint64_t parts() const { return parts_; }
   /// `shard` from 1, `part` from 0.
   fs::path File(std::uint64_t shard, std::uint64_t part) const {
@@ -58,7 +58,7 @@ class PartMarks {
   std::optional<Summary> Read(std::uint64_t shard, std::uint64_t part) const {
     return ReadMark(File(shard, part), plan_sha256_);
   }
-  /// Of all parts that are marked.
+  /// The number of runs of all marked parts.
   std::uint64_t CountRuns() const {
     std::uint64_t runs = 0;
     for (std::uint64_t shard = 1; shard <= shards_; ++shard)
@@ -132,7 +132,7 @@ Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const Execute
         Execute(list((shard - 1) * parts + part, shards * parts), one, launcher, listener);
     one.fresh = false;
     Add(summary, all);
-    // A mark says that the folder has every run of the part.
+    // A mark means that the folder has every run of the part.
     if (summary.signal == 0 && summary.left == 0 && !options.find_elsewhere)
       WriteMark(summary, marks.File(shard, part), plan.whole->sha256);
   }

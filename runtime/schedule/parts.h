@@ -1,4 +1,4 @@
-// Executes a plan that is too long to be listed: part after part.
+// Executes a plan that is too long to be listed, part by part.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +15,26 @@ namespace cdb::schedule {
 /// The plan with the runs of part `index`, from 0, of `count` (compiler/grid/part.h).
 using ListPart = std::function<plan::Plan(std::uint64_t index, std::uint64_t count)>;
 
-/// Runs that a part has on average, at most.
+/// The largest mean number of runs per part.
 inline constexpr std::uint64_t kPartRuns = 10'000;
 
-/// The shards, from 1, of `shards` of `plan`, some part of which has not ended, by the marks in
-/// `folder`; all of them if the folder has fewer shards than the marks say. Throws StoreError.
+/// The shards, from 1, of `shards` of `plan` with a part that has not ended, according to the marks
+/// in `folder`; all shards if the folder has fewer files than the marks say. Throws StoreError.
 std::vector<std::uint64_t> FindUnmarkedShards(const plan::Plan& plan,
                                               const std::filesystem::path& folder,
                                               std::uint64_t shards,
                                               std::uint64_t part_runs = kPartRuns);
 
-/// Executes `options.shard` of `plan`, which has a `whole` and lists nothing, as Execute does. One
-/// part at a time is listed. A part that has ended is marked in the folder, and a later call does
-/// not list it again; if the folder has fewer shards than the marks say, the marks are forgotten
-/// and every shard is looked for. Components that runs of one part had to keep are not known to
-/// runs of others (shared_omissions.h).
+/// Executes `options.shard` of `plan`, which has a `whole` and lists no runs, as Execute does. Only
+/// one part is listed at a time. A part that has ended is marked in the folder, and a later call
+/// does not list it again. If the folder has fewer shards than the marks say, the marks are
+/// discarded and every shard is looked for. Components that runs of one part had to keep are not
+/// known to runs of others (shared_omissions.h).
 Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const ExecuteOptions& options,
                      process::Launcher& launcher, ProgressListener& listener,
                      std::uint64_t part_runs = kPartRuns);
 
-/// With worker processes.
+/// Uses worker processes.
 Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const ExecuteOptions& options,
                      ProgressListener& listener);
 

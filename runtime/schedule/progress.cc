@@ -8,7 +8,7 @@
 namespace cdb::schedule {
 namespace {
 
-constexpr double kFirstOfPile_s = 5, kNextOfPile_s = 60;  // lines of a log
+constexpr double kFirstOfPile_s = 5, kNextOfPile_s = 60;  // between lines of a log
 
 std::string Ended(const store::RunResult& result, double wall_s) {
   if (result.outcome().IsGood() && result.scalars.attempts > 1)
@@ -64,7 +64,7 @@ void Progress::RunSettles(const plan::Run& run, const std::string& how_far) {
   if (output().is_terminal) Draw(false);
 }
 
-/// In a log, where nothing else is said until the run ends.
+/// In a log, which otherwise has no line until the run ends.
 void Progress::TellOfSettling() {
   const double now_s = output().now_s();
   for (const Running& one : running_) {

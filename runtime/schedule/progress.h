@@ -12,10 +12,10 @@
 
 namespace cdb::schedule {
 
-/// The bar: runs done of all, percentage, time left, failures, the run at hand; of a run whose pile
-/// settles also how far. Failures and warnings are lines above it. In a log: one line at the start,
-/// then one for each run, or at the pace of LogPace; one for each failure and warning; and one for
-/// a pile that settles for 5 s, then each minute.
+/// On a terminal, a bar: finished and total runs, percentage, time left, failures, the current run,
+/// and progress of its pile if one settles. Failures and warnings are lines above it. In a log: one
+/// line at the start, then one for each run, or at the pace of LogPace; one for each failure and
+/// warning; and one for a pile that has been settling for 5 s, then one each minute.
 class Progress : public ProgressListener {
  public:
   explicit Progress(ProgressOutput output);
@@ -37,7 +37,7 @@ class Progress : public ProgressListener {
   struct Running {
     const plan::Run* run;
     double since_s;
-    std::string settling = {};  ///< how far its piles have settled; empty if they do not
+    std::string settling = {};  ///< progress of its piles; empty if none settles
   };
 
   void Advance(const store::Outcome& outcome);
@@ -55,7 +55,7 @@ class Progress : public ProgressListener {
   std::optional<TimeEstimate> estimate_;
   std::vector<Running> running_;
   std::size_t total_ = 0, ended_ = 0, bad_ = 0, jobs_ = 1;
-  double settling_s_ = 0;  // when a line of a log last told of a pile
+  double settling_s_ = 0;  // time of the last line of a log about a pile
 };
 
 }  // namespace cdb::schedule

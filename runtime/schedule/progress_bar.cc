@@ -21,13 +21,14 @@ namespace {
 
 constexpr double kDrawInterval = 0.1;  // s
 constexpr std::size_t kBarCells = 20;
-constexpr std::size_t kFewColumns = 50;  // columns; below, the bar gives way to the figures
+constexpr std::size_t kFewColumns = 50;  // columns; below this width the bar is left out, not the
+                                         // figures
 
 constexpr double kLineInterval = 5;  // s
 constexpr double kLongSilence = 60;  // s
 constexpr double kLineShare = 0.05;
 
-/// Characters, taken as columns: names and numbers are ASCII, our own signs one column wide.
+/// Counts characters as columns: names and numbers are ASCII, our own signs are one column wide.
 std::size_t Width(std::string_view text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
@@ -85,7 +86,7 @@ ProgressOutput StandardError() {
     return std::size_t{size.ws_col};
   };
   output.write = [](std::string_view text) {
-    // A sweep does not end because nobody reads its progress.
+    // Errors are ignored: a sweep does not depend on a reader of its progress.
     std::ignore = measure::TryWriteAll(STDERR_FILENO, std::as_bytes(std::span(text)));
   };
   return output;
@@ -112,7 +113,7 @@ std::string ShareText(std::size_t ended, std::size_t total) {
 
 std::string LeftText(const ProgressState& state) {
   if (state.ended == state.total || !state.left_s) return {};
-  // Whole seconds: a bar that counts down milliseconds only flickers.
+  // Whole seconds: a countdown in milliseconds only flickers.
   const double seconds = std::ceil(*state.left_s);
   return (seconds < 10 ? fmt::format("{:.0f} s", std::max(seconds, 1.0)) : DurationText(seconds)) +
          " left";
@@ -137,7 +138,7 @@ void ProgressBar::Line(const std::string& text) {
 
 void ProgressBar::Clear() {
   if (drawn_width_ == 0) return;
-  // A terminal made narrower since has wrapped the bar; we stand in the last of its lines.
+  // If the terminal has become narrower, the bar has wrapped; the cursor is in its last line.
   const std::size_t columns = std::max<std::size_t>(output_.columns(), 1);
   const std::size_t above = (drawn_width_ - 1) / columns;
   output_.write((above > 0 ? fmt::format("\x1b[{}A", above) : "") + "\r\x1b[J");
@@ -151,7 +152,8 @@ void ProgressBar::Draw(bool is_urgent, const std::function<ProgressState()>& sta
   const std::string line = text::Printable(Text(state(), columns));
   const std::size_t above =
       drawn_width_ > 0 ? (drawn_width_ - 1) / std::max<std::size_t>(columns, 1) : 0;
-  // In one piece, the new line before the rest of the old is cleared: nothing flickers.
+  // Written in one piece, and the new line before the rest of the old one is cleared, so nothing
+  // flickers.
   output_.write((above > 0 ? fmt::format("\x1b[{}A\r\x1b[J", above) : "\r") + line + "\x1b[K");
   drawn_width_ = Width(line);
   drawn_s_ = now_s;

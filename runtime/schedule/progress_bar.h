@@ -1,4 +1,4 @@
-// A bar on a terminal, and lines above it.
+// A progress bar on a terminal, with lines above it.
 #pragma once
 
 #include <cstddef>
@@ -10,42 +10,42 @@
 
 namespace cdb::schedule {
 
-/// Where progress goes, and what it knows of the world; tests put in their own.
+/// The output of progress and its environment; replaced by tests.
 struct ProgressOutput {
-  bool is_terminal = false;  ///< a bar; else lines
+  bool is_terminal = false;  ///< draw a bar; otherwise print lines
   bool is_utf8 = false;
-  std::function<double()> now_s;                ///< any origin, never backwards
-  std::function<std::size_t()> columns;         ///< asked before each drawing; terminal only
-  std::function<void(std::string_view)> write;  ///< in one piece; must not throw
+  std::function<double()> now_s;                ///< with any origin; never decreases
+  std::function<std::size_t()> columns;         ///< called before each drawing; terminal only
+  std::function<void(std::string_view)> write;  ///< writes the text in one piece; must not throw
 };
 
-/// Standard error as it is: a terminal unless TERM is dumb, UTF-8 as the locale says.
+/// Standard error: a terminal unless TERM is dumb, UTF-8 according to the locale.
 ProgressOutput StandardError();
 
-/// How far a sweep is.
+/// Progress of a sweep.
 struct ProgressState {
-  std::size_t ended = 0, total = 0, bad = 0;  ///< runs
-  std::optional<double> left_s = {};          ///< none: not known
-  std::string detail = {};                    ///< what is at hand
+  std::size_t ended = 0, total = 0, bad = 0;  ///< numbers of runs
+  std::optional<double> left_s = {};          ///< none: unknown
+  std::string detail = {};                    ///< the current work
 };
 
 /// `12/40  30 %`
 std::string ShareText(std::size_t ended, std::size_t total);
-/// `5 min left`; empty where it is not known or nothing is left.
+/// `5 min left`; empty if it is unknown or nothing is left.
 std::string LeftText(const ProgressState& state);
 /// `45 s`, `12 min`, `3 h 5 min`, `2 d 4 h`.
 std::string DurationText(double seconds);
 
-/// Drawn at most ten times a second, in one line as wide as the terminal is then. Not for several
-/// threads.
+/// Drawn at most ten times a second, in one line as wide as the terminal at that time. Not
+/// thread-safe.
 class ProgressBar {
  public:
   explicit ProgressBar(ProgressOutput output) : output_(std::move(output)) {}
 
   const ProgressOutput& output() const { return output_; }
-  /// Above the bar, which is cleared. Text of files is made printable.
+  /// Prints a line above the bar, which is cleared. Text from files is made printable.
   void Line(const std::string& text);
-  /// `state` is asked where it is drawn now.
+  /// `state` is called only if the bar is drawn now.
   void Draw(bool is_urgent, const std::function<ProgressState()>& state);
   void Clear();
 
@@ -57,11 +57,11 @@ class ProgressBar {
   double drawn_s_ = 0;
 };
 
-/// Runs, each worth a line of a log.
+/// The most runs for which a log has one line each.
 inline constexpr std::size_t kSmallPlan = 40;
 
-/// When a line of a log is due: for plans of more than kSmallPlan runs, one for each 5 % or minute,
-/// but not within 5 s of the last.
+/// Decides when a line of a log is due: for plans of more than kSmallPlan runs, one for each 5 % or
+/// minute, but not within 5 s of the last.
 class LogPace {
  public:
   void Begin(std::size_t ended, double now_s);

@@ -23,7 +23,7 @@ namespace cdb::schedule {
 namespace {
 
 constexpr double kTick = 1;  // s
-/// A plug-in that keeps a cycle from ending for so many ticks gets a warning.
+/// Ticks without a finished cycle after which a warning names the plug-in at work.
 constexpr int kPatience = 60;
 
 /// One call of Execute.
@@ -41,7 +41,7 @@ class Execution {
     const std::vector<const plan::Run*> measured = FindWanted();
     all_ = ReferencesOf(plan_, measured);
     all_.insert(all_.end(), measured.begin(), measured.end());
-    // Before anything is removed.
+    // Before any file is removed.
     if (options_.fresh) CheckCanRun(all_);
     folder_.emplace(plan_, options_.folder, options_.fresh);
     std::vector<std::string> warnings;
@@ -74,7 +74,7 @@ class Execution {
     CheckModels(plan_.benchmark, runs);
   }
 
-  /// However the work ends, no worker and no progress bar is left behind.
+  /// Ends workers and clears the progress bar, however Execute is left.
   struct EndGuard {
     Execution& execution;
     ~EndGuard() {
@@ -83,7 +83,7 @@ class Execution {
     }
   };
 
-  /// Those that have to be in the folder at the end.
+  /// The runs that must be in the folder at the end.
   std::vector<const plan::Run*> FindWanted() {
     std::vector<const plan::Run*> wanted;
     for (const plan::Run* run : OrderRuns(plan_, options_.shard)) {
@@ -116,7 +116,7 @@ class Execution {
       }
     }
     if (!IsStopped()) return;
-    // Measured already, and only to be measured again.
+    // These runs have a measurement already and were only to be measured again.
     for (Attempts& attempts : attempts_)
       if (attempts.quietest) Finish(std::move(*std::exchange(attempts, {}).quietest));
     summary_.signal = options_.stop->signal();
@@ -124,7 +124,7 @@ class Execution {
     for (const plan::Run* run : slots_) summary_.left += run != nullptr;
   }
 
-  /// Once for a run: one that hangs would hold up the sweep without a word.
+  /// One warning per run: a hanging run would otherwise block the sweep silently.
   void WatchPlugins() {
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
       const plan::Run* run = slots_[slot];
@@ -157,7 +157,7 @@ class Execution {
 
   bool IsStopped() const { return options_.stop != nullptr && options_.stop->requested(); }
 
-  /// False where nothing runs and nothing is left to start.
+  /// False if nothing is running and nothing is left to start.
   bool FillSlots() {
     bool is_busy = false;
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
@@ -175,8 +175,8 @@ class Execution {
     return is_busy;
   }
 
-  /// References must be complete when the runs that are compared with them end, and no run beside
-  /// them should take longer than they do.
+  /// References must be complete before the runs that are compared with them end, and no measured
+  /// run should execute beside a reference.
   bool MustWait() const {
     const auto is_reference = [](const plan::Run* run) {
       return run != nullptr && run->scene.role != plan::Role::kMeasured;
@@ -185,7 +185,7 @@ class Execution {
            std::ranges::any_of(slots_, is_reference);
   }
 
-  /// A run that ended before this call, or that another runner carried out.
+  /// Counts a run that ended before this call, or that another runner executed.
   void CountFound(const plan::Run& run, const shards::ShardInfo& shard) {
     summary_.Count(shard.outcome);
     ++summary_.resumed;
@@ -193,8 +193,8 @@ class Execution {
       omissions_.Note(run, shard.omitted, shard.decisions);
   }
 
-  /// Runs that left out what a run that they are compared with keeps are to be measured once more,
-  /// with it. Their shards stay until the new ones are written. False where there are none.
+  /// Queues runs that omitted a component that a run compared with them keeps: they are measured
+  /// again with it. Their shards stay until the new ones are written. False if there are none.
   bool QueueOutdated(const std::vector<const plan::Run*>& measured) {
     is_repeating_ = true;
     queue_.clear();
@@ -258,7 +258,7 @@ class Execution {
     listener_.RunEnded(run, ending.result, ending.wall_s);
   }
 
-  /// What is in the folder now: it may have been removed while the runs went.
+  /// The number of shards in the folder now; some may have been removed in the meantime.
   std::size_t CountSafe() const {
     return static_cast<std::size_t>(
         std::ranges::count_if(all_, [this](const plan::Run* run) { return folder_->Has(*run); }));
@@ -270,7 +270,7 @@ class Execution {
                        safe > 0 ? "goes on from there" : "runs all of them");
   }
 
-  /// A merge would take runs whose shards are gone for runs that nobody has started.
+  /// A merge would take a run whose shard has been removed for one that was never started.
   void CheckShardsAreThere() const {
     if (IsStopped() || CountSafe() == all_.size()) return;
     throw files::StoreError(
@@ -278,7 +278,7 @@ class Execution {
                     folder_->path().string(), SafeText()));
   }
 
-  /// A run that ended well before is kept as it was.
+  /// Keeps the earlier result of a run that succeeded before.
   void GiveUp(const process::Ending& ending) {
     const plan::Run& run = *slots_[ending.slot];
     slots_[ending.slot] = nullptr;
@@ -323,14 +323,14 @@ class Execution {
   const std::string plan_sha256_ = plan_.Sha256();
   ErrorEvaluator error_evaluator_{plan_, options_.folder};
   SharedOmissions omissions_;
-  bool is_repeating_ = false;  // runs that ended well already
+  bool is_repeating_ = false;  // executes runs again that have already succeeded
   std::optional<ShardFolder> folder_;
-  std::vector<const plan::Run*> all_;  // with references
+  std::vector<const plan::Run*> all_;  // including references
   std::vector<const plan::Run*> queue_;
-  std::unordered_set<const plan::Run*> repeated_;  // of queue_, with a shard
-  std::size_t next_ = 0;                           // of queue_
-  std::vector<const plan::Run*> slots_;            // what runs in each, or null
-  /// Of the run in a slot.
+  std::unordered_set<const plan::Run*> repeated_;  // runs of queue_ that already have a shard
+  std::size_t next_ = 0;                           // index in queue_
+  std::vector<const plan::Run*> slots_;            // the run in each slot, or null
+  /// The measurements of the run in a slot.
   struct Attempts {
     std::size_t count = 0;
     std::optional<process::Ending> quietest;
@@ -338,10 +338,10 @@ class Execution {
   std::vector<Attempts> attempts_ = std::vector<Attempts>(slots_.size());
   struct Stall {
     std::uint64_t cycles = 0;
-    int ticks = 0;  // in a plug-in without a new cycle
+    int ticks = 0;  // in one call of a plug-in without a new cycle
     bool is_reported = false;
   };
-  std::vector<Stall> stalls_ = std::vector<Stall>(slots_.size());  // of each slot
+  std::vector<Stall> stalls_ = std::vector<Stall>(slots_.size());  // for each slot
   std::vector<std::string> settling_ = std::vector<std::string>(slots_.size());
   Summary summary_;
 };

@@ -19,7 +19,7 @@ std::string NamesOf(std::uint32_t components) {
   return names;
 }
 
-/// The same for runs that are compared.
+/// A key that is the same for runs that are compared.
 std::string GroupOf(const plan::Run& run) {
   plan::Scene scene = run.scene;
   scene.world.Set("detector", schema::Word{"simple"});

@@ -1,4 +1,4 @@
-// Makes runs that are compared with one another leave out the same parts of the engine.
+// Makes runs that are compared with one another omit the same components.
 #pragma once
 
 #include <cstdint>
@@ -10,28 +10,28 @@
 
 namespace cdb::schedule {
 
-/// What the runs of a plan left out and kept of the visible components (schema::ComponentInfo) that
-/// `omit auto` decides on. Runs that differ only in detector, narrow phase, pair order, threads,
-/// seed or repeat are compared: what one of them keeps, all must keep, or their times are of
-/// different work. Not for several threads.
+/// The visible components (schema::ComponentInfo) decided by `omit auto` that the runs of a plan
+/// omitted or kept. Runs that differ only in detector, narrow phase, pair order, threads, seed or
+/// repeat are compared: a component that one of them keeps, all must keep, or their times are of
+/// different work. Not thread-safe.
 class SharedOmissions {
  public:
-  /// Notes a run that ended well. `omitted` and `decisions` as in store::RunResult.
+  /// Records a run that succeeded. `omitted` and `decisions` as in store::RunResult.
   void Note(const plan::Run& run, std::string_view omitted, std::string_view decisions);
 
-  /// As if the run had never been noted; what it kept, others keep all the same.
+  /// Removes the record of a run. Components that it kept are still kept by others.
   void Forget(const plan::Run& run) { omitted_.erase(run.id); }
 
-  /// The names of the components that the run has to keep, as a run that it is compared with keeps
-  /// them, separated by spaces; empty where its own decision stands.
+  /// The names of the components that the run has to keep because a run compared with it keeps
+  /// them, separated by spaces; empty if its own decision stands.
   std::string KeptFor(const plan::Run& run) const;
 
-  /// The names of those that the run was noted without and has to keep; empty where its times
-  /// stand.
+  /// The names of the components that the run was recorded without and has to keep; empty if its
+  /// times are valid.
   std::string MissingIn(const plan::Run& run) const;
 
  private:
-  using Components = std::uint32_t;  ///< a bit each
+  using Components = std::uint32_t;  ///< one bit each
 
   Components KeptInGroupOf(const plan::Run& run) const;
 

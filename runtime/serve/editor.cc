@@ -40,7 +40,7 @@ Json ParameterOf(const schema::Parameter& parameter, const std::string& text,
           {"doc", std::string(parameter.doc)}};
 }
 
-/// Every row of the schema: of the world, and for each group. Empty where the text is no scenario.
+/// Every row of the schema, for the world and for each group. Empty if the text does not parse.
 Json ParametersOf(const std::string& text, const std::string& benchmark) {
   Json parameters = Json::array();
   try {
@@ -50,7 +50,7 @@ Json ParametersOf(const std::string& text, const std::string& benchmark) {
       for (const schema::Parameter& parameter : schema::Schema())
         if (parameter.grouped) parameters.push_back(ParameterOf(parameter, text, benchmark, group));
   } catch (const EditError&) {
-    return Json::array();  // the diagnostics say why
+    return Json::array();  // the diagnostics give the reason
   }
   return parameters;
 }
@@ -68,7 +68,7 @@ Editor::Editor(Scenario scenario, std::filesystem::path program)
     : scenario_(std::move(scenario)), program_(std::move(program)) {}
 
 Editor::~Editor() {
-  // The first signal lets it end the run that it is at; the second ends it at once.
+  // The first signal lets it finish its current run; the second ends it at once.
   for (int asked = 0; run_ != 0 && asked < 2; ++asked) {
     ::kill(-run_, SIGTERM);
     for (int waited = 0; waited < 20 && run_ != 0; ++waited) {

@@ -14,24 +14,24 @@
 
 namespace cdb::serve {
 
-/// What the compiler says of a text.
+/// The result of compiling a text.
 struct Checked {
-  std::string diagnostics;        ///< as a person reads them; also warnings
-  std::vector<plan::Plan> plans;  ///< empty where there are errors
+  std::string diagnostics;        ///< for people; includes warnings
+  std::vector<plan::Plan> plans;  ///< empty if there are errors
 };
 
 struct Scenario {
   std::filesystem::path file;
   std::string benchmark;
-  std::string text;  ///< as it is on the disk
+  std::string text;  ///< as stored on the disk
   std::function<Checked(const std::string& text)> check;
 };
 
-/// Answers are JSON documents. Errors of a text are part of an answer; those of the disk are thrown
-/// as store::StoreError or std::system_error. Not for several threads.
+/// Answers are JSON documents. Errors in a text are part of an answer; disk errors are thrown as
+/// files::StoreError or std::system_error. Not thread-safe.
 class Editor {
  public:
-  /// `program`: cdb itself, which runs are started with.
+  /// `program`: cdb itself, which executes the runs.
   Editor(Scenario scenario, std::filesystem::path program);
   ~Editor();  ///< stops the run
   Editor(const Editor&) = delete;
@@ -39,12 +39,12 @@ class Editor {
 
   /// The document of the page: the scene, and under `editor` the answer of Check.
   std::string Document();
-  /// {text, diagnostics, parameters, scene: null where there are errors}
+  /// {text, diagnostics, parameters, scene: null if there are errors}
   std::string Check(const std::string& text);
-  /// Check of the text with one value changed.
+  /// The answer of Check for the text with one value changed.
   std::string Set(const std::string& text, const std::string& group, const std::string& name,
                   const std::string& value);
-  /// {message}: refused where another program has changed the file.
+  /// {message}: refuses if another program has changed the file.
   std::string Save(const std::string& text);
   /// {message}: saves, and starts `cdb run` into BENCHMARK.view.h5, which it replaces.
   std::string Run(const std::string& text);
@@ -53,7 +53,8 @@ class Editor {
   std::string Stop();
 
  private:
-  std::string SaveFile(const std::string& text);  ///< why it was not saved; empty where it was
+  std::string SaveFile(const std::string& text);  ///< the reason why it was not saved; empty if it
+                                                  ///< was
   std::string SceneOf(const std::vector<plan::Plan>& plans, std::string& trouble) const;
   std::string ResultScene() const;
 

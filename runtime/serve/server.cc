@@ -34,7 +34,7 @@ class Server {
  public:
   explicit Server(Editor& editor) : editor_(editor) {
     server_.set_payload_max_length(kMaxRequest);
-    server_.set_keep_alive_max_count(1);  // so that the end waits for no browser
+    server_.set_keep_alive_max_count(1);  // the end must not wait for a browser
     port_ = server_.bind_to_any_port(kLoopback);
     if (port_ <= 0)
       throw std::system_error(errno, std::generic_category(), "no port of the loopback interface");
@@ -47,7 +47,7 @@ class Server {
 
  private:
   void AddRoutes() {
-    // A name that points to this machine is another site to the browser.
+    // The browser treats another host name for this machine as another site.
     server_.set_pre_routing_handler([this](const Request& request, Response& response) {
       if (request.get_header_value("Host") == fmt::format("{}:{}", kLoopback, port_))
         return HttpServer::HandlerResponse::Unhandled;
@@ -79,7 +79,7 @@ class Server {
     Answer("stop", [](Editor& editor, const nlohmann::json&) { return editor.Stop(); });
   }
 
-  /// JSON in, JSON out.
+  /// Takes JSON and answers in JSON.
   template <typename Act>
   void Answer(const std::string& name, Act act) {
     server_.Post("/" + token_ + "/" + name, [this, act](const Request& asked, Response& response) {

@@ -11,7 +11,7 @@
 namespace cdb::serve {
 namespace {
 
-/// The benchmark of a text, which its syntax tree keeps.
+/// A benchmark, with the syntax tree that owns it.
 class ParsedBenchmark {
  public:
   ParsedBenchmark(const std::string& text, const std::string& name) {
@@ -40,7 +40,7 @@ class ParsedBenchmark {
   const dsl::Block& block() const { return benchmark_->block; }
   std::string_view text() const { return file_.source->text(); }
 
-  /// The last setting of a place; null where there is none.
+  /// The last setting of a parameter; null if there is none.
   const dsl::Setting* Find(const Place& place) const {
     const dsl::Setting* found = nullptr;
     for (const auto& [group, path, setting] : written_)
@@ -72,12 +72,12 @@ class ParsedBenchmark {
   std::vector<Written> written_;
 };
 
-/// Bytes of the text that a setting's values take.
+/// The range of bytes of a setting's values.
 std::pair<std::size_t, std::size_t> ValueRange(const dsl::Setting& setting) {
   return {setting.values.front()->span.begin, setting.values.back()->span.end};
 }
 
-/// A new statement before the brace that ends the block.
+/// Inserts a statement before the closing brace of the block.
 std::string Inserted(std::string_view text, const dsl::Block& block, const std::string& statement) {
   const std::size_t brace = block.span.end - 1;
   std::string before(text.substr(0, brace)), after(text.substr(brace));

@@ -1,4 +1,4 @@
-// Changes one setting in the text of a scenario, and leaves the rest as it was written.
+// Changes one setting in the text of a scenario, and leaves the rest unchanged.
 #pragma once
 
 #include <optional>
@@ -9,27 +9,28 @@
 
 namespace cdb::serve {
 
-/// The text cannot be edited: it is no scenario, or has no such place.
+/// The text cannot be edited: it does not parse, or has no such place.
 struct EditError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Where a setting belongs: of the world, or of a group of objects.
+/// The location of a setting: the world or a group of objects.
 struct Place {
-  std::string group;  ///< empty: the world; `objects` where the group has no name
+  std::string group;  ///< empty: the world; `objects` for a group without a name
   std::string name;   ///< without the group: `size`, `world.side`
 };
 
-/// The groups of a benchmark's own block, in its order. Throws EditError.
+/// The groups in a benchmark's own block, in order. Throws EditError.
 std::vector<std::string> GroupsIn(const std::string& text, const std::string& benchmark);
 
-/// As the benchmark's own block writes it; nullopt where it does not set it. Throws EditError.
+/// The value as written in the benchmark's own block; nullopt if it is not set there. Throws
+/// EditError.
 std::optional<std::string> WrittenValue(const std::string& text, const std::string& benchmark,
                                         const Place& place);
 
-/// With `value` in place of the written one, or a new setting at the end of its block. Throws
-/// EditError for text with errors of syntax, a benchmark or a group that is not there, and a value
-/// that is empty or has several lines.
+/// Puts `value` in place of the written one, or adds a setting at the end of the block. Throws
+/// EditError for a text with syntax errors, an unknown benchmark or group, and a value that is
+/// empty or has several lines.
 std::string WithValue(const std::string& text, const std::string& benchmark, const Place& place,
                       const std::string& value);
 

@@ -17,10 +17,10 @@
 namespace cdb::statistics {
 namespace {
 
-/// Relative: of one value written twice, and of a value that is written with the digits of a table.
+/// Relative tolerances: of two spellings of one value, and of a value with the digits of a table.
 constexpr double kSame = 1e-9, kShown = 1e-4;
 
-/// Nullopt where the text is no number from its first to its last character.
+/// Nullopt if the whole text is not a number.
 std::optional<double> NumberIn(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -67,7 +67,7 @@ AxisSelection ParseSelection(const std::string& word) {
 
 NamedValues FindValues(const plan::Axis& axis, const std::string& text) {
   const std::vector<std::string> labels = plan::CoordinateLabels(axis);
-  // A label may have a comma in it.
+  // A label may contain a comma.
   std::set<std::size_t> found = FindValue(axis, labels, text);
   NamedValues values;
   for (std::size_t begin = 0; found.empty() && begin <= text.size();) {

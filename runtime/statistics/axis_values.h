@@ -1,4 +1,4 @@
-// Values of an axis as a user names them: `detector=dbvt`, `hz=60,120`, `quantity=10..100`
+// Values of an axis as the user writes them: `detector=dbvt`, `hz=60,120`, `quantity=10..100`
 // (`--select` of `cdb show`, `cdb compare` and `cdb view`).
 #pragma once
 
@@ -14,16 +14,16 @@ namespace cdb::statistics {
 struct AxisSelection {
   std::string axis, text;
 };
-/// Throws store::StoreError for a word of another form.
+/// Throws files::StoreError for a word of another form.
 AxisSelection ParseSelection(const std::string& word);
 
 struct NamedValues {
   std::vector<std::size_t> indices;  ///< ascending
-  std::vector<std::string> unknown;  ///< parts of the text that are no value of the axis
+  std::vector<std::string> unknown;  ///< parts of the text that match no value of the axis
 };
-/// The text is a value, several separated by commas or, on an axis of numbers, `a..b` with both
-/// ends. A number is written as its label or in full; if neither fits, the nearest value within
-/// 1e-4 of its size is meant, as tables show four digits.
+/// The text is a value, several values separated by commas, or, on an axis of numbers, `a..b`
+/// including both ends. A number is written as its label or in full. If neither matches, it denotes
+/// the nearest value within 1e-4 of its size, because tables show four digits.
 NamedValues FindValues(const plan::Axis& axis, const std::string& text);
 
 /// The labels of the values at `indices`, or of all: `1, 2, 5`.

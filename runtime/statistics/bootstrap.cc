@@ -23,13 +23,13 @@ double StudentQuantile(double nu) {
          (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * nu * nu * nu);
 }
 
-/// The part of the draws that lies beyond each end of the interval.
+/// The fraction of the draws beyond each end of the interval.
 double TailOf(std::size_t n) {
   const auto count = static_cast<double>(n);
   return std::erfc(std::sqrt(count / (count - 1)) * StudentQuantile(count - 1) / std::sqrt(2)) / 2;
 }
 
-/// Draw by draw, `combine` of all parts.
+/// Applies `combine` to all parts, for each draw.
 template <typename Combine>
 Estimate Combined(const std::vector<Estimate>& parts, Combine combine) {
   std::vector<double> values;
@@ -87,8 +87,8 @@ Bootstrap::Bootstrap(std::size_t n) : n_(n) {
   for (const auto& [counts, weight] : weights) draws_.push_back({counts, weight});
 }
 
-/// All ways to draw `left` times from `thing` and those after it. The weight is
-/// n! / (prod of counts!) / n^n.
+/// All ways to draw `left` times from the things from `thing` on. The weight is n! / (prod of
+/// counts!) / n^n.
 void Bootstrap::AddDraws(std::size_t thing, std::size_t left, Draw& draw) {
   const auto n = static_cast<double>(n_);
   if (thing + 1 == n_) {
@@ -129,7 +129,7 @@ Interval Bootstrap::IntervalOf(const Estimate& estimate) const {
   }
   std::ranges::sort(weighted);
   const double tail = kind() == IntervalKind::kRange ? 0 : TailOf(n_);
-  // The first value that more than the tail reaches; weights add up within rounding.
+  // The first value at which the summed weights exceed the tail, within rounding.
   const auto reach = [tail](auto from, auto end) {
     double sum = 0;
     while (from + 1 != end && (sum += from->second) <= tail) ++from;

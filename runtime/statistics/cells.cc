@@ -108,7 +108,7 @@ std::size_t FindAxis(const store::ResultFile& file, const std::string& name) {
 
 namespace {
 
-/// ` (5 objects, by up to 0.31 of their least side)`; empty where the file does not say.
+/// ` (5 objects, by up to 0.31 of their least side)`; empty if the file does not say.
 std::string FrozenText(const store::ResultFile& file, const Cell& cell) {
   if (!file.Has("frozen") || !file.Has("lost_way")) return {};
   const auto most = [&](const char* series) {

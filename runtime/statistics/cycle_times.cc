@@ -18,8 +18,9 @@
 namespace cdb::statistics {
 namespace {
 
-/// From the median absolute deviation to the standard deviation of a normal distribution; how many
-/// of these a stall is away at least; and the part of all times that stalls may be.
+/// The factor from the median absolute deviation to the standard deviation of a normal
+/// distribution; the least distance of a stall in these; and the largest fraction of all times that
+/// may be stalls.
 constexpr double kDeviation = 1.4826, kFarOff = 5, kMostStalls = 0.05;
 
 /// The time of a cycle in a repeat.
@@ -57,14 +58,14 @@ class SortedCycles {
 
  private:
   std::vector<TimedRepeat> times_;
-  std::vector<std::size_t> begins_;  ///< of each cycle, and the end
+  std::vector<std::size_t> begins_;  ///< for each cycle, and the end
 };
 
-/// Where the two middle values of a sorted list stand, of which each counts as often as its repeat;
-/// they are the same where the number is odd. Nullopt where there is none.
+/// The indices of the two middle values of a sorted list in which each counts as often as its
+/// repeat; equal if the number is odd. Nullopt for an empty list.
 std::optional<std::pair<std::size_t, std::size_t>> MiddleOf(
     SortedCycle cycle, const std::vector<std::uint32_t>& counts) {
-  std::size_t total = counts.size();  // what the counts of all repeats add up to
+  std::size_t total = counts.size();  // sum of the counts of all repeats
   if (cycle.size() < counts.size()) {
     total = 0;
     for (const auto& [time, repeat] : cycle) total += counts[repeat];
@@ -80,7 +81,8 @@ std::optional<std::pair<std::size_t, std::size_t>> MiddleOf(
   return std::pair{low, middle};
 }
 
-/// Of the values, each as often as `counts` says of its repeat; NaN where that is never.
+/// The median of the values, each counted as often as `counts` says for its repeat; NaN if there
+/// are none.
 double MedianOf(SortedCycle cycle, const std::vector<std::uint32_t>& counts) {
   const auto middle = MiddleOf(cycle, counts);
   if (!middle) return terminal::kNone;
@@ -88,15 +90,15 @@ double MedianOf(SortedCycle cycle, const std::vector<std::uint32_t>& counts) {
   return low == high ? cycle[low].first : (cycle[low].first + cycle[high].first) / 2;
 }
 
-/// Of the values, each as often as `counts` says of its repeat: the least of `chosen`, in the mean
-/// over all choices of so many. NaN where there is none.
+/// The least of `chosen` values, in the mean over all choices of that many. Each value counts as
+/// often as `counts` says for its repeat. NaN if there are none.
 double FastestOfChosen(SortedCycle cycle, const std::vector<std::uint32_t>& counts,
                        std::size_t chosen) {
   std::size_t total = 0;
   for (const auto& [time, repeat] : cycle) total += counts[repeat];
   if (total == 0) return terminal::kNone;
   chosen = std::min(chosen, total);
-  double mean = 0, above = 1;  // the part of the choices that lie in what is left
+  double mean = 0, above = 1;  // the fraction of the choices among the remaining values
   std::size_t left = total;
   for (const auto& [time, repeat] : cycle) {
     double still = above;
@@ -109,15 +111,15 @@ double FastestOfChosen(SortedCycle cycle, const std::vector<std::uint32_t>& coun
   return mean;
 }
 
-/// Cycles in which the repeats have the same order: their median is at the same place in every
-/// draw, so that the mean over all of them takes no look at each.
+/// Cycles in which the repeats have the same order. Their median is at the same index in every
+/// draw, so the mean over all of them does not need each cycle.
 struct AlikeCycles {
   SortedCycle first;
-  std::vector<double> sums;  ///< of the times at each place of the order
+  std::vector<double> sums;  ///< of the times at each index in the order
 };
 
-/// Nullopt where a repeat is missing in some cycle, or the repeats are too many to be often in the
-/// same order.
+/// Nullopt if a repeat is missing in some cycle, or if there are so many repeats that few cycles
+/// share an order.
 std::optional<std::vector<AlikeCycles>> GroupAlike(const SortedCycles& cycles,
                                                    std::size_t repeats) {
   constexpr std::size_t kMostRepeats = 6;
@@ -145,7 +147,7 @@ double MeanOfMedians(const std::vector<AlikeCycles>& groups, std::size_t cycles,
   return sum / static_cast<double>(cycles);
 }
 
-/// Percentile of values in any order, which are moved about.
+/// Percentile of values in any order; reorders them.
 double PercentileOf(std::vector<double>& values, double p) {
   const double place = p * static_cast<double>(values.size() - 1);
   const auto low = values.begin() + static_cast<std::ptrdiff_t>(place);
@@ -174,7 +176,8 @@ constexpr std::string_view kStatisticNames[] = {"mean", "median", "p5",   "p95",
 constexpr std::string_view kStatisticHeads[] = {
     "Mean", "Median", "5th percentile", "95th percentile", "Minimum", "Maximum", "Worst"};
 
-/// Of the times of the cycles. NaN where one is: a draw without the repeat that went on longest.
+/// The statistic of the times of the cycles. NaN if one of them is NaN, as in a draw without the
+/// longest repeat.
 double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
   if (cycles.empty() || std::ranges::any_of(cycles, [](double time) { return std::isnan(time); }))
     return terminal::kNone;
@@ -200,7 +203,7 @@ double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
   return std::ranges::max(cycles);
 }
 
-/// The longest cycle of the repeats, and of those in each draw.
+/// The longest cycle of the repeats, and of the repeats in each draw.
 Estimate WorstOf(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap) {
   std::vector<double> longest;
   for (const std::vector<double>& repeat : repeats)

@@ -22,7 +22,7 @@ double Median(std::vector<double> values) {
   return Percentile(values, 0.5);
 }
 
-/// Of the cycles that have a value.
+/// Adds the counts of the cycles that have a value.
 double AddCounts(double sum, const std::vector<double>& counts) {
   for (const double count : counts)
     if (count >= 0) sum = (std::isnan(sum) ? 0 : sum) + count;
@@ -31,7 +31,7 @@ double AddCounts(double sum, const std::vector<double>& counts) {
 
 bool CanFit(const plan::Axis& axis) { return !axis.IsText() && axis.values.size() >= kLeastPoints; }
 
-/// The number of objects at each point. Empty where that is of no use, or the plan cannot be read.
+/// The number of objects at each point. Empty if it is not useful, or the plan cannot be read.
 std::map<Point, double> ObjectCounts(const store::ResultFile& file) {
   std::map<Point, double> objects;
   if (std::ranges::none_of(file.axes(), CanFit)) return objects;
@@ -42,8 +42,8 @@ std::map<Point, double> ObjectCounts(const store::ResultFile& file) {
   return objects;
 }
 
-/// The one axis to fit over, along which the number of objects changes; nullopt where there is
-/// none, or several.
+/// The axis to fit over: the only one that changes the number of objects. Nullopt if there is none,
+/// or several.
 std::optional<std::size_t> CountAxis(const store::ResultFile& file,
                                      const std::map<Point, double>& objects) {
   std::optional<std::size_t> found;
@@ -62,7 +62,7 @@ std::optional<std::size_t> CountAxis(const store::ResultFile& file,
   return found;
 }
 
-/// Times of detect at the points that differ in the number of objects alone.
+/// Times of detect at points that differ only in the number of objects.
 struct TimesAtPoint {
   Point row;
   std::map<double, std::vector<double>> by_count;
@@ -82,7 +82,7 @@ std::map<Point, TimesAtPoint> TimesByCount(const std::vector<MeasuredPoint>& poi
   return found;
 }
 
-/// Drops the numbers of objects that some point has not got, if enough are left to fit over.
+/// Drops the numbers of objects that some point lacks, if enough remain to fit over.
 void MatchCounts(std::map<Point, TimesAtPoint>& found, DetectorGrowth& growth) {
   std::map<double, std::size_t> having;
   for (const auto& [point, at] : found)
@@ -190,7 +190,7 @@ std::optional<HarnessCost> HarnessCostOf(const store::ResultFile& file,
         harness.push_back(ns);
     const std::string detector = detectors.Of(point.cells[0]);
     const schema::DetectorInfo* info = schema::FindDetector(detector);
-    // What finds nothing is all harness.
+    // For a detector that finds nothing, the whole time is harness.
     if (info == nullptr || info->family != "none")
       detect[detector].push_back(times.Of(point, measure::Phase::kDetect).mean.value);
   }

@@ -8,7 +8,7 @@
 namespace cdb::statistics {
 namespace {
 
-/// Sound points of each detector, or all where there are no sound ones.
+/// The number of sound points of each detector, or of all points if none is sound.
 std::vector<std::size_t> CountPoints(const Comparison& comparison, std::size_t detectors) {
   std::vector<std::size_t> counts(detectors);
   for (const ComparedPoint& point : comparison.points)

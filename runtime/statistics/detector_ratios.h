@@ -1,4 +1,4 @@
-// The numbers of the ratios between detectors (`cdb show`), before they are formatted.
+// The figures of the ratios between detectors (`cdb show`), before formatting.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,14 @@
 
 namespace cdb::statistics {
 
-/// A point of the axes beside that of detectors: where detectors are compared.
+/// A point on the axes other than that of detectors, at which detectors are compared.
 struct ComparedPoint {
   Point at;
-  std::vector<const MeasuredPoint*> detectors;  ///< in the order of their axis; null for holes
-  /// All detectors of the comparison are there, all of them sound (or all void where no detector
-  /// has a sound point), and with the same omissions.
+  std::vector<const MeasuredPoint*> detectors;  ///< in the order of their axis; null for gaps
+  /// All detectors of the comparison are present, all of them sound (or all void if no detector has
+  /// a sound point), and with the same omissions.
   bool is_matched = false;
-  std::vector<std::string> unlike;  ///< components that some ran without and others with
+  std::vector<std::string> unlike;  ///< components that some omitted and others kept
 };
 
 struct Comparison {
@@ -32,7 +32,7 @@ struct Comparison {
 Comparison CompareDetectors(const store::ResultFile& file, const std::vector<MeasuredPoint>& points,
                             std::size_t detector_axis, std::optional<std::size_t> baseline);
 
-/// The time of a detector over that of the baseline; nullopt for holes.
+/// The time of a detector over that of the baseline; nullopt for gaps.
 std::optional<Estimate> RatioAt(const Comparison& comparison, const ComparedPoint& point,
                                 std::size_t detector, measure::Phase phase, CycleTimes& times);
 

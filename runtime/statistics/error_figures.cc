@@ -20,7 +20,7 @@ bool Lists(const std::vector<std::size_t>& axes, std::size_t axis) {
   return std::ranges::find(axes, axis) != axes.end();
 }
 
-/// `one` is as fast and as accurate.
+/// True if `one` is at least as fast and as accurate.
 bool Dominates(const ErrorRow& one, const ErrorRow& other) {
   return !one.row.is_void && one.ms_per_s.value <= other.ms_per_s.value &&
          one.Known() <= other.Known();
@@ -75,7 +75,7 @@ class Collector {
           "records");
   }
 
-  /// All axes make rows, unless some are asked for; seeds only where they are.
+  /// All axes make rows, unless some are requested; seeds only on request.
   void ChooseAxes(const ErrorOptions& options) {
     std::vector<std::size_t>&rows = figures_.rows, &each = figures_.each, &seeds = figures_.seeds;
     for (const std::string& axis : options.each) each.push_back(FindAxis(file_, axis));
@@ -92,7 +92,8 @@ class Collector {
     std::erase_if(rows, [&](std::size_t axis) { return Lists(each, axis); });
   }
 
-  /// Points with an error and a time, by the point on the axes `each`; the others are left out.
+  /// Points with an error and a time, by their coordinates on the axes `each`; the others are
+  /// recorded as left out.
   std::map<Point, std::vector<const MeasuredPoint*>> PlacedPoints() {
     std::map<Point, const MeasuredPoint*> measured;
     for (const MeasuredPoint& point : figures_.points) measured[point.at] = &point;
@@ -117,7 +118,7 @@ class Collector {
     return placed;
   }
 
-  /// Repeats go the same way, so that errors are alike.
+  /// Repeats have the same motion, and so the same errors.
   double ErrorOf(const MeasuredPoint& point) const {
     return file_.ReadReal(dataset_, point.cells[0]);
   }

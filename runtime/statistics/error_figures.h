@@ -1,4 +1,4 @@
-// Errors against run times, before they are formatted (`cdb show --error`).
+// Errors against run times, before formatting (`cdb show --error`).
 #pragma once
 
 #include <cstddef>
@@ -14,31 +14,32 @@
 namespace cdb::statistics {
 
 struct ErrorOptions {
-  std::string error;  ///< an array of /accuracy: `position`
-  /// Axes that make the rows; over the others errors and times are averaged. Empty: all but seeds.
+  std::string error;  ///< an array of /accuracy, for example `position`
+  /// Axes that make the rows; errors and times are averaged over the others. Empty: all but seeds.
   std::vector<std::string> by;
-  /// Axes each value of which has a table and a front of its own: other scenes than the rest.
+  /// Axes with a separate table and front for each value, because the values are different scenes.
   std::vector<std::string> each;
-  /// Without runs whose timings a verdict voids.
+  /// Leave out runs whose timings are voided by their verdict.
   bool only_sound = false;
 };
 
-/// One configuration: its repeats together, and the matched points of the axes that are not shown.
+/// One configuration: all repeats, and the matched points of the axes that are not shown.
 struct ErrorRow {
   Row row;
-  Estimate ms_per_s;  ///< of a simulated second: the mean of a cycle over its time step
+  Estimate ms_per_s;  ///< for a simulated second: the mean of a cycle over its time step
   double error, floor;
-  Interval time_interval, error_interval;                     ///< NaN where there is none
+  Interval time_interval, error_interval;                     ///< NaN if there is none
   double horizon = std::numeric_limits<double>::quiet_NaN();  ///< the shortest
   bool on_front = false;
-  /// Off the front, and each row that is as fast and as accurate is so within the intervals.
+  /// Not on the front, but each row that is as fast and as accurate is so only within the
+  /// intervals.
   bool is_tie = false;
 
-  /// What is known of the error: a smaller one than its floor is not better.
+  /// The error, but at least its floor: a smaller value is not better.
   double Known() const;
-  /// Where the error may lie: its interval, if it has one, and its floor to both sides.
+  /// The range of the true error: its interval, if it has one, extended by its floor on both sides.
   Interval PossibleErrors() const;
-  /// Simulated seconds in a second.
+  /// Simulated seconds per second.
   double RealTimeFactor() const { return 1000 / ms_per_s.value; }
   bool IsBelowFloor() const { return error < floor; }
 };
@@ -49,24 +50,24 @@ struct ErrorRows {
 };
 
 struct ErrorFigures {
-  /// A point without an error or a time, or whose run did not end well.
+  /// A point without an error or a time, or whose run failed.
   struct LeftOut {
     Point at;
     std::string why;
   };
-  std::vector<MeasuredPoint> points;           ///< that the rows are of
+  std::vector<MeasuredPoint> points;           ///< the points of the rows
   std::vector<std::size_t> rows, each, seeds;  ///< axes
-  std::size_t seed_count = 0;                  ///< that intervals of errors are of
-  std::map<Point, ErrorRows> tables;           ///< by the point on the axes `each`
+  std::size_t seed_count = 0;                  ///< number of seeds in the intervals of errors
+  std::map<Point, ErrorRows> tables;           ///< by the coordinates on the axes `each`
   std::vector<LeftOut> left_out;
   std::vector<LeftOut> marked;  ///< void points in the tables
   std::size_t bad_cells = 0;
 };
 
-/// Marks the front, and what ties with it. Void rows are not on it. `rows`: the fastest first.
+/// Marks the front and its ties. Void rows are not on it. `rows`: the fastest first.
 void MarkFront(std::vector<ErrorRow>& rows);
 
-/// Throws StoreError, also for an error or an axis that the file has not got.
+/// Throws StoreError, also for an error or an axis that the file does not have.
 ErrorFigures CollectErrors(const store::ResultFile& file, const ErrorOptions& options,
                            CycleTimes& times);
 

@@ -1,4 +1,4 @@
-// The cells of a results file by how their runs ended, and percentiles (`cdb show`).
+// The cells of a results file by the status of their runs, and percentiles (`cdb show`).
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,11 @@
 
 namespace cdb::statistics {
 
-/// The value below which a part `p` of the sorted values lies, between two of them in proportion;
-/// NaN for none.
+/// The value below which a fraction `p` of the sorted values lies, interpolated linearly; NaN if
+/// there are none.
 double Percentile(const std::vector<double>& sorted, double p);
 
-/// Cells by how their runs ended.
+/// Cells by the status of their runs.
 struct CellGroups {
   struct Bad {
     store::ResultFile::Cell cell;
@@ -28,7 +28,7 @@ struct CellGroups {
   };
   std::vector<store::ResultFile::Cell> good;
   std::vector<Bad> bad;                                      ///< failed, or with void timings
-  std::map<measure::Verdict, std::vector<Judged>> verdicts;  ///< of the good ones
+  std::map<measure::Verdict, std::vector<Judged>> verdicts;  ///< of the sound ones
   std::size_t skipped = 0, missing = 0;
 
   std::size_t NotSkipped() const { return good.size() + bad.size() + missing; }

@@ -18,7 +18,7 @@ bool MayMissPairs(const std::string& detector) {
   return info != nullptr && info->Makes(schema::KnownErrors::kMissesPairs);
 }
 
-/// A mean that grows.
+/// An incremental mean.
 struct RunningMean {
   double sum = 0, count = 0;
   void Add(double value) {
@@ -37,7 +37,7 @@ struct Tally {
 /// Cycles without a value are -1.
 void AddPairs(const store::ResultFile& file, const store::ResultFile::Cell& cell, Tally& tally) {
   DetectorFindings& findings = tally.findings;
-  // On a trace there are no contacts.
+  // A trace has no contacts.
   const auto series = [&](const char* name) {
     return file.Has(name) ? file.ReadSeries(name, cell) : std::vector<double>();
   };

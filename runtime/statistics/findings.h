@@ -1,4 +1,5 @@
-// What the referee found, for summaries: which detectors missed pairs, and where (`record pairs`).
+// The findings of the pair referee, for summaries: detectors that missed pairs, and where (`record
+// pairs`).
 #pragma once
 
 #include <cstdint>
@@ -11,35 +12,36 @@
 
 namespace cdb::statistics {
 
-/// One detector over all runs of a file; a run that fills several cells counts once.
+/// The findings for one detector over all runs of a file; a run that fills several cells counts
+/// once.
 struct DetectorFindings {
   std::string detector;
-  std::size_t runs = 0;  ///< whose pairs were recorded
+  std::size_t runs = 0;  ///< with recorded pairs
   std::uint64_t cycles = 0;
   std::uint64_t exact = 0, missed = 0, false_positives = 0, duplicate = 0, missed_contacts = 0;
-  /// Means over the cycles that have one; NaN where none has.
+  /// Means over the cycles that have a value; NaN if none has.
   double depth_error = 0, normal_error = 0;
-  std::size_t wrong_runs = 0;  ///< that missed a pair
+  std::size_t wrong_runs = 0;  ///< with a missed pair
   struct Place {
     store::ResultFile::Cell cell;
     std::uint64_t cycle;
   };
   std::optional<Place> first_missed, first_duplicate, first_missed_contact;
-  std::size_t failed_runs = 0;  ///< that did not end well, whatever they recorded
+  std::size_t failed_runs = 0;  ///< that failed, whatever they recorded
   std::optional<store::ResultFile::Cell> first_failed;
-  std::size_t unwatched_runs = 0;  ///< whose pairs were not recorded
+  std::size_t unwatched_runs = 0;  ///< without recorded pairs
   std::size_t AllRuns() const { return runs + unwatched_runs; }
 };
 
-/// In the order of the axis of detectors, else in that of the cells. Throws StoreError.
+/// In the order of the axis of detectors, or else of the cells. Throws StoreError.
 std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file);
 
 /// Lines for the head of a summary, before any timing: detectors that missed pairs, and those that
-/// are known to and that nobody looked at. Empty where there are none.
+/// are known to miss some and were not checked. Empty if there are none.
 std::string WrongDetectors(const store::ResultFile& file,
                            const std::vector<DetectorFindings>& findings);
 
-/// Lines for below the figures: what else detectors did not do as they should.
+/// Lines for below the figures: other faults of detectors.
 std::string OtherFaults(const std::vector<DetectorFindings>& findings);
 
 }  // namespace cdb::statistics

@@ -38,7 +38,7 @@ void ReadOmissions(const store::ResultFile& file, MeasuredPoint& point) {
   }
 }
 
-/// The point without its repeats that have no cycles; nullopt where none has.
+/// The point without its repeats that have no cycles; nullopt if none has any.
 std::optional<MeasuredPoint> ReadPoint(const store::ResultFile& file, const Point& at) {
   MeasuredPoint point{at, {}, "", {}, {}, {}};
   std::vector<Cell> faulty;
@@ -59,7 +59,7 @@ std::optional<MeasuredPoint> ReadPoint(const store::ResultFile& file, const Poin
   return point;
 }
 
-/// Where the point is on the axes that make no rows.
+/// The coordinates of the point on the axes that make no rows.
 Point RestOf(const MeasuredPoint& point, const std::vector<std::size_t>& by) {
   Point rest;
   for (std::size_t i = 0; i < point.at.size(); ++i)
@@ -67,8 +67,7 @@ Point RestOf(const MeasuredPoint& point, const std::vector<std::size_t>& by) {
   return rest;
 }
 
-/// Drops the points of `rows`, which are of one kind, that some row has not got. False where that
-/// would be all.
+/// Drops the points that some of `rows`, which are of one kind, lack. False if none would remain.
 bool Match(const std::vector<Row*>& rows, const std::vector<std::size_t>& by) {
   std::map<Point, std::size_t> counts;
   for (const Row* row : rows)

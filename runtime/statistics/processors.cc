@@ -15,7 +15,7 @@ namespace cdb::statistics {
 std::string ProcessorText(const store::ResultFile& file,
                           const std::vector<store::ResultFile::Cell>& cells) {
   std::map<std::string, std::size_t> runs;
-  std::map<Point, std::set<std::string>> kinds;  // of points without their detector
+  std::map<Point, std::set<std::string>> kinds;  // keyed by points without their detector
   const auto detector = DetectorAxis(file);
   for (const store::ResultFile::Cell& cell : cells) {
     const store::Status status = file.ReadStatus(cell);

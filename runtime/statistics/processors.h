@@ -1,4 +1,4 @@
-// Whether the runs of a results file were made on processors of one kind.
+// Checks whether the runs of a results file were made on processors of one kind.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace cdb::statistics {
 
-/// A line for each kind of processor (its model name) that `cells` were run on, where there are
-/// several, and whether detectors of one point were; empty where there is one kind. Cells without a
-/// run do not count. Throws StoreError.
+/// If `cells` were run on several kinds of processors (model names), a line for each kind, and
+/// whether the detectors of one point were run on different kinds; empty if there is only one kind.
+/// Cells without a run do not count. Throws StoreError.
 std::string ProcessorText(const store::ResultFile& file,
                           const std::vector<store::ResultFile::Cell>& cells);
 

@@ -17,7 +17,7 @@ using hdf5::Type;
 /// Separators of `labels`, in order of preference.
 constexpr std::string_view kSeparators = " ;|\t\n";
 
-/// The parameter's line in the schema; the axis' own name for a `let` or `cases`.
+/// The parameter's description in the schema, or the axis' own name for a `let` or `cases`.
 std::string LongName(const plan::Axis& axis) {
   const std::string_view name = axis.parameter;
   const schema::Parameter* row = schema::FindParameter(name, false);
@@ -51,7 +51,9 @@ Dimension Labelled(std::string name, std::vector<std::string> texts, std::string
     });
     if (!is_free) continue;
     std::string labels = fmt::format("{}", fmt::join(texts, std::string(1, separator)));
-    if (labels.size() > 32000) break;  // attributes have an end; the dataset has not
+    if (labels.size() > 32000)
+      break;  // an attribute has a limited size; the dataset has all
+              // labels
     dimension.attributes = {{"labels", std::move(labels)},
                             {"labels_separator", std::string(1, separator)}};
     break;
@@ -71,7 +73,7 @@ Dimension AxisDimension(const plan::Axis& axis, bool is_integer, const plan::Run
     for (const auto& value : values) texts.push_back(std::get<std::string>(value));
     dimension = Labelled(axis.name, std::move(texts), "");
   } else {
-    // By the whole axis, so that a shard's coordinate has the type of the merged one.
+    // From the whole axis, so that a shard's coordinate has the type of the merged one.
     dimension.name = axis.name;
     dimension.size = values.size();
     dimension.type = is_integer ? Type::kInt32 : Type::kFloat64;

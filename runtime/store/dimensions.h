@@ -14,11 +14,11 @@ namespace cdb::store {
 
 /// A dimension with its coordinate, a dataset of the same name.
 struct Dimension {
-  std::string name;  ///< with its group: `run/quantity`
+  std::string name;  ///< including its group: `run/quantity`
   std::uint64_t size = 0;
   hdf5::Type type = hdf5::Type::kInt32;
-  std::vector<double> numbers;     ///< the coordinate; `size` of them,
-  std::vector<std::string> texts;  ///< or of these; neither: a dimension without a coordinate
+  std::vector<double> numbers;     ///< the coordinate: `size` numbers,
+  std::vector<std::string> texts;  ///< or texts; neither: a dimension without a coordinate
   std::map<std::string, std::string> attributes;
   std::string units_by_label;  ///< separated by spaces, if the labels differ in unit
 };
@@ -28,12 +28,12 @@ std::vector<double> Indices(std::uint64_t n);
 /// A dimension of indices. `doc`: its `long_name`.
 Dimension Counted(std::string name, std::uint64_t size, std::string doc);
 /// A dimension of words. Readers that cannot read text datasets (Octave) find them in the attribute
-/// `labels`, which is missing where one of them contains every separator.
+/// `labels`, which is left out if one word contains every separator.
 Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc);
-/// What files say of a number without a unit, by the netCDF Climate and Forecast conventions.
+/// The unit of a number without one, by the netCDF Climate and Forecast conventions.
 inline constexpr const char* kNoUnit = "1";
-/// The values of an axis, the one numbered `index`; only that of `run` where that is not null.
-/// `is_integer`: what Axis::IsInteger says, which looks at all values.
+/// The values of an axis, the one numbered `index`; only the value of `run` if that is not null.
+/// `is_integer`: the result of Axis::IsInteger, which checks all values.
 Dimension AxisDimension(const plan::Axis& axis, bool is_integer, const plan::Run* run,
                         std::size_t index);
 

@@ -15,10 +15,10 @@
 namespace cdb::store {
 namespace {
 
-/// Of a results file with references: its root, accuracy, accuracy/reference.
+/// Depth of a results file with references: its root, accuracy, accuracy/reference.
 constexpr int kDeepestGroup = 3;
 constexpr std::size_t kMostArrays = 10'000;
-/// Of every measured number: 300 years in ns, 9 EB in bytes.
+/// Limit of all measured numbers: 300 years in ns, 9 EB in bytes.
 constexpr double kMostMeasured = 9.3e18;
 
 std::uint64_t ExtentOf(measure::Dimension dimension, const hdf5::File& file,
@@ -57,7 +57,7 @@ void CheckSeriesValues(const measure::Series& series, std::span<const double> va
 
 void CheckNumberValues(const RunNumber& number, std::span<const double> values,
                        const FileExtents& extents) {
-  // Counters of virtual machines have been seen to go backwards.
+  // Counters of virtual machines have been observed to go backwards.
   double low = number.name == "run/steal" ? -kMostMeasured : 0, high = kMostMeasured;
   if (number.type == hdf5::Type::kInt32) low = -1;
   if (number.name == "n_cycles" || number.name == "first_bad_cycle")
@@ -99,7 +99,8 @@ void ReadArray(const std::string& path, const hdf5::Dataset& dataset, const Visi
   const hdf5::Shape chunk = dataset.ChunkShape();
   if (chunk.empty() || hdf5::Product(dataset.shape()) == 0) return visit(path, dataset.Read());
   ForEachChunk(dataset.shape(), chunk, [&](const hdf5::Shape& start, const hdf5::Shape& count) {
-    // What was never written is fill values, of which a small file can claim any number.
+    // Chunks that were never written hold fill values, and a small file can claim any number of
+    // them.
     if (dataset.HasChunk(start)) visit(path, dataset.Read(start, count));
   });
 }

@@ -1,5 +1,5 @@
-// Whether a results file is what its schema says: shapes and types of its arrays, and values that
-// are possible. Throws hdf5::Error, which names the array.
+// Checks a results file against its schema: shapes and types of its arrays, and the ranges of
+// values. Throws hdf5::Error, which names the array.
 #pragma once
 
 #include <cstdint>
@@ -12,28 +12,29 @@
 
 namespace cdb::store {
 
-/// What the shapes of a results file or a shard follow from.
+/// The properties that determine the shapes of a results file or a shard.
 struct FileExtents {
   int version = 0;   ///< of the schema
   hdf5::Shape grid;  ///< extents of the axes and of `rep`
   std::uint64_t cycles = 0;
 };
 
-/// Every series and every fact of a run that the file has is over the grid and its own dimensions.
+/// Checks that every series and every run fact in the file has the dimensions of the grid and its
+/// own.
 void CheckArrays(const hdf5::File& file, const FileExtents& extents);
 
-/// `array`: as this version names it. Durations and counts below zero, an unknown status and more
-/// cycles than there are, are refused; NaN is no value.
+/// `array`: its name in this version. Throws for durations and counts below zero, an unknown
+/// status, and more cycles than exist. NaN means no value.
 void CheckValues(std::string_view array, std::span<const double> values,
                  const FileExtents& extents);
 
-/// Reads everything: all text, and all numbers, which `visit` gets piece by piece with the path of
-/// their array as it stands in the file.
+/// Reads all text and all numbers. `visit` receives the numbers piece by piece, with the path of
+/// their array in the file.
 void ReadEverything(
     const hdf5::File& file,
     const std::function<void(const std::string& path, std::span<const double> piece)>& visit);
 
-/// The same with CheckValues, of a results file or a shard.
+/// The same with CheckValues, for a results file or a shard.
 void CheckAllValues(const hdf5::File& file, const FileExtents& extents);
 
 }  // namespace cdb::store

@@ -19,7 +19,7 @@ using hdf5::Type;
 /// `run/` of `run/host`; empty in the root.
 std::string GroupOf(const std::string& path) { return path.substr(0, path.rfind('/') + 1); }
 
-/// Whole if that fits; else the cycles are split evenly, and then the bodies.
+/// One chunk if it fits; else the cycles are split evenly, and then the bodies.
 hdf5::Shape ChunkOf(const Array& array, std::size_t outer) {
   hdf5::Shape chunk = array.shape;
   std::fill_n(chunk.begin(), outer, 1);
@@ -82,7 +82,7 @@ class Maker {
     layout_.dimensions.push_back(std::move(dimension));
   }
 
-  /// The axes and `rep`, which every group has that holds arrays over the grid.
+  /// The axes and `rep`, for every group with arrays over the grid.
   void AddGrid(const std::string& group) {
     for (std::size_t i = 0; i < plan_.axes.size(); ++i)
       AddDimension(group, AxisDimension(plan_.axes[i], facts_.integer_axes[i], run_, i));
@@ -91,7 +91,7 @@ class Maker {
     AddDimension(group, std::move(rep));
   }
 
-  /// An array over the grid and `inner` dimensions of its group.
+  /// Adds an array over the grid and the `inner` dimensions of its group.
   Array& Add(std::string name, Type type, const std::vector<std::string>& inner, bool over_grid) {
     const std::string group = GroupOf(name);
     Array array{std::move(name), type, {}, {}, {}, 0, false, {}, {}, nullptr};
@@ -108,7 +108,7 @@ class Maker {
     return layout_.arrays.back();
   }
 
-  /// Every number has a unit, and a comment where its components differ in it.
+  /// Every number has a unit, and a comment if its components have different ones.
   void Describe(Array& array, std::string_view unit, std::string_view doc) const {
     array.attributes["long_name"] = doc;
     if (!unit.empty()) array.attributes["units"] = unit;
@@ -195,7 +195,7 @@ class Maker {
         "energies, momentum, angular momentum, depths in sizes, and counts");
   }
 
-  /// Filled by the merge alone; a reference's shard is of another kind (reference_shard.h).
+  /// Filled only by a merge; the shard of a reference is of another kind (reference_shard.h).
   void AddReferences() {
     for (const ReferenceArray& row : ReferenceArrays()) {
       Array& array = Add(kReferenceGroup + row.name, row.type, row.dimensions, false);
@@ -244,7 +244,7 @@ class Maker {
     for (const RunNumber& number : facts_.numbers) {
       Array& array = Add(number.name, number.type, {}, true);
       array.fill = number.missing;
-      // Flags have a value for it, and xarray turns an array with a fill value into floats.
+      // Flags have a value for it, and xarray turns arrays with a fill value into floats.
       array.has_fill_value = number.flags == nullptr;
       if (number.flags != nullptr) array.flags = number.flags();
       Describe(array, number.unit, number.doc);

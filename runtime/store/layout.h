@@ -1,5 +1,5 @@
-// The layout of a results file: its dimensions, arrays and attributes. Shards and merged files are
-// created from it alike.
+// The layout of a results file: its dimensions, arrays and attributes. Both shards and merged files
+// are created from it.
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,20 @@
 namespace cdb::store {
 
 struct Array {
-  std::string name;  ///< with its group
+  std::string name;  ///< including its group
   hdf5::Type type = hdf5::Type::kFloat64;
   std::vector<std::string> dimensions;
   hdf5::Shape shape;
   hdf5::Shape chunk;  ///< empty: contiguous
   double fill = 0;
-  bool has_fill_value = false;  ///< readers are told of `fill`
+  bool has_fill_value = false;  ///< `fill` is declared to readers
   std::map<std::string, std::string> attributes;
-  std::string flags;  ///< what its values from 0 on mean, separated by spaces
+  std::string flags;  ///< meanings of its values from 0 on, separated by spaces
   const measure::Series* series = nullptr;
 };
 
 struct Layout {
-  /// The axes first, in the order of the plan, then `rep`. Each group has the dimensions of its
+  /// First the axes, in the order of the plan, then `rep`. Each group has the dimensions of its
   /// arrays, with their coordinates, so that a reader of one group can select by label.
   std::vector<Dimension> dimensions;
   std::vector<Array> arrays;
@@ -39,13 +39,13 @@ struct Layout {
   const Array& Get(std::string_view name) const;
 };
 
-/// Of the merged file, or of the shard of `run` (every axis and `rep` of length 1) where that is
-/// not null. `contact_rows`: extent of `contact`.
+/// The layout of the merged file, or, if `run` is not null, of the shard of that run (every axis
+/// and `rep` have length 1). `contact_rows`: extent of `contact`.
 Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, const plan::Run* run,
                   std::uint64_t contact_rows);
 
-/// Chunks that a chunked array has for one cell of the grid (`outer` dimensions), and the first
-/// element of the one numbered `index` of cell `cell`.
+/// The number of chunks of a chunked array for one cell of the grid (`outer` dimensions), and the
+/// first element of the one numbered `index` of cell `cell`.
 std::uint64_t ChunksOfCell(const Array& array, std::size_t outer);
 hdf5::Shape ChunkStart(const Array& array, const hdf5::Shape& cell, std::uint64_t index);
 

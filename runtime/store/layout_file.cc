@@ -14,7 +14,7 @@ namespace {
 
 using hdf5::Type;
 
-/// netCDF's mark, by its file format specification, of a dimension without a coordinate.
+/// netCDF's mark for a dimension without a coordinate, from its file format specification.
 constexpr std::string_view kNoCoordinate = "This is a netCDF dimension but not a netCDF variable.";
 
 constexpr std::string_view kComment =
@@ -29,7 +29,7 @@ std::string HistoryLine(std::string_view now, std::string_view what) {
 
 std::string Now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
-/// The groups on the way to `path`, as far as they are missing.
+/// Creates the missing groups on the path to `path`.
 void CreateGroups(hdf5::File& file, const std::string& path) {
   for (std::size_t slash = path.find('/'); slash != std::string::npos;
        slash = path.find('/', slash + 1))

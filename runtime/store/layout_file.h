@@ -1,4 +1,4 @@
-// A layout written into a file, and the attributes by which a file is known.
+// Writes a layout into a file, and the attributes that identify the file.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace cdb::store {
 
-/// Makes every dataset, with scales and attributes; coordinates are filled, arrays are not.
+/// Creates every dataset, with scales and attributes. Coordinates are filled, arrays are not.
 void CreateArrays(hdf5::File& file, const Layout& layout);
 
-/// The attributes of the file itself. `what` is the line of `history`.
+/// Writes the attributes of the file itself. `what` is the line of `history`.
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
                std::string_view what);
 
-/// The same attributes of a copy of such a file, where they differ: `history` and `date_created`.
+/// Updates the attributes that differ in a copy of such a file: `history` and `date_created`.
 void RenewHead(hdf5::File& file, std::string_view what);
 
 }  // namespace cdb::store

@@ -9,7 +9,8 @@ namespace {
 
 const std::string kRuns(kProvenanceRuns);
 
-/// The dimension of the arrays. Not the axes of the grid, which may be called like a fact.
+/// The dimension of the arrays. Axes of the grid are not used, because one may have the name of a
+/// fact.
 void WriteRuns(hdf5::Group& group, const std::vector<std::string>& ids) {
   hdf5::Dataset runs = group.CreateDataset({kRuns, hdf5::Type::kText, {ids.size()}, {}, 0});
   runs.WriteText(ids);

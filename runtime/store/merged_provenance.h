@@ -1,5 +1,5 @@
-// `/provenance` of a merged file: facts of build and machine. One that is the same in every run is
-// an attribute; one that differs is an array over `run`, the ids of the runs.
+// `/provenance` of a merged file: facts about build and machine. A fact that is the same in every
+// run is an attribute; others are arrays over `run`, the ids of the runs.
 #pragma once
 
 #include <cstddef>
@@ -20,14 +20,15 @@ class MergedProvenance {
  public:
   /// The facts of one run, by name.
   void Add(const std::string& run_id, const std::map<std::string, std::string>& facts);
-  /// Makes the group. `of_merging`: facts of this process, used where no run has them.
+  /// Creates the group. `of_merging`: facts of this process, used if no run has them.
   hdf5::Group Write(hdf5::File& file, const Provenance& of_merging) const;
 
  private:
-  /// The texts of one fact, each once, and which of them each run has.
+  /// The distinct texts of one fact, and the index of each run's text.
   struct Fact {
-    std::vector<std::string> texts = {""};  ///< the first: of runs that have none
-    std::vector<std::size_t> by_run;        ///< as ids_; runs at the end may be missing
+    std::vector<std::string> texts = {""};  ///< the first is for runs without the fact
+    std::vector<std::size_t> by_run;        ///< in the order of ids_; runs at the end may be
+                                            ///< missing
     std::map<std::string, std::size_t> places = {{"", 0}};
   };
 

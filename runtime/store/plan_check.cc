@@ -36,7 +36,7 @@ void CheckCoordinates(const hdf5::File& file, const plan::Axis& axis) {
     throw hdf5::Error(fmt::format("the axis {} has other values than its plan", axis.name));
 }
 
-/// Versions of before had fewer arrays.
+/// Earlier versions had fewer arrays.
 void CheckIsAs(const hdf5::File& file, const std::string& name, hdf5::Type type,
                const hdf5::Shape& shape) {
   if (!file.Has(name)) return;

@@ -1,4 +1,4 @@
-// Whether a results file is of the plan that it holds.
+// Checks whether a results file matches the plan that it holds.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace cdb::store {
 
-/// Axes, repeats, and type and shape of every array are those that `plan_text` asks for; durations
-/// are there if it records any. A plan in the short form, or of a format that this version does not
-/// read, says nothing. Throws hdf5::Error, which names what differs.
+/// Checks that axes, repeats, and type and shape of every array are those required by `plan_text`,
+/// and that durations are present if it records any. A plan in the short form, or in a format that
+/// this version does not read, is not checked. Throws hdf5::Error, which names the difference.
 void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
                       const std::string& plan_text);
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t kMostObjects = 100'000'000;
 
-/// The rows of a dataset of `width` columns; empty where there is none.
+/// The rows of a dataset of `width` columns; empty if there is none.
 std::vector<double> ReadRows(const hdf5::File& file, const std::string& path, const char* name,
                              std::uint64_t width, std::uint64_t rows) {
   if (!file.Has(name)) return {};

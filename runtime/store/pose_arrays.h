@@ -1,4 +1,4 @@
-// Poses in an HDF5 file of the user's own: datasets `position` (n x 3, m), and where they are there
+// Poses in an HDF5 file made by the user: datasets `position` (n x 3, m), and optionally
 // `orientation` (n x 4, quaternions w, x, y, z), `linear_velocity` (n x 3, m/s) and
 // `angular_velocity` (n x 3, rad/s), each in the root of the file.
 #pragma once
@@ -9,13 +9,13 @@
 
 namespace cdb::store {
 
-/// A row for each object, one after the other; empty where the file has no such dataset.
+/// The rows of all objects, one after the other; empty if the file has no such dataset.
 struct PoseArrays {
   std::vector<double> position, orientation, linear_velocity, angular_velocity;
 };
 
-/// Nullopt where the file is HDF5 and has no dataset `position`. Throws StoreError, which names the
-/// dataset, for shapes and types other than those.
+/// Nullopt if the file is HDF5 and has no dataset `position`. Throws StoreError, which names the
+/// dataset, for other shapes and types.
 std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& file);
 
 }  // namespace cdb::store

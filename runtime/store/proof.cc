@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a measured run, or of a reference, which has no series.
+/// Reads the shard of a measured run, or of a reference, which has no series.
 void ReadShard(const hdf5::File& file, const std::string& name) {
   FileExtents extents;
   extents.version = ReadVersion(file, name);

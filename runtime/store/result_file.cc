@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kMostPlanText = 256 << 10;
 
-/// Empty where there is none, as in shards.
+/// Empty if there is none, as in shards.
 std::string PlanText(const hdf5::File& file) {
   const std::string path = "provenance/plan_text";
   if (!file.Has("provenance") || !file.Has(path)) return {};
@@ -52,7 +52,7 @@ struct ResultFile::Impl {
       const hdf5::Dataset dataset = file.OpenDataset(axis_name);
       plan::Axis axis{axis_name, dataset.Text("parameter"), dataset.Text("units"), {}};
       if (axis.unit == kNoUnit) axis.unit.clear();
-      // Version 1 stored axes whose name was taken under another.
+      // Version 1 stored axes with a reserved name under another one.
       if (const std::string own = dataset.Text("axis_name"); !own.empty()) axis.name = own;
       if (dataset.type() == hdf5::Type::kText) {
         for (std::string& text : dataset.ReadText()) axis.values.emplace_back(std::move(text));
@@ -73,8 +73,8 @@ struct ResultFile::Impl {
 
   FileExtents extents() const { return {version, grid, cycles}; }
 
-  /// Where the file holds what callers name `dataset`: facts of a run go without their group, and
-  /// the time step of a run is not called like a possible axis.
+  /// The path in the file of the array that callers name `dataset`: facts of a run are named
+  /// without their group, and the time step of a run has another name than a possible axis.
   std::string PathOf(std::string_view dataset) const {
     if (dataset == "accuracy/timestep") dataset = "accuracy/step_size";
     return PathIn(version, IsRunFact(dataset) ? std::string(kRunGroup) + std::string(dataset)
@@ -95,7 +95,7 @@ struct ResultFile::Impl {
     return index * grid.back() + cell.rep;
   }
 
-  /// An array over the grid, read once.
+  /// The values of an array over the grid, read once.
   template <typename Value, typename Read>
   const Value& AtCell(std::map<std::string, std::vector<Value>, std::less<>>& arrays,
                       std::string_view dataset, const Cell& cell, Read read) {
@@ -118,10 +118,10 @@ struct ResultFile::Impl {
     });
   }
 
-  /// All values of a cell in a series, kept until the next: chunks hold whole cells, and each is
-  /// unpacked once. `inner` is what the series has beside the grid; 0 for any extent. Where it ends
-  /// with the cycles, those that the run has: a run may have ended after few of many, and its file
-  /// then holds next to nothing of the others.
+  /// All values of a cell in a series, kept until the next call: chunks hold whole cells, and each
+  /// is unpacked once. `inner` is the extent of the series besides the grid; 0 for any. If its last
+  /// dimension is the cycle, only the cycles of the run are read: a run may have ended after few of
+  /// many, and its file then holds almost nothing of the others.
   const std::vector<double>& Block(std::string_view dataset, const Cell& cell,
                                    const hdf5::Shape& inner) {
     const std::size_t index = FlatIndex(cell);
@@ -154,7 +154,7 @@ struct ResultFile::Impl {
     return values;
   }
 
-  /// An array, opened once.
+  /// Opens an array, once.
   hdf5::Dataset& Opened(std::string_view dataset) {
     auto found = opened_arrays.find(dataset);
     if (found == opened_arrays.end())
@@ -167,7 +167,7 @@ struct ResultFile::Impl {
         std::clamp(Number("n_cycles", cell), 0.0, static_cast<double>(cycles)));
   }
 
-  /// Errors of HDF5 in our own form.
+  /// Converts errors of HDF5 to StoreError.
   template <typename Read>
   auto Reading(Read read) -> decltype(read()) {
     try {
@@ -185,8 +185,8 @@ struct ResultFile::Impl {
 
   /// A fact of /provenance.
   struct Fact {
-    std::string shared;                         ///< of all runs
-    std::map<std::string, std::string> by_run;  ///< by its id; empty where all are alike
+    std::string shared;                         ///< common to all runs
+    std::map<std::string, std::string> by_run;  ///< by run id; empty if all runs have the same
   };
   Fact ReadFact(const std::string& fact_name) const {
     const hdf5::Group group = file.OpenGroup("provenance");
@@ -202,7 +202,7 @@ struct ResultFile::Impl {
 
   struct Series {
     hdf5::Dataset array;
-    std::optional<std::size_t> at;  ///< the cell of `values`
+    std::optional<std::size_t> at;  ///< the cell to which `values` belong
     std::vector<double> values;
   };
 
@@ -212,8 +212,8 @@ struct ResultFile::Impl {
   bool has_digest = false;
   std::string sha256, title, benchmark, source;
   std::vector<plan::Axis> axes;
-  hdf5::Shape grid;                            ///< of the whole file
-  std::vector<std::vector<std::size_t>> kept;  ///< of each axis, places in the whole file
+  hdf5::Shape grid;                            ///< of the complete file
+  std::vector<std::vector<std::size_t>> kept;  ///< for each axis, indices in the complete file
   std::uint64_t cycles = 0;
   std::map<std::string, std::vector<double>, std::less<>> numbers;
   std::map<std::string, std::vector<std::string>, std::less<>> texts;
@@ -287,7 +287,7 @@ std::optional<std::vector<std::size_t>> ResultFile::SelectedPoint(
 std::uint64_t ResultFile::repeats() const { return impl_->grid.back(); }
 std::uint64_t ResultFile::begun_repeats() const {
   const Cell first{std::vector<std::size_t>(axes().size(), 0), 0};
-  ReadStatus(first);  // and with it the array
+  ReadStatus(first);  // also reads the array of statuses
   const std::vector<double>& statuses = impl_->numbers.at("status");
   std::uint64_t begun = 1;
   for (std::size_t i = 0; i < statuses.size(); ++i)

@@ -28,12 +28,12 @@ std::string VerdictNames() {
 
 std::string StatusNames() { return fmt::format("{}", fmt::join(kStatusNames, " ")); }
 
-/// Of what was measured as a real number; -1 where it was not.
+/// The count that was measured as a real number; -1 if it was not measured.
 double CountOrNone(double value) {
   return std::isnan(value) ? -1 : std::min(value, double{std::numeric_limits<std::int32_t>::max()});
 }
 
-/// Adds what the worker measures.
+/// Adds the scalars that the worker measures.
 std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
   for (const measure::RunScalarInfo& info : measure::AllRunScalars())
     numbers.push_back({std::string(kRunGroup) + std::string(info.name),
@@ -51,7 +51,7 @@ double ErrorOf(const RunResult& result, const std::string& name) {
   return found == result.errors.values.end() || found->second.size() != 1 ? kNaN : found->second[0];
 }
 
-/// The arrays of /accuracy, as the errors that some run asks for want them.
+/// Adds the arrays of /accuracy for the errors that some run requests.
 void AddErrors(const plan::Plan& plan, PlanFacts& facts) {
   using plan::Run;
   using R = const RunResult&;
@@ -79,7 +79,7 @@ void AddErrors(const plan::Plan& plan, PlanFacts& facts) {
   if (needs_truth)
     add("horizon", "s",
         "simulated time up to which the trajectories of the reference stay predictable");
-  // An axis may be called `timestep`, and then this group has it.
+  // If an axis is named `timestep`, this group has that dimension.
   add_as("step_size", "timestep", "s", "simulated time of a cycle");
   facts.texts.push_back({std::string(kAccuracyGroup) + "truth",
                          "ground truth of the errors: a closed form, or the id of a reference",
@@ -89,7 +89,7 @@ void AddErrors(const plan::Plan& plan, PlanFacts& facts) {
                          [](const Run&, R r) { return r.errors.message; }});
 }
 
-/// Before the first run, as the results would have no place.
+/// Checked before the first run, because the results could not be stored.
 void CheckAxisNames(const plan::Plan& plan) {
   for (const plan::Axis& axis : plan.axes)
     if (const auto clash = schema::FindNameClash(axis.name, analysis::ErrorsOf(plan)))

@@ -1,5 +1,5 @@
-// The tables of what a results file holds of each run beside its series, and what follows from all
-// runs of a plan together.
+// The tables of the facts about each run in a results file, other than its series, and the facts
+// that follow from all runs of a plan together.
 #pragma once
 
 #include <cstdint>
@@ -16,55 +16,55 @@
 
 namespace cdb::store {
 
-/// The groups of the file. Arrays are named with their group: `run/host`.
+/// The groups of the file. Names of arrays include their group: `run/host`.
 inline constexpr std::string_view kRunGroup = "run/";
 inline constexpr std::string_view kAccuracyGroup = "accuracy/";
 inline const std::string kReferenceGroup = "accuracy/reference/";
 
-/// A real number that there is not.
+/// A missing real number.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// An array over the grid that holds one number for each run.
 struct RunNumber {
-  std::string name;  ///< with its group
+  std::string name;  ///< including its group
   hdf5::Type type;
   std::string unit;
   std::string doc;
-  double missing;  ///< where there is no run
+  double missing;  ///< value of cells without a run
   std::function<double(const RunResult&)> get;
-  /// What its values from 0 on mean, separated by spaces; empty where it is a number.
+  /// Meanings of its values from 0 on, separated by spaces; null if it is a number.
   std::string (*flags)() = nullptr;
 };
 const std::vector<RunNumber>& RunNumbers();
 
-/// The same for text; empty where there is no run.
+/// The same for text; empty if there is no run.
 struct RunText {
-  std::string name;  ///< with its group
+  std::string name;  ///< including its group
   std::string doc;
   std::string (*get)(const plan::Run&, const RunResult&);
 };
 const std::vector<RunText>& RunTexts();
-/// `run/NAME` exists.
+/// True if `run/NAME` exists.
 bool IsRunFact(std::string_view name);
 
-/// What follows from all runs of a plan together. Not copied: layouts point into it.
+/// Facts that follow from all runs of a plan together. Not copyable: layouts point into it.
 struct PlanFacts {
-  /// Throws StoreError if an axis has the name of something else in the file.
+  /// Throws StoreError if an axis has the name of another object in the file.
   explicit PlanFacts(const plan::Plan& plan);
   PlanFacts(const PlanFacts&) = delete;
   PlanFacts& operator=(const PlanFacts&) = delete;
   std::string sha256;
-  std::vector<bool> integer_axes;              ///< Axis::IsInteger of each
+  std::vector<bool> integer_axes;              ///< Axis::IsInteger of each axis
   std::uint64_t cycles;                        ///< extent of `cycle`
   std::uint64_t bodies;                        ///< extent of `body`
   std::uint64_t box_bodies;                    ///< extent of `box_body`
-  std::vector<const measure::Series*> series;  ///< that some run records
+  std::vector<const measure::Series*> series;  ///< recorded by some run
   bool poses, boxes, contacts;                 ///< some run records them
   std::vector<RunNumber> numbers;              ///< RunNumbers(), and those of /accuracy
   std::vector<RunText> texts;                  ///< RunTexts(), and those of /accuracy
   std::vector<measure::Series> error_series;   ///< of /accuracy, over `sample`
-  std::uint64_t samples = 0;                   ///< extent of `sample`; 0 where no run has any
-  double interval_s = 0;                       ///< from one to the next
+  std::uint64_t samples = 0;                   ///< extent of `sample`; 0 if no run has samples
+  double interval_s = 0;                       ///< time between samples
 };
 
 /// An array over the references of a plan, in a merged file.
@@ -74,7 +74,7 @@ struct ReferenceArray {
   std::vector<std::string> dimensions;  ///< `reference` first
   std::string unit;
   std::string doc;
-  std::string (*flags)() = nullptr;  ///< as of RunNumber
+  std::string (*flags)() = nullptr;  ///< as in RunNumber
 };
 const std::vector<ReferenceArray>& ReferenceArrays();
 

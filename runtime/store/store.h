@@ -1,5 +1,5 @@
-// What a run leaves behind, and results files, which `cdb doc results` describes. Knows nothing of
-// how runs are executed.
+// The result of a run, and results files, which `cdb doc results` describes. Independent of how
+// runs are executed.
 #pragma once
 
 #include <cstdint>
@@ -36,15 +36,15 @@ constexpr std::string_view StatusName(Status status) {
   return kStatusNames[index];
 }
 
-/// How a run stands: its process, and its physics.
+/// The state of a run: its process, and its physics.
 struct Outcome {
   Status status = Status::kMissing;
   measure::Verdict verdict = measure::Verdict::kUnknown;
-  /// Done, and its timings are of the scene.
+  /// True if it is done and its timings are not void.
   bool IsGood() const { return status == Status::kDone && !measure::HasVoidTimings(verdict); }
 };
 
-/// All that one run left behind. `series` point into memory of the caller.
+/// All results of one run. `series` point into memory of the caller.
 struct RunResult {
   Status status = Status::kMissing;
   measure::Judgement judgement;
@@ -52,62 +52,64 @@ struct RunResult {
   double started_s = 0;  ///< since 1970-01-01 00:00:00 UTC
   std::string state_hash;
   std::string host;
-  std::string message;    ///< why it did not end well; empty where it did
-  std::string omitted;    ///< names of the components left out, separated by spaces
-  std::string decisions;  ///< about each component: a line each (compiler/analysis/pruning.h)
-  std::string models;     ///< the hulls of the compounds in the scene: a line each; may be empty
+  std::string message;    ///< reason why it failed; empty if it succeeded
+  std::string omitted;    ///< names of the omitted components, separated by spaces
+  std::string decisions;  ///< the decision about each component, one per line
+                          ///< (compiler/analysis/pruning.h)
+  std::string models;     ///< the hulls of the compounds in the scene, one per line; may be empty
   double load = 0;        ///< the machine's one-minute load average when the run began
   measure::RunScalars scalars;
   machine::NoiseJudgement noise;
   std::vector<std::pair<const measure::Series*, std::span<const std::byte>>> series;
-  measure::RunErrors errors;  ///< empty where the scene asks for none
+  measure::RunErrors errors;  ///< empty if the scene requests none
   std::vector<measure::ContactRecord>
-      contacts;  ///< of all cycles in order; as many a cycle as the series `contacts` says
+      contacts;  ///< of all cycles in order; the series `contacts` has their number in each cycle
 
   Outcome outcome() const { return {status, judgement.verdict}; }
 };
 
-/// Facts of build and machine for `/provenance`, by name: `cdb_version`, `bullet_version`,
+/// Facts about build and machine for `/provenance`, by name: `cdb_version`, `bullet_version`,
 /// `compiler`, `cpu`, `build_type`…
 using Provenance = std::map<std::string, std::string>;
 
-/// How much of a file is read, in a process with limits of time and memory, before it is used;
-/// beside its digest and its structure.
+/// How much of a file, in addition to its digest and its structure, is read in a process with
+/// limits of time and memory before it is used.
 enum class ProofOf {
   kStructure,  ///< no values
   kFewValues,  ///< all, in files of at most 64 MiB
   kEveryValue,
 };
 
-/// What helps against a damaged results file.
+/// The remedy for a damaged results file.
 inline constexpr std::string_view kResultRemedy =
     "merge it again from its shards, restore a copy, or run it again with --fresh";
 
-/// The file is HDF5, or ends as the files of cdb do.
+/// True if the file is HDF5, or ends as files of cdb do.
 bool IsStored(const std::filesystem::path& file);
-/// Its attribute `schema`: `cdb-results`, `cdb-trace`; empty where it has none. Throws StoreError.
+/// Its attribute `schema`: `cdb-results`, `cdb-trace`; empty if it has none. Throws StoreError.
 std::string ReadSchema(const std::filesystem::path& file);
 
-/// A results file or a shard opened for reading. Not for several threads.
+/// A results file or a shard opened for reading. Not thread-safe.
 class ResultFile {
  public:
-  /// Throws StoreError where it is not as it was written, or cannot be read.
+  /// Throws StoreError if it is not as it was written, or cannot be read.
   explicit ResultFile(const std::filesystem::path& file, ProofOf of = ProofOf::kFewValues);
   ResultFile(ResultFile&&) noexcept;
   ~ResultFile();
 
-  /// False for files of versions of cdb that wrote none.
+  /// False for files of versions of cdb that wrote no digest.
   bool has_digest() const;
-  /// It holds one run, and is to be merged.
+  /// True if it is a shard, which holds one run and is to be merged.
   bool is_shard() const;
   const std::string& plan_sha256() const;
   const std::string& title() const;
   const std::string& benchmark() const;
-  const std::string& source() const;  ///< the scenario file, as it was named
-  /// Keeps the values of `axis` at the places `kept`, in their order, for all that follows: axes
-  /// and cells are of these alone. `kept` is not empty.
+  const std::string& source() const;  ///< the scenario file, as the user named it
+  /// Restricts `axis` to the values with the indices `kept`, in that order, for all later calls:
+  /// axes and cells are those of the selection. `kept` is not empty.
   void Select(std::size_t axis, const std::vector<std::size_t>& kept);
-  /// Where a point of the whole file stands after Select; nullopt where it was not kept.
+  /// The point after Select that corresponds to a point of the complete file; nullopt if it was not
+  /// kept.
   std::optional<std::vector<std::size_t>> SelectedPoint(const std::vector<std::size_t>& at) const;
   /// The axes of the sweep, without rep, phase and cycle.
   const std::vector<plan::Axis>& axes() const;
@@ -132,26 +134,26 @@ class ResultFile {
                        const Cell& cell) const;  ///< `state_hash`, `message`, `omitted`
   double ReadReal(std::string_view dataset,
                   const Cell& cell) const;  ///< `peak_rss`, `build_time`, …
-  /// One scalar series of a cell, the cycles that ran; one phase of `duration`. Integers come as
-  /// doubles.
+  /// One scalar series of a cell, over the cycles that ran; one phase of `duration`. Integers are
+  /// returned as doubles.
   std::vector<double> ReadSeries(std::string_view dataset, const Cell& cell) const;
   std::vector<double> ReadDuration(measure::Phase phase, const Cell& cell) const;
   /// One series of /accuracy (schema::ErrorInfo::series) of a cell, at each sample.
   std::vector<double> ReadSamples(std::string_view dataset, const Cell& cell) const;
-  /// One cycle of a series with several values in each (`poses`, `boxes`), last dimension fastest.
-  /// The cycle must have run.
+  /// One cycle of a series with several values in each (`poses`, `boxes`), with the last dimension
+  /// fastest. The cycle must have run.
   std::vector<double> ReadCycle(std::string_view dataset, const Cell& cell,
                                 std::uint64_t cycle) const;
-  /// `count` contacts from the cell's own number `first` on; the series `contacts` says how many
-  /// each cycle has.
+  /// `count` contacts of the cell from its number `first` on; the series `contacts` has the number
+  /// of contacts in each cycle.
   std::vector<measure::ContactRecord> ReadContacts(const Cell& cell, std::uint64_t first,
                                                    std::uint64_t count) const;
-  /// Why reference runs are of no use, a line each: `reference 0123…: crashed: …`. Empty where all
-  /// ended well, or there are none.
+  /// The reasons why reference runs cannot be used, a line each: `reference 0123…: crashed: …`.
+  /// Empty if all succeeded, or there are none.
   std::vector<std::string> ReadReferenceTroubles() const;
   /// `/provenance`: `plan_text`, `scenario_text`, and its attributes.
   std::string ReadProvenance(std::string_view name) const;
-  /// An attribute of the run in a cell; where runs do not differ in it, that of all.
+  /// An attribute of the run in a cell, or the common attribute if runs do not differ in it.
   std::string ReadProvenance(std::string_view name, const Cell& cell) const;
 
  private:

@@ -131,7 +131,7 @@ void WriteArrays(hdf5::File& file, const measure::TraceMemory& trace, std::uint6
   file.AttachScales(attachments);
 }
 
-/// Why it is of no use, after its name.
+/// The error for a file that cannot be used: its name, then the reason.
 files::StoreError Useless(const fs::path& file, std::string_view why) {
   return files::StoreError(fmt::format("{}: {}; `cdb trace` makes it anew", file.string(), why));
 }
@@ -154,7 +154,7 @@ hdf5::File OpenTrace(const fs::path& path) {
   }
 }
 
-/// What `read` gives; HDF5's and the system's complaints name the file.
+/// The result of `read`, with the file's name added to errors of HDF5 and of the system.
 template <typename Read>
 auto Undamaged(const fs::path& path, Read read) {
   try {
@@ -185,7 +185,7 @@ analysis::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
   return facts;
 }
 
-/// Its arrays and their coordinates are as its head says.
+/// Checks that its arrays and coordinates match its head.
 void CheckHead(const hdf5::File& file, const analysis::TraceFacts& facts, const fs::path& path) {
   const auto expect = [&](const char* name, const hdf5::Shape& shape) {
     if (file.OpenDataset(name).shape() != shape)
@@ -226,8 +226,7 @@ measure::TraceMemory ReadMemory(const hdf5::File& file, const analysis::TraceFac
 
 constexpr std::string_view kTraceRemedy = "`cdb trace` makes it anew";
 
-/// Throws StoreError where it is not as it was written, or HDF5 does not survive it. True where it
-/// has a seal.
+/// Throws StoreError if it is not as it was written, or crashes HDF5. True if it has a seal.
 bool ProveTrace(const fs::path& path, ProofOf of) {
   std::error_code error;
   if (!fs::is_regular_file(path, error))

@@ -18,39 +18,39 @@ namespace cdb::store {
 inline constexpr std::string_view kTraceSchema = "cdb-trace";
 inline constexpr int kTraceSchemaVersion = 1;
 
-/// Where a trace is from.
+/// The origin of a trace.
 struct TraceOrigin {
   std::string benchmark;
-  std::string point;  ///< of the benchmark's grid, for people: `n 1000`; may be empty
+  std::string point;  ///< of the benchmark's grid, for display: `n 1000`; may be empty
   std::string run_id, state_hash;
   double timestep_s = 0;
   std::string scenario_text;
-  std::string run_text;  ///< all that decides the run, as YAML
+  std::string run_text;  ///< everything that determines the run, as YAML
 };
 
-/// Writes `file`: under a temporary name, closed, fsynced, renamed. `poses` of `objects` bodies,
-/// the first of the trace, as the series `poses` has them. Throws StoreError, with no file made or
-/// changed.
+/// Writes `file`: under a temporary name, closed, synced, renamed. `poses`: of the first `objects`
+/// bodies of the trace, in the layout of the series `poses`. Throws StoreError, with no file
+/// created or changed.
 void WriteTrace(const measure::TraceMemory& trace, const TraceOrigin& origin, std::uint64_t objects,
                 std::span<const double> poses, const std::filesystem::path& file);
 
-/// What the head of `file` says; the boxes are not read. Throws StoreError, which says why it is of
-/// no use.
+/// The facts in the head of `file`; the boxes are not read. Throws StoreError with the reason if it
+/// cannot be used.
 analysis::TraceFacts ReadTraceFacts(const std::filesystem::path& file);
-/// The run that `file` is a trace of; nullopt where it is none that can be read.
+/// The id of the run that `file` is a trace of; nullopt if it is not a readable trace.
 std::optional<std::string> TracedRun(const std::filesystem::path& file);
 
-/// What `cdb check` says of a trace whose every byte was read.
+/// The output of `cdb check` for a trace whose every byte was read.
 struct TraceCheck {
   bool has_digest = false;
   analysis::TraceFacts facts;
   std::string run_id;
 };
-/// Throws StoreError for a damaged one.
+/// Throws StoreError for a damaged trace.
 TraceCheck CheckTrace(const std::filesystem::path& file);
 
-/// All of it. Throws StoreError, also where it does not hold what its hash says, or another trace
-/// than `sha256`.
+/// Reads the whole trace. Throws StoreError, also if its contents do not match its hash, or if it
+/// is not the trace `sha256`.
 measure::TraceMemory LoadTrace(const std::filesystem::path& file, const std::string& sha256);
 
 }  // namespace cdb::store

@@ -15,9 +15,9 @@ namespace {
 
 using Outcome = SceneVerification::Outcome;
 
-/// A larger error than another one.
+/// Factor from which on an error is larger than another one.
 constexpr double kUnlikeError = 2;
-/// Of the bound: smaller errors are alike.
+/// Fraction of the bound: smaller errors count as equal.
 constexpr double kSmallError = 0.1;
 
 std::string SpeedupText(const ConfigurationFigures& of) {
@@ -28,7 +28,7 @@ std::string SpeedupText(const ConfigurationFigures& of) {
                            of.speedup_interval.high);
 }
 
-/// What disturbs a run on this machine says nothing of another.
+/// Disturbances of a run on this machine do not make it wrong.
 bool IsWrong(const ConfigurationFigures& of, const StandardScene& scene) {
   return of.verdict > scene.worst_verdict || of.error > scene.bound ||
          of.verdict == measure::Verdict::kUnknown;

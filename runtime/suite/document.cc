@@ -40,7 +40,7 @@ Json ConfigurationJson(const SceneFigures& scene, const ConfigurationFigures& of
   return json;
 }
 
-/// By the documentation of the error, for people.
+/// The documentation of the error, as text for people.
 std::string ErrorDoc(std::string_view name) {
   for (const schema::ErrorInfo& error : schema::Errors())
     if (error.name == name) return std::string(error.doc);

@@ -10,10 +10,10 @@
 
 namespace cdb::suite {
 
-/// What a folder of results is, beside its figures.
+/// Facts about a folder of results, other than its figures.
 struct SuiteFacts {
   bool is_long = false;
-  std::optional<std::uint64_t> seed;          ///< a fresh one in place of the published ones
+  std::optional<std::uint64_t> seed;          ///< a fresh seed in place of the published ones
   std::vector<std::string> missing;           ///< ids of scenes without results
   std::map<std::string, std::string> sha256;  ///< of each results file, by its name
 };

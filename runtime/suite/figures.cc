@@ -24,7 +24,7 @@ namespace {
 
 using Cell = store::ResultFile::Cell;
 
-/// Part of the cycles that may take longer than a step that counts as slow.
+/// Fraction of the cycles that a step counted as slow exceeds.
 constexpr double kSlowStep = 0.99;
 
 class SceneCollector {
@@ -110,7 +110,7 @@ class SceneCollector {
                               1e-6 / steps_.Of(point.cells[0]));
   }
 
-  /// The first fault stays.
+  /// The first fault is kept.
   static void SetFault(ConfigurationFigures& of, std::string fault) {
     if (of.fault.empty()) of.fault = std::move(fault);
   }
@@ -120,7 +120,7 @@ class SceneCollector {
     of.is_disturbed = true;
   }
 
-  /// Of all repeats, how they ended.
+  /// Adds the verdicts of all repeats.
   void AddRuns(const statistics::Point& at, ConfigurationFigures& of) const {
     measure::Judgement worst;
     for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep) {
@@ -164,7 +164,7 @@ class SceneCollector {
       SetFault(of, fmt::format("ran without {}, which others kept", fmt::join(point.unlike, ", ")));
   }
 
-  /// What disturbs the times counts last: what is wrong on a quiet machine is wrong.
+  /// Disturbances are checked last: other faults are not due to the machine.
   void AddFault(ConfigurationFigures& of) const {
     if (!of.fault.empty()) return;
     if (of.error > scene_.bound)
@@ -178,8 +178,8 @@ class SceneCollector {
       SetDisturbed(of, fmt::format("noisy in {} of {} runs", of.noisy, of.repeats));
   }
 
-  /// The times of a baseline that is wrong are still those of Bullet's defaults; of one that was
-  /// disturbed, or has void timings, nothing follows.
+  /// A wrong baseline still has the times of Bullet's defaults. A disturbed baseline, or one with
+  /// void timings, gives no speedups.
   void AddSpeedups(std::vector<ConfigurationFigures>& all) const {
     const ConfigurationFigures& baseline = all[0];
     const statistics::MeasuredPoint* point = FindPoint(statistics::Point(file_.axes().size(), 0));
@@ -217,7 +217,7 @@ std::vector<std::string> FaultsOfMissing(const Kind& kind,
   return faults;
 }
 
-/// A configuration over the scenes of a kind.
+/// The score of a configuration over the scenes of a kind.
 KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*>& scenes,
                   const std::vector<std::string>& faults) {
   KindScore of;

@@ -16,10 +16,10 @@ constexpr Kind kKinds[] = {
 };
 
 // One missed pair is one collision that does not happen. The other bounds are rounded values
-// between the errors of settings that a viewer accepts and those of settings that visibly fail:
-// a stack that slides by a fiftieth of a box, a ball that loses a tenth of its energy, a pendulum
-// that gains or loses a twentieth. Where hundreds of bodies move, a few may overlap by a twentieth
-// of their size, or not, by chance: another seed makes another verdict of the same work.
+// between the errors of settings that a viewer accepts and those of settings that visibly fail: a
+// stack that slides by a fiftieth of a box, a ball that loses a tenth of its energy, a pendulum
+// that gains or loses a twentieth. If hundreds of bodies move, it is a matter of chance whether a
+// few overlap by a twentieth of their size: with another seed, the same work gets another verdict.
 constexpr auto kPenetrating = measure::Verdict::kPenetrating;
 constexpr StandardScene kScenes[] = {
     {"games", "debris", "3000 pieces of debris in orbit", "pairs_missed", 0, kPenetrating},

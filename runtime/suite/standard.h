@@ -9,8 +9,8 @@
 
 namespace cdb::suite {
 
-/// Raised with every change of a scene, of a bound or of the score: results of two versions are not
-/// comparable. tests/golden/suite/ has the plans of each version.
+/// Increase it with every change of a scene, of a bound or of the score: results of different
+/// versions are not comparable. tests/golden/suite/ has the plans of each version.
 inline constexpr int kSuiteVersion = 1;
 
 /// A kind of application. Its scenes sweep the same configurations.
@@ -23,19 +23,19 @@ std::span<const Kind> Kinds();
 struct StandardScene {
   std::string_view kind, name;
   std::string_view what;   ///< for people: `3000 pieces of debris in orbit`
-  std::string_view error;  ///< of /accuracy, by its name there
+  std::string_view error;  ///< name of its array in /accuracy
   double bound;            ///< a run with a larger error is wrong
-  /// So is a run with a worse verdict.
+  /// A run with a worse verdict is wrong too.
   measure::Verdict worst_verdict = measure::Verdict::kStable;
 
   /// `games/debris`
   std::string Id() const;
-  /// As the library of scenarios names it: `standard/games/debris`.
+  /// Its name in the library of scenarios: `standard/games/debris`.
   std::string File() const;
   /// `standard_debris.h5`
   std::string ResultName() const;
 };
-/// By kinds, in the order of Kinds.
+/// Grouped by kind, in the order of Kinds.
 std::span<const StandardScene> StandardScenes();
 
 }  // namespace cdb::suite

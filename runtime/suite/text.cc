@@ -33,7 +33,8 @@ std::string RangeText(const statistics::Interval& interval) {
                                   : fmt::format("{:.2f} .. {:.2f}", interval.low, interval.high);
 }
 
-/// Of a configuration in a scene: in brackets if it is disturbed, a dash if it is wrong.
+/// The speedup of a configuration in a scene: in brackets if it is disturbed, a dash if it is
+/// wrong.
 std::string SpeedupText(const SceneFigures& scene, const std::string& name) {
   const ConfigurationFigures* of = scene.Find(name);
   if (of == nullptr || (!of->HasScore() && !of->is_disturbed)) return "-";
@@ -57,7 +58,7 @@ std::string KindTable(const KindFigures& kind) {
   return table.Text();
 }
 
-/// Configurations with the same faults stand together.
+/// Configurations with the same faults share a line.
 std::string FaultLines(const KindFigures& kind) {
   std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> by_faults;
   for (const KindScore& score : kind.scores) {
@@ -82,7 +83,7 @@ bool HasDisturbed(const KindFigures& kind) {
   });
 }
 
-/// Of the names in a table that fits a terminal.
+/// Width of the names in a table that fits a terminal.
 constexpr std::size_t kNamesWidth = 20;
 
 /// `skin`, `grid or auto, skin`, `skin or 3 more`; `-` for none.
@@ -94,7 +95,7 @@ std::string NamesOf(const std::vector<const ConfigurationFigures*>& of) {
                                      : fmt::format("{} or {} more", of[0]->name, of.size() - 1);
 }
 
-/// Without regard to time.
+/// The recommendation without a time budget.
 std::vector<const ConfigurationFigures*> Best(const SceneFigures& scene, bool only_bullets_own) {
   return Recommend(scene, std::numeric_limits<double>::infinity(), only_bullets_own);
 }
@@ -120,8 +121,8 @@ std::string SpeedOver(const ConfigurationFigures& of, const ConfigurationFigures
                          : fmt::format(" (95 % interval {})", RangeText(of.speedup_interval)));
 }
 
-/// The fastest of Bullet's own that is surely faster than the baseline, and no less accurate; null
-/// where there is none.
+/// The fastest of Bullet's own configurations that is clearly faster than the baseline, and no less
+/// accurate; null if there is none.
 const ConfigurationFigures* FindFaster(const SceneFigures& scene) {
   const ConfigurationFigures* fastest = nullptr;
   for (const ConfigurationFigures& of : scene.configurations)

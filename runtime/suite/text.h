@@ -1,4 +1,4 @@
-// The tables of the standard suite for a terminal.
+// The tables of the standard suite, for a terminal.
 #pragma once
 
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace cdb::suite {
 
-/// A table for each kind: score, memory, and the speedup in each scene; then why configurations
-/// have no score.
+/// A table for each kind: score, memory, and the speedup in each scene; then the reasons why
+/// configurations have no score.
 std::string ScoreText(const std::vector<KindFigures>& kinds);
 
-/// For each scene and budget the configuration to take.
+/// The configuration to choose for each scene and time budget.
 std::string RecommendationText(const std::vector<SceneFigures>& scenes);
 
-/// In which scenes Bullet's default is wrong, or another choice that Bullet comes with is faster
-/// and no less accurate, beyond the interval; a sentence or two.
+/// One or two sentences: the scenes in which Bullet's default is wrong, or in which another of
+/// Bullet's own configurations is faster, beyond the interval, and no less accurate.
 std::string DefaultsText(const std::vector<SceneFigures>& scenes);
 
-/// Which configuration serves a scene best, and by how much:
+/// The best configuration for a scene, and its advantage:
 /// `skin: 1.5 ms a step, 1.9 times as fast as dbvt (95 % interval 1.8 .. 2.0). …`
 std::string AnswerText(const SceneFigures& scene);
 

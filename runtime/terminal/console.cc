@@ -36,8 +36,8 @@ void Flush() { NoteError(std::fflush(stdout) != 0); }
 
 std::optional<std::string> FinishOutput() {
   Flush();
-  // Closing may be the first that hears of a failed write (NFS, quotas). Of a copy, as the
-  // libraries still own the descriptor.
+  // Closing may be the first call that reports a failed write (NFS, quotas). A copy is closed,
+  // because the libraries still use the descriptor.
   if (const int copy = dup(STDOUT_FILENO); copy >= 0) NoteError(close(copy) != 0);
   if (first_error == 0 && std::ferror(stdout) != 0) first_error = EIO;
   if (first_error == 0 || first_error == EPIPE) return std::nullopt;

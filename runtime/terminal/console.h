@@ -1,6 +1,6 @@
-// What commands say. Text may come from files of strangers: Print and Say show it without control
-// characters and without marks that turn its direction (dsl::Printable). A reader that has gone is
-// no error: the work goes on. Threads: one.
+// Printing to standard output and standard error. Text may come from untrusted files: Print and Say
+// remove control characters and marks that change the direction of text (text::Printable). A reader
+// that closes its end is not an error: the work continues. Threads: one.
 #pragma once
 
 #include <cstddef>
@@ -10,28 +10,29 @@
 
 namespace cdb::terminal {
 
-/// What was asked for, as text: to standard output.
+/// Prints the requested output as text, to standard output.
 void Print(std::string_view text);
-/// The same byte for byte: for formats that have rules of their own (JSON, CSV, YAML, pages of
-/// man, scenarios).
+/// Prints unchanged bytes: for formats with rules of their own (JSON, CSV, YAML, manual pages,
+/// scenarios).
 void PrintExact(std::string_view text);
-/// Everything else: to standard error.
+/// Prints everything else to standard error.
 void Say(std::string_view text);
-/// The same byte for byte: for diagnostics, which dsl::Render has made printable and may colour.
+/// Prints unchanged bytes to standard error: for diagnostics, which dsl::Render has made printable
+/// and may colour.
 void SayExact(std::string_view text);
 
-/// Hands over what was printed so far.
+/// Flushes the output printed so far.
 void Flush();
-/// To be called last: hands over what was printed, and says why standard output is not complete,
-/// if it is not (a full disk, a closed descriptor); `Input/output error` where the cause is not
-/// known. Nothing where all was written or the reader has gone.
+/// Call last: flushes the output. If standard output is not complete (a full disk, a closed
+/// descriptor), returns the reason, or `Input/output error` if it is unknown. Nullopt if everything
+/// was written or the reader has closed its end.
 std::optional<std::string> FinishOutput();
 
-/// Columns of the terminal that standard output is: COLUMNS if that is set, else its own; 0 where
-/// it is a file or a pipe.
+/// The width of the terminal at standard output in columns: COLUMNS if that is set, else the
+/// terminal's own; 0 for a file or a pipe.
 std::size_t TerminalWidth();
 
-/// As a shell takes it for one word: in quotes where it must be.
+/// Quotes the text as one word for a shell, if necessary.
 std::string ShellWord(std::string_view text);
 
 }  // namespace cdb::terminal

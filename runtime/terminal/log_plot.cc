@@ -41,7 +41,7 @@ std::string LogPlot(const std::vector<PlotPoint>& points, const std::string& x_n
   const auto [left, right] = range([](const PlotPoint& point) { return point.x; });
   const auto [bottom, top] = range([](const PlotPoint& point) { return point.y; });
   const auto place = [](double value, double low, double high, std::size_t extent) {
-    // The ratio of the ends may be too large for a double.
+    // The ratio of the ends may overflow a double.
     const double share =
         low == high ? 0.5 : (std::log(value) - std::log(low)) / (std::log(high) - std::log(low));
     const double shown = std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0;

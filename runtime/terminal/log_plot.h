@@ -1,4 +1,4 @@
-// Points in a frame of characters, for a terminal.
+// A scatter plot of characters, for a terminal.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace cdb::terminal {
 
-/// How a point is drawn; of points at one place the last in this order.
+/// The kind of a point; of points at one position, the last in this order is drawn.
 enum class PlotMark { kVoid, kOff, kTie, kFront };
 
-/// A point of the plot: both more than 0.
+/// A point of the plot; both coordinates are positive.
 struct PlotPoint {
   double x, y;
   PlotMark mark;

@@ -1,4 +1,4 @@
-// Helpers for the figures of a report.
+// Helpers for the numbers in reports.
 #pragma once
 
 #include <cmath>
@@ -11,12 +11,12 @@ namespace cdb::terminal {
 /// A missing number.
 inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// NaN for none.
+/// NaN if there are no values.
 inline double Mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// e to the mean of the logarithms; NaN for none.
+/// The exponential of the mean of the logarithms; NaN if there are no values.
 inline double GeometricMean(const std::vector<double>& values) {
   double log = 0;
   for (const double value : values) log += std::log(value);

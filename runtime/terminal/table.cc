@@ -37,8 +37,7 @@ std::size_t LongestWord(const std::string& cell) {
   return longest + std::min(cell.find_first_not_of(' '), cell.size());
 }
 
-/// The lines of a cell of so many columns: broken at spaces, and each as far to the right as the
-/// first.
+/// The lines of a cell in `width` columns: broken at spaces, with the indent of the first line.
 std::vector<std::string> LinesOf(const std::string& cell, std::size_t width) {
   if (Width(cell) <= width) return {cell};
   const std::size_t indent = std::min(cell.find_first_not_of(' '), width / 2);
@@ -178,7 +177,7 @@ std::string ShortNumber(double value) {
   if (value == 0) return "0";
   const double size = std::fabs(value);
   if (size < 1e-4 || size >= 1e7) return fmt::format("{:.2e}", value);
-  // Rounded first: 9.996 is 10.0, and 12346 is 12350.
+  // Rounded first, so that 9.996 becomes 10.0, and 12346 becomes 12350.
   const double rounded = std::stod(fmt::format("{:.{}e}", value, size < 1000 ? 2 : 3));
   const int exponent = static_cast<int>(std::floor(std::log10(std::fabs(rounded))));
   return fmt::format("{:.{}f}", rounded, std::clamp(2 - exponent, 0, 9));

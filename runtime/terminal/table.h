@@ -1,4 +1,4 @@
-// Columns of text that line up.
+// Text tables with aligned columns.
 #pragma once
 
 #include <string>
@@ -8,21 +8,22 @@
 
 namespace cdb::terminal {
 
-/// A table for a terminal: a head, a rule, rows. Numbers to the right, words to the left.
+/// A table for a terminal: a head, a rule, rows. Numbers are aligned to the right, words to the
+/// left.
 class Table {
  public:
-  /// `keys`: the first columns that say what a row is.
+  /// `keys`: the number of leading columns that identify a row.
   explicit Table(std::size_t keys = 1) : keys_(keys) {}
 
   /// `right`: aligned to the right.
   void AddColumn(std::string head, bool right);
   void AddRow(std::vector<std::string> cells);
-  /// On a narrow terminal, cells are broken at spaces, and the table stays in one part.
+  /// On a narrow terminal, break cells at spaces instead of splitting the table into parts.
   void KeepWhole() { is_whole_ = true; }
   bool empty() const { return rows_.empty(); }
   /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
   /// Ranges lose their spaces (`1..2`) in a table of more than 100 columns. A table that is wider
-  /// than the terminal (console.h) comes in several parts, each with the keys of its rows.
+  /// than the terminal (console.h) is split into several parts, each with the keys of its rows.
   std::string Text() const;
 
  private:
@@ -42,7 +43,7 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// The unit in which a number of nanoseconds is read most easily.
+/// The unit in which a number of nanoseconds is easiest to read.
 struct TimeUnit {
   const char* name;
   double ns;
@@ -55,12 +56,12 @@ struct TimeUnit {
 };
 
 /// Three significant digits, or four from 1000 on: `0.0123`, `1.23`, `1235`, `12350`; with an
-/// exponent below 1e-4 and from 1e7 on. `-` for what is not finite.
+/// exponent below 1e-4 and from 1e7 on. `-` if it is not finite.
 std::string ShortNumber(double value);
 /// Three digits and an exponent; `0`, and `-` for NaN.
 std::string ScientificNumber(double value);
 
-/// A value on an axis as it is read (compiler/plan/coordinates.h).
+/// The text of a value on an axis (compiler/plan/coordinates.h).
 std::string CoordinateText(const plan::Axis& axis, std::size_t index);
 
 }  // namespace cdb::terminal

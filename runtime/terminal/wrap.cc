@@ -19,7 +19,7 @@ std::size_t IndentOf(std::string_view line) {
   return std::min(line.find_first_not_of(' '), line.size());
 }
 
-/// Where the second column of a line begins, or its text.
+/// The column at which the second column of a line begins, or else its text.
 std::size_t HangOf(std::string_view line, std::size_t width) {
   const std::size_t indent = IndentOf(line);
   const std::size_t gap = line.find("  ", indent);
@@ -29,8 +29,8 @@ std::size_t HangOf(std::string_view line, std::size_t width) {
   return column <= width / 2 ? column : indent;
 }
 
-/// The byte at which a line is to be broken: of the last space that leaves at most `width` columns
-/// before it, and some text behind `hang`; npos if there is none.
+/// The byte at which to break a line: that of the last space that leaves at most `width` columns
+/// before it, and some text after `hang`; npos if there is none.
 std::size_t BreakOf(std::string_view line, std::size_t hang, std::size_t width) {
   std::size_t best = std::string_view::npos, column = 0;
   for (std::size_t at = 0; at < line.size() && column <= width; ++at) {
@@ -40,7 +40,7 @@ std::size_t BreakOf(std::string_view line, std::size_t hang, std::size_t width) 
   return best;
 }
 
-/// It is the same paragraph, or column, as one that hangs at `hang`.
+/// True if the line continues a paragraph, or a column, that hangs at `hang`.
 bool GoesOn(std::string_view next, std::size_t hang) {
   return !next.empty() && IndentOf(next) == hang && next.find("  ", hang) == std::string_view::npos;
 }
@@ -64,7 +64,7 @@ std::string Fitted(std::string_view text, std::size_t width) {
     std::size_t hang = HangOf(line, width);
     const std::size_t at =
         ColumnsOfText(line) > width ? BreakOf(line, hang, width) : std::string::npos;
-    // The first line of a paragraph may stand further to the right.
+    // The first line of a paragraph may be indented further.
     if (hang == IndentOf(line) && !lines.empty() && IndentOf(lines.front()) < hang &&
         GoesOn(lines.front(), IndentOf(lines.front())))
       hang = IndentOf(lines.front());

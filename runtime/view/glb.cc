@@ -19,7 +19,7 @@ constexpr int kArrayBuffer = 34962, kIndexBuffer = 34963;  // targets of buffer 
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
-/// Okabe and Ito's colours, linear, as of the page.
+/// Okabe and Ito's colours, as linear values, the same as on the page.
 constexpr std::array<std::array<double, 3>, 6> kGroupColours = {{{0, 0.168, 0.445},
                                                                  {0.791, 0.347, 0},
                                                                  {0, 0.342, 0.171},
@@ -88,7 +88,7 @@ class GlbMaker {
     return document_["bufferViews"].size() - 1;
   }
 
-  /// `width`: floats of an element. With the extremes where glTF demands them.
+  /// `width`: floats per element. Adds minimum and maximum where glTF requires them.
   std::size_t AddFloats(const std::vector<float>& values, std::size_t width, int target,
                         bool has_extremes) {
     static constexpr const char* kTypes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
@@ -148,7 +148,7 @@ class GlbMaker {
     return {{"attributes", attributes}, {"indices", document_["accessors"].size() - 1}};
   }
 
-  /// A mesh of glTF is one of ours in the colour of a group.
+  /// A glTF mesh is one of our meshes in the colour of a group.
   std::size_t MeshOf(std::size_t mesh, std::size_t group) {
     if (const auto found = meshes_.find({mesh, group}); found != meshes_.end())
       return found->second;
@@ -166,7 +166,7 @@ class GlbMaker {
     return document_["nodes"].size() - 1;
   }
 
-  /// A node that moves, with one below it for each part. Returns its place.
+  /// A moving node, with a child node for each part. Returns its index.
   std::size_t AddBody(std::size_t body) {
     const layouts::ObjectState& object = recording_.state.objects[body];
     Json children = Json::array();

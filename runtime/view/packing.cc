@@ -48,7 +48,7 @@ std::array<std::uint16_t, 3> PackQuaternion(const Eigen::Quaterniond& q, bool fl
   c.normalize();
   int largest = 0;
   c.cwiseAbs().maxCoeff(&largest);
-  if (c[largest] < 0) c = -c;  // the same turn
+  if (c[largest] < 0) c = -c;  // the same rotation
   std::array<std::uint16_t, 3> words{};
   std::size_t word = 0;
   for (int i = 0; i < 4; ++i) {

@@ -13,7 +13,7 @@
 
 namespace cdb::view {
 
-/// UTF-8, also where names are not.
+/// Always valid UTF-8, even if names are not.
 std::string SceneDocument(const std::string& title, std::span<const SceneRecording> recordings);
 
 }  // namespace cdb::view

@@ -29,7 +29,7 @@ void RequireBodies(const plan::Scene& scene) {
         "a run on a trace has boxes and no bodies: view the run that the trace was recorded from");
 }
 
-/// Places the objects: for what has no poses.
+/// Places the objects, for a recording without poses.
 void Start(SceneRecording& recording) {
   recording.state = layouts::MakeInitialState(recording.scene);
   for (const layouts::ObjectState& object : recording.state.objects) {
@@ -45,7 +45,7 @@ void Start(SceneRecording& recording) {
         "cycle, which a run with `record timing, counts, poses` shows.");
 }
 
-/// Frame by frame.
+/// Reads a recording frame by frame.
 class FrameReader {
  public:
   FrameReader(const ResultFile& file, const ResultFile::Cell& cell, SceneRecording& recording)
@@ -97,7 +97,7 @@ class FrameReader {
     return last_[1].second;
   }
 
-  /// `width` values for each object, and maybe more.
+  /// `width` values for each object, and possibly more.
   std::vector<double> ReadCycle(const char* series, std::size_t width, std::uint64_t cycle) const {
     std::vector<double> values = file_.ReadCycle(series, cell_, cycle);
     if (values.size() < objects_ * width)
@@ -165,7 +165,7 @@ void ReadAllSeries(const ResultFile& file, const ResultFile::Cell& cell,
   }
 }
 
-/// The errors of the run at its samples, where it is compared with a truth.
+/// The errors of the run at its samples, if it is compared with a truth.
 void ReadErrors(const ResultFile& file, const ResultFile::Cell& cell, SceneRecording& recording) {
   const auto sampling = analysis::SamplingOf(recording.scene);
   if (!sampling || recording.n_cycles == 0) return;

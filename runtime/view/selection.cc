@@ -14,7 +14,7 @@ namespace {
 
 using files::StoreError;
 
-/// Nullopt where the text is no number from its first to its last character.
+/// Nullopt if the whole text is not a number.
 std::optional<double> NumberOf(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -1,4 +1,4 @@
-// Which run of a sweep is shown: `axis=value` words to a cell.
+// Selects the run of a sweep to show: turns `axis=value` words into a cell.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace cdb::view {
 
-/// Changes the cell to what the selections name, one value of an axis each, or `rep=2`; the other
-/// axes stay. Throws store::StoreError for an axis or a value that the sweep does not have.
+/// Changes the cell to the selected values, each `axis=value` or `rep=2`; other axes keep theirs.
+/// Throws files::StoreError for an axis or a value that the sweep does not have.
 void Select(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
             const std::vector<statistics::AxisSelection>& selections,
             store::ResultFile::Cell& cell);
 
-/// `detector dbvt, quantity 100, rep 0`; the repeat only where there are several. Empty for a
-/// sweep of one run.
+/// `detector dbvt, quantity 100, rep 0`; the repeat only if there are several. Empty for a sweep of
+/// one run.
 std::string CellName(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
                      const store::ResultFile::Cell& cell);
 

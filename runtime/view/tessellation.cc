@@ -13,16 +13,16 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using objects::Shape;
 
-/// A point of a profile in the half plane x >= 0 and its normal there.
+/// A point of a profile in the half plane x >= 0, with its normal.
 struct ProfilePoint {
   double x, y, normal_x, normal_y;
 };
-/// A smooth stretch of a profile, from the bottom up.
+/// A smooth section of a profile, from the bottom up.
 using Profile = std::vector<ProfilePoint>;
 
 void AddFace(TriangleMesh& mesh, const std::vector<Vector3d>& corners) {
   const Vector3d across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-  if (!(across.norm() > 1e-12)) return;  // a sliver has no normal
+  if (!(across.norm() > 1e-12)) return;  // a degenerate triangle has no normal
   const Vector3d normal = across.normalized();
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const Vector3d& corner : corners) {
@@ -33,7 +33,7 @@ void AddFace(TriangleMesh& mesh, const std::vector<Vector3d>& corners) {
     mesh.indices.insert(mesh.indices.end(), {first, first + i - 1, first + i});
 }
 
-/// Turns the profile about y.
+/// Rotates the profile about y.
 void AddSurface(TriangleMesh& mesh, const Profile& profile, int segments) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto n = static_cast<std::uint32_t>(segments);
@@ -53,7 +53,7 @@ void AddSurface(TriangleMesh& mesh, const Profile& profile, int segments) {
     }
 }
 
-/// Of the ball of diameter 1, from one latitude to another, rad.
+/// The ball of diameter 1 between two latitudes, rad.
 TriangleMesh BallMesh(const char* name, double from, double to, int segments) {
   TriangleMesh mesh{name, {}, {}, {}};
   const int rows = std::max(2, static_cast<int>(std::lround(segments * (to - from) / 6.28)));
@@ -68,7 +68,7 @@ TriangleMesh BallMesh(const char* name, double from, double to, int segments) {
   return mesh;
 }
 
-/// In the cube of side 1 about the origin. `caps`: with its two ends.
+/// The cylinder in the cube of side 1 about the origin. `caps`: with both ends.
 TriangleMesh CylinderMesh(const char* name, bool caps, int segments) {
   TriangleMesh mesh{name, {}, {}, {}};
   AddSurface(mesh, {{0.5, -0.5, 1, 0}, {0.5, 0.5, 1, 0}}, segments);
@@ -78,10 +78,10 @@ TriangleMesh CylinderMesh(const char* name, bool caps, int segments) {
   return mesh;
 }
 
-/// Of height and diameter 1, the centre of mass at the origin.
+/// Height and diameter are 1, and the centre of mass is at the origin.
 TriangleMesh ConeMesh(int segments) {
   TriangleMesh mesh{"cone", {}, {}, {}};
-  const double slope = 1 / std::sqrt(5.0);  // the side rises by 2 where it goes in by 1
+  const double slope = 1 / std::sqrt(5.0);  // the side rises by 2 per unit of radius
   AddSurface(mesh, {{0, -0.25, 0, -1}, {0.5, -0.25, 0, -1}}, segments);
   AddSurface(mesh, {{0.5, -0.25, 2 * slope, slope}, {0, 0.75, 2 * slope, slope}}, segments);
   return mesh;
@@ -109,8 +109,8 @@ TriangleMesh TetrahedronMesh() {
   return mesh;
 }
 
-/// All convex pieces, or the triangles of a surface from both sides, about the centre of mass, in
-/// the axes of the model.
+/// All convex pieces, or the triangles of a surface from both sides, in the axes of the model with
+/// the centre of mass at the origin.
 TriangleMesh CompoundMesh(const objects::ConvexDecomposition& form) {
   TriangleMesh mesh{form.name, {}, {}, {}};
   for (const objects::ConvexPiece& piece : form.pieces)
@@ -127,7 +127,7 @@ TriangleMesh CompoundMesh(const objects::ConvexDecomposition& form) {
   return mesh;
 }
 
-/// Addresses as keys of the meshes that do not belong to a form.
+/// Their addresses are the keys of meshes that do not belong to a form.
 constexpr char kShapeKeys[16] = {};
 constexpr const void* kTubeKey = &kShapeKeys[12];
 constexpr const void* kTopKey = &kShapeKeys[13];
@@ -171,7 +171,7 @@ std::vector<Part> Tessellation::PartsOf(const objects::Solid& solid) {
   if (solid.shape == Shape::kCapsule && solid.StraightHalf() > 0) return CapsuleParts(solid);
   if (solid.shape == Shape::kCompound) return {CompoundPart(solid)};
   constexpr double kRight = std::numbers::pi / 2;
-  // A capsule that is no higher than wide is an ellipsoid.
+  // A capsule that is not higher than wide is an ellipsoid.
   const Shape shape = solid.shape == Shape::kCapsule ? Shape::kEllipsoid : solid.shape;
   const std::size_t mesh = MeshOf(&kShapeKeys[static_cast<std::size_t>(shape)], [&] {
     switch (shape) {

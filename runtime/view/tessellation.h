@@ -1,7 +1,7 @@
-// Solids as triangles, for pages and glTF files.
+// Converts solids to triangles, for pages and glTF files.
 //
-// A body is drawn as one or several parts, each a mesh that many bodies share: a sphere's is the
-// unit ball, stretched to the body's sides. Lengths in m. Not for several threads.
+// A body is drawn as one or several parts, each with a mesh that many bodies share: a sphere has
+// the unit ball, scaled to the body's sides. Lengths in m. Not thread-safe.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,14 +16,14 @@
 
 namespace cdb::view {
 
-/// Triangles, counter-clockwise from outside; a normal, unit, for each vertex.
+/// Triangles, counter-clockwise from outside, with a unit normal for each vertex.
 struct TriangleMesh {
   std::string name;  ///< `sphere`, `bunny`
   std::vector<Eigen::Vector3f> positions, normals;
   std::vector<std::uint32_t> indices;  ///< three for each triangle
 };
 
-/// A mesh in the body's frame: x becomes offset + rotation (scale x).
+/// A mesh placed in the body's frame: x becomes offset + rotation (scale x).
 struct Part {
   std::size_t mesh = 0;  ///< index into Tessellation::meshes
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
@@ -33,12 +33,12 @@ struct Part {
 
 class Tessellation {
  public:
-  /// `bodies`: how many there will be; the more, the coarser are round meshes. The vertices lie on
-  /// the solid, and they reach at least 0.93 of its extent in every direction.
+  /// `bodies`: their expected number; with more bodies, round meshes are coarser. The vertices lie
+  /// on the solid and reach at least 0.93 of its extent in every direction.
   explicit Tessellation(std::size_t bodies);
 
-  /// A capsule has three parts, any other solid one. Vertices of all parts are points of the
-  /// surface; of a compound, of the surface of one of its convex pieces.
+  /// A capsule has three parts, any other solid has one. The vertices of all parts are points of
+  /// the surface; for a compound, of the surface of one of its convex pieces.
   std::vector<Part> PartsOf(const objects::Solid& solid);
   const std::vector<TriangleMesh>& meshes() const { return meshes_; }
 
@@ -48,7 +48,7 @@ class Tessellation {
   std::vector<Part> CapsuleParts(const objects::Solid& solid);
   Part CompoundPart(const objects::Solid& solid);
 
-  const int segments_;  ///< of a full turn
+  const int segments_;  ///< per full turn
   std::map<const void*, std::size_t> found_;
   std::vector<TriangleMesh> meshes_;
 };

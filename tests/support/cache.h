@@ -1,4 +1,4 @@
-// An empty cache for a test, so that its decompositions are computed and not found.
+// An empty cache for a test, so that decompositions are computed, not found.
 #pragma once
 
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 
 namespace cdb::tests {
 
-/// An empty folder, named by CDB_CACHE while it lives. One at a time.
+/// An empty folder that CDB_CACHE names while this lives. Only one at a time.
 class TemporaryCache {
  public:
   TemporaryCache() {
@@ -29,7 +29,7 @@ class TemporaryCache {
   TemporaryCache& operator=(const TemporaryCache&) = delete;
 
   const std::filesystem::path& folder() const { return folder_.path(); }
-  /// The files in it, without the secret that seals them.
+  /// The files in it, except the secret with which they are sealed.
   std::vector<std::filesystem::path> Entries() const {
     std::vector<std::filesystem::path> entries;
     for (const std::string& name : FilesIn(folder()))

@@ -1,4 +1,4 @@
-// Compiles texts and files in memory.
+// Compiles scenarios from texts and files in memory.
 #pragma once
 
 #include <map>
@@ -16,8 +16,8 @@
 
 namespace cdb::tests {
 
-/// Replaces the reading of a shared library: each line of the text is a detector, its name, its
-/// limit and its phases. A text without detectors is not a library.
+/// Replaces the reading of a shared library: each line of the text is a detector with its name,
+/// limit and phases. A text without detectors is not a library.
 inline scenario::DescribePlugin DescribeText() {
   return [](const std::string& bytes, const std::string& path,
             std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
@@ -45,7 +45,7 @@ inline std::optional<analysis::TraceFacts> MadeUpTraces(const std::string& path,
   return std::nullopt;
 }
 
-/// Tables in CSV files, as `read` gives them.
+/// Tables in CSV files, as returned by `read`.
 inline analysis::ReadPoses ReadTables(const scenario::ReadFile& read) {
   return [read](const schema::Call& poses,
                 analysis::PoseFault& why) -> std::optional<analysis::PoseFacts> {

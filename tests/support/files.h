@@ -1,4 +1,4 @@
-// Temporary folders, and files read and written whole.
+// Temporary folders, and functions that read and write whole files.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace cdb::tests {
 
-/// An empty folder, removed at the end.
+/// An empty folder, removed on destruction.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -24,7 +24,7 @@ class TemporaryFolder {
 /// Names of the files in a folder, sorted.
 std::vector<std::string> FilesIn(const std::filesystem::path& folder);
 
-/// Both throw std::runtime_error where they fail.
+/// Both throw std::runtime_error on failure.
 std::string ReadFile(const std::filesystem::path& file);
 void WriteFile(const std::filesystem::path& file, const std::string& bytes);
 

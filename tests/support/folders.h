@@ -1,13 +1,13 @@
-// Where the repository and the build are, so that tests run from any folder.
+// The folders of the repository and the build, so that tests can run from any folder.
 #pragma once
 
 #include <filesystem>
 
 namespace cdb::tests {
 
-/// Of the repository.
+/// The root of the repository.
 std::filesystem::path SourceFolder();
-/// Where the programs are built.
+/// The folder with the built programs.
 std::filesystem::path BuildFolder();
 
 }  // namespace cdb::tests

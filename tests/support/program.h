@@ -12,31 +12,31 @@
 namespace cdb::tests {
 
 struct Finished {
-  int status = 0;  ///< exit status; 128 + signal where a signal ended it
+  int status = 0;  ///< exit status; 128 + signal if a signal ended it
   std::string out, err;
 };
 
-/// A temporary folder, and the program run in it.
+/// A temporary folder, with functions to run the program in it.
 class Program {
  public:
   const std::filesystem::path& folder() const { return folder_.path(); }
   void Write(const std::string& name, const std::string& text) const;
-  /// Empty where there is no such file.
+  /// Empty if there is no such file.
   std::string Read(const std::string& name) const;
   bool Exists(const std::string& name) const;
 
-  /// `cdb` with these arguments, in the folder.
+  /// Runs `cdb` with these arguments, in the folder.
   Finished Run(const std::vector<std::string>& arguments) const;
-  /// A line for the shell, in the folder; `$CDB` is the program.
+  /// Runs a line of shell code, in the folder; `$CDB` is the program.
   Finished Shell(const std::string& line) const;
-  /// Starts `cdb` and returns its process.
+  /// Starts `cdb` and returns its process id.
   pid_t Start(const std::vector<std::string>& arguments) const;
 
  private:
   TemporaryFolder folder_;
 };
 
-/// The program that the tests belong to.
+/// The path of the program under test.
 std::string CdbPath();
 
 }  // namespace cdb::tests

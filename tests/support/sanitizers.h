@@ -1,4 +1,4 @@
-// Which sanitizer the tests are built with; GCC says it by a macro, Clang by a feature.
+// The sanitizer that the tests are built with: GCC defines a macro, Clang has a feature test.
 #pragma once
 
 #ifndef __has_feature
@@ -19,8 +19,8 @@ inline constexpr bool kThreadSanitizer = true;
 inline constexpr bool kThreadSanitizer = false;
 #endif
 
-/// How many of the random cases to try: a sanitizer looks at the memory and the arithmetic of each,
-/// and slows it down 30 times; the plain build tries all.
+/// The number of random cases to try: a sanitizer checks the memory accesses and the arithmetic of
+/// each, and slows it down 30 times; the plain build tries all.
 constexpr int Cases(int all) { return kAddressSanitizer ? (all + 9) / 10 : all; }
 
 }  // namespace cdb::tests

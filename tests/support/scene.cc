@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 using schema::Value;
 
-/// The default of a parameter, as the compiler makes it of the schema's text.
+/// The default of a parameter, made from the schema's text as the compiler does.
 Value DefaultValue(const schema::Parameter& parameter) {
   const std::string text(parameter.default_text);
   if (parameter.type != schema::ParameterType::kWords && parameter.HasWord(text)) return Word(text);

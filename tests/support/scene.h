@@ -10,8 +10,8 @@
 
 namespace cdb::tests {
 
-/// Every parameter at its default, `quantity` objects in a cube of `side` m, 10 cycles; streams for
-/// everything that may be drawn.
+/// Every parameter has its default; `quantity` objects in a cube of `side` m, 10 cycles; streams
+/// for all parameters that may be drawn.
 plan::Scene DefaultScene(std::uint64_t quantity, double side);
 
 inline schema::Value Uniform(schema::Value a, schema::Value b) {
@@ -31,11 +31,11 @@ inline void SetGroup(plan::Scene& scene, schema::GroupParameter parameter, schem
   scene.groups[group].settings.Set(parameter, std::move(value));
 }
 inline schema::Value Word(std::string_view text) { return schema::Word{std::string(text)}; }
-/// A layout with arguments as the plan holds it; those that are not given have their defaults.
+/// A layout with arguments, as in a plan; arguments that are not given have their defaults.
 schema::Value Layout(std::string_view name,
                      const std::map<std::string_view, schema::Value>& given = {});
 
-/// Gives each stream the seed that it has under the benchmark's `seed`.
+/// Gives each stream the seed that it has with the benchmark's `seed`.
 void SeedStreams(plan::Scene& scene, std::uint64_t seed = 0xAAAAAAAAAA);
 
 }  // namespace cdb::tests

@@ -1,4 +1,4 @@
-// The command line as data, for shells and man.
+// The command line as data, for shell completion and manual pages.
 #pragma once
 
 #include <string>
@@ -30,11 +30,11 @@ struct CommandInfo {
   std::string Synopsis() const;
 };
 
-/// Of the subcommands that `cdb --help` lists, in its order.
+/// The subcommands that `cdb --help` lists, in its order.
 std::vector<CommandInfo> CommandsOf(const CLI::App& app);
 
-/// The words that the argument of a command takes, where these are not files: names for `cdb doc`,
-/// codes for `cdb explain`. Empty: files.
+/// The words that the argument of a command accepts: names for `cdb doc`, codes for `cdb explain`.
+/// Empty if the command takes files.
 std::vector<std::string> WordsFor(const std::string& command);
 
 }  // namespace cdb::help

@@ -37,8 +37,8 @@ void PrintTopics() {
   terminal::Print(terminal::Fitted(table.Text() + others, terminal::TerminalWidth()));
 }
 
-/// Everything called `name`: a topic, and what the manual has of words and parameters. Empty for
-/// nothing.
+/// The entries of everything called `name`: topics, and the manual's entries for words and
+/// parameters. Empty if there are none.
 std::string ReferenceOf(const std::string& name) {
   std::string text;
   for (const Topic& topic : Topics())

@@ -1,4 +1,4 @@
-// `cdb explain`: a kind of error or warning, with a wrong and a right example.
+// `cdb explain`: explains a kind of error or warning, with a wrong and a right example.
 #include <fmt/format.h>
 
 #include <memory>
@@ -17,7 +17,7 @@
 namespace cdb::help {
 namespace {
 
-/// What `cdb check` says of the wrong example.
+/// The output of `cdb check` for the wrong example.
 std::string RenderedWrong(const manual::Explanation& explanation) {
   const auto read = [&](const std::string& path, std::string& why) -> std::optional<std::string> {
     if (path == "wrong.cdb") return std::string(explanation.wrong);

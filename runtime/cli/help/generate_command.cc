@@ -1,4 +1,4 @@
-// `cdb generate`: files for editors, shells and man, made from the tables of the language.
+// `cdb generate`: prints files for editors, shells and man, made from the tables of the language.
 #include "runtime/cli/help/help_commands.h"
 
 #include <fmt/format.h>

@@ -21,7 +21,7 @@ void AddExplainCommand(CLI::App& app, options::ExitStatus& status);
 /// `cdb generate`: files for editors, shells and man, made from the tables of the language.
 void AddGenerateCommand(CLI::App& app, options::ExitStatus& status);
 
-/// The arguments of `cdb list` and `cdb generate`.
+/// The words that `cdb list` and `cdb generate` accept as arguments.
 std::vector<std::string> ListKinds();
 std::vector<std::string> GeneratedKinds();
 

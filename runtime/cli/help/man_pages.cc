@@ -14,7 +14,7 @@
 namespace cdb::help {
 namespace {
 
-/// As roff prints it: no character is an instruction.
+/// Escapes text for roff, so that no character is taken as an instruction.
 std::string Roff(std::string_view text) {
   std::string escaped;
   bool is_line_start = true;
@@ -58,7 +58,7 @@ std::string CommandText(const CommandInfo& command) {
   return text;
 }
 
-/// Lines in capitals begin sections; the others stay as they are.
+/// Turns lines in capitals into section headings; other lines stay as they are.
 std::string Sections(std::string_view reference) {
   std::string text;
   bool is_open = false;

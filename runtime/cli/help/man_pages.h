@@ -1,4 +1,4 @@
-// The pages of man, in roff.
+// The manual pages, in roff.
 #pragma once
 
 #include <span>

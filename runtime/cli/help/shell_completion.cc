@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kHead = "# Completion of cdb; written by `cdb generate`.\n";
 
-/// In single quotes; each character of `special` behind a backslash.
+/// In single quotes; each character of `special` is preceded by a backslash.
 std::string Quoted(std::string_view text, std::string_view special = {}) {
   std::string quoted = "'";
   for (const char c : text) {
@@ -24,7 +24,7 @@ std::string Quoted(std::string_view text, std::string_view special = {}) {
   return quoted + "'";
 }
 
-/// In fish a quote within quotes is escaped.
+/// In fish, a single quote within quotes is escaped.
 std::string FishQuoted(std::string_view text) {
   std::string quoted = "'";
   for (const char c : text)

@@ -154,8 +154,8 @@ std::string BenchmarksIn(const fs::path& file) {
   return fmt::format("  {}: {}", count == 1 ? "benchmark" : "benchmarks", names);
 }
 
-/// The scenarios of the library, a table for each folder, with their first comment line and the
-/// benchmarks in them.
+/// The scenarios of the library as one table for each folder, with the first comment line of each
+/// scenario and its benchmarks.
 std::string Scenarios() {
   const fs::path library = options::ScenarioLibrary();
   std::map<std::string, std::vector<fs::path>> folders;

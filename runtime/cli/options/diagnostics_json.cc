@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 /// The lines that a span touches, each with the columns that belong to it.
 Json LinesOf(const text::Span& span) {
-  constexpr int kMostLines = 6;  // of a block that is not closed, say
+  constexpr int kMostLines = 6;  // for example of a block that is not closed
   const text::Source& source = *span.source;
   const text::Position begin = source.PositionAt(span.begin), end = source.PositionAt(span.end);
   Json lines = Json::array();

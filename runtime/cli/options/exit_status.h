@@ -1,11 +1,11 @@
-// How a command ends.
+// Exit status of a command.
 #pragma once
 
 #include <stdexcept>
 
 namespace cdb::options {
 
-/// The exit status of the program; a larger one is the worse of two.
+/// The exit status of the program. Of two, the larger one is the worse.
 enum class ExitStatus {
   kGood = 0,
   kScenario = 1,  ///< an error in the scenario
@@ -14,7 +14,7 @@ enum class ExitStatus {
   kWorse = 4,  ///< `cdb compare` found something worse, or `cdb suite --against` something untrue
 };
 
-/// The status of a command that `signal` stopped.
+/// The exit status of a command that was stopped by `signal`.
 constexpr ExitStatus StoppedBy(int signal) { return static_cast<ExitStatus>(128 + signal); }
 
 /// Environment or usage error: printed on standard error, then exit status 2.

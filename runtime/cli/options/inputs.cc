@@ -38,7 +38,7 @@ void CheckBenchmarkName(const std::string& name, const std::vector<std::string>&
                                               : fmt::format("did you mean '{}'?", near)));
 }
 
-/// Each lint by its name, once. Empty where there is none.
+/// The name of each lint, once. Empty if there are none.
 std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::string& file) {
   std::vector<std::string_view> names;
   for (const dsl::Diagnostic& diagnostic : diagnostics.all())
@@ -50,7 +50,7 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
                      fmt::join(names, ", "), file);
 }
 
-/// The compiler names the file itself.
+/// The path is removed from the message, because the compiler names the file itself.
 std::optional<analysis::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
   try {
     return store::ReadTraceFacts(path);
@@ -178,7 +178,7 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
   compiler::Compilation result = CompileAndReport(file, benchmark, lints, plugins);
   if (named != nullptr)
     named->assign(result.scenario->plugins().begin(), result.scenario->plugins().end());
-  // As the user named it: where the library lies is this machine's affair.
+  // The path as the user gave it: the location of the library differs between machines.
   for (plan::Plan& plan : result.plans) plan.source = file;
   if (!result.diagnostics.has_errors() && benchmark)
     CheckBenchmarkName(*benchmark, result.benchmarks, file);

@@ -1,4 +1,4 @@
-// Files that commands take: scenarios, plans, and where the library lies.
+// Input files of commands: scenarios and plans, and the location of the library.
 #pragma once
 
 #include <optional>
@@ -13,35 +13,37 @@
 
 namespace cdb::options {
 
-/// The folder of the scenarios that come with cdb: beside the program that was built, or installed
-/// with it. Empty where there is none.
+/// The folder of the scenarios that come with cdb: beside the program in the build tree, or
+/// installed with it. Empty if there is none.
 std::string ScenarioLibrary();
 
-/// What standard input is called in messages and plans.
+/// The name of standard input in messages and plans.
 inline constexpr std::string_view kStandardInput = "<stdin>";
-/// `-` as kStandardInput, other names as they are: for commands that can read it.
+/// Turns `-` into kStandardInput; other names stay as they are. For commands that can read standard
+/// input.
 std::string FileOrStandardInput(const std::string& file);
 
-/// compiler::ReadFromDisk, and standard input, which is read once.
+/// compiler::ReadFromDisk, extended by standard input, which is read once.
 std::optional<std::string> ReadInput(const std::string& path, std::string& why);
 
-/// The scenario file that a command line names: kStandardInput, the file itself, else the library's
-/// of that name, with or without `.cdb`. Throws CommandError.
+/// The scenario file for a name on the command line: kStandardInput, the file itself, or else the
+/// file of that name in the library, with or without `.cdb`. Throws CommandError.
 std::string FindScenario(const std::string& file);
 
-/// How much is said of numbers that Bullet cannot follow (compiler/lints.h).
+/// The detail in which lints are printed: numbers that Bullet cannot follow
+/// (compiler/lints/lints.h).
 enum class LintText { kNone, kOneLine, kWhole };
 
 /// In colour on a terminal, and at most 20 errors.
 dsl::RenderOptions RenderOptionsForTerminal();
 
-/// The library of scenarios in the folder `library`, plug-ins and traces. `lists_runs`: as in
-/// compiler::CompileOptions.
+/// Options with the library of scenarios in the folder `library`, plug-ins and traces.
+/// `lists_runs`: as in compiler::CompileOptions.
 compiler::CompileOptions OptionsOf(const std::string& library,
                                    const std::optional<std::string>& benchmark,
                                    const std::vector<std::string>& plugins, bool lists_runs);
 
-/// Compiles `file` as `read` gives it, with the library of scenarios, plug-ins and traces.
+/// Compiles `file` as returned by `read`, with the library of scenarios, plug-ins and traces.
 /// `lists_runs`: as in compiler::CompileOptions. Throws ScheduleError.
 compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
                                   const std::optional<std::string>& benchmark,
@@ -49,39 +51,39 @@ compiler::Compilation CompileWith(const std::string& file, const scenario::ReadF
                                   bool lists_runs = true);
 
 /// Compiles the file that FindScenario finds, and prints every diagnostic on standard error.
-/// `plugins`: shared libraries with detectors, beside those that the file names. Throws
-/// CommandError, ScheduleError (no worker program to look into a library).
+/// `plugins`: shared libraries with detectors, in addition to those that the file names. Throws
+/// CommandError, and ScheduleError if there is no worker program to load a library.
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
                                        const std::vector<std::string>& plugins = {},
                                        bool lists_runs = true,
                                        const scenario::ReadFile& read = ReadInput);
 
-/// The plans of a `.cdb` file, here or in the library, or of a plan as YAML. Empty after
-/// diagnostics were printed (exit status 1). A plan names its own plug-ins. `named`: gets the
-/// detectors of all plug-ins that the file and `plugins` bring, used or not. Throws CommandError,
-/// ScheduleError, compiler::PlanError.
+/// The plans of a `.cdb` file, given by path or from the library, or of a plan in YAML. Empty after
+/// diagnostics were printed (exit status 1). A plan names its own plug-ins. `named` receives the
+/// detectors of all plug-ins in the file and in `plugins`, used or not. Throws CommandError,
+/// ScheduleError, yaml::PlanError.
 std::vector<plan::Plan> LoadPlans(const std::string& file,
                                   const std::optional<std::string>& benchmark,
                                   LintText lints = LintText::kOneLine,
                                   const std::vector<std::string>& plugins = {},
                                   std::vector<schema::PluginDetector>* named = nullptr);
 
-/// The grids of a `.cdb` file, as LoadPlans; their runs are not listed. `read`: in place of the
-/// disk.
+/// The grids of a `.cdb` file, found as by LoadPlans; their runs are not listed. `read` replaces
+/// the disk.
 std::vector<grid::Grid> LoadGrids(const std::string& file,
                                   const std::optional<std::string>& benchmark, LintText lints,
                                   const std::vector<std::string>& plugins,
                                   const scenario::ReadFile& read = ReadInput);
 
-/// A plan as YAML, by its name.
+/// True if the name of the file is that of a plan in YAML.
 bool IsPlanFile(const std::string& file);
-/// Throws CommandError for options that do not go with a plan of the benchmark `planned`.
+/// Throws CommandError for options that cannot be used with a plan of the benchmark `planned`.
 void CheckPlanFile(const std::string& file, const std::optional<std::string>& benchmark,
                    const std::vector<std::string>& plugins, const std::string& planned);
 
-/// Throws CommandError for a word that neither the parameter nor, where it takes detectors,
-/// `plugins` has, or that is there twice.
+/// Throws CommandError for a duplicate word, and for a word that is unknown to the parameter and,
+/// if it takes detectors, to `plugins`.
 void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,
                 std::span<const schema::PluginDetector> plugins = {});
 

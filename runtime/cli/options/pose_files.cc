@@ -22,7 +22,7 @@ using layouts::PoseTable;
 using library::SceneError;
 using store::ResultFile;
 
-/// The arguments of a `poses` call; empty where they are a word.
+/// The arguments of a `poses` call; empty if they are a word.
 struct Arguments {
   explicit Arguments(const schema::Call& poses) : file(*Text(poses, "file")) {
     if (const auto* number = schema::AsNumber(schema::ArgumentOf(poses, "cycle")))
@@ -77,7 +77,7 @@ ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
   return cell;
 }
 
-/// The objects that are asked for: from the first to before the second.
+/// The range of objects requested: the first, and the one after the last.
 std::pair<std::size_t, std::size_t> ObjectsOf(const ResultFile& file, const ResultFile::Cell& cell,
                                               const Arguments& from) {
   const auto plan = statistics::ReadPlan(file);

@@ -1,4 +1,4 @@
-// Tables of poses in HDF5 files: results with `record poses`, and files of the user's own.
+// Tables of poses in HDF5 files: results with `record poses`, and files made by the user.
 #pragma once
 
 #include "compiler/schema/value.h"
@@ -6,8 +6,9 @@
 
 namespace cdb::options {
 
-/// The table of a call of the plan. Of a results file, orientations are of the bodies' own axes and
-/// there are no velocities. Throws SceneError that names the file and what to do.
+/// The table for a call in the plan. In a table from a results file, orientations refer to the
+/// bodies' own axes and there are no velocities. Throws SceneError that names the file and the
+/// remedy.
 layouts::PoseTable ReadHdf5Poses(const schema::Call& poses);
 
 }  // namespace cdb::options

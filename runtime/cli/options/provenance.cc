@@ -13,8 +13,8 @@
 namespace cdb::options {
 namespace {
 
-/// The rest of the first line of `file` that begins with `key`, after `separator`; empty where
-/// there is none.
+/// The rest of the first line of `file` that begins with `key`, after `separator`; empty if there
+/// is none.
 std::string FindLine(const char* file, std::string_view key, char separator) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {

@@ -1,4 +1,4 @@
-// Facts of build and machine that a timing means nothing without.
+// Facts about the build and the machine, without which a timing has no meaning.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace cdb::options {
 
-/// `Release`, or what else this program was built as. Sanitizers count as another build.
+/// `Release`, or another build type. A build with sanitizers counts as a build type of its own.
 std::string BuildType();
 
-/// Version, commit, build, compiler, Bullet, processor, memory, kernel, system, frequency governor;
-/// what the system does not tell is left out.
+/// Version, commit, build, compiler, Bullet, processor, memory, kernel, system, frequency governor.
+/// Facts that the system does not provide are left out.
 store::Provenance CollectProvenance();
 
 }  // namespace cdb::options

@@ -29,9 +29,9 @@ class Subcommand {
   void Optional(const std::string& name, std::vector<std::string>& values, const std::string& help);
   /// `a,b,c`
   void List(const std::string& name, std::vector<std::string>& values, const std::string& help);
-  /// Given once for each value.
+  /// An option that is given once for each value.
   void Repeated(const std::string& name, std::vector<std::string>& values, const std::string& help);
-  /// `a,b,c` in one argument: what follows it may be files. May be there several times.
+  /// `a,b,c` in one argument; the arguments after it may be files. May be given several times.
   void ShortList(const std::string& name, std::vector<std::string>& values,
                  const std::string& help);
   /// A whole number, from `least` to 2147483647.

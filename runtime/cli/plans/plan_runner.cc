@@ -36,8 +36,8 @@ void MakeResultsFolder(const fs::path& folder) {
                                             folder.string(), error.message()));
 }
 
-/// Only on a terminal, where somebody can wait for a quiet machine. The results record the load
-/// anyway.
+/// Only on a terminal, where a user can wait for a quiet machine. The results record the load in
+/// any case.
 void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
   const double load = machine::LoadAverage(), processors = machine::ProcessorCount();
   if (options_.is_quiet || isatty(STDERR_FILENO) == 0 || !plan.Records("timing") ||
@@ -234,7 +234,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   if (options_.shard.count > 1) return end;
   shards::Merge(plan, provenance_, {folder}, out, out);
   if (lock.TakeForMyself()) {
-    fs::remove(mark, error);  // first: from here on, the shards are left over
+    fs::remove(mark, error);  // first: without the mark, the shards count as leftovers
     RemoveShards(plan, folder);
   }
   end.is_merged = true;

@@ -1,4 +1,4 @@
-// A plan to its results file: runs what is missing, merges the shards, removes them.
+// Executes a plan into its results file: runs what is missing, merges the shards, removes them.
 #pragma once
 
 #include <cstddef>
@@ -24,33 +24,34 @@ struct PlanRunnerOptions {
   bool fresh = false;                     ///< start over
   bool is_quiet = false;                  ///< no progress
   schedule::ShardChoice shard = {};       ///< the part of each plan that is run
-  std::vector<std::string> plugins = {};  ///< libraries that the scenario file does not name
-  RetryChoice retry = {};                 ///< finished runs that are run again
+  std::vector<std::string> plugins = {};  ///< libraries in addition to those that the scenario file
+                                          ///< names
+  RetryChoice retry = {};                 ///< finished runs to run again
   std::size_t noisy_retries = 0;          ///< schedule::ExecuteOptions
   /// Stop repeating once every interval is within this fraction of its mean step (until.h).
   std::optional<double> until = {};
 };
 
 struct ExecutedPlan {
-  schedule::Summary summary;  ///< nothing where all was there already
+  schedule::Summary summary;  ///< empty if every run was already in the results
   std::filesystem::path shards;
-  /// `out` holds what was asked for; not where that was only a shard of it.
+  /// `out` holds all of the plan. False if only a shard of it was requested.
   bool is_merged = false;
 };
 
 /// For commands that write several results files. Throws CommandError.
 void MakeResultsFolder(const std::filesystem::path& folder);
 
-/// Executes the plans of one command. While it lives, signals ask it to stop, and a pipe that
-/// nobody reads any more does not end it. Provenance is taken once. Threads: one; one at a time in
-/// a process.
+/// Executes the plans of one command. While it lives, signals request a stop, and writing to a
+/// closed pipe does not end the program. Provenance is collected once. Not thread-safe, and only
+/// one may exist in a process at a time.
 class PlanRunner {
  public:
   explicit PlanRunner(PlanRunnerOptions options);
 
-  /// `out`: the results file; its shards lie beside it. Goes on where an earlier call stopped.
-  /// Stopped by a signal, says so and keeps what ended. Throws CommandError, StoreError; then
-  /// everything finished is kept.
+  /// `out`: the results file; its shards lie beside it. Continues where an earlier call stopped. If
+  /// stopped by a signal, prints a message and keeps the finished runs. Throws CommandError,
+  /// StoreError; finished runs are kept then too.
   ExecutedPlan Execute(const SizedPlan& plan, const std::filesystem::path& out) const;
   ExecutedPlan Execute(const plan::Plan& plan, const std::filesystem::path& out) const {
     return Execute(SizedPlan{plan, nullptr}, out);
@@ -60,7 +61,7 @@ class PlanRunner {
   options::ExitStatus StoppedStatus() const { return options::StoppedBy(stop_.signal()); }
 
  private:
-  /// Replaces the runs of a results file that `retry` wants, with those that it lacks.
+  /// Replaces the runs of a results file that `retry` selects, and adds those that it lacks.
   ExecutedPlan Retry(const SizedPlan& plan, const std::filesystem::path& out,
                      const RetryChoice& retry) const;
   /// `out` holds every run of the plan; leftover shards are removed.
@@ -69,7 +70,8 @@ class PlanRunner {
   std::optional<std::uint64_t> FirstRepeats(const plan::Plan& plan,
                                             const std::filesystem::path& out,
                                             bool has_results) const;
-  /// Reports the precision of the results. The repeats of the next round; nullopt after the last.
+  /// Reports the precision of the results. Returns the repeats of the next round; nullopt after the
+  /// last.
   std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan, const Precision& reached) const;
   schedule::ExecuteOptions ExecuteOptionsFor(const plan::Plan& plan,
                                              const std::filesystem::path& folder,

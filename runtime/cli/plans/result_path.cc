@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// `r` and `r.h5` keep their shards in the same folder, where each would take those of the other
-/// for its own, and remove them.
+/// `r` and `r.h5` would keep their shards in the same folder; each would merge and remove those of
+/// the other.
 fs::path RequireOwnShards(fs::path out) {
   fs::path other = out;
   if (out.extension() == ".h5")

@@ -1,4 +1,4 @@
-// Where the results of a plan go, and what is shown of them when they are there.
+// Path of the results of a plan, and the output after it has been executed.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace cdb::plans {
 
-/// `NAME.h5` here where `out` is empty, in it where it is a folder, else `out` itself. `file`: the
-/// scenario, which has `plan_count` benchmarks. Throws CommandError where one file would get
-/// several, there is no such folder, or a results file is there that would share its shards (`r`
-/// for `r.h5`).
+/// `NAME.h5` in the current folder if `out` is empty, in `out` if that is a folder, else `out`
+/// itself. `file`: the scenario, which has `plan_count` benchmarks. Throws CommandError if several
+/// benchmarks would share one file, if the folder does not exist, or if there is a results file
+/// that would share its shards (`r` for `r.h5`).
 std::filesystem::path ResultPath(const std::string& out, const std::string& name,
                                  const std::string& file, std::size_t plan_count);
 

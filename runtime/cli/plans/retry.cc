@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kNoisy = "noisy";
 constexpr std::string_view kWords[] = {"failed", "crashed", "timed_out", kNoisy};
 
-/// Those beside a complete result are of a runner that was killed right after its merge.
+/// Shards beside a complete result were left by a runner that was killed right after its merge.
 void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_complete) {
   std::error_code error;
   if (!fs::exists(shards, error)) return;

@@ -1,4 +1,4 @@
-// Which finished runs `cdb run` and `cdb submit` run again, in the file that has them.
+// The finished runs that `cdb run` and `cdb submit` run again, within their results file.
 #pragma once
 
 #include <cstddef>
@@ -16,32 +16,31 @@
 
 namespace cdb::plans {
 
-/// By how they ended (`failed`, `crashed`, `timed_out`), by a disturbed machine (`noisy`), or one
-/// run by its id.
+/// Selects runs by how they ended (`failed`, `crashed`, `timed_out`), by a disturbed machine
+/// (`noisy`), or one run by its id.
 class RetryChoice {
  public:
   RetryChoice() = default;
-  /// Throws CommandError for another word.
+  /// Throws CommandError for an unknown word.
   explicit RetryChoice(const std::vector<std::string>& words);
   static RetryChoice Only(const std::string& run_id);
 
   bool is_empty() const { return words_.empty(); }
-  /// Of a results file or a shard. `run_id`: of the run in that cell.
+  /// `file`: a results file or a shard. `run_id`: the id of the run in that cell.
   bool Wants(const store::ResultFile& file, const store::ResultFile::Cell& cell,
              const std::string& run_id) const;
 
-  /// `crashed,failed`: kept in the folder of shards, so that a retry that was stopped goes on.
+  /// `crashed,failed`: kept in the folder of shards, so that a stopped retry can continue.
   std::string Text() const;
   static RetryChoice FromText(const std::string& text);
   const std::set<std::string>& Words() const { return words_; }
   RetryChoice With(const RetryChoice& other) const;
 
  private:
-  std::set<std::string> words_;  ///< and ids
+  std::set<std::string> words_;  ///< words and ids of runs
 };
 
-/// What the retry that was begun in a folder of shards, and has not ended, wants; empty where there
-/// is none.
+/// The choice of the unfinished retry in a folder of shards; empty if there is none.
 RetryChoice FindStartedRetry(const std::filesystem::path& shards);
 
 /// The runs of a results file that are not run again.
@@ -52,7 +51,7 @@ class KeptRuns {
 
   bool Has(const std::string& id, const std::vector<std::size_t>& at, std::uint64_t rep) const;
   std::size_t CountOthers(const plan::Plan& plan) const;
-  /// Nullopt for a run that is run again.
+  /// Nullopt for a run that is to be run again.
   std::optional<shards::ShardInfo> Find(const plan::Run& run) const;
 
  private:
@@ -60,15 +59,15 @@ class KeptRuns {
   const RetryChoice retry_;
 };
 
-/// Prepares a folder of shards for a retry that has not begun there: removes shards that the result
-/// has already. Empty, or why there is nothing to run again. Throws CommandError where the result
-/// lacks some of the shards, or another cdb is at work in the folder.
+/// Prepares a folder of shards for a new retry: removes shards that the result already contains.
+/// Returns an empty text, or the reason why there is nothing to run again. Throws CommandError if
+/// the result lacks some of the shards, or another cdb is at work in the folder.
 std::string PrepareRetry(const plan::Plan& plan, const std::filesystem::path& shards,
                          const std::filesystem::path& out, const RetryChoice& retry,
                          bool is_complete);
 
-/// Runs that the retry in `shards` wants and that have no shard yet; 0 where there is no retry.
-/// Call it before the shards are merged into `out`.
+/// The number of runs that the retry in `shards` selects and that have no shard yet; 0 if there is
+/// no retry. Call it before the shards are merged into `out`.
 std::size_t CountNotRunAgain(const plan::Plan& plan, const std::filesystem::path& shards,
                              const std::filesystem::path& out);
 

@@ -94,10 +94,10 @@ FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {
     int locked = 0;
     while ((locked = flock(fd_.get(), LOCK_SH)) != 0 && errno == EINTR) {
     }
-    // Where the file system knows no locks, two runners on one result are the user's to avoid.
+    // If the file system does not support locks, users must not start two runners on one result.
     is_known_ = locked == 0;
     if (plan::IsAt(fd_.get(), folder)) return;
-    // Removed by the runner that held it.
+    // The folder was removed by the runner that held it.
   }
 }
 
@@ -107,7 +107,7 @@ FolderLock::~FolderLock() {
 
 bool FolderLock::TakeForMyself() {
   if (flock(fd_.get(), LOCK_EX | LOCK_NB) == 0) return true;
-  // NFS may lend a folder, open for reading, to many and to nobody alone.
+  // NFS may grant a shared lock on a folder that is open for reading, but never an exclusive one.
   if (errno != EWOULDBLOCK && errno != EINTR) is_known_ = false;
   return false;
 }
@@ -134,7 +134,9 @@ void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
   if (plan.whole) return schedule::RemoveWholePlan(folder);
   for (const auto* runs : {&plan.runs, &plan.references})
     for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
-  if (HasShards(folder)) return;  // some cannot be removed: with the plan, merging them goes on
+  if (HasShards(folder))
+    return;  // some cannot be removed: the plan is kept, so that they can
+             // still be merged
   fs::remove(folder / "plan.yaml", ignored);
   fs::remove(folder / schedule::kShortPlanName, ignored);
   fs::remove(folder / schedule::kRetryMarkName, ignored);

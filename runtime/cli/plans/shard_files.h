@@ -1,4 +1,4 @@
-// The shards beside a results file: where they are, who works with them, and when they may go.
+// The shards beside a results file: their folder, its lock, and their removal.
 #pragma once
 
 #include <cstddef>
@@ -16,35 +16,36 @@ namespace cdb::plans {
 /// The shards of `out.h5` lie in `out.runs`, those of `out.v1` in `out.v1.runs`.
 std::filesystem::path ShardFolderOf(const std::filesystem::path& out);
 
-/// `out` is there and holds every run of the plan. Throws CommandError where it holds the results
-/// of another plan, with `hint` at the end, StoreError where it is damaged.
+/// True if `out` exists and holds every run of the plan. Throws CommandError, with `hint` at the
+/// end, if it holds the results of another plan, and StoreError if it is damaged.
 bool IsThereAlready(const std::filesystem::path& out, const plan::Plan& plan,
                     std::string_view hint = {});
 
-/// Throws CommandError where `out` is there and is not the results of the plan.
+/// Throws CommandError if `out` exists and is not a results file of the plan.
 void CheckIsOfPlan(const std::string& out, const plan::Plan& plan);
 
 std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan);
 
-/// Merges the shards into `out`, which keeps the runs that it has and that have no shard. Throws
-/// StoreError; then `out` is as before.
+/// Merges the shards into `out`. Runs in `out` that have no shard are kept. Throws StoreError;
+/// `out` is then unchanged.
 void MergeOnto(const plan::Plan& plan, const std::vector<std::filesystem::path>& shards,
                const std::filesystem::path& out);
 
-/// Says to other runners that somebody works in a folder of shards. Shared while runs are
-/// executed; the last one out gets it for itself, and only then may shards be removed.
+/// Tells other runners that a folder of shards is in use. Shared while runs are executed; the last
+/// runner takes it exclusively, and only then may shards be removed.
 class FolderLock {
  public:
-  /// Makes the folder where there is none. Throws CommandError.
+  /// Creates the folder if it does not exist. Throws CommandError.
   explicit FolderLock(const std::filesystem::path& folder);
-  /// A folder that nothing came into goes again.
+  /// Removes the folder if it is empty.
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// False where another runner is at work, or the file system knows no locks.
+  /// False if another runner is at work, or the file system does not support locks.
   bool TakeForMyself();
-  /// False where the file system knows no locks: then nobody can tell whether others are at work.
+  /// False if the file system does not support locks; it is then unknown whether others are at
+  /// work.
   bool is_known() const { return is_known_; }
 
  private:
@@ -53,8 +54,8 @@ class FolderLock {
   bool is_known_ = true;
 };
 
-/// Stands in a folder of shards while `--fresh` is at work for the plan with that hash: what is
-/// there is newer than the result, and the next run goes on with it.
+/// The mark in a folder of shards while `--fresh` is at work for the plan with the hash in it: the
+/// shards are newer than the result, and the next run continues with them.
 std::filesystem::path FreshMark(const std::filesystem::path& folder);
 bool IsMadeAnew(const plan::Plan& plan, const std::filesystem::path& folder);
 
@@ -63,8 +64,9 @@ bool HasShards(const std::filesystem::path& folder);
 /// Removes the shards that `Merge` has verified, and the files that belong to them. Throws
 /// StoreError.
 void RemoveShards(const plan::Plan& plan, const std::filesystem::path& folder);
-/// The same where nobody else is at work, by a lock that is given up for it. Where others are, the
-/// last one removes them; where the file system knows no locks, the shards stay, and it is said.
+/// Calls RemoveShards if no other runner is at work, and gives up the lock. If others are, the last
+/// one removes the shards. If the file system does not support locks, the shards stay, and a
+/// message says so.
 void RemoveMergedShards(const plan::Plan& plan, const std::filesystem::path& folder,
                         FolderLock& lock, bool is_quiet);
 

@@ -18,17 +18,17 @@ namespace {
 
 using Files = std::map<std::string, std::string>;
 
-/// Notes the scenario files that are read.
+/// A reader that records the scenario files it reads.
 scenario::ReadFile NoteFiles(Files& files) {
   return [&files](const std::string& path, std::string& why) {
     auto text = options::ReadInput(path, why);
-    // Plug-ins are read for their hash.
+    // Plug-ins are only read for their hash.
     if (text && (path.ends_with(".cdb") || path == options::kStandardInput)) files[path] = *text;
     return text;
   };
 }
 
-/// `form`: what is known of it; its hash and number of runs are filled in.
+/// `form`: the known members; its hash and number of runs are filled in.
 std::string ShortText(yaml::ShortPlan form, const plan::Plan& head, const std::string& sha256,
                       std::uint64_t runs) {
   form.benchmark = head.benchmark;
@@ -55,7 +55,7 @@ SizedPlan MakeLong(grid::Grid made, const yaml::ShortPlan& form) {
   return sized;
 }
 
-/// Lists the runs where they are not too many.
+/// Lists the runs unless there are too many.
 SizedPlan Make(grid::Grid made, const yaml::ShortPlan& form) {
   if (made.run_count() > compiler::kMostListed) return MakeLong(std::move(made), form);
   SizedPlan sized = {grid::ListRuns(made), nullptr, {}};

@@ -1,4 +1,4 @@
-// Plans of any size for the commands that execute or merge them: those that are too long to be
+// Plans of any size, for the commands that execute or merge them. Plans that are too long to be
 // listed are kept as grids.
 #pragma once
 
@@ -15,26 +15,26 @@
 namespace cdb::plans {
 
 struct SizedPlan {
-  /// With all runs, or with a `whole` and none.
+  /// Either lists all runs, or has a `whole` and lists none.
   plan::Plan plan;
-  std::shared_ptr<const grid::Grid> grid;  ///< null where the plan lists its runs
-  /// The same plan by the texts that it is compiled from, as YAML, which takes a tenth of the time
-  /// to read. Empty where it was read from a list of runs.
+  std::shared_ptr<const grid::Grid> grid;  ///< null if the plan lists its runs
+  /// The plan in its short form: the texts that it is compiled from, as YAML, which is read in a
+  /// tenth of the time. Empty if the plan was read from a list of runs.
   std::string short_text = {};
 
-  /// For a plan that lists none: part `index`, from 0, of `count` (compiler/grid/part.h).
+  /// For a plan that lists no runs: part `index`, from 0, of `count` (compiler/grid/part.h).
   plan::Plan ListPart(std::uint64_t index, std::uint64_t count) const;
 };
 
-/// The plans of a `.cdb` file, or of a plan as YAML in either form, as LoadPlans. Throws
+/// The plans of a `.cdb` file, or of a plan as YAML in either form, as by LoadPlans. Throws
 /// CommandError also for a long plan whose runs are compared with reference runs, and for a plan in
-/// the short form of which this version makes another plan.
+/// the short form that this version expands to another plan.
 std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
                                       const std::optional<std::string>& benchmark,
                                       options::LintText lints,
                                       const std::vector<std::string>& plugins);
 
-/// The plan that `text`, of the plan file `name`, holds.
+/// The plan in `text`, the contents of the plan file `name`.
 SizedPlan ReadSizedPlan(const std::string& text, const std::string& name);
 
 }  // namespace cdb::plans

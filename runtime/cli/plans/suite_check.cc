@@ -1,4 +1,4 @@
-// Whether results of the standard suite are complete and comparable (`cdb suite --check`).
+// Checks whether results of the standard suite are complete and comparable (`cdb suite --check`).
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using compare::ComparedFile;
 
-/// Of an extra detector: the id that the run would have with the baseline.
+/// For a run of an extra detector: the id that the run would have with the baseline.
 std::string IdWithBaseline(const plan::Run& run, const plan::Plan& standard) {
   plan::Scene scene = run.scene;
   scene.world.Set("detector", standard.runs[0].scene.world.Get("detector"));
@@ -26,7 +26,8 @@ std::string IdWithBaseline(const plan::Run& run, const plan::Plan& standard) {
   return plan::RunId(scene, run.rep);
 }
 
-/// Why the plan of the results is not `standard` with, at most, more detectors; empty where it is.
+/// The reason why the plan of the results is not `standard`, with or without additional detectors;
+/// empty if it is.
 std::string FindForeign(const plan::Plan& of, const plan::Plan& standard) {
   std::set<std::string> ids, wanted;
   for (const plan::Run& run : standard.runs) wanted.insert(run.id);
@@ -86,7 +87,7 @@ class Checker {
       Fault("{}: {} runs ran side by side", id, jobs);
   }
 
-  /// A fact of the provenance is the same in all files.
+  /// A fact of the provenance must be the same in all files.
   void CheckSame(const char* fact) {
     std::map<std::string, std::size_t> values;
     for (const auto& of : read_.files) ++values[of->file.ReadProvenance(fact)];
@@ -115,7 +116,7 @@ class Checker {
           fmt::join(distrusted, ", "), all > 3 ? ", …" : "");
   }
 
-  /// The summary must be of these files, and of this version.
+  /// The summary must have been made from these files by this version.
   void CheckSummary(const std::filesystem::path& folder) {
     std::string why;
     const auto text = plan::ReadInputFile((folder / kSuiteSummary).string(), why);

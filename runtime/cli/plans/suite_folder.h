@@ -1,4 +1,4 @@
-// A folder of results of the standard suite: read, summarised, checked.
+// A folder of results of the standard suite: reading, summary and check.
 #pragma once
 
 #include <filesystem>
@@ -20,21 +20,23 @@ struct SuiteFolder {
   std::vector<suite::SceneFigures> scenes;                    ///< of each file
   suite::SuiteFacts facts;
 };
-/// What there is. Throws StoreError, CommandError for a folder without results of the suite.
+/// Reads the results that exist. Throws StoreError, and CommandError for a folder without results
+/// of the suite.
 SuiteFolder ReadSuiteFolder(const std::filesystem::path& folder);
 
 /// The text of suite.json.
 std::string SuiteSummary(const SuiteFolder& read);
-/// Writes suite.json and suite.html. Throws StoreError, and PageError for a build without pages,
-/// when suite.json is written.
+/// Writes suite.json and suite.html. Throws StoreError, and, in a build without pages, PageError
+/// after suite.json has been written.
 void WriteSuiteSummary(const SuiteFolder& read, const std::filesystem::path& folder);
 
-/// Why results of the suite are not complete and comparable; empty where they are.
+/// The reasons why results of the suite are not complete or not comparable; empty if there are
+/// none.
 struct SuiteFaults {
   std::vector<std::string> faults;
-  std::vector<std::string> facts;  ///< about machine, build and noise, for people
+  std::vector<std::string> facts;  ///< about machine, build and noise, to be read by people
 };
-/// Beside what `cdb check` says of each file. Throws StoreError, CommandError.
+/// In addition to `cdb check` of each file. Throws StoreError, CommandError.
 SuiteFaults CheckSuite(const SuiteFolder& read, const std::filesystem::path& folder);
 
 }  // namespace cdb::plans

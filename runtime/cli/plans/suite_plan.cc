@@ -21,7 +21,7 @@ void SetSeed(std::uint64_t seed, plan::Scene& scene) {
   for (auto& [name, stream] : scene.seeds) stream = plan::StreamSeed(seed, name);
 }
 
-/// The first repeat of each point, `change`d, in so many repeats.
+/// The first repeat of each point, changed by `change`, once for each new repeat.
 template <typename Change>
 std::vector<plan::Run> Repeated(const Plan& plan, std::uint64_t repeats, Change change) {
   std::vector<plan::Run> runs;
@@ -38,7 +38,7 @@ std::vector<plan::Run> Repeated(const Plan& plan, std::uint64_t repeats, Change 
   return runs;
 }
 
-/// With an axis of seeds in front.
+/// Puts an axis of seeds in front.
 Plan MakeLong(const Plan& plan) {
   Plan made = plan;
   plan::Axis axis{"seed", "seed", "", {}};
@@ -63,7 +63,7 @@ Plan WithSeed(const Plan& plan, std::uint64_t seed) {
   return made;
 }
 
-/// Adds runs like those of the baseline.
+/// Adds runs of these detectors, like those of the baseline.
 void AddDetectors(const std::vector<std::string>& names,
                   const std::vector<schema::PluginDetector>& plugins, Plan& plan) {
   const auto axis = std::ranges::find(plan.axes, "detector", &plan::Axis::parameter);
@@ -99,7 +99,7 @@ Plan StandardPlan(const suite::StandardScene& scene, const SuiteChoice& choice) 
         "brings it",
         scene.Id()));
   std::vector<schema::PluginDetector> named;
-  // The lints say what Bullet does badly; the suite measures how badly.
+  // No lints: the suite measures these weaknesses of Bullet on purpose.
   auto plans =
       options::LoadPlans(file.string(), {}, options::LintText::kNone, choice.plugins, &named);
   if (plans.size() != 1 || plans[0].benchmark + ".h5" != scene.ResultName())

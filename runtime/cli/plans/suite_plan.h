@@ -11,20 +11,20 @@
 
 namespace cdb::plans {
 
-/// What a run of the suite may choose. Cycles, repeats and seeds are not among it.
+/// The choices for a run of the suite. Cycles, repeats and seeds are fixed.
 struct SuiteChoice {
   bool is_long = false;                    ///< kLongRepeats, and the seeds of kLongSeeds
-  std::optional<std::uint64_t> seed = {};  ///< a fresh one in place of the published ones
-  /// Beside those of the suite, in scenes that sweep detectors.
+  std::optional<std::uint64_t> seed = {};  ///< a fresh seed in place of the published ones
+  /// Detectors in addition to those of the suite, in scenes that sweep detectors.
   std::vector<std::string> detectors = {};
-  std::vector<std::string> plugins = {};  ///< libraries that bring them
+  std::vector<std::string> plugins = {};  ///< libraries that contain them
 };
 
 inline constexpr std::uint64_t kLongRepeats = 11;
 inline constexpr std::uint64_t kLongSeeds[] = {0xAAAAAAAAAA, 1, 2};
 
-/// The scene comes from the library of scenarios, whatever lies in the current folder. Throws
-/// CommandError, also where the library holds no such scene.
+/// The plan of a scene of the library of scenarios; files in the current folder are ignored. Throws
+/// CommandError, also if the library has no such scene.
 plan::Plan StandardPlan(const suite::StandardScene& scene, const SuiteChoice& choice);
 
 }  // namespace cdb::plans

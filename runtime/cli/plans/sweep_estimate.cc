@@ -26,11 +26,11 @@
 namespace cdb::plans {
 namespace {
 
-/// Runs with a scene of their own, spread over the grid by the golden ratio, which suits the
-/// strides of any axes.
+/// Runs with different scenes, spread over the grid by the golden ratio, which does not resonate
+/// with the stride of any axis.
 std::vector<plan::Run> SpreadRuns(const grid::Grid& grid) {
   constexpr double kGolden = 0.6180339887498949;
-  constexpr int kMostTries = 100'000;  // where `skip` leaves few
+  constexpr int kMostTries = 100'000;  // needed if `skip` leaves few
   const grid::AxisSet all = grid::AllAxes(grid.head.axes.size());
   const grid::Subgrid whole(all, grid.extents());
   grid::Cursor cursor(grid);
@@ -47,10 +47,11 @@ std::vector<plan::Run> SpreadRuns(const grid::Grid& grid) {
   return runs;
 }
 
-/// Of all runs: the product of the different piles along each axis. Exact where the axes do not
-/// depend on one another.
+/// The number of different piles of all runs: the product of those along each axis. Exact if the
+/// axes are independent of one another.
 std::uint64_t CountPiles(const grid::Grid& grid, const std::vector<plan::Run>& samples) {
-  constexpr std::size_t kMostValues = 1000;  // of an axis; beyond, all are taken to differ
+  constexpr std::size_t kMostValues = 1000;  // of an axis; beyond it, all values are taken to
+                                             // differ
   if (samples.empty() ||
       std::ranges::none_of(samples, [](const plan::Run& run) { return yaml::HasPile(run.scene); }))
     return 0;
@@ -81,7 +82,7 @@ double SeriesBytes(const plan::Scene& scene) {
   return bytes;
 }
 
-/// The run, cut short and timed. Nothing is compared.
+/// A copy of the run, shortened and timed, without a reference run.
 plan::Run Shortened(const plan::Run& run) {
   plan::Run sample = run;
   plan::WorldSettings& world = sample.scene.world;
@@ -96,18 +97,18 @@ plan::Run Shortened(const plan::Run& run) {
   return sample;
 }
 
-/// s, of the cycles that ran.
+/// Time of a step over the cycles that ran, s.
 double StepSeconds(const process::Ending& ending, const plan::Scene& scene) {
   const auto durations = ending.recording->Reals("duration");
   const std::uint64_t cycles = scene.world.Count("cycles");
   double nanoseconds = 0;
-  // A row of cycles for each phase.
+  // The times are stored as a row of cycles for each phase.
   const std::size_t row = measure::IndexOf(measure::Phase::kStep) * cycles;
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) nanoseconds += durations[row + cycle];
   return nanoseconds * 1e-9 / static_cast<double>(cycles);
 }
 
-/// Shards where `cdb run` would write them by default; gone with this.
+/// A temporary folder for shards, where `cdb run` would write them by default.
 class TrialShards {
  public:
   explicit TrialShards(const plan::Plan& plan) : writer_(plan, provenance_) {
@@ -121,7 +122,7 @@ class TrialShards {
   TrialShards(const TrialShards&) = delete;
   TrialShards& operator=(const TrialShards&) = delete;
 
-  /// s; nullopt where the folder cannot be written to.
+  /// Time to write the shard, s; nullopt if the folder cannot be written to.
   std::optional<double> TimeOf(const plan::Run& run, const store::RunResult& result) const {
     const auto begin = std::chrono::steady_clock::now();
     try {
@@ -176,7 +177,7 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
   std::vector<plan::Run> whole = SpreadRuns(grid);
   for (const plan::Run& run : whole) plan.runs.push_back(Shortened(run));
   estimate.piles = CountPiles(grid, whole);
-  std::set<std::string> settled;  // piles
+  std::set<std::string> settled;  // ids of settled piles
   const TrialShards shards(plan);
   process::ProcessLauncher launcher(process::FindWorkers(plan), 1, &stop);
   for (std::size_t i = 0; i < whole.size() && !stop.requested(); ++i) {
@@ -220,7 +221,7 @@ std::optional<double> SettlingTime(const SweepEstimate& estimate) {
 
 namespace {
 
-/// Of the piles that are yet to settle; empty where there are no piles.
+/// About the piles that have yet to settle; empty if there are none.
 std::string PilesText(const SweepEstimate& estimate) {
   if (estimate.piles == 0) return {};
   const std::uint64_t settled = std::min(estimate.piles, estimate.settled_piles);

@@ -1,4 +1,4 @@
-// What a sweep will cost, from a few of its runs that are run for a few cycles.
+// Estimates the cost of a sweep from a few of its runs, which are executed for a few cycles.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace cdb::plans {
 /// A run that was executed for a few cycles.
 struct SampledRun {
   double seconds = 0;   ///< predicted for all of its cycles and for its shard, without settling
-  double settling = 0;  ///< s, of its piles; 0 where it has none, or found them settled
+  double settling = 0;  ///< s, of its piles; 0 if it has none, or if they were already settled
   double bytes = 0;     ///< of its series, before compression
 };
 
@@ -22,31 +22,35 @@ struct SampledRun {
 struct MeanOfSample {
   double mean = 0, low = 0, high = 0;
 };
-/// Of `values`, one or more, drawn from `population` of them without repetition: where these are
-/// all, the mean is exact. Of one value of several, the interval is 0 .. infinity.
+/// `values`: one or more values, drawn without repetition from a population of `population` values.
+/// If they are the whole population, the mean is exact. With one value of several, the interval is
+/// 0 .. infinity.
 MeanOfSample MeanOf(const std::vector<double>& values, std::uint64_t population);
 
 struct SweepEstimate {
   std::uint64_t runs = 0, points = 0;
   std::vector<SampledRun> samples;
-  std::vector<std::string> failures;  ///< why sampled runs did not end well
-  std::uint64_t cycles = 0;           ///< that each was run for, at most
-  bool has_references = false;        ///< runs are compared with reference runs, which come on top
-  bool has_shards = true;             ///< shards could be written here, and their time is included
-  /// Different piles of all runs, about, and of the sampled runs, which are settled by now.
+  std::vector<std::string> failures;  ///< reasons why sampled runs failed
+  std::uint64_t cycles = 0;           ///< most cycles of each sampled run
+  bool has_references = false;        ///< runs are compared with reference runs, whose cost is not
+                                      ///< included
+  bool has_shards = true;             ///< shards can be written here, and their time is included
+  /// The number of different piles: of all runs, approximately, and of the sampled runs, which are
+  /// settled.
   std::uint64_t piles = 0, settled_piles = 0;
 };
 
-/// Runs about kSampledRuns points, spread over the grid, one after the other. Writes their shards
-/// to a folder in the current one, which it removes. Throws ScheduleError.
+/// Executes runs at about kSampledRuns points, spread over the grid, one after the other. Writes
+/// their shards to a folder in the current one, which it removes. Throws ScheduleError.
 SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& stop);
 inline constexpr std::size_t kSampledRuns = 9;
 inline constexpr std::uint64_t kSampledCycles = 30;
 
-/// s, of a pile: the mean of those that sampled runs settled; nullopt where none did.
+/// Time to settle a pile, s: the mean of those that sampled runs settled; nullopt if there were
+/// none.
 std::optional<double> SettlingTime(const SweepEstimate& estimate);
 
-/// Runs, bytes and hours; what was measured, and what is not known.
+/// Runs, bytes and hours, with the measured figures and the unknowns.
 std::string EstimateText(const SweepEstimate& estimate, const std::string& benchmark,
                          std::uint64_t jobs);
 

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `crowd`, `crowd_n-1000_detector-dbvt`: a point's name as a file can have it.
+/// `crowd`, `crowd_n-1000_detector-dbvt`: the name of a point as a file name.
 std::string FileName(const plan::Plan& plan, const plan::Run& run) {
   std::string name = plan.benchmark;
   for (std::size_t i = 0; i < plan.axes.size(); ++i) {

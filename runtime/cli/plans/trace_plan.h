@@ -1,4 +1,4 @@
-// What `cdb trace` runs in place of a benchmark's plan, and the files that it writes.
+// The plan that `cdb trace` executes in place of that of a benchmark, and the files that it writes.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace cdb::plans {
 
-/// Every point of the plan once, recording what a trace holds and nothing else. Throws CommandError
-/// for a plan that runs on traces itself.
+/// Every point of the plan once; it records the series of a trace and nothing else. Throws
+/// CommandError for a plan that runs on traces itself.
 plan::Plan MakeTracePlan(plan::Plan plan);
 
-/// A file for each run, no two the same. `out`: a file if the command has one run, else a folder,
-/// which is made; empty: named after the benchmark. `plan_count`: of the command. Throws
-/// CommandError.
+/// A different file for each run. `out`: a file if the command has one run, else a folder, which is
+/// created; empty: named after the benchmark. `plan_count`: the number of plans of the command.
+/// Throws CommandError.
 std::vector<std::filesystem::path> TraceFiles(const plan::Plan& plan, const std::string& out,
                                               std::size_t plan_count);
 

@@ -17,28 +17,30 @@
 
 namespace cdb::plans {
 
-/// How precise the mean steps of a results file are.
+/// The precision of the mean steps of a results file.
 struct Precision {
   std::uint64_t repeats = 0;  ///< of each point
-  std::size_t missing = 0;    ///< runs among them that nobody has started
-  std::size_t points = 0;     ///< with an interval: all repeats are there and sound
-  std::size_t within = 0;     ///< of these, with an interval within the wanted fraction of the mean
+  std::size_t missing = 0;    ///< number of runs in them that nobody has started
+  std::size_t points = 0;     ///< number with an interval: all repeats are there and sound
+  std::size_t within = 0;     ///< number of these whose interval is within the wanted fraction of
+                              ///< the mean
   double widest = 0;  ///< largest distance from a mean to an end of its interval, as a fraction
   bool IsReached() const { return within == points; }
-  /// So many repeats that there are intervals, and all of them.
+  /// True if there are enough repeats for intervals, and none is missing.
   bool IsWholeRound() const;
 };
 
 /// `wanted`: a fraction of the mean, above 0. Throws StoreError.
 Precision PrecisionOf(const store::ResultFile& file, double wanted);
 
-/// For the next round, at most `most`; those of `reached`, a whole round, where no more are needed.
+/// The repeats of the next round, at most `most`; the present number, of whole rounds, if no more
+/// are needed.
 std::uint64_t NextRepeats(const Precision& reached, double wanted, std::uint64_t most);
 
 /// `5 repeats: 11 of 12 mean steps are known within 1 %, the worst within 1.8 %`.
 std::string Describe(const Precision& reached, double wanted);
 
-/// Throws CommandError for a plan that has no times, or too few repeats to end them early.
+/// Throws CommandError for a plan without times, or with too few repeats to end them early.
 void CheckUntil(const plan::Plan& plan);
 
 }  // namespace cdb::plans

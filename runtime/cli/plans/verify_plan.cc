@@ -18,7 +18,8 @@ namespace {
 
 using plan::Plan;
 
-/// What is as good a run of a point as any, where only the detector differs.
+/// Removes an axis and keeps one run of each remaining point. Any of them will do if they differ
+/// only in the detector.
 Plan WithoutAxis(const Plan& plan, std::size_t axis) {
   Plan rest = plan;
   rest.axes.erase(rest.axes.begin() + static_cast<std::ptrdiff_t>(axis));
@@ -48,7 +49,7 @@ Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors,
       "detector", detectors, plugins);
 }
 
-/// Why `all` is without a detector, whatever the scene; empty where it is not.
+/// The reason why `all` excludes a detector, independent of the scene; empty if it does not.
 std::string Absence(const schema::DetectorInfo& info) {
   if (info.family == "none") return "finds nothing, by design; name it to see that";
   const schema::DetectorPart* part = schema::FindDetectorPart(info.part);
@@ -57,7 +58,8 @@ std::string Absence(const schema::DetectorInfo& info) {
   return {};
 }
 
-/// Those that are named, or every one but those of which `left_out` then says why.
+/// The named detectors, or all with a broad phase; `left_out` receives those left out, with
+/// reasons.
 std::vector<schema::DetectorInfo> Chosen(const VerifyOptions& options,
                                          std::vector<std::string>& left_out) {
   std::vector<schema::DetectorInfo> chosen;
@@ -79,7 +81,7 @@ std::vector<schema::DetectorInfo> Chosen(const VerifyOptions& options,
   return chosen;
 }
 
-/// Points that a detector does not hold are skipped, and a detector that holds none is left out.
+/// Points that a detector cannot handle are skipped; a detector that can handle none is left out.
 VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   VerifyPlan every;
   std::vector<std::string> names;

@@ -1,4 +1,4 @@
-// What `cdb verify` runs in place of a benchmark's plan.
+// The plan that `cdb verify` executes in place of that of a benchmark.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,22 @@
 namespace cdb::plans {
 
 struct VerifyOptions {
-  std::vector<std::string> detectors;           ///< with a broad phase; empty: the plan's own
-  std::optional<std::uint64_t> cycles;          ///< nullopt: the plan's own
-  std::vector<schema::PluginDetector> plugins;  ///< that `detectors` may name
+  std::vector<std::string> detectors;           ///< with a broad phase; empty: those of the plan
+  std::optional<std::uint64_t> cycles;          ///< nullopt: as in the plan
+  std::vector<schema::PluginDetector> plugins;  ///< may be named in `detectors`
 
-  /// The word `all` alone: every detector that is built and holds the scene.
+  /// The word `all` alone: every detector that is built and can handle the scene.
   bool WantsAll() const { return detectors == std::vector<std::string>{"all"}; }
 };
 
 struct VerifyPlan {
   plan::Plan plan;
-  std::vector<std::string> left_out;  ///< detectors and points, and why: a line each
+  std::vector<std::string> left_out;  ///< detectors and points, with the reason: a line each
 };
 
-/// Every point of the plan once, with `record pairs` alone, pairs in sorted order and no errors.
-/// Where detectors are given, they are the axis `detector`, in place of one that the plan has.
-/// Throws CommandError where nothing is left to run.
+/// Every point of the plan once, recording `pairs` alone, with pairs in sorted order and no errors.
+/// If detectors are given, they form the axis `detector`, in place of the plan's. Throws
+/// CommandError if nothing is left to run.
 VerifyPlan MakeVerifyPlan(const plan::Plan& plan, const VerifyOptions& options);
 
 }  // namespace cdb::plans

@@ -13,13 +13,13 @@ struct BodyState {
   btTransform pose;
   btVector3 velocity;  ///< m/s, of the centre of mass
   btVector3 spin;      ///< rad/s
-  bool is_asleep;      ///< Bullet marks fixed bodies so too; here they are not
+  bool is_asleep;      ///< false for fixed bodies, which Bullet marks as asleep too
 };
 
-/// By object.
+/// By object index.
 using BodyStates = std::vector<BodyState>;
 
-/// Threads: none but the engine's.
+/// Not thread-safe with respect to the engine.
 inline void ReadStates(const world::Engine& engine, BodyStates& states) {
   states.resize(engine.objects().size());
   for (std::size_t i = 0; i < states.size(); ++i) {

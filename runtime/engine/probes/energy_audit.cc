@@ -11,11 +11,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A scene with joints may lose energy while Bullet adjusts its velocities to them.
+/// The first cycles are not audited in a scene with joints: Bullet may lose energy while it adjusts
+/// the velocities to them.
 constexpr int kJerkCycles = 20;
-/// Of an object's side: smaller losses than a fall by this much are ignored. Joints give way.
+/// The energy of a fall by this fraction of an object's side is ignored. Joints give way.
 constexpr double kLeastFall = 0.01, kLeastFallWithJoints = 0.5;
-/// Of the velocity of an object: a slower contact point does not slip.
+/// Fraction of the velocity of an object; a slower contact point does not slip.
 constexpr double kSlips = 0.1;
 
 /// Velocity of a point of a body; `arm`: the point relative to the centre of mass.
@@ -40,7 +41,7 @@ void EnergyAudit::Begin(double kinetic, double energy) {
   const double fall = engine_.links().HasJoints() ? kLeastFallWithJoints : kLeastFall;
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const double side = 2 * engine_.initial_state().objects[i].solid.LeastHalfExtent();
-    // Without gravity, a tenth of its side a second.
+    // Besides gravity, the energy of moving by a tenth of its side per second.
     least_ += fall * masses_[i] * (pull * side + std::pow(0.1 * side, 2) / 2);
   }
 }
@@ -61,7 +62,7 @@ double EnergyAudit::After(const BodyStates& before, const BodyStates& now, doubl
 
 double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStates& before,
                             const BodyStates& now) const {
-  // Twice the mean velocity of a point of the body in the cycle.
+  // Twice the mean velocity of a point of the body during the cycle.
   const auto twice_mean = [&](const btCollisionObject* body, const Vector3d& point) -> Vector3d {
     const auto index = static_cast<std::size_t>(body->getUserIndex());
     if (index >= masses_.size() || masses_[index] == 0) return Vector3d::Zero();
@@ -73,7 +74,7 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
   double taken = 0;
   for (int j = 0; j < manifold.getNumContacts(); ++j) {
     const btManifoldPoint& point = manifold.getContactPoint(j);
-    // Farther ones had no impulse in this cycle, and keep an old one.
+    // Points beyond the threshold had no impulse in this cycle, and keep an old one.
     if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
     if (point.m_appliedImpulse == 0) continue;
     const Vector3d velocity =
@@ -95,7 +96,7 @@ double EnergyAudit::KineticOf(std::size_t object, const BodyState& state) const 
          (world::ToEigen(state.velocity).squaredNorm() + inertias_[object].dot(spin.cwiseAbs2()));
 }
 
-/// By object: 1 where a contact point of it moves over what it touches, so that friction would have
+/// By object: 1 if a contact point of it moves over the other surface, so that friction would have
 /// stopped it.
 std::vector<char> EnergyAudit::Slipping(const BodyStates& states) const {
   std::vector<char> slipping(states.size(), 0);

@@ -1,4 +1,4 @@
-// Finds energy that vanishes where nothing can take it: in joints without friction, in elastic
+// Finds energy that is lost although nothing can take it: in joints without friction, in elastic
 // bounces, in rolling without resistance.
 #pragma once
 
@@ -8,21 +8,23 @@
 
 namespace cdb::probes {
 
-/// Of the energy that a scene has lost, contacts may have taken the work of friction and, where
-/// they are not elastic, that of their normal impulses; falling asleep may have taken the kinetic
-/// energy of what slips, but not of what rolls or flies. The work of an impulse J is J (v + v') /
-/// 2, with the velocities of its point along it before and after the cycle: with the integrator's
-/// own term in the energy this is exact. The engine must outlive it. Not for several threads.
+/// Of the energy that a scene has lost, contacts may have taken the work of friction and, if they
+/// are not elastic, that of their normal impulses. Falling asleep may have taken the kinetic energy
+/// of objects that slip, but not of those that roll or fly. The work of an impulse J is J (v + v')
+/// / 2, with the velocities of its point along it before and after the cycle; with the integrator's
+/// own term in the energy this is exact. The engine must outlive it. Not thread-safe.
 class EnergyAudit {
  public:
   explicit EnergyAudit(world::Engine& engine);
 
-  /// Call once before the first cycle, with its energies: J, as the series of these names.
+  /// Call once before the first cycle, with its energies, J, which are those of the series of these
+  /// names.
   void Begin(double kinetic, double energy);
-  /// Call after each cycle, with the states at its start and end. Returns what is lost and was not
-  /// taken, over the largest kinetic energy so far and that of a fall by a hundredth of
-  /// the objects' sizes. With joints by half, as they give way, and since the 20th cycle:
-  /// velocities that do not fit them end in a jerk.
+  /// Call after each cycle, with the states at its start and end. Returns the energy that was lost
+  /// and not taken, relative to the largest kinetic energy so far plus the energy of a fall by a
+  /// hundredth of the objects' sizes. With joints, which give way, the fall is by half of the
+  /// sizes, and the first 20 cycles are left out: velocities that do not fit the joints end in a
+  /// jerk.
   double After(const BodyStates& before, const BodyStates& now, double kinetic, double energy);
 
  private:
@@ -33,7 +35,7 @@ class EnergyAudit {
   double KineticOf(std::size_t object, const BodyState& state) const;
 
   world::Engine& engine_;
-  std::vector<double> masses_;             ///< kg, by object; 0 where it is fixed
+  std::vector<double> masses_;             ///< kg, by object; 0 if it is fixed
   std::vector<Eigen::Vector3d> inertias_;  ///< principal, for 1 kg
   int cycle_ = 0;
   double start_ = 0, peak_ = 0, least_ = 0, taken_ = 0;  ///< J

@@ -14,10 +14,10 @@ namespace {
 using Eigen::Vector3d;
 using objects::Penetration;
 
-/// Two ways out whose depths differ by no more than this part are as good as each other.
+/// Two directions of separation are equivalent if their depths differ by at most this fraction.
 constexpr double kTie = 0.01;
 
-/// As the engine has it, and with nothing lost on the way to a quaternion.
+/// The pose in the engine, converted to a quaternion in double precision.
 objects::Pose PoseOf(const btRigidBody& body) {
   const btTransform& transform = body.getWorldTransform();
   Eigen::Matrix3d turn;
@@ -25,7 +25,7 @@ objects::Pose PoseOf(const btRigidBody& body) {
   return {world::ToEigen(transform.getOrigin()), Eigen::Quaterniond(turn).normalized()};
 }
 
-/// Walls are what MakeWall of the engine makes them.
+/// The walls have the shapes made by MakeWall of the engine.
 std::optional<Penetration> ContactWithWall(const objects::Solid& solid, const objects::Pose& pose,
                                            const btRigidBody& wall) {
   const btCollisionShape& shape = *wall.getCollisionShape();
@@ -59,7 +59,7 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
     box.upper += pose.position;
     rows.push_back({box, i, objects[i].IsFixed()});
   }
-  // Along x only neighbours can overlap.
+  // Rows are sorted along x: only neighbours can overlap.
   std::ranges::sort(rows, {}, [](const Row& row) { return row.box.lower.x(); });
   std::vector<BodyPair> pairs;
   for (auto a = rows.begin(); a != rows.end(); ++a) {
@@ -86,7 +86,7 @@ std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
   const auto size_of = [&](std::uint32_t object) { return objects[object].solid.sides.maxCoeff(); };
   for (const auto& [first, second] : pairs) {
     const btRigidBody &a = *engine.objects()[first], &b = *engine.objects()[second];
-    // Links can let their two pass through each other.
+    // Linked objects may pass through each other.
     if (!a.checkCollideWith(&b)) continue;
     add({first, second},
         objects::ExactContact(objects[first].solid, PoseOf(a), objects[second].solid, PoseOf(b)),
@@ -122,7 +122,7 @@ NarrowPhaseErrors CompareContacts(world::Engine& engine,
     for (int j = 0; j < manifold.getNumContacts(); ++j) {
       const btManifoldPoint& point = manifold.getContactPoint(j);
       const double depth = -static_cast<double>(point.getDistance());
-      // Bullet's point from its second body to its first.
+      // Bullet's normal points from the second body to the first.
       if (depth > found.depth)
         found = {depth, (body0 < body1 ? 1 : -1) * world::ToEigen(point.m_normalWorldOnB)};
     }
@@ -137,7 +137,7 @@ NarrowPhaseErrors CompareContacts(world::Engine& engine,
     }
     errors.depth_sum += std::fabs(found.depth - exact.depth) / overlaps[i].size;
     if (exact.next_depth <= (1 + kTie) * exact.depth) continue;
-    // Of small angles the sine is right, of large ones the cosine.
+    // The sine is accurate for small angles, the cosine for large ones.
     errors.normal_sum +=
         std::atan2(found.normal.cross(exact.normal).norm(), found.normal.dot(exact.normal));
     ++errors.normals;

@@ -1,7 +1,7 @@
 // Exact pairs and overlaps of the bodies in their current poses, by brute force and closed forms,
 // in double.
 //
-// Threads: none but the engine's.
+// Not thread-safe with respect to the engine.
 #pragma once
 
 #include <cstdint>
@@ -13,37 +13,38 @@
 
 namespace cdb::probes {
 
-/// Bodies by getUserIndex, the smaller first.
+/// Indices of bodies (getUserIndex), the smaller first.
 using BodyPair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Pairs of objects that may touch, not both fixed, whose tightest boxes overlap: all of them, in
+/// All pairs of objects whose tightest boxes overlap, that may touch and are not both fixed, in
 /// order.
 std::vector<BodyPair> ExactPairs(const world::Engine& engine);
 
-/// Two bodies in each other.
+/// Two overlapping bodies.
 struct ExactOverlap {
   BodyPair bodies;
-  objects::Penetration contact;  ///< its normal from the second body to the first
-  double size;                   ///< m: of the smaller object; a wall has none
+  objects::Penetration contact;  ///< the normal points from the second body to the first
+  double size;                   ///< m, of the smaller object; walls have none
 };
 
-/// An overlap less deep than this in sizes is lost in rounding: no detector has to find it.
+/// In sizes. A shallower overlap is lost in rounding; no detector has to find it.
 inline constexpr double kLeastOverlap = 1e-4;
 
-/// Overlaps of objects that may collide, and of objects with walls, for which there is a closed
-/// form: deeper than kLeastOverlap, in the order of their bodies. `pairs`: ExactPairs.
+/// Overlaps deeper than kLeastOverlap, in the order of their bodies, for pairs with a closed form:
+/// objects that may collide, and objects and walls. `pairs`: ExactPairs.
 std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
                                         const std::vector<BodyPair>& pairs);
 
-/// What the narrow phase made of overlaps.
+/// Errors of the narrow phase over a set of overlaps.
 struct NarrowPhaseErrors {
-  double missed = 0;      ///< have no contact point
-  double depth_sum = 0;   ///< of the others' |depth - exact|, in sizes
-  double normal_sum = 0;  ///< of the angles between normals, rad, where there is only one
-  double normals = 0;     ///< how many those are
+  double missed = 0;      ///< overlaps without a contact point
+  double depth_sum = 0;   ///< sum of |depth - exact| over the other overlaps, in sizes
+  double normal_sum = 0;  ///< sum of the angles between normals, rad, where the normal is unique
+  double normals = 0;     ///< number of angles in normal_sum
 };
 
-/// Of each overlap the deepest point in the manifolds, which hold what the last step found.
+/// Compares each overlap with the deepest point in the manifolds, which hold the contacts of the
+/// last step.
 NarrowPhaseErrors CompareContacts(world::Engine& engine, const std::vector<ExactOverlap>& overlaps);
 
 }  // namespace cdb::probes

@@ -11,13 +11,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLeastWay = 0.01;   ///< sides
-constexpr double kFrozen = 0.1;      ///< of its motion, lost or gained
+constexpr double kFrozen = 0.1;      ///< fraction of its motion, lost or gained
 constexpr double kLeastTurn = 0.05;  ///< rad
 constexpr double kLeastCycles = 4;
 constexpr double kLeastTurned = 1;  ///< rad
 
-/// Between two turns, from 0 to pi: |A - B| = 2 sqrt(2) sin(angle / 2), which keeps its digits for
-/// small angles.
+/// The angle between two rotations, from 0 to pi. |A - B| = 2 sqrt(2) sin(angle / 2) keeps its
+/// digits for small angles.
 double AngleBetween(const btMatrix3x3& a, const btMatrix3x3& b) {
   double sum = 0;
   for (int row = 0; row < 3; ++row)
@@ -25,7 +25,7 @@ double AngleBetween(const btMatrix3x3& a, const btMatrix3x3& b) {
   return 2 * std::asin(std::min(1.0, std::sqrt(sum / 8)));
 }
 
-/// J/kg.
+/// Kinetic energy of rotation, J/kg.
 double SpinEnergy(const btRigidBody& body, const Vector3d& inertia) {
   const Vector3d own =
       world::ToEigen(body.getAngularVelocity() * body.getWorldTransform().getBasis());
@@ -57,7 +57,7 @@ void MotionWatch::Begin() {
     const btRigidBody& body = *engine_.objects()[i];
     Track& track = tracks_[i];
     track.position = body.getWorldTransform().getOrigin();
-    // Bullet's precision may have moved it before it ever moved.
+    // Bullet's precision may have displaced the object before its first motion.
     const Vector3d& exact = engine_.initial_state().objects[i].pose.position;
     track.start = world::ToEigen(track.position) + exact - world::RoundedForBullet(exact);
     track.basis = body.getWorldTransform().getBasis();
@@ -148,14 +148,14 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
     track.velocity = body.getLinearVelocity();
     if (step.spin != 0) track.basis = pose.getBasis();
     track.was_touched = track.was_touched || touches[i] != kFree || !body.isActive();
-    // Bullet moves a body by its velocity at the end of the step, and out of what it overlaps.
+    // Bullet moves a body by its velocity at the end of the step, and out of overlaps.
     if (!body.isActive() || touches[i] == kPushed || step.is_swept) {
       Forget(track);
       continue;
     }
     if (touches[i] != kFree) {
       track.gained = track.due = track.missed = 0;
-      // What rests trembles, by less than can matter.
+      // Resting objects tremble; such small motion does not matter.
       if (!(step.velocity.norm() * timestep > kLeastWay * track.least_side)) continue;
     }
     bool is_frozen = CompareWay(step, track, worst, seen);

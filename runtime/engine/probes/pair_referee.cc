@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// Bullet's mark for a side that has no end.
+/// Replaces Bullet's value for an infinite side.
 double Side(btScalar value) {
   if (std::abs(value) < BT_LARGE_FLOAT) return static_cast<double>(value);
   return std::copysign(std::numeric_limits<double>::infinity(), static_cast<double>(value));
@@ -44,7 +44,7 @@ PairReferee::PairReferee(world::Engine& engine, measure::Recording& recording)
 }
 
 void PairReferee::BeforeStep() {
-  // The detector looks before the bodies are moved.
+  // The detector runs before the bodies are moved.
   if (detects_) overlaps_ = ExactOverlaps(engine_, ExactPairs(engine_));
 }
 
@@ -54,7 +54,7 @@ void PairReferee::AfterStep(std::uint64_t cycle) {
   JudgeContacts(cycle);
 }
 
-/// Nothing changes a box between the broad phase and the end of the step.
+/// Boxes do not change between the broad phase and the end of the step.
 void PairReferee::ReadBoxes() {
   const auto read = [&](const btRigidBody& body) {
     btBroadphaseProxy* proxy = const_cast<btBroadphaseProxy*>(body.getBroadphaseHandle());

@@ -13,12 +13,13 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Of its inner radius, how far an object has to move in a cycle to get past a contact.
+/// Least displacement of an object in a cycle, in its inner radii, at which it can get past a
+/// contact.
 constexpr double kFastWay = 0.5;
-/// Of its least side, how far a solid is cut back: a path that only grazes it, or an object that is
-/// pushed out at a corner, does not count.
+/// Fraction of the least side by which a solid is shrunk, so that a grazing path, or an object that
+/// is pushed out at a corner, does not count.
 constexpr double kGraze = 0.1, kMiddle = 0.5;
-/// Of the inner radius of an object: the radius of the ball that may not pass either.
+/// Radius of the ball that must not pass either, as a fraction of the inner radius of the object.
 constexpr double kInnerPart = 0.5;
 constexpr double kTurnStep = 0.1;  ///< rad
 constexpr int kMostSteps = 32;
@@ -39,7 +40,7 @@ double LeastDistance(const Vector3d& from, const Vector3d& to) {
   return (from + at * way).norm();
 }
 
-/// The path of a ball through a moving solid, in the solid's axes.
+/// True if the path of a ball, in the solid's axes, meets the moving solid.
 bool PathMeets(const objects::Solid& solid, const Motion& centre, const Motion& other,
                double radius) {
   const double turn =
@@ -78,7 +79,7 @@ std::int32_t PassWatch::After(const BodyStates& before, const BodyStates& now) {
   return left + ComparePaths(before);
 }
 
-/// Objects whose centre of mass is in their solid; a ring may lie about a spike.
+/// For objects whose centre of mass is in their solid; a ring may lie around a spike.
 std::int32_t PassWatch::CrossSurfaces(const BodyStates& before, const BodyStates& now) const {
   std::int32_t crossed = 0;
   for (const std::uint32_t surface : surfaces_) {
@@ -146,7 +147,7 @@ std::int32_t PassWatch::ComparePaths(const BodyStates& before) {
   return passed;
 }
 
-/// Remembers a centre that ends inside.
+/// Records a centre that ends inside the other solid.
 bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint32_t other) {
   if (!(sizes_[object].inner > 0) || !engine_.MayTouch(object, other)) return false;
   const auto& solids = engine_.initial_state().objects;
@@ -176,7 +177,7 @@ bool PassWatch::Passed(const BodyStates& before, std::uint32_t object, std::uint
          PathMeets(solid, centre, motion, radius);
 }
 
-/// Counts the objects that have left the solid they were inside, by a path through its middle.
+/// Counts the objects that have left a solid that they were inside, on a path through its middle.
 std::int32_t PassWatch::FollowEntries() {
   std::int32_t passed = 0;
   std::erase_if(entries_, [&](const Entry& entry) {

@@ -13,11 +13,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// In least sides of the smaller one.
+/// Depths in least sides of the smaller object.
 constexpr double kShallow = 0.05, kDeep = 0.25;
 constexpr int kHoldsWithin = 3, kPressed = 6;  ///< cycles
 constexpr double kImpactTime = 0.5;            ///< s
-/// When loads are looked for, and how upright and slow their contacts are.
+/// Loads are searched for in the first cycles, at contacts that are upright and slow enough.
 constexpr int kFirstCycles = 10;
 constexpr double kUpright = 0.9, kSlow = 0.5;
 
@@ -82,7 +82,7 @@ void PressWatch::CollectCentres() {
   const auto is_inside = [this](std::uint32_t object, std::uint32_t other, const Vector3d& way) {
     const objects::Solid& solid = engine_.initial_state().objects[other].solid;
     if (!(inner_[object] > 0) || way.squaredNorm() > outer_[other] * outer_[other]) return false;
-    // A compound is looked at where its pieces cannot be far.
+    // Compounds are checked only if their pieces may be close.
     if (solid.shape == objects::Shape::kCompound &&
         way.squaredNorm() > inner_[other] * inner_[other])
       return false;
@@ -106,7 +106,7 @@ void PressWatch::CollectCentres() {
   }
 }
 
-/// What the last cycle knew of each pair.
+/// Carries the state of each pair over from the last cycle.
 void PressWatch::Follow() {
   std::ranges::sort(pairs_, [](const Pair& a, const Pair& b) {
     return a.bodies != b.bodies ? a.bodies < b.bodies : a.depth > b.depth;

@@ -17,12 +17,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Kinetic and potential; energy is the two and the integrator's own term.
+/// Kinetic and potential energy; `energy` is their sum with the integrator's own term.
 struct Energy {
   double kinetic = 0, other = 0;
 };
 
-/// x* = x + v dt with v = v + g dt: v^2/2 - g.x + dt g.v/2 stays as it is in free flight.
+/// x* = x + v dt with v = v + g dt: v^2/2 - g.x + dt g.v/2 is constant in free flight.
 Energy EnergyOf(const world::Engine& engine) {
   const Vector3d& g = engine.acceleration();
   const double half_timestep = static_cast<double>(engine.timestep()) / 2;
@@ -32,7 +32,7 @@ Energy EnergyOf(const world::Engine& engine) {
     if (object.IsFixed()) continue;
     const btRigidBody& body = *engine.objects()[i];
     const Vector3d v = world::ToEigen(body.getLinearVelocity());
-    // The axes of a body are its principal ones.
+    // The axes of a body are its principal axes.
     const Vector3d spin =
         world::ToEigen(body.getAngularVelocity() * body.getWorldTransform().getBasis());
     const Vector3d inertia = object.solid.InertiaPerMass();
@@ -43,7 +43,7 @@ Energy EnergyOf(const world::Engine& engine) {
   return energy;
 }
 
-/// Bullet says BT_LARGE_FLOAT for the sides of a plane's box.
+/// Replaces BT_LARGE_FLOAT, which Bullet uses for the sides of a plane's box, by infinity.
 double WithInfinity(btScalar side) {
   if (std::fabs(side) < BT_LARGE_FLOAT) return static_cast<double>(side);
   return std::copysign(std::numeric_limits<double>::infinity(), static_cast<double>(side));
@@ -128,8 +128,8 @@ void Probes::SetScales() {
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
     const double mass = engine_.initial_state().objects[i].mass;
     smallest = std::min(smallest, least_sides_[i]);
-    // What is at rest without gravity has no energy of its own to measure against: a hundredth of
-    // its side a second.
+    // Without gravity, an object at rest has no energy as a scale: that of moving by a hundredth of
+    // its side per second is used.
     header_.scales.energy_scale +=
         mass * (pull * engine_.side() + std::pow(0.01 * least_sides_[i], 2) / 2);
   }
@@ -150,7 +150,7 @@ void Probes::Record(std::uint64_t cycle) {
     for (std::size_t phase = 0; phase < durations.size(); ++phase)
       duration_[phase * cycles_ + cycle] = durations[phase];
   }
-  // First, as the rest may use the heap.
+  // First, because the following may use the heap.
   if (!heap_.empty()) heap_[cycle] = HeapBytes();
   if (!pairs_.empty()) pairs_[cycle] = engine_.world().getPairCache()->getNumOverlappingPairs();
   if (!manifolds_.empty() || !contacts_.empty() || !max_penetration_.empty())
@@ -177,7 +177,7 @@ void Probes::RecordLinks(std::uint64_t cycle) {
   const world::Links& links = engine_.links();
   if (!energy_.empty())
     energy_[cycle] += links.SpringEnergy(static_cast<double>(engine_.timestep()));
-  // "No value" where there is no joint.
+  // The series has no value if there is no joint.
   if (!joint_gap_.empty() && links.HasJoints()) joint_gap_[cycle] = links.LargestGap();
 }
 
@@ -229,7 +229,7 @@ bool Probes::IsBeyondWall(const btVector3& centre) const {
   return floor_ && at.y() < -half;
 }
 
-/// Past this, Bullet takes the body out, or where it may not sleep leaves its box where it was
+/// Bullet removes a body whose box is larger, or, if it may not sleep, stops updating its box
 /// (btCollisionWorld::updateSingleAabb).
 bool Probes::IsTooLarge(const btRigidBody& body) const {
   constexpr btScalar kMostDiagonal = btScalar(analysis::kLargestBox);
@@ -254,7 +254,7 @@ void Probes::RecordStability(std::uint64_t cycle) {
       ++non_finite;
       continue;
     }
-    if (body->isKinematicObject()) continue;  // where it was told to be
+    if (body->isKinematicObject()) continue;  // moves as it is told
     escaped += engine_.MayTouchWalls(i) && IsBeyondWall(body->getWorldTransform().getOrigin());
     if (body->isStaticObject()) continue;  // Bullet marks fixed bodies as asleep
     fastest = std::max(fastest, world::ToEigen(body->getLinearVelocity()).norm());
@@ -296,7 +296,7 @@ void Probes::RecordPoses(std::uint64_t cycle) {
   }
 }
 
-/// Of the bodies with a box: the walls that stand follow the objects without a gap.
+/// Index among the bodies with a box: the standing walls follow the objects without a gap.
 std::size_t Probes::PlaceOfWall(const btRigidBody& wall) const {
   const auto index =
       static_cast<unsigned>(wall.getUserIndex()) - static_cast<unsigned>(engine_.objects().size());
@@ -316,14 +316,14 @@ void Probes::RecordFilters() {
   for (const auto& wall : engine_.walls()) record(PlaceOfWall(*wall), *wall);
 }
 
-/// A broad phase keeps the box that it was given until it is given the next.
+/// A broad phase keeps a box until it is given the next.
 void Probes::RecordBoxes(std::uint64_t cycle) {
   const std::size_t bodies = box_filters_.size() / measure::kFilterSize;
   const auto record = [&](std::size_t place, const btRigidBody& body) {
     btVector3 lower, upper;
     engine_.world().getBroadphase()->getAabb(
         const_cast<btBroadphaseProxy*>(body.getBroadphaseHandle()), lower, upper);
-    // A detector may have the half-space instead; a trace is the same whoever finds the pairs.
+    // A detector may have got the half-space instead; a trace must not depend on the detector.
     if (body.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) {
       upper = btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
       lower = -upper;

@@ -14,16 +14,16 @@
 
 namespace cdb::probes {
 
-/// Engine and recording must outlive it. Not for several threads.
+/// Engine and recording must outlive it. Not thread-safe.
 class Probes {
  public:
-  /// `contacts_fd` receives the ContactRecords of `record contacts`; without effect otherwise.
+  /// `contacts_fd` receives the ContactRecords of `record contacts`; otherwise it is not used.
   Probes(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording,
          int contacts_fd);
 
-  /// Call once before the first recorded cycle: where the objects' ways begin.
+  /// Call once before the first recorded cycle: displacements are relative to the positions then.
   void Begin();
-  /// Call after each recorded cycle. Throws std::system_error where a contact cannot be written.
+  /// Call after each recorded cycle. Throws std::system_error if a contact cannot be written.
   void Record(std::uint64_t cycle);
 
  private:
@@ -53,9 +53,9 @@ class Probes {
       poses_, joint_gap_, boxes_, box_filters_, spin_ratio_, lost_energy_, lost_way_;
   std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_,
       passed_, pressed_, inverted_, unheld_, frozen_;
-  std::optional<MotionWatch> motion_watch_;  ///< of `record stability`; and,
+  std::optional<MotionWatch> motion_watch_;  ///< for `record stability`, as is the next member
   std::optional<Soundness> soundness_;
-  std::vector<char> touches_;        ///< by body, walls too: has a contact in this cycle
+  std::vector<char> touches_;        ///< by body, including walls: has a contact in this cycle
   std::vector<double> least_sides_;  ///< by body; infinite for walls
   std::vector<measure::ContactRecord> contact_records_;
 };

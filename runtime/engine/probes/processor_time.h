@@ -1,5 +1,5 @@
-// What the machine did to this thread while its cycles ran: time off the processor, preemptions,
-// page faults, time that other programs used and that other virtual machines stole.
+// Disturbances of this thread by the machine while its cycles ran: time off the processor,
+// preemptions, page faults, time used by other programs and stolen by other virtual machines.
 #pragma once
 
 #include "runtime/measure/run_scalars.h"
@@ -7,11 +7,12 @@
 namespace cdb::probes {
 
 /// Measures from its construction on. Source: clock_gettime(2), getrusage(2), proc_stat(5).
-/// Threads: of the calling thread; stolen time and other programs are of all processors together.
+/// Threads: times are of the calling thread; stolen time and other programs are summed over all
+/// processors.
 class ProcessorTime {
  public:
   ProcessorTime() : begin_(Read()) {}
-  /// Sets the scalars to what happened since; NaN where the system does not say.
+  /// Sets the scalars to the values since construction; NaN if the system does not report them.
   void Store(measure::RunScalars& scalars) const;
 
  private:

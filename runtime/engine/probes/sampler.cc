@@ -37,7 +37,7 @@ Sampler::Sampler(const plan::Scene& scene, world::Engine& engine, measure::Recor
 void Sampler::Begin() { Take(); }
 
 void Sampler::BeforeStep() {
-  // The detector looks before the bodies are moved.
+  // The detector runs before the bodies are moved.
   if (!(wants_pairs_ || wants_geometry_) || IsComplete() || (steps_ + 1) % cycles_per_sample_ != 0)
     return;
   exact_ = ExactPairs(engine_);
@@ -88,7 +88,7 @@ void Sampler::TakeMotion() {
     const Vector3d x = world::ToEigen(body.getWorldTransform().getOrigin());
     const Vector3d v = world::ToEigen(body.getLinearVelocity());
     const Vector3d w = world::ToEigen(body.getAngularVelocity());
-    // The axes of a body are its principal ones.
+    // The axes of a body are its principal axes.
     const Matrix3d axes = TurnOf(body).toRotationMatrix();
     const Vector3d inertia = object.mass * object.solid.InertiaPerMass();
     const Vector3d spin = axes * inertia.cwiseProduct(axes.transpose() * w);
@@ -102,7 +102,7 @@ void Sampler::TakeMotion() {
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
   double momentum_sum = 0, angular_sum = 0;
   for (const Motion& motion : motions) {
-    // The common centre moves, which takes nothing from the sum over all.
+    // The velocity of the common centre does not change the sum over all objects.
     const Vector3d own = (motion.place - centre).cross(motion.momentum) + motion.spin;
     momentum += motion.momentum;
     angular += own;
@@ -110,7 +110,7 @@ void Sampler::TakeMotion() {
     angular_sum += own.norm();
   }
   Value(measure::kKinetic) = kinetic;
-  // Of the energies of one time: without the integrator's own term.
+  // Energies at one time: without the integrator's own term.
   Value(measure::kPotential) = potential + engine_.links().SpringEnergy(0);
   Eigen::Map<Vector3d>(&Value(measure::kAccelerationX)) = engine_.acceleration();
   Eigen::Map<Vector3d>(&Value(measure::kMomentumX)) = momentum;
@@ -119,7 +119,7 @@ void Sampler::TakeMotion() {
   Value(measure::kAngularSum) = angular_sum;
 }
 
-/// Walls are as large as what touches them.
+/// A wall's size is that of the object that touches it.
 double Sampler::SizeOf(const btCollisionObject* body) const {
   const auto index = static_cast<std::size_t>(body->getUserIndex());
   return index < shape_.objects ? values_[shape_.Body(index) + 1]

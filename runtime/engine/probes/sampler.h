@@ -19,7 +19,7 @@ class Sampler {
   void Begin();
   void BeforeStep();
   void AfterStep();
-  /// Whether all samples have been taken.
+  /// True if all samples have been taken.
   bool IsComplete() const { return taken_ == shape_.samples; }
 
  private:

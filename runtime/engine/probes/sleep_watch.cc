@@ -13,15 +13,15 @@ namespace {
 using Eigen::Vector3d;
 using Wrench = SleepWatch::Wrench;
 
-/// Weights that are left over, in weights: of normals alone, that the ground slopes; of forces with
-/// friction; of forces and torques.
+/// Limits of the residual weight, in weights: with normal forces only, beyond it the ground slopes;
+/// with friction, beyond it the object slides; with forces and torques, beyond it the object rolls.
 constexpr double kSlopes = 0.005, kSlides = 0.005, kRolls = 0.0035;
-/// Slower, in sqrt(g S), an object rests.
+/// In sqrt(g S): a slower object rests.
 constexpr double kRests = 0.005;
-constexpr int kDirections = 8;  ///< edges of a cone of friction
+constexpr int kDirections = 8;  ///< edges of a friction cone
 constexpr int kSweeps = 500;
 
-/// What non-negative multiples of the columns leave of `weight`.
+/// The part of `weight` that no non-negative combination of the columns balances.
 double Residual(const std::vector<Wrench>& columns, Wrench weight, int rows) {
   std::vector<double> parts(columns.size(), 0);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -39,7 +39,7 @@ double Residual(const std::vector<Wrench>& columns, Wrench weight, int rows) {
   return weight.head(rows).norm();
 }
 
-/// `normal` points to the object. One edge of the cone lies against the slope.
+/// `normal` points towards the object. One edge of the friction cone points up the slope.
 void AddPoint(const Vector3d& normal, const Vector3d& arm, double friction, const Vector3d& up,
               SleepWatch::Support& support) {
   const auto add = [&](const Vector3d& force, std::vector<Wrench>& columns) {

@@ -1,5 +1,5 @@
-// Finds objects that Bullet put to sleep where nothing holds them: on a slope that is steeper than
-// friction bears or that they roll down, or in the air.
+// Finds objects that Bullet put to sleep although nothing holds them: in the air, or on a slope
+// that is too steep for friction or down which they would roll.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,21 @@
 
 namespace cdb::probes {
 
-/// An object is judged in the cycle in which it falls asleep, or in the first one, by its contacts.
-/// It is held where forces inside the cones of friction balance its weight; one that still moved
-/// must be balanced against turning too, unless rolling friction acts. Objects that a link holds
-/// are left out. Static equilibrium as a problem of non-negative least squares, solved by
-/// coordinate descent. The engine must outlive it. Not for several threads.
+/// An object is judged by its contacts in the cycle in which it falls asleep, or in the first one.
+/// It is held if forces inside the friction cones balance its weight; if it still moved, torques
+/// must be balanced too, unless rolling friction acts. Objects held by a link are left out. Static
+/// equilibrium is a non-negative least squares problem, solved by coordinate descent. The engine
+/// must outlive it. Not thread-safe.
 class SleepWatch {
  public:
   explicit SleepWatch(world::Engine& engine);
 
-  /// Call after each cycle, with the states at its start and end. Returns how many objects sleep
-  /// that nothing holds.
+  /// Call after each cycle, with the states at its start and end. Returns the number of sleeping
+  /// objects that nothing holds.
   std::int32_t After(const BodyStates& before, const BodyStates& now);
 
   using Wrench = Eigen::Matrix<double, 6, 1>;  ///< force, and torque over the least half extent
-  /// The forces that contacts can put on an object.
+  /// The forces that contacts can exert on an object.
   struct Support {
     std::vector<Wrench> normals, cones;
   };

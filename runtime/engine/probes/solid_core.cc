@@ -12,10 +12,10 @@ using Eigen::Vector3d;
 using objects::Shape;
 using objects::Solid;
 
-/// Thickness of a path, and of a point, in the length beside it.
+/// Thickness of a path or of a point, relative to the length beside it.
 constexpr double kThin = 1e-6;
 
-/// Of the ellipse of a section, in its half axes.
+/// Squared distance from the axis, in half axes of the elliptic section.
 double SquareAcross(const Vector3d& point, const Vector3d& half) {
   return std::pow(point.x() / half.x(), 2) + std::pow(point.z() / half.z(), 2);
 }
@@ -32,7 +32,8 @@ bool Contains(const Solid& solid, const Vector3d& point) {
     case Shape::kCylinder:
       return std::abs(point.y()) <= half.y() && SquareAcross(point, half) <= 1;
     case Shape::kCone: {
-      const double left = 0.75 - point.y() / solid.sides.y();  // of the height, up to the tip
+      const double left = 0.75 - point.y() / solid.sides.y();  // distance to the tip over the
+                                                               // height
       return left >= 0 && left <= 1 && SquareAcross(point, half) <= left * left;
     }
     case Shape::kCapsule: {

@@ -1,4 +1,4 @@
-// The measurements of unsound states that need the state before and after a cycle.
+// The checks for unsound states that need the state before and after a cycle.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace cdb::probes {
 
-/// The engine must outlive it. Not for several threads.
+/// The engine must outlive it. Not thread-safe.
 class Soundness {
  public:
   /// `least_sides`: m, by body, infinite for walls; must outlive it.
@@ -22,7 +22,7 @@ class Soundness {
 
   struct Seen {
     std::int32_t passed, pressed, inverted, unheld;
-    double lost_energy;  ///< NaN where the scene has other ways to lose energy
+    double lost_energy;  ///< NaN if the scene has other ways to lose energy
   };
   /// Call after each cycle, with the energies at its end, J.
   Seen After(double kinetic, double energy);

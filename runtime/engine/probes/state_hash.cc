@@ -17,7 +17,7 @@ class Fnv1a {
     for (std::size_t i = 0; i < sizeof(bits); ++i, bits >>= 8)
       hash_ = (hash_ ^ (bits & 0xff)) * 0x100000001b3;
   }
-  // The fourth number of Bullet's vectors is padding.
+  // The fourth component of Bullet's vectors is padding.
   void Add(const btVector3& v) {
     for (int i = 0; i < 3; ++i) Add(v[i]);
   }

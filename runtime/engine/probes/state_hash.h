@@ -7,11 +7,11 @@
 
 namespace cdb::probes {
 
-/// 16 hex digits over the position, the orientation's matrix and both velocities of every object,
-/// in their order and in the bits of Bullet's own precision (FNV-1a, 64 bits). Walls are left out.
+/// 16 hex digits: FNV-1a (64 bits) over the position, the orientation matrix and both velocities of
+/// every object, in order and in the bits of Bullet's own precision. Walls are left out.
 std::string StateHash(const world::Engine& engine);
 
-/// The same over any bodies, for a world that was not built by Engine.
+/// The same for any bodies, for a world that was not built by Engine.
 std::string StateHash(const btRigidBody* const* bodies, std::size_t count);
 
 }  // namespace cdb::probes

@@ -11,13 +11,14 @@ namespace cdb::worker {
 namespace {
 
 constexpr double kStepsOfUnit = 20;
-/// Of the least half extent: g dt^2.
+/// g dt^2 in least half extents.
 constexpr double kFallOfStep = 0.015;
 
-/// An object that moves farther in a unit of time is falling; in mean diameters.
+/// In mean diameters. An object that moves farther in a unit of time is falling.
 constexpr double kFallDisplacement = 0.3;
 
-/// Of the velocity is left after a unit of time: at first, times what in each later unit, at least.
+/// Fraction of the velocity that is left after a unit of time: at first, the factor for each later
+/// unit, and the least value.
 constexpr double kLeftAtFirst = 0.7, kLessLeft = 0.85, kLeastLeft = 0.3;
 
 class Resting {
@@ -41,7 +42,7 @@ class Resting {
     }
   }
 
-  /// Objects that moved by more than this in the last unit, in mean diameters.
+  /// Number of objects that moved by more than this in the last unit, in mean diameters.
   std::size_t CountFarther(double diameters) const {
     return static_cast<std::size_t>(std::ranges::count_if(
         displacements_, [&](double way) { return !(way <= diameters * falling_.diameter); }));
@@ -53,8 +54,9 @@ class Resting {
   }
 
   void Damp(double left_after_unit) {
-    const double left = std::pow(left_after_unit, 1 / falling_.UnitOfTime());  // after a second
-    // Of small objects, whose unit is short, it would round to 1, which stops them in the air.
+    const double left = std::pow(left_after_unit, 1 / falling_.UnitOfTime());  // per second
+    // For small objects, whose unit is short, the damping would round to 1 and stop them in the
+    // air.
     const btScalar most = std::nextafter(btScalar(1), btScalar(0));
     const btScalar damping = std::min(static_cast<btScalar>(1 - left), most);
     for (const std::uint32_t i : falling_.objects)
@@ -65,7 +67,7 @@ class Resting {
   const Falling& falling_;
   const std::vector<ContactReuse::Body> bodies_;
   ContactReuse reuse_;
-  std::vector<btTransform> last_;      ///< poses of the falling objects, a unit ago
+  std::vector<btTransform> last_;      ///< poses of the falling objects, one unit ago
   std::vector<double> displacements_;  ///< in the last unit, m
 };
 

@@ -1,4 +1,4 @@
-// Objects fall onto one another and come to rest.
+// Lets objects fall onto one another and come to rest.
 #pragma once
 
 #include <cmath>
@@ -12,33 +12,34 @@
 
 namespace cdb::worker {
 
-/// At rest: of all but so many, which roll or tremble, no point moves farther than this in a unit
-/// of time, in mean diameters, for kRestChecks units in a row.
+/// In mean diameters. The objects are at rest if no point of any of them, except for a fraction
+/// kRestless that may roll or tremble, moves farther in a unit of time, for kRestChecks units in a
+/// row.
 inline constexpr double kRestDisplacement = 0.03;
-inline constexpr double kRestless = 0.02;  ///< of the objects
+inline constexpr double kRestless = 0.02;  ///< fraction of the objects
 inline constexpr int kRestChecks = 3;
-/// Units of time, beside that of the fall, after which objects are given up.
+/// Units of time, in addition to that of the fall, after which settling fails.
 inline constexpr double kSettleTime = 400;
 
 /// Objects that fall in an engine in which all others stand still.
 struct Falling {
   std::vector<std::uint32_t> objects;
-  // Means of them.
-  double diameter = 0;           ///< of the ball around one, m
+  // Mean values.
+  double diameter = 0;           ///< of the bounding ball, m
   double least_half_extent = 0;  ///< m
   double gravity = 0;            ///< m/s^2
 
-  /// In which an object at rest falls half a diameter; s.
+  /// The time in which an object falls half a diameter from rest, s.
   double UnitOfTime() const { return std::sqrt(diameter / gravity); }
-  /// Short enough for impacts, and for thin objects not to sink into one another; s.
+  /// Short enough for impacts, and to keep thin objects from sinking into one another; s.
   double Timestep() const;
 };
 
-/// Steps `engine`, whose time step is that of `falling`, until the objects are at rest. They are
-/// damped so little that they find their places, and somewhat more once nearly all have stopped
-/// falling; an object that nothing holds still falls. `bodies` are all objects of the
-/// engine. Calls `tell` with the number of objects at rest, once in a unit of time. Throws
-/// library::SceneError if they do not come to rest.
+/// Steps `engine`, whose time step is that of `falling`, until the objects are at rest. Damping is
+/// so weak that they find their places, and is increased once nearly all have stopped falling; an
+/// object that nothing holds still falls. `bodies` are all objects of the engine. Calls `tell` with
+/// the number of objects at rest, once per unit of time. Throws library::SceneError if they do not
+/// come to rest.
 void ComeToRest(world::Engine& engine, const Falling& falling,
                 std::vector<ContactReuse::Body> bodies,
                 const std::function<void(std::size_t at_rest)>& tell);

@@ -12,7 +12,7 @@ namespace cdb::worker {
 void Confine() {
   const char* unconfined = std::getenv(kUnconfined);
   if (unconfined != nullptr && *unconfined != '\0') return;
-  // Without it, the kernel lets only root confine a process.
+  // Without it, the kernel allows only root to confine a process.
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return;
   RestrictByLandlock();
   FilterSystemCalls();

@@ -9,7 +9,7 @@
 namespace cdb::worker {
 namespace {
 
-/// A body's second user index: Bullet's callback is given nothing else.
+/// Stored in a body's second user index, the only data that Bullet's callback can read.
 enum : int { kStays = 0, kMoved = 1 };
 
 bool HasMoved(const btBroadphaseProxy& proxy) {
@@ -20,7 +20,7 @@ void FindContactsOfMoved(btBroadphasePair& pair, btCollisionDispatcher& dispatch
                          const btDispatcherInfo& info) {
   if (pair.m_algorithm == nullptr || HasMoved(*pair.m_pProxy0) || HasMoved(*pair.m_pProxy1))
     return btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
-  thread_local btManifoldArray manifolds;  // keeps its memory
+  thread_local btManifoldArray manifolds;  // keeps its memory between calls
   manifolds.resizeNoInitialize(0);
   pair.m_algorithm->getAllContactManifolds(manifolds);
   for (int i = 0; i < manifolds.size(); ++i)
@@ -34,7 +34,7 @@ double Displacement(const btTransform& from, const btTransform& to, double radiu
   btScalar squares = 0;
   for (int row = 0; row < 3; ++row)
     squares += (to.getBasis()[row] - from.getBasis()[row]).length2();
-  // A turn by the angle a changes the matrix by 2 sqrt(2) sin(a/2), whatever its axis.
+  // A rotation by the angle a changes the matrix by 2 sqrt(2) sin(a/2), whatever its axis.
   const double turn = std::sqrt(static_cast<double>(squares)) / std::numbers::sqrt2;
   return static_cast<double>((to.getOrigin() - from.getOrigin()).length()) + radius * turn;
 }

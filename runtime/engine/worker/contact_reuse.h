@@ -1,4 +1,4 @@
-// Reuse of contacts between bodies that hardly move.
+// Reuses contacts between bodies that hardly move.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
@@ -9,13 +9,14 @@
 
 namespace cdb::worker {
 
-/// How far any point within `radius` of the origin moves at most from one pose to the other; m.
+/// Bound of the displacement, m, of any point within `radius` of the origin from one pose to the
+/// other.
 double Displacement(const btTransform& from, const btTransform& to, double radius);
 
 /// Bullet's narrow phase runs for a pair only after one of its bodies has moved by more than a
-/// tolerance; until then the contacts of the pair are kept, and follow the bodies as Bullet lets
-/// the contacts of a manifold do. What contacts are based on is out of date by four tolerances at
-/// most. Not thread-safe.
+/// tolerance. Until then the contacts of the pair are kept, and follow the bodies as Bullet moves
+/// the contacts of a manifold. The poses on which contacts are based are out of date by at most
+/// four tolerances. Not thread-safe.
 class ContactReuse {
  public:
   struct Body {
@@ -23,10 +24,10 @@ class ContactReuse {
     double tolerance;  ///< m
   };
   /// `bodies`: the engine's objects. The engine must outlive it and have Bullet's narrow phase; its
-  /// fixed and kinematic objects may not move.
+  /// fixed and kinematic objects must not move.
   ContactReuse(world::Engine& engine, std::vector<Body> bodies);
 
-  /// To be called before each step.
+  /// Call before each step.
   void BeforeStep();
 
  private:

@@ -9,7 +9,7 @@
 namespace cdb::worker {
 namespace {
 
-// From the kernel's linux/landlock.h; that of the system may be older than its kernel.
+// From the kernel's linux/landlock.h. The header of the system may be older than its kernel.
 struct Ruleset {
   std::uint64_t files, network, scopes;
 };
@@ -36,7 +36,7 @@ void RestrictByLandlock() {
   const std::size_t size = version >= 6   ? sizeof rules
                            : version >= 4 ? offsetof(Ruleset, scopes)
                                           : offsetof(Ruleset, network);
-  // No rule permits any of it anywhere.
+  // No rule is added, so none of these rights is granted anywhere.
   const long ruleset = syscall(kCreateRuleset, &rules, size, 0u);
   if (ruleset < 0) return;
   syscall(kRestrictSelf, ruleset, 0u);

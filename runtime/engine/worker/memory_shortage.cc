@@ -9,7 +9,7 @@
 namespace cdb::worker {
 namespace {
 
-/// A handler has no argument of ours; null where nobody listens.
+/// Global, because a new handler has no argument; null without a NotesMemoryShortage.
 std::atomic<std::uint32_t>* noted_in = nullptr;
 
 [[noreturn]] void NoteShortage() {

@@ -1,5 +1,5 @@
-// Notes that an allocation failed, so that the runner can tell a run that reached its memory limit
-// from one that crashed.
+// Records failed allocations, so that the runner can tell a run that reached its memory limit from
+// one that crashed.
 #pragma once
 
 #include <atomic>
@@ -7,9 +7,9 @@
 
 namespace cdb::worker {
 
-/// While it lives, a failed allocation is noted in `place` and throws std::bad_alloc, in Bullet
-/// too, which would otherwise use the null pointer. What a plug-in allocates by malloc is not
-/// noted. One at a time in a process. Threads: any may allocate.
+/// While it lives, a failed allocation is noted in `place` and throws std::bad_alloc, also in
+/// Bullet, which would otherwise use the null pointer. Allocations of a plug-in by malloc are not
+/// noted. Only one may exist in a process at a time. Threads: any may allocate.
 class NotesMemoryShortage {
  public:
   explicit NotesMemoryShortage(std::atomic<std::uint32_t>& place);

@@ -67,7 +67,7 @@ detection::NamedDetector MakeFor(const plan::Scene& scene, const TracedScene& tr
   return detector;
 }
 
-/// Refuses what is no pair of bodies.
+/// Fails the run if an entry is not a pair of bodies.
 void CheckPairs(const TracedScene& traced, std::string_view name, std::span<const Pair> pairs) {
   const std::size_t bodies = traced.scene().size;
   for (const Pair& pair : pairs)
@@ -88,7 +88,7 @@ std::string HashOf(std::vector<Pair> pairs) {
   return fmt::format("{:016x}", hash);
 }
 
-/// A run's cycles on its trace.
+/// The cycles of a run on its trace.
 class Replay {
  public:
   Replay(const plan::Run& run, measure::Recording& recording, int trace_fd)
@@ -118,7 +118,7 @@ class Replay {
       detector.detector->FindPairs(traced_.scene(), pairs_);
       const std::int64_t end = world::Now();
       CheckPairs(traced_, detector.name, pairs_);
-      // As the engine does with them.
+      // The same filter as in the engine.
       std::erase_if(
           pairs_, [this](const Pair& pair) { return !traced_.scene().MayCollide(pair.a, pair.b); });
       if (i < warmup_) continue;
@@ -137,7 +137,7 @@ class Replay {
     header.scalars.harness_ns = HarnessNs();
   }
 
-  /// The same cycles once more from the start with a detector made anew, compared with brute force.
+  /// Runs the same cycles again with a new detector, and compares its pairs with brute force.
   void Judge() {
     if (recording_.Ints("missed_pairs").empty()) return;
     const auto series = [&](const char* name, std::uint64_t cycle, std::size_t count) {
@@ -164,7 +164,8 @@ class Replay {
         std::min<std::size_t>(count, std::numeric_limits<std::int32_t>::max()));
   }
 
-  /// Of a cycle: its two stamps, and the call of a detector that does nothing. The median of 101.
+  /// Overhead of a cycle: its two time stamps, and the call of a detector that does nothing. The
+  /// median of 101 measurements.
   double HarnessNs() {
     const detection::NamedDetector idle = detection::MakeDetector("null", run_.scene);
     std::vector<Pair> none;

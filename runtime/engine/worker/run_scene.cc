@@ -27,7 +27,7 @@
 namespace cdb::worker {
 namespace {
 
-/// One cycle after the other, with what belongs to each.
+/// Executes one cycle after the other, with the probes and schedules around each.
 class Stepper {
  public:
   Stepper(const plan::Scene& scene, world::Engine& engine)
@@ -80,7 +80,7 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, measure::Recordi
   processor_time.Store(recording.header().scalars);
 }
 
-/// Runs all cycles once more in a new world, for samples and for the referee.
+/// Runs all cycles without a clock, for samples and for the pair referee.
 void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
                      measure::Recording& recording) {
   std::optional<probes::Sampler> sampler;
@@ -100,8 +100,8 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
   }
 }
 
-/// The same run once more without a clock, from the start, for what is compared with the truth
-/// alone. It has to go the same way.
+/// Runs the same scene again from the start without a clock, for the measurements that are compared
+/// with the truth. Its motion must be the same.
 void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Recording& recording) {
   plan::Scene quiet = scene;
   quiet.world.Set("record", schema::WordList{});
@@ -115,7 +115,7 @@ void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Rec
                     hash, timed));
 }
 
-/// Keeps the runner informed, and the time that is spent on it.
+/// Reports progress to the runner, and keeps the time spent on settling.
 void SettleAndTell(const plan::Scene& scene, layouts::InitialState& state,
                    measure::Settling& told) {
   std::int64_t begin = -1;
@@ -143,7 +143,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
   try {
     const std::int64_t place_begin = world::Now();
     layouts::InitialState state = layouts::DrawObjects(run.scene);
-    header.scalars.fill_fraction = state.fill_fraction;  // known also where placing fails
+    header.scalars.fill_fraction = state.fill_fraction;  // known even if placing fails
     header.models = objects::ModelsText(state.forms);
     layouts::Place(run.scene, state);
     if (yaml::HasPile(run.scene)) SettleAndTell(run.scene, state, header.settling);
@@ -154,7 +154,9 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     for (const schema::ComponentInfo& info : schema::Components())
       if (omissions.Omits(info.component) && schema::ListsWord(kept.names, info.name))
         omissions.Keep(info.component, kept.why);
-    if (!run.scene.plugins.empty()) Confine();  // caches are written, plug-ins are not yet loaded
+    if (!run.scene.plugins.empty())
+      Confine();  // after caches are written and before plug-ins are
+                  // loaded
     engine = std::make_unique<world::Engine>(run.scene, std::move(state), std::move(omissions));
     header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
     header.omitted = analysis::OmittedNames(engine->omissions().decisions);
@@ -177,7 +179,8 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
       throw;
     ReportFailure(recording, fmt::format("omit walls: this scene needs them: {}", tripped.what()));
   } catch (const std::bad_alloc&) {
-    header.is_out_of_memory.store(1, std::memory_order_relaxed);  // also of the one that settles
+    header.is_out_of_memory.store(1, std::memory_order_relaxed);  // also if the settling worker ran
+                                                                  // out of memory
     ReportFailure(recording,
                   std::string(measure::kOutOfMemory) + "; fewer objects or fewer cycles need less");
   } catch (const std::exception& error) {

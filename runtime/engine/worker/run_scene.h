@@ -11,18 +11,18 @@
 
 namespace cdb::worker {
 
-/// Components that a run keeps although it could leave them out.
+/// Components that a run keeps although it could omit them.
 struct Kept {
   std::string names;  ///< separated by spaces
   std::string why;
 };
 
 /// Draws and places the objects, decides the omissions, builds the world, runs the warm-up and
-/// every cycle, and fills `recording`. If the scene asks for errors, or for both timing and pairs,
-/// it is then run a second time from the start, without a clock, to record them. A reference is run
-/// only for its samples. `peak_rss_bytes` is of before that, and of the whole process.
-/// `cycles_done` goes up after each recorded cycle is stored. The outcome is kDone with the state
-/// hash, or kFailed with a message. The only exception that a scene can cause is
+/// every cycle, and fills `recording`. If the scene requests errors, or both timing and pairs, it
+/// is then run a second time from the start, without a clock, to record them. A reference is run
+/// only for its samples. `peak_rss_bytes` covers the whole process before that second run.
+/// `cycles_done` is incremented after each recorded cycle is stored. The outcome is kDone with the
+/// state hash, or kFailed with a message. The only exception that a scene can cause is
 /// OmissionGuardTripped: the run must then be restarted in a new process that keeps the walls, with
 /// the recording cleared. Returns the final world, or null if it was never built; destroying it can
 /// take longer than many cycles, so a worker that exits leaves it to the system. If the run has

@@ -45,10 +45,10 @@ using layouts::InitialState;
 using layouts::ObjectState;
 using library::SceneError;
 
-// Of what an object grows by.
+// As fractions of the growth of an object.
 constexpr double kSettleMargin = 0.4, kReuseTolerance = 0.25;
 
-/// What is the same for all tries.
+/// The data shared by all tries.
 struct Settling {
   const plan::Scene& scene;
   const InitialState& dropped;
@@ -100,7 +100,7 @@ InitialState QuietState(const Settling& settling, double growth) {
   InitialState state = settling.dropped;
   for (ObjectState& object : state.objects) {
     object.mass = 0;
-    object.is_kinematic = false;  // all others stay where they begin
+    object.is_kinematic = false;  // objects outside the pile stand still
   }
   std::map<const objects::Compound*, std::shared_ptr<const objects::Compound>> grown;
   const Falling& falling = settling.falling;
@@ -117,11 +117,11 @@ InitialState QuietState(const Settling& settling, double growth) {
       object.solid.compound = shared;
     }
     object.restitution = 0;
-    // Corners that Bullet's margin rounds would stand in what they lie on.
+    // Corners rounded by Bullet's margin would sink into the object below.
     object.margin = kSettleMargin * (growth - 1) * object.solid.LeastHalfExtent();
     object.ccd = false;
     const std::string& group = settling.scene.groups[object.group].name;
-    // A stream for each object, so that it does not matter who settles with it.
+    // A stream for each object, so that its numbers do not depend on the other objects in the pile.
     distributions::Stream stream(
         plan::StreamSeed(settling.scene.seeds.at(group + ".location"), std::to_string(i)));
     const auto drawn = [&](double most) { return stream.Uniform(-most, most); };
@@ -132,7 +132,7 @@ InitialState QuietState(const Settling& settling, double growth) {
   return state;
 }
 
-/// All objects, as they are when larger by `growth`.
+/// All objects, with the sizes of `growth`.
 std::vector<ContactReuse::Body> BodiesOf(const InitialState& state, double growth) {
   std::vector<ContactReuse::Body> bodies;
   for (const ObjectState& object : state.objects) {
@@ -143,7 +143,7 @@ std::vector<ContactReuse::Body> BodiesOf(const InitialState& state, double growt
   return bodies;
 }
 
-/// The dropped objects with the poses that they have in the engine.
+/// The dropped objects with their poses in the engine.
 InitialState StateOf(const Settling& settling, const world::Engine& engine) {
   InitialState state = settling.dropped;
   for (const std::uint32_t i : settling.falling.objects)
@@ -151,7 +151,7 @@ InitialState StateOf(const Settling& settling, const world::Engine& engine) {
   return state;
 }
 
-/// Throws SceneError where objects overlap or reach through a wall.
+/// Throws SceneError if objects overlap or reach through a wall.
 void CheckClearance(const plan::Scene& scene, InitialState& state) {
   const layouts::Bodies bodies(scene, state);
   std::vector<std::uint32_t> all(state.objects.size());
@@ -159,7 +159,7 @@ void CheckClearance(const plan::Scene& scene, InitialState& state) {
   layouts::CheckClearance(bodies, all);
 }
 
-constexpr std::size_t kPoseSize = 7;  ///< place, and the turn's w, x, y, z
+constexpr std::size_t kPoseSize = 7;  ///< position, and w, x, y, z of the orientation
 
 std::string PosesOf(const InitialState& state) {
   std::string bytes;
@@ -173,7 +173,8 @@ std::string PosesOf(const InitialState& state) {
   return bytes;
 }
 
-/// False, with nothing changed, where it is not what PosesOf wrote for as many objects.
+/// False, with nothing changed, if the bytes were not written by PosesOf for the same number of
+/// objects.
 bool TakePoses(std::string_view bytes, InitialState& state) {
   std::array<double, kPoseSize> pose;
   if (bytes.size() != state.objects.size() * sizeof pose) return false;
@@ -190,7 +191,8 @@ bool TakePoses(std::string_view bytes, InitialState& state) {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// Before the poses; anything else is why there are none. Lines of progress come before it.
+/// Precedes the poses in an answer; any other text is an error message. Lines of progress come
+/// before it.
 constexpr std::string_view kSettled = "settled\n";
 constexpr std::string_view kProgress = "progress ";
 constexpr std::string_view kOutOfMemory = "out of memory\n";
@@ -200,7 +202,7 @@ std::string ProgressLine(const SettlingProgress& progress) {
                      progress.at_rest, progress.objects);
 }
 
-/// Takes whole lines of progress from the front of `answer`.
+/// Takes complete lines of progress from the front of `answer`.
 void TakeProgress(std::string& answer, const SettlingListener& listener) {
   for (std::size_t end;
        answer.starts_with(kProgress) && (end = answer.find('\n')) != std::string::npos;
@@ -212,7 +214,7 @@ void TakeProgress(std::string& answer, const SettlingListener& listener) {
   }
 }
 
-/// All that comes until the other end is closed, without the lines of progress.
+/// Reads until the other end is closed, and returns the answer without the lines of progress.
 std::string ReadAnswer(int fd, const SettlingListener& listener) {
   std::string answer;
   char buffer[4096];
@@ -225,7 +227,7 @@ std::string ReadAnswer(int fd, const SettlingListener& listener) {
   }
 }
 
-/// What the other worker writes about the scene.
+/// The answer of the double-precision worker about the scene.
 std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& listener) {
   const std::string program =
       (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "cdb-worker-f64").string();
@@ -239,12 +241,12 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
   if (lseek(text, 0, SEEK_SET) != 0) Fail("cannot settle a pile");
   int ends[2];
   if (pipe(ends) != 0) Fail("no pipe to settle a pile");
-  // One thread alone, and nothing between fork and exec that could need a lock.
+  // Single-threaded, and nothing between fork and exec needs a lock.
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) Fail("cannot start a worker to settle a pile");
   if (child == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);  // stays set in the program
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // is kept across exec
     if (getppid() != parent) _exit(127);
     dup2(text, STDIN_FILENO);
     dup2(ends[1], STDOUT_FILENO);
@@ -286,11 +288,11 @@ InitialState Settled(const Settling& settling) {
 }
 
 constexpr std::string_view kKind = "pile";
-/// To be raised with everything here that changes where objects come to rest.
+/// Increase it with every change here that affects where objects come to rest.
 constexpr std::string_view kVersion = "3";
 
-/// The numbers of the objects that decide the poses: settings of the group may be drawn, or follow
-/// from others.
+/// The numbers of the objects that determine the poses: settings of the group may be drawn, or
+/// depend on others.
 std::string NumbersOf(const InitialState& state) {
   std::string bytes;
   for (const ObjectState& object : state.objects) {
@@ -301,7 +303,8 @@ std::string NumbersOf(const InitialState& state) {
   return bytes + PosesOf(state);
 }
 
-/// Of all that decides the poses: the scene, the objects as they are dropped, and the programs.
+/// The cache key, from everything that determines the poses: the scene, the dropped objects, and
+/// the programs.
 std::string KeyOf(const Settling& settling) {
   return library::CacheKeyOf(
       fmt::format("{}\nBullet {}\n{}\n{}\n{}{}\n{}", kVersion, btGetVersion(), __VERSION__,
@@ -309,7 +312,8 @@ std::string KeyOf(const Settling& settling) {
                   yaml::PileText(settling.scene), NumbersOf(settling.dropped)));
 }
 
-/// From the cache, or made and kept there: by one process, while others that need it wait.
+/// Takes the result from the cache, or makes and stores it. Only one process makes it; others that
+/// need it wait.
 InitialState FoundOrSettled(const Settling& settling, const std::filesystem::path& folder,
                             const std::string& key) {
   const library::CacheLock lock(folder, kKind, key,

@@ -32,7 +32,7 @@ constexpr std::uint32_t kProcessor = 0;
 #endif
 
 constexpr std::uint32_t kRefused = SECCOMP_RET_ERRNO | EPERM;
-/// The C library then starts a thread by clone, whose flags a filter can see.
+/// ENOSYS makes the C library start threads by clone, whose flags a filter can see.
 constexpr std::uint32_t kUnknown = SECCOMP_RET_ERRNO | ENOSYS;
 
 constexpr int kAnyCall[] = {
@@ -73,7 +73,7 @@ constexpr int kAnyCall[] = {
     SYS_timer_gettime,
     SYS_timer_getoverrun,
     SYS_timer_delete,
-    // signals of its own
+    // signals of this process
     SYS_rt_sigaction,
     SYS_rt_sigprocmask,
     SYS_rt_sigreturn,
@@ -82,7 +82,7 @@ constexpr int kAnyCall[] = {
     SYS_rt_sigsuspend,
     SYS_sigaltstack,
     SYS_restart_syscall,
-    // descriptors that are open
+    // open descriptors
     SYS_read,
     SYS_readv,
     SYS_pread64,
@@ -109,7 +109,7 @@ constexpr int kAnyCall[] = {
     SYS_readlinkat,
     SYS_getdents64,
     SYS_getcwd,
-    // facts
+    // information
     SYS_getpid,
     SYS_getppid,
     SYS_getuid,
@@ -135,10 +135,10 @@ constexpr int kAnyCall[] = {
 #endif
 };
 
-/// Stands for the number of this process, which is not known before.
+/// Placeholder for the id of this process, which is known only at run time.
 constexpr std::uint32_t kSelf = 0xfffffffe;
 
-/// Instructions; each jumps forward by at most 255.
+/// A list of instructions; each can jump forward by at most 255.
 class Program {
  public:
   constexpr void Load(std::size_t offset) {
@@ -149,7 +149,7 @@ class Program {
     Load(offsetof(seccomp_data, args) + 8 * static_cast<std::size_t>(index) +
          (is_first_word ? 0 : 4));
   }
-  /// Jumps over the next `count` where the comparison holds, or where it does not.
+  /// Jumps over the next `count` instructions if the comparison holds, or if it does not.
   constexpr void JumpIf(int comparison, std::uint32_t value, std::size_t count) {
     Jump(comparison, value, count, 0);
   }
@@ -180,7 +180,7 @@ class Program {
   std::vector<sock_filter> code_;
 };
 
-/// What is answered to the calls with these numbers.
+/// The part of the filter that handles the calls with these numbers.
 struct Calls {
   std::uint32_t first, last;
   Program answer;
@@ -205,7 +205,7 @@ constexpr Program AllowValues(int argument, std::initializer_list<std::uint32_t>
   return program;
 }
 
-/// For reading alone.
+/// Allows opening files read-only.
 constexpr Program AllowReading(int flags_argument) {
   constexpr std::uint32_t kTemporary = O_TMPFILE & ~O_DIRECTORY;
   Program program;
@@ -215,7 +215,7 @@ constexpr Program AllowReading(int flags_argument) {
   return program;
 }
 
-/// Threads, but no processes.
+/// Allows clone for threads, not for processes.
 constexpr Program AllowThreads() {
   Program program;
   program.LoadArgument(0);
@@ -224,7 +224,7 @@ constexpr Program AllowThreads() {
   return program;
 }
 
-/// For asking, but not for setting.
+/// Allows queries, not changes.
 constexpr Program AllowWithoutPointer(int argument) {
   Program program;
   for (const bool is_upper_half : {false, true}) {
@@ -235,7 +235,7 @@ constexpr Program AllowWithoutPointer(int argument) {
   return program;
 }
 
-/// All that are not refused, in the order of their numbers.
+/// All allowed calls, in the order of their numbers.
 constexpr std::vector<Calls> ListCalls() {
   std::vector<Calls> calls;
   for (const int number : kAnyCall) calls.push_back(Call(number, Always(SECCOMP_RET_ALLOW)));
@@ -268,7 +268,7 @@ constexpr std::vector<Calls> ListCalls() {
   return joined;
 }
 
-/// A binary search: the kernel tries a new filter with the number of every call.
+/// A binary search: the kernel runs a new filter on the number of every call.
 constexpr Program Search(std::span<const Calls> calls) {
   Program program;
   if (calls.size() == 1) {
@@ -297,14 +297,14 @@ constexpr Program WholeProgram() {
   program.Load(offsetof(seccomp_data, arch));
   program.JumpIf(BPF_JEQ, kProcessor, 1);
   program.Answer(kRefused);
-  // The numbers of x32 have a bit above all others, and are not on the list.
+  // The numbers of the x32 ABI have a high bit set, and are not on the list.
   program.Load(offsetof(seccomp_data, nr));
   program.Append(Search(ListCalls()));
   return program;
 }
 
-/// Made by the compiler: a worker that has just been forked would spend longer on it than the
-/// kernel does.
+/// Computed at compile time: in a newly forked worker, it would take longer than the kernel takes
+/// to install it.
 constexpr auto kProgram = [] {
   std::array<sock_filter, WholeProgram().code().size()> code = {};
   std::ranges::copy(WholeProgram().code(), code.begin());
@@ -320,7 +320,7 @@ void FilterSystemCalls() {
   for (sock_filter& instruction : code)
     if (instruction.k == kSelf) instruction.k = self;
   const sock_fprog program = {static_cast<unsigned short>(code.size()), code.data()};
-  // Kernels before 5.16 slow a filtered process down against Spectre, which would be timed.
+  // Kernels before 5.16 otherwise enable Spectre mitigations, whose cost would be in the times.
   syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER,
           SECCOMP_FILTER_FLAG_TSYNC | SECCOMP_FILTER_FLAG_SPEC_ALLOW, &program);
 }

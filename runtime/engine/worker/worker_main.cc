@@ -1,7 +1,7 @@
 // The worker: one process for one run. `cdb run` starts it with three descriptors
-// (runtime/measure/recording.h), or has it forked by one that waits for that
-// (runtime/measure/fork_server.h); it reads the run, writes the recording and ends.
-// Exit status: 0 when the recording says how the run ended, 2 when that was not possible.
+// (runtime/measure/recording.h), or has it forked by a waiting fork server
+// (runtime/measure/fork_server.h). It reads the run, writes the recording and ends. Exit status: 0
+// if the recording has the outcome of the run, 2 if it could not be written.
 
 #include <LinearMath/btScalar.h>
 #include <fcntl.h>
@@ -35,11 +35,11 @@ namespace {
 
 constexpr int kCannotReport = 2;
 
-/// The name that this program was started by.
+/// The name by which this program was started.
 const char* g_program = "";
 
-/// The poses that came with the run; from the start each time, as another process of it may have
-/// read them.
+/// The poses that came with the run. Read from the start each time, because another process of the
+/// same run may have read them before.
 std::string ReadPackedPoses() {
   std::string packed;
   char buffer[65536];
@@ -58,7 +58,7 @@ bool HasDescriptors() {
   return true;
 }
 
-/// The runner starts the same run again, in a process that has done nothing yet, with all walls.
+/// Makes the runner start the same run again, with all walls, in a new process.
 void AskToStartAgain(measure::Recording& recording, const world::OmissionGuardTripped& tripped) {
   recording.header().message = tripped.what();
   recording.header().outcome.store(measure::WorkerOutcome::kAgain, std::memory_order_release);
@@ -66,9 +66,9 @@ void AskToStartAgain(measure::Recording& recording, const world::OmissionGuardTr
 
 void RunScenario(const plan::Run& run, measure::Recording& recording, const Kept& kept) {
   auto engine = RunScene(run, recording, measure::kContactsFd, kept);
-  // The C library finds what a plug-in wrote past its memory when that is freed.
+  // The C library detects writes beyond a plug-in's memory when that memory is freed.
   if (!run.scene.plugins.empty()) return;
-  static_cast<void>(engine.release());  // the system takes it down
+  static_cast<void>(engine.release());  // the system frees it
 }
 
 void RunWorker(const Kept& kept) {
@@ -94,12 +94,12 @@ void RunWorker(const Kept& kept) {
       AskToStartAgain(recording, tripped);
     }
   }
-  // Where the run did not get that far.
+  // For a run that did not get that far.
   if (std::isnan(recording.header().scalars.peak_rss_bytes))
     recording.header().scalars.peak_rss_bytes = probes::PeakRssBytes();
 }
 
-/// What `arguments`, without the program, ask for; the exit status.
+/// Executes the command given by `arguments`, without the program; returns the exit status.
 int Execute(const std::vector<std::string>& arguments) {
   const std::string option = arguments.empty() ? "" : arguments[0];
   const bool settles = arguments.size() == 1 && option == kSettleOption;
@@ -121,7 +121,7 @@ int Execute(const std::vector<std::string>& arguments) {
       RunWorker(keeps ? Kept{arguments[1], arguments[2]} : Kept{});
     }
     std::fflush(nullptr);
-    _exit(0);  // nothing left to take down that the system does not
+    _exit(0);  // skips destructors: the system frees everything
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", g_program, error.what());
     return kCannotReport;

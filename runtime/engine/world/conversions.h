@@ -1,4 +1,5 @@
-// Vectors and rotations of Bullet, in the precision of this worker, and of Eigen, in double.
+// Conversions between vectors and rotations of Bullet, in the precision of this worker, and of
+// Eigen, in double.
 #pragma once
 
 #include <LinearMath/btTransform.h>
@@ -38,8 +39,8 @@ inline bool IsFinite(const btVector3& v) {
   return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
 }
 
-/// `v` as Bullet has it. By way of memory: GCC 12 at -O2 takes ToEigen(ToBullet(v)) for v itself,
-/// its vectorizer forgets the rounding.
+/// `v` rounded to Bullet's precision. Goes through memory, because GCC 12 at -O2 replaces
+/// ToEigen(ToBullet(v)) by v: its vectorizer drops the rounding.
 inline Eigen::Vector3d RoundedForBullet(const Eigen::Vector3d& v) {
   Eigen::Vector3d rounded;
   for (int axis = 0; axis < 3; ++axis) {

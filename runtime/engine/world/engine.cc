@@ -25,12 +25,12 @@ using layouts::ObjectState;
 using library::SceneError;
 using schema::Component;
 
-/// Bullet's own group of what moves, and one of our own for each wall, so that an object can be
-/// without it.
+/// Bullet's default group for moving bodies, and one group for each wall, so that an object can
+/// exclude it.
 constexpr int kObjectGroup = btBroadphaseProxy::DefaultFilter;
 constexpr int WallGroup(int wall) { return 64 << wall; }
 
-/// With `collides_with`, those of a class of groups: bits that no wall has.
+/// With `collides_with`, the groups of a class: bits that no wall has.
 constexpr int ClassGroup(std::size_t collision_class, bool is_fixed) {
   const auto bit = static_cast<int>(2 * collision_class) + (is_fixed ? 1 : 0);
   return 1 << (bit < 6 ? bit : bit + 6);
@@ -65,7 +65,7 @@ btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
   return info;
 }
 
-/// Bullet divides by masses and moments, and takes what overflows without a word.
+/// Bullet divides by masses and moments of inertia, and does not report overflow.
 void CheckRange(std::size_t index, const ObjectState& object, const btVector3& inertia) {
   const auto refuse = [&](const char* what) {
     throw SceneError(fmt::format("the {} of object {} is out of reach of {} precision", what,
@@ -84,8 +84,8 @@ void CheckRange(std::size_t index, const ObjectState& object, const btVector3& i
       refuse("moment of inertia");
 }
 
-/// How far sweep and prune should count: the cube, and where walls are missing also as far as an
-/// object can fly in the run.
+/// The extent of sweep and prune's coordinates: the cube, and, if walls are missing, also the
+/// largest distance that an object can fly in the run.
 double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
   const analysis::Collisions collisions(scene);
@@ -100,7 +100,7 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
       scene.world.Real("timestep") *
       static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
   const double flight = fastest * seconds + state.acceleration.norm() * seconds * seconds / 2;
-  // Bullet switches off bodies that are farther out.
+  // Bullet disables bodies that are farther out.
   return std::min(half + flight, std::max(half, analysis::kLargestBox));
 }
 
@@ -112,7 +112,7 @@ btDefaultCollisionConstructionInfo PoolSizes(const pruning::Omissions& omissions
   return info;
 }
 
-/// Stands where Bullet wants a solver and none is ever called.
+/// Takes the place of a solver that is never called.
 class NoSolver : public btConstraintSolver {
  public:
   btScalar solveGroup(btCollisionObject**, int, btPersistentManifold**, int, btTypedConstraint**,
@@ -184,7 +184,7 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
   for (const detection::NamedDetector* detector : {&detectors.broad, &detectors.narrow})
     detection::CheckHolds(detector->name, detector->max_bodies, bodies);
   scene_view_ = std::make_unique<detection::SceneView>(objects_, walls_, state_);
-  // Bullet's own list all, as they do alone.
+  // Bullet's own broad phases keep all wall pairs by default, as in Bullet alone.
   if ((omissions_.Omits(Component::kWallPairs) || !detection::IsBullets(detectors.broad.name)) &&
       detection::WhyAllWallPairs(scene_, objects_).empty())
     scene_view_->CutPlanes();
@@ -207,7 +207,7 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
 }
 
 Engine::~Engine() {
-  // Bullet looks through all pairs for each body that it removes; without pairs that is nothing.
+  // Bullet searches all pairs for each body that it removes; without pairs that costs nothing.
   btOverlappingPairCache* cache = broad_phase_->getOverlappingPairCache();
   while (cache->getNumOverlappingPairs() > 0) {
     const btBroadphasePair last =
@@ -226,13 +226,13 @@ void Engine::SetUpSolver() {
   const double warm_start = scene_.world.Real("solver.warm_start");
   info.m_warmstartingFactor = static_cast<btScalar>(warm_start);
   if (warm_start == 0) info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;
-  // Speculative contacts eat the rebound, and so does split impulse for shallow ones.
+  // Speculative contacts reduce the rebound, and so does split impulse for shallow ones.
   if (faithful_) info.m_splitImpulsePenetrationThreshold = 0;
 }
 
 void Engine::SetAcceleration(const Eigen::Vector3d& acceleration) {
   acceleration_ = acceleration;
-  // Bullet gives gravity to those that are awake.
+  // Bullet applies gravity to active bodies only.
   for (const auto& body : objects_)
     if (!body->isStaticOrKinematicObject()) body->activate(true);
   world_->setGravity(ToBullet(acceleration));
@@ -263,7 +263,7 @@ void Engine::MakeObject(const ObjectState& object) {
     body->setContactStiffnessAndDamping(static_cast<btScalar>(object.contact_stiffness),
                                         static_cast<btScalar>(object.contact_damping));
   if (object.ccd) {
-    // Bullet sweeps convex shapes alone, and says nothing.
+    // Bullet sweeps only convex shapes, and ignores others silently.
     if (!shape->isConvex())
       throw SceneError(
           fmt::format("object {}: ccd is for convex types, and it is a {}; set "
@@ -374,7 +374,7 @@ void Engine::AddBodies() {
   }
 }
 
-// Those that are fixed have groups of their own, as two of them never touch.
+// Fixed objects have groups of their own, because two of them never touch.
 void Engine::AddFilteredBodies() {
   const auto mask_of = [&](std::size_t group, bool is_fixed) {
     int mask = 0;
@@ -385,7 +385,7 @@ void Engine::AddFilteredBodies() {
     }
     return mask;
   };
-  int movers = 0;  // that may touch walls
+  int movers = 0;  // groups of moving objects that may touch walls
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const bool is_fixed = objects_[i]->isStaticOrKinematicObject();
     const std::size_t group = state_.objects[i].group;

@@ -22,16 +22,16 @@ namespace cdb::world {
 /// Contains only what the run does not omit; every body moves as it would without omissions.
 ///
 /// Walls are fixed bodies with the friction and restitution of library/walls.h. `plane` walls are
-/// infinite half spaces; `box` walls are a tenth of the cube's side thick and reach over its edges.
-/// A fixed object does not move: its velocities are drawn but not used. A kinematic one is moved by
-/// Kinematics alone, and is where it begins until then. Not thread-safe.
+/// infinite half-spaces; `box` walls are a tenth of the cube's side thick and reach over its edges.
+/// A fixed object does not move: its velocities are drawn but not used. A kinematic object is moved
+/// only by Kinematics, and stays at its initial pose until then. Not thread-safe.
 class Engine {
  public:
-  /// Builds the world of `state`, which MakeInitialState drew from `scene`, without what
-  /// `omissions` leaves out of it (SettleNeeds of the same two). Bodies are added object by object
-  /// in the plan's order, then the walls -x, +x, -y, +y, -z, +z that stand and that some object
-  /// keeps. Throws library::SceneError for what the detector or the precision cannot hold, and
-  /// where `omit` names what only the built world shows to be needed.
+  /// Builds the world of `state`, which MakeInitialState drew from `scene`, without the components
+  /// in `omissions` (SettleNeeds of the same two). Bodies are added object by object in the plan's
+  /// order, then the standing walls that some object keeps, in the order -x, +x, -y, +y, -z, +z.
+  /// Throws library::SceneError for values that the detector or the precision cannot represent, and
+  /// if `omit` names a component that turns out to be needed once the world is built.
   Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions);
   /// The same with the given detectors instead of those of the scene.
   Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions,
@@ -51,11 +51,11 @@ class Engine {
 
   /// The omissions; may be fewer than those it was built with.
   const pruning::Omissions& omissions() const { return omissions_; }
-  /// `wall` (0 to 5: -x, +x, -y, +y, -z, +z) is part of the scene, but omitted for this object.
+  /// True if `wall` (0 to 5: -x, +x, -y, +y, -z, +z) is in the scene, but omitted for this object.
   bool IsWithoutWall(std::size_t object, int wall) const {
     return !omissions_.walls.empty() && (standing_ & ~omissions_.walls[object] & 1 << wall) != 0;
   }
-  /// By the objects' places; of walls, by the object's.
+  /// By the objects' indices; for a wall, by the object's.
   bool MayTouch(std::size_t object, std::size_t other) const {
     return collisions_.MayTouch(state_.objects[object].group, state_.objects[other].group);
   }
@@ -70,8 +70,8 @@ class Engine {
   const TimedWorld* timed_world() const { return timed_world_; }
   btDiscreteDynamicsWorld& world() { return *world_; }
   const layouts::InitialState& initial_state() const { return state_; }
-  /// The objects, in the order of the initial state; a body's getUserIndex is its place here, a
-  /// wall's the number of objects and its own.
+  /// The objects, in the order of the initial state. The getUserIndex of an object is its index
+  /// here, that of a wall is the number of objects plus its own index.
   const std::vector<std::unique_ptr<btRigidBody>>& objects() const { return objects_; }
   const std::vector<std::unique_ptr<btRigidBody>>& walls() const { return walls_; }
   const Links& links() const { return *links_; }
@@ -84,7 +84,7 @@ class Engine {
 
  private:
   void MakeDetection(const detection::Detectors& detectors);
-  bool IsKept(int wall) const;  ///< by any object
+  bool IsKept(int wall) const;  ///< by at least one object
   void MakeObject(const layouts::ObjectState& object);
   void MakeWall(int wall);
   void SettleRotation();
@@ -94,12 +94,12 @@ class Engine {
   void AddFilteredBodies();
   void SetUpSolver();
 
-  // Members are declared in dependency order; the world uses all of those before it.
+  // Members are declared in dependency order: the world uses all members before it.
   const plan::Scene scene_;
   const layouts::InitialState state_;
   const analysis::Collisions collisions_;
   pruning::Omissions omissions_;
-  const std::uint8_t standing_;  ///< walls of the scene, by their bits
+  const std::uint8_t standing_;  ///< walls of the scene, one bit each
   const double side_;
   const btScalar timestep_;
   const bool faithful_, sleeping_;
@@ -109,12 +109,12 @@ class Engine {
   std::vector<std::unique_ptr<btRigidBody>> objects_, walls_;
   btDefaultCollisionConfiguration configuration_;
   std::unique_ptr<btConstraintSolver> solver_;
-  std::unique_ptr<detection::SceneView> scene_view_;  ///< if a detector is not Bullet's own
+  std::unique_ptr<detection::SceneView> scene_view_;  ///< null if both detectors are Bullet's own
   std::unique_ptr<btCollisionDispatcher> dispatcher_;
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
   std::unique_ptr<LeanWorld> world_;
   std::unique_ptr<Links> links_;
-  TimedWorld* timed_world_ = nullptr;  ///< `world_`, if it is one
+  TimedWorld* timed_world_ = nullptr;  ///< `world_`, if it is a TimedWorld
 };
 
 }  // namespace cdb::world

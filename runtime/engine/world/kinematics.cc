@@ -7,7 +7,7 @@
 namespace cdb::world {
 namespace {
 
-/// The constant spin, rad/s, that makes one orientation of another in `seconds`, the shorter way.
+/// The constant spin, rad/s, that turns one orientation into another in `seconds`, the shorter way.
 Eigen::Vector3d SpinBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to,
                             double seconds) {
   const Eigen::AngleAxisd turn(to * from.conjugate());
@@ -33,7 +33,8 @@ void Kinematics::BeforeStep(std::uint64_t step) const {
     const layouts::ObjectState& object = engine_.initial_state().objects[i];
     const objects::Pose from = layouts::PoseAt(object, TimeOf(step));
     const objects::Pose to = layouts::PoseAt(object, TimeOf(step + 1));
-    // Faster than half a turn in a step, poses would not tell the spin.
+    // A constant spin is used directly: beyond half a turn per step, the poses would not determine
+    // it.
     const bool is_told = object.path != nullptr && object.path->has_orientation();
     btRigidBody& body = *engine_.objects()[i];
     body.setLinearVelocity(ToBullet((to.position - from.position) / timestep_));

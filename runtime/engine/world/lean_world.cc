@@ -11,7 +11,7 @@ btVector3 Moved(const btRigidBody& body, btScalar timestep) {
   return body.getWorldTransform().getOrigin() + body.getLinearVelocity() * timestep;
 }
 
-/// What the solver adds to the spin of a body that nothing touches.
+/// The impulse that the solver adds to the spin of a body without contacts.
 btVector3 SpinImpulse(btRigidBody& body, btScalar timestep) {
   btVector3 impulse = body.getTotalTorque() * body.getInvInertiaTensorWorld() * timestep;
   if ((body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0)
@@ -19,8 +19,8 @@ btVector3 SpinImpulse(btRigidBody& body, btScalar timestep) {
   return impulse;
 }
 
-/// The solver adds what contacts changed, which is 0 here, before it adds the forces: that makes a
-/// 0 of a -0.
+/// The solver first adds the change by contacts, here 0, and then the forces: the first turns -0
+/// into 0.
 btVector3 AfterSolver(const btVector3& velocity, const btVector3& impulse) {
   return (velocity + btVector3(0, 0, 0)) + impulse;
 }
@@ -45,7 +45,7 @@ void LeanWorld::updateAabbs() {
   } else {
     btDiscreteDynamicsWorld::updateAabbs();
   }
-  // The first update widens the boxes that bodies were added with.
+  // The first update enlarges the boxes with which bodies were added.
   if (Omits(Component::kStaticBoxes)) setForceUpdateAllAabbs(false);
 }
 
@@ -87,7 +87,7 @@ void LeanWorld::predictUnconstraintMotion(btScalar timestep) {
     if (turns) {
       body.predictIntegratedTransform(timestep, predicted);
     } else {
-      predicted.setOrigin(Moved(body, timestep));  // it is turned as it was from the start
+      predicted.setOrigin(Moved(body, timestep));  // the orientation stays as it was from the start
     }
   }
 }

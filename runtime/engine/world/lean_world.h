@@ -22,16 +22,16 @@
 
 namespace cdb::world {
 
-/// Not for several threads.
+/// Not thread-safe.
 class LeanWorld : public btDiscreteDynamicsWorld {
  public:
-  /// What the arguments point to must outlive it. `solver` is never called where it is left out.
+  /// The objects behind the arguments must outlive it. `solver` is never called if it is omitted.
   LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phase,
             btConstraintSolver* solver, btCollisionConfiguration* configuration,
             const pruning::Omissions& omissions);
 
-  /// From the next step on, boxes are computed by `view`, which must outlive it; its bodies must be
-  /// all of the world's.
+  /// From the next step on, boxes are computed by `view`, which must outlive it and contain all
+  /// bodies of the world.
   void ComputeBoxesBy(detection::SceneView& view) { view_ = &view; }
 
   void updateAabbs() override;
@@ -45,8 +45,8 @@ class LeanWorld : public btDiscreteDynamicsWorld {
     return (omitted_ >> static_cast<int>(component) & 1) != 0;
   }
 
-  /// Kinematic objects keep the velocities that Kinematics gave them; Bullet would work others out
-  /// of the last two poses, in its own precision.
+  /// Kinematic objects keep the velocities that Kinematics gave them. Bullet would compute others
+  /// from the last two poses, in its own precision.
   void saveKinematicState(btScalar) override {
     btDiscreteDynamicsWorld::saveKinematicState(btScalar(0));
   }
@@ -63,8 +63,8 @@ class LeanWorld : public btDiscreteDynamicsWorld {
   detection::SceneView* view_ = nullptr;
 };
 
-/// The body stays as it is turned, to the bit, while nothing touches it: it does not spin, and
-/// Bullet's way from matrix to quaternion and back ends where it began.
+/// True if the body keeps its orientation to the bit while nothing touches it: it does not spin,
+/// and Bullet's conversion from matrix to quaternion and back reproduces the matrix.
 bool MayOmitRotation(btRigidBody& body, btScalar timestep);
 
 }  // namespace cdb::world

@@ -13,9 +13,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Bullet's own spring gives way: it limits the stiffness, aims at a velocity that other forces are
-/// not part of, and where the damper is the stronger leaves out the spring. Here its first row, the
-/// axis x, is the force itself.
+/// Bullet's own spring limits the stiffness, aims at a velocity that ignores other forces, and
+/// drops the spring where the damper is stronger. Here its first row, the axis x, is the force
+/// itself.
 class PlainSpring : public btGeneric6DofSpring2Constraint {
  public:
   PlainSpring(btRigidBody& a, btRigidBody& b, const btTransform& in_a, const btTransform& in_b,
@@ -129,7 +129,7 @@ void Links::Add(const plan::GroupSettings& settings, btRigidBody& first, btRigid
         static_cast<btScalar>(settings.Real("links.damping")));
   }
   joints_ = joints_ || link.stiffness == 0;
-  // The body that stands for the world is everyone's and must not remember our constraints.
+  // The body that represents the world is shared and must not keep references to our constraints.
   const bool between_objects = &first != &btTypedConstraint::getFixedBody();
   world_.addConstraint(link.constraint.get(), between_objects);
   links_.push_back(std::move(link));
@@ -163,7 +163,7 @@ double Links::SpringEnergy(double timestep) const {
     const Vector3d velocity =
         ToEigen(link.second->getLinearVelocity()) - ToEigen(link.first->getLinearVelocity());
     const double stretch = line.dot(way) - link.length;
-    // With the force F = -k x: x and v stay on an ellipse of k x^2/2 + m v^2/2 - dt k x v/2.
+    // With the force F = -k x, x and v stay on the ellipse k x^2/2 + m v^2/2 - dt k x v/2.
     energy += link.stiffness * stretch * (stretch - timestep * line.dot(velocity)) / 2;
   }
   return energy;

@@ -9,7 +9,8 @@
 
 namespace cdb::world {
 
-/// A view, in Bullet's order; valid until the world's next cycle. Threads: none but the world's.
+/// A view, in Bullet's order, valid until the world's next cycle. Not thread-safe with respect to
+/// the world.
 inline auto TouchingManifolds(btCollisionWorld& world) {
   btDispatcher& dispatcher = *world.getDispatcher();
   const std::span<const btPersistentManifold* const> manifolds(

@@ -13,13 +13,13 @@ namespace {
 
 using schema::Component;
 
-/// A contact is made below this distance from a wall (btPersistentManifold's breaking threshold).
+/// Below this distance from a wall, a contact is made (btPersistentManifold's breaking threshold).
 btScalar TouchingDistance(const btRigidBody& body) {
   return body.getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold);
 }
 
-/// How far the body reaches along the unit vector, from the origin: as Bullet asks it before it
-/// makes a contact with a plane. A box around it can be much larger.
+/// The extent of the body along the unit vector, from the origin, computed as in Bullet's test
+/// before it makes a contact with a plane. A bounding box can be much larger.
 btScalar FarthestAlong(const btRigidBody& body, const btVector3& direction) {
   const btTransform& pose = body.getWorldTransform();
   const btVector3 local = direction * pose.getBasis();
@@ -27,7 +27,8 @@ btScalar FarthestAlong(const btRigidBody& body, const btVector3& direction) {
          local.dot(FarthestPoint(*body.getCollisionShape(), local));
 }
 
-/// A wall's place and an object's are rounded; so is the distance that Bullet works out of them.
+/// Bound of the rounding errors in the positions of a wall and an object, and in the distance that
+/// Bullet computes from them.
 btScalar Rounding(btScalar half_side) {
   return 16 * half_side * std::numeric_limits<btScalar>::epsilon();
 }
@@ -49,7 +50,7 @@ OmissionGuard::OmissionGuard(Engine& engine)
     Room room;
     for (int axis = 0; axis < 3; ++axis) {
       const auto at = static_cast<std::size_t>(axis);
-      // Bullet makes no contact of two that are fixed.
+      // Bullet makes no contact between two fixed bodies.
       const auto is_free = [&](int wall) {
         return body.isStaticOrKinematicObject() || !engine.IsWithoutWall(i, wall);
       };

@@ -1,10 +1,10 @@
 // Omission guard: monitors a run with omitted walls, and ends it at the first sign that the
 // omission could change the motion of an object.
 //
-// Without walls a run is the same as with them, by induction over its cycles, as long as
-//   - no object whose wall is left out comes so near that Bullet would make a contact of it;
+// A run without walls is the same as with them, by induction over its cycles, as long as
+//   - no object whose wall is omitted comes so near that Bullet would make a contact;
 //   - no moving object is in two manifolds with contacts at once: Bullet solves the contacts of an
-//     island in an order that depends on all pairs there are;
+//     island in an order that depends on all existing pairs;
 //   - with dbvt, no object that has ever been in a pair with another one wants to sleep: dbvt drops
 //     pairs a few at a time, the more slowly the more pairs there are, and a pair keeps both awake.
 #pragma once
@@ -28,7 +28,7 @@ class OmissionGuard {
  public:
   explicit OmissionGuard(Engine& engine);
 
-  /// Call before each step: the places that the step's detection will see. Throws
+  /// Call before each step: checks the positions that the step's detection will see. Throws
   /// OmissionGuardTripped.
   void BeforeStep() const {
     if (is_set_) CheckWalls();
@@ -39,7 +39,7 @@ class OmissionGuard {
   }
 
  private:
-  /// Where an object's centre may be without a closer look.
+  /// Bounds within which an object's centre needs no closer check.
   struct Room {
     std::array<btScalar, 3> lower, upper;
   };

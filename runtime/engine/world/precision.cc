@@ -19,8 +19,8 @@ static_assert(sizeof(btScalar) == kScalarBytes, "Bullet's headers have another p
 const char* EnginePrecision() { return kScalarBytes == 8 ? "double" : "single"; }
 
 std::string PrecisionMismatch() {
-  // Compiled into the library, not inline: reads a transform and writes two vectors in the
-  // library's own precision. Room for either.
+  // This function is compiled into the library, not inline: it reads a transform and writes two
+  // vectors in the library's precision. The space suffices for either.
   struct alignas(32) Room {
     unsigned char bytes[512];
   };
@@ -29,7 +29,7 @@ std::string PrecisionMismatch() {
   auto* pose = new (&pose_room) btTransform(btQuaternion::getIdentity(), btVector3(1, 2, 3));
   auto* lower = new (&lower_room) btVector3(0, 0, 0);
   auto* upper = new (&upper_room) btVector3(0, 0, 0);
-  // Virtual, so that a library of the other precision is not found out by its symbols' names.
+  // Virtual, because the symbols of a library of the other precision have the same names.
   const btSphereShape* sphere = new (&shape_room) btSphereShape(4);
   const btCollisionShape* volatile shape = sphere;
   shape->getAabb(*pose, *lower, *upper);

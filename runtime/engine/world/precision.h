@@ -9,7 +9,8 @@ namespace cdb::world {
 const char* EnginePrecision();
 
 /// Empty if they agree; otherwise an error message. Headers of one precision and a library of the
-/// other link and run, with wrong numbers. Cheap; call it before any other function of Bullet.
+/// other link and run, but compute wrong numbers. Cheap; call it before any other function of
+/// Bullet.
 std::string PrecisionMismatch();
 
 }  // namespace cdb::world

@@ -41,7 +41,7 @@ void Schedules::Add(Target target, const plan::Group* group, const schema::Param
   Row row{target, call, nullptr, first, end};
   if (call->name == "every") {
     row.draw = std::make_unique<distributions::Draw>(scene_, group, parameter);
-    // The initial state has the first ones.
+    // The initial state already has the first values.
     for (std::size_t i = first; i < end; ++i) row.draw->Vector();
   }
   rows_.push_back(std::move(row));

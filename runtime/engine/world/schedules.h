@@ -1,10 +1,10 @@
 // Schedules: accelerations and velocities that change during a run.
 //
 // `every(n, value)` sets the value anew before every n-th step, `rotating(vector, about, period)`
-// before each; both count steps from the start, warm-up included. What a schedule sets wakes who
-// sleeps. Velocities are set as they are, whatever contacts made of them since.
-// Not for several threads. Brownian scenes and moving gravity: Serpa & Rodrigues, "Broadmark",
-// Computer Graphics Forum 39(1), 2020.
+// before each; both count steps from the start, including the warm-up. Setting a value wakes
+// sleeping objects. Velocities are set regardless of changes by contacts since the last time. Not
+// thread-safe. Brownian scenes and moving gravity: Serpa & Rodrigues, "Broadmark", Computer
+// Graphics Forum 39(1), 2020.
 #pragma once
 
 #include <memory>
@@ -21,15 +21,14 @@ class Schedules {
   /// The scene and the engine must outlive it.
   Schedules(const plan::Scene& scene, Engine& engine);
 
-  /// Call before each step, which is the `step`-th, from 0. Throws library::SceneError as drawing
-  /// does.
+  /// Call before each step. `step` counts from 0. Throws library::SceneError as drawing does.
   void BeforeStep(std::uint64_t step) {
     for (Row& row : rows_) Apply(row, step);
   }
 
  private:
   enum class Target { kAcceleration, kLinearVelocity, kAngularVelocity };
-  /// One parameter that has a schedule.
+  /// A parameter with a schedule.
   struct Row {
     Target target;
     const schema::Call* call;

@@ -14,11 +14,11 @@ namespace {
 using objects::Shape;
 using objects::Solid;
 
-/// The schema's default; a margin written out as 0.04 means the same.
+/// The schema's default; a margin that is written as 0.04 means the same.
 constexpr double kBulletMargin = 0.04;
 
-/// Of the ellipse in the x-z plane with the half axes of `half`, the point farthest along
-/// `direction`.
+/// The point farthest along `direction` on the ellipse in the x-z plane with the half axes of
+/// `half`.
 btVector3 EllipsePoint(const btVector3& half, const btVector3& direction) {
   const btScalar x = half.x() * direction.x();
   const btScalar z = half.z() * direction.z();
@@ -27,8 +27,8 @@ btVector3 EllipsePoint(const btVector3& half, const btVector3& direction) {
   return {half.x() * (x / length), 0, half.z() * (z / length)};
 }
 
-/// A hull that refers to its points. Bullet's own looks for the farthest point along a direction
-/// without regard to the scaling where it is asked one by one, and so for contacts with planes.
+/// A hull that refers to its points. When asked for a single direction, as for contacts with
+/// planes, Bullet's own shape ignores the scaling in its search for the farthest point.
 class PieceShape : public btConvexPointCloudShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -66,7 +66,7 @@ bool IsRoundCapsule(const Solid& solid) {
 }
 
 double EffectiveMargin(const Solid& solid, double margin) {
-  // Bullet's sphere and capsule are all margin.
+  // Bullet's sphere and capsule consist of margin only.
   if (solid.IsBall() || IsRoundCapsule(solid)) return 0;
   if (solid.IsSurface()) return 0;
   const double least = solid.LeastHalfExtent();
@@ -128,7 +128,7 @@ btVector3 SolidShape::localGetSupportingVertexWithoutMargin(const btVector3& dir
       return farthest;
     }
     case Shape::kCuboid:
-    case Shape::kCompound:  // MakeCompound's
+    case Shape::kCompound:  // made by MakeCompound
       break;
   }
   return {direction.x() < 0 ? -core_.x() : core_.x(), direction.y() < 0 ? -core_.y() : core_.y(),
@@ -151,7 +151,7 @@ void SolidShape::batchedUnitVectorGetSupportingVertexWithoutMargin(const btVecto
 SolidShape::Extent SolidShape::ExtentOfTetrahedron(const btVector3& direction) const {
   const btVector3 at = direction * core_;
   const btScalar x = at.x(), y = at.y(), z = at.z();
-  // Of its corners; each sum is in the order of a scalar product.
+  // The corners; each sum has the order of a scalar product.
   const btScalar corners[] = {x + y + z, x - y - z, -x + y - z, -x - y + z};
   Extent extent = {corners[0], corners[0]};
   for (const btScalar corner : corners) {
@@ -167,7 +167,7 @@ SolidShape::Extent SolidShape::ExtentAlong(const btVector3& direction) const {
     return direction.dot(SolidShape::localGetSupportingVertexWithoutMargin(along));
   };
   const btScalar most = farthest(direction);
-  // Every other solid is as long on both sides, unless a support point was made up.
+  // Every other solid has equal extents on both sides, unless a support point is arbitrary.
   const bool is_symmetric = solid_.shape != Shape::kCone && most > 0;
   return {is_symmetric ? -most : farthest(-direction), most};
 }
@@ -218,7 +218,7 @@ std::vector<ShapePool::Points>& ShapePool::PointsOf(const objects::ConvexDecompo
   return pieces;
 }
 
-// Each piece keeps its outside: its vertices move inwards by the margin that Bullet adds.
+// The outside of each piece is kept: its vertices move inwards by the margin that Bullet adds.
 std::unique_ptr<btCollisionShape> ShapePool::MakeCompound(const objects::Compound& compound,
                                                           btScalar margin) {
   std::vector<Points>& pieces = PointsOf(compound.form());
@@ -229,7 +229,7 @@ std::unique_ptr<btCollisionShape> ShapePool::MakeCompound(const objects::Compoun
     return ToBullet(compound.sides()) * (half - btVector3(margin, margin, margin)) / half;
   };
   if (pieces.size() == 1) {
-    // Convex: without a compound around it, in the body's own frame.
+    // A single convex piece needs no compound, and is in the body's own frame.
     const btVector3 scaling = scaling_of(0), centre = ToBullet(compound.PieceCentre(0));
     Points& points = *own_points_.emplace_back(std::make_unique<Points>());
     for (const btVector3& point : pieces[0]) points.push_back(basis * (point * scaling) + centre);

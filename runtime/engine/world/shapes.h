@@ -16,11 +16,11 @@
 
 namespace cdb::world {
 
-/// Any solid by its support function; Bullet's general convex algorithm (GJK and EPA) takes it. For
-/// what Bullet has no shape of its own: ellipsoids, cylinders, cones and capsules on an ellipse,
-/// tetrahedra, and every cone, as Bullet's has its origin at half the height and adds its margin
-/// outside. The core is the solid with `margin` taken off each half extent, so that core and margin
-/// together have the solid's extents.
+/// Any solid by its support function, for Bullet's general convex algorithm (GJK and EPA). Used for
+/// solids for which Bullet has no shape: ellipsoids, cylinders, cones and capsules on an ellipse,
+/// tetrahedra. Also used for every cone, as Bullet's has its origin at half the height and adds its
+/// margin outside. The core is the solid with `margin` taken off each half extent, so that core and
+/// margin together have the solid's extents.
 class SolidShape : public btConvexInternalShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -37,7 +37,7 @@ class SolidShape : public btConvexInternalShape {
   const char* getName() const override { return "solid"; }
 
  private:
-  /// Of the core, along a direction.
+  /// Extent of the core along a direction.
   struct Extent {
     btScalar least, most;
   };
@@ -49,32 +49,32 @@ class SolidShape : public btConvexInternalShape {
   btScalar core_shift_;  ///< y of the core's box centre
 };
 
-/// The outermost point of a shape that is convex, or a compound of convex ones, along `direction`,
-/// in its own frame, margin and all.
+/// The outermost point along `direction` of a convex shape, or of a compound of convex shapes, in
+/// its own frame, including the margin.
 btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& direction);
 
-/// Makes shapes and owns them; equal solids with equal margins share one, and compounds of one form
-/// share its vertices whatever their size. Not for several threads.
+/// Makes and owns shapes. Equal solids with equal margins share one, and compounds of one form
+/// share its vertices whatever their size. Not thread-safe.
 class ShapePool {
  public:
-  /// Valid while the pool lives: convex, a btCompoundShape of convex ones, or of a surface a
-  /// btBvhTriangleMeshShape or a btHeightfieldTerrainShape, which has no margin.
-  /// A ball's margin is its radius and a plane has none: `margin` is then without effect.
-  /// 0.04, the default, stands for Bullet's own rule: 0.04 m, or a tenth of the least half extent
-  /// (of any piece) where that is less. Any other margin is taken as it is. Throws
-  /// library::SceneError where it is not less than the least half extent.
+  /// Valid while the pool lives: a convex shape, a btCompoundShape of convex ones, or, for a
+  /// surface, a btBvhTriangleMeshShape or a btHeightfieldTerrainShape, which has no margin. A
+  /// ball's margin is its radius and a plane has none: `margin` then has no effect. 0.04, the
+  /// default, stands for Bullet's own rule: 0.04 m, or a tenth of the least half extent (of any
+  /// piece) if that is less. Any other margin is used unchanged. Throws library::SceneError if it
+  /// is not less than the least half extent.
   btCollisionShape* Get(const objects::Solid& solid, double margin);
   std::size_t size() const { return shapes_.size(); }
 
  private:
   using Key = std::tuple<objects::Shape, const objects::Compound*, double, double, double, double>;
   using Points = std::vector<btVector3>;  ///< of one piece
-  /// What the shape of a surface refers to.
+  /// The data to which the shape of a surface refers.
   struct Triangles {
     std::vector<btVector3> corners;
     std::vector<int> indices;
     btTriangleIndexVertexArray array;
-    std::vector<btScalar> heights;  ///< m, of a height field alone
+    std::vector<btScalar> heights;  ///< m, for a height field only
   };
 
   std::unique_ptr<btCollisionShape> MakeCompound(const objects::Compound& compound,
@@ -84,7 +84,7 @@ class ShapePool {
   std::vector<Points>& PointsOf(const objects::ConvexDecomposition& form);
 
   std::map<const objects::ConvexDecomposition*, std::vector<Points>> points_;
-  std::vector<std::unique_ptr<Points>> own_points_;        ///< of what is one piece
+  std::vector<std::unique_ptr<Points>> own_points_;        ///< of shapes with one piece
   std::vector<std::unique_ptr<btCollisionShape>> pieces_;  ///< of compounds
   std::vector<std::unique_ptr<Triangles>> triangles_;      ///< of surfaces
   std::map<Key, std::unique_ptr<btCollisionShape>> shapes_;

@@ -9,8 +9,8 @@
 //              applied forces and gyroscopic torque become velocity here
 //   integrate  integrateTransforms: positions and orientations moved; sweeps of `ccd`
 //   step       all of stepSimulation
-// In none of the first five, but in step: gravity as a force, predictUnconstraintMotion (damping
-// and the predicted poses), createPredictiveContacts (the first sweep of `ccd`),
+// Included in step, but in none of the first five: gravity as a force, predictUnconstraintMotion
+// (damping and the predicted poses), createPredictiveContacts (the first sweep of `ccd`),
 // calculateSimulationIslands (which bodies are joined and which islands sleep),
 // updateActivationState, clearing the forces.
 #pragma once
@@ -32,9 +32,9 @@ class TimedWorld final : public LeanWorld {
   static constexpr std::size_t kStamps = 9;
   using LeanWorld::LeanWorld;
 
-  /// One internal step of `timestep` s, stamped.
+  /// One internal step of `timestep` s, with time stamps.
   void TimedStep(btScalar timestep);
-  /// Nanoseconds of each phase of the last TimedStep, each the difference of its own two stamps.
+  /// Nanoseconds of each phase of the last TimedStep, each the difference of its two stamps.
   std::array<double, measure::kPhaseCount> Durations() const;
 
   void performDiscreteCollisionDetection() override;
@@ -44,7 +44,7 @@ class TimedWorld final : public LeanWorld {
   void integrateTransforms(btScalar timestep) override;
 
  private:
-  /// Neighbours share a stamp: broad ends where narrow begins.
+  /// Adjacent phases share a stamp: broad ends where narrow begins.
   struct Stamps {
     std::int64_t step_begin, detect_begin, broad_end, detect_end;
     std::int64_t solve_begin, solve_end, integrate_begin, integrate_end, step_end;

@@ -53,13 +53,13 @@ function dots(rows, theme, at, className = 'hot') {
 }
 
 const coloursOf = (rows) => [...new Set(rows.map((row) => row.colour))].sort((a, b) => a - b);
-/** The rows of the table that the marks of each colour are of. */
+/** The rows of the table for the marks of each colour. */
 const hotOf = (rows, colours) =>
   Object.fromEntries(
     colours.map((c) => [`hot-${c + 1}`, rows.filter((row) => row.colour === c).map((row) => row.index)]),
   );
 
-/** Marks of the same x stand side by side, so that none hides another. */
+/** Places marks with the same x side by side, so that none hides another. */
 const asides = (colours) => (colour) =>
   (colours.indexOf(colour) - (colours.length - 1) / 2) * Math.min(4, 16 / colours.length);
 

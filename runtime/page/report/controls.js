@@ -1,4 +1,4 @@
-// The controls: the role of each axis, what is drawn, and the scales.
+// The controls: the role of each axis, the quantity drawn, and the scales.
 import { quantities, statistics, statisticsOf, valueText } from './document.js';
 import { h } from './dom.js';
 import { short } from './format.js';
@@ -33,7 +33,7 @@ export function select({ name, label, value, options, change }) {
   );
 }
 
-/** Which value of an axis counts. @param {number[]} [allowed] */
+/** A choice of the value of a fixed axis. @param {number[]} [allowed] */
 export function valueSelect(doc, view, a, change, allowed = doc.axes[a].values.map((_, i) => i), prefix = 'at') {
   const axis = doc.axes[a];
   return select({
@@ -76,7 +76,7 @@ function highlightSelect(doc, view, change) {
 
 const group = (title, ...children) => h('fieldset', {}, h('legend', {}, title), ...children);
 
-/** What is drawn over the axes, and which statistic of it. */
+/** Choices of the quantity drawn over the axes, and of its statistic. */
 function quantitySelects(doc, view, change) {
   const all = quantities(doc);
   const list = view.quantity.startsWith('time:') ? statisticsOf(doc, phaseOf(doc, view)) : [];
@@ -114,7 +114,7 @@ export function controls(doc, view, change) {
   ].filter(Boolean);
 }
 
-/** Of the figure over the cycles: what is drawn, and where on the other axes. */
+/** Choices for the figure over the cycles: its kind, and the values of the other axes. */
 export function cycleTools(doc, view, change) {
   const { cycles } = doc.raw;
   if (!cycles) return [];

@@ -1,11 +1,11 @@
-// Which points stand for a sweep where every cycle of a run is drawn, and what their figures share.
+// The points that represent a sweep in figures over single cycles, and helpers shared by these figures.
 import { valueText } from './document.js';
 import { short } from './format.js';
 
 /** Phases that make up a step, in the order in which they run. */
 export const parts = ['broad', 'narrow', 'solve', 'integrate'];
 
-/** The phase that the view is about. */
+/** The phase that the view shows. */
 export function phaseOf(doc, view) {
   const name = view.quantity.split(':')[1];
   if (doc.phases.some((phase) => phase.name === name)) return name;
@@ -41,7 +41,7 @@ export function representatives(doc, view, available) {
     }));
 }
 
-/** Where the points are on the other axes: `quantity 400`. */
+/** The coordinates of the points on the other axes: `quantity 400`. */
 export function whereText(doc, view, chosen) {
   const [first] = chosen;
   if (!first) return '';
@@ -70,7 +70,7 @@ export const cycleScale = (width) => ({
   tickFormat: (v) => String(v),
 });
 
-/** How the panels of some configurations are laid out. */
+/** The layout of the panels of some configurations. */
 export const layout = (chosen, width) => ({
   perRow: Math.max(1, Math.min(chosen.length, chosen.length > 4 ? 4 : 3, Math.floor(width / 250))),
   height: chosen.length === 1 ? 300 : chosen.length > 8 ? 150 : 200,

@@ -27,7 +27,7 @@ function stacked(cycles, bins, { entry }, names, factor) {
   });
 }
 
-/** The greatest of some cycles whose labels do not meet. */
+/** The largest of some cycles whose labels do not overlap. */
 function apart(rows, last, width) {
   const chosen = [];
   for (const row of [...rows].sort((a, b) => b.y2 - a.y2))

@@ -1,4 +1,4 @@
-// How times spread: over the cycles of a run as quantiles, and over its repeats.
+// The spread of times: over the cycles of a run, as quantiles, and over its repeats.
 import * as Plot from '@observablehq/plot';
 import * as d3 from 'd3';
 import { pointText } from './document.js';
@@ -52,7 +52,7 @@ const quantileKeys = [
 const inkOf = (theme) => (row) => style(theme, row.colour).colour;
 const roomOf = (width) => Math.max(3, Math.floor(width / 110));
 
-/** What the rows of both figures have. */
+/** The columns that the rows of both figures share. */
 const placeOf = (doc, each, i) => ({
   i,
   colour: each.colour,
@@ -134,7 +134,7 @@ export function describeDistributions(doc, view, { theme, width }) {
   };
 }
 
-/** The repeats of each configuration, and how far they are from the median one. */
+/** The repeats of each configuration, and their distance from the median one. */
 function repeatRows(doc, chosen, means) {
   return chosen.flatMap((each, i) => {
     const given = means[each.entry] ?? [];

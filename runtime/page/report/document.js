@@ -1,4 +1,4 @@
-// Access to a results document (version 1), whatever it lacks.
+// Access to a results document (version 1), some parts of which may be missing.
 import { number } from './format.js';
 
 /**

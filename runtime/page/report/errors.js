@@ -140,7 +140,7 @@ function panelOf(rows, { theme, x, y, label }) {
   };
 }
 
-/** What tells a configuration from those of the same colour: `hz 60`. */
+/** The coordinates that distinguish a configuration from others of the same colour: `hz 60`. */
 function nameOf(row, varied, colour) {
   const others = varied.filter((each) => each !== colour);
   const text = ({ axis }) => (axis.isText ? row.at[axis.name] : `${axis.name} ${row.at[axis.name]}`);

@@ -1,4 +1,4 @@
-// Numbers and names as readers see them.
+// Formats numbers and names for readers.
 
 /** @typedef {{unit: string, factor: number}} Unit  what a value is divided by, and what it is then in */
 

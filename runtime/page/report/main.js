@@ -17,7 +17,7 @@ import { suiteParts } from './suite.js';
 
 const page = document.getElementById('page');
 
-/** Whether an object of the document has something to draw. */
+/** True if an object of the document has something to draw. */
 const has = {
   times: (doc) => doc.phases.length > 0,
   ratios: (doc) => doc.raw.ratios && doc.detectorAxis >= 0 && doc.axes[doc.detectorAxis].values.length > 1,

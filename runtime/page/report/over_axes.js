@@ -5,7 +5,7 @@ import { quantities, statistics } from './document.js';
 import { short } from './format.js';
 import { extent, poolNotes, unitOf } from './scales.js';
 
-/** What the times of a figure are. */
+/** The statistic of the times in a figure. */
 export const statisticText = (doc, view) =>
   view.statistic === 'mean'
     ? (doc.raw.statistic ?? '')

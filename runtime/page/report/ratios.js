@@ -1,4 +1,4 @@
-// Rivals: the time of each detector over that of the baseline in the same place.
+// The time of each detector over that of the baseline at the same point.
 import * as Plot from '@observablehq/plot';
 import { column, valueText } from './document.js';
 import { number, short } from './format.js';

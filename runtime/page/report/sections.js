@@ -94,7 +94,7 @@ const answers = (list) =>
     ),
   );
 
-/** The answers for above the first figure, and for below it; the one that the figure shows is first. */
+/** The conclusions above and below the first figure; the one that the figure shows is first. */
 export function conclusions(doc, kind) {
   const given = doc.raw.conclusions ?? [];
   const shown = given.find((each) => each.kind === kind);
@@ -163,7 +163,7 @@ function longTexts(object) {
     );
 }
 
-/** What each phase is. */
+/** The definition of each phase. */
 function phaseTexts(doc) {
   const defined = doc.phases.filter((phase) => phase.definition);
   if (defined.length === 0) return null;
@@ -206,7 +206,7 @@ export function machine(doc) {
 
 const mostPlaces = 500;
 
-/** Which points an omission is of, behind their number. */
+/** The points of an omission, after their number. */
 function places(doc, row) {
   const text = row.of ? `${count(row.points)} of ${count(row.of)}` : count(row.points);
   const points = (row.at ?? []).filter((p) => p < doc.count);

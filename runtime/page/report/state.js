@@ -1,4 +1,4 @@
-// What a reader has chosen, its defaults from a document, and its text in the address.
+// The choices of the reader, their defaults from a document, and their text in the address.
 import { quantities, statisticsOf } from './document.js';
 
 /** @typedef {'x' | 'colour' | 'panel' | 'fixed' | 'pooled'} Role */
@@ -153,7 +153,7 @@ export function encode(doc, view) {
   return entries.toString();
 }
 
-/** What of an address applies to the document; the rest is as by default. @returns {View} */
+/** The parts of an address that apply to the document; the rest has its defaults. @returns {View} */
 export function decode(doc, text) {
   const entries = new URLSearchParams(text);
   const view = defaultView(doc);

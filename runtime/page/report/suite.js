@@ -1,4 +1,4 @@
-// The tab of the standard suite: what to take, the scores of each kind, and each scene.
+// The tab of the standard suite: recommendations, the scores of each kind, and each scene.
 import { bdi, h, table } from './dom.js';
 import { byteUnit, number, plural, short, timeUnit } from './format.js';
 
@@ -15,7 +15,7 @@ function memory(bytes) {
   return `${number(bytes / factor)} ${unit}`;
 }
 
-/** Two digits behind the point, as ratios near 1 are read. */
+/** Two digits after the point, for ratios near 1. */
 const ratio = (value) => (value === null ? null : value.toFixed(2));
 
 const ratioRange = ([low, high]) => (low === null ? '' : `${ratio(low)} .. ${ratio(high)}`);
@@ -34,7 +34,7 @@ function bar(value, most) {
   );
 }
 
-/** The choice for each scene: among what Bullet comes with, and within each budget. */
+/** The recommendation for each scene: among Bullet's own configurations, and within each time budget. */
 function recommendations(suite, linkOf) {
   const pick = (scene, names) => {
     if (names.length === 0) return h('span', { class: 'muted' }, 'none');

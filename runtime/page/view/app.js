@@ -59,7 +59,7 @@ export class App {
       magnify: this.stage?.magnify ?? 1 };
   }
 
-  // From an address: what it does not name stays as it is.
+  // From an address: settings that it does not name are kept.
   apply({ camera, ...state }) {
     const known = Object.fromEntries(Object.entries(state).filter(([, value]) => value !== undefined));
     const mode = kColourModes.find(({ id }) => id === known.colour);
@@ -107,7 +107,7 @@ export class App {
   tick(now) {
     this.clockTick = null;
     if (!this.state.isPlaying) return;
-    // A page that was hidden goes on where it was.
+    // A page that was hidden continues at the same time.
     this.state.time += Math.min((now - this.lastTick) / 1000, 0.5) * this.state.speed;
     this.lastTick = now;
     if (this.state.time >= this.end) {
@@ -118,7 +118,7 @@ export class App {
     this.clockTick = requestAnimationFrame((next) => this.tick(next));
   }
 
-  // Draws the frames of the present time, where they are not drawn yet.
+  // Draws the frames of the current time, unless they are drawn already.
   refresh() {
     const frames = this.recordings.map((recording) => recording.frameAt(this.state.time));
     if (this.frames && frames.every((frame, i) => frame === this.frames[i])) return;
@@ -244,7 +244,7 @@ export class App {
     action();
   }
 
-  // The scene as it is, with a line that says what it is.
+  // The scene as it is, with a caption.
   savePng() {
     if (!this.stage) return;
     this.stage.draw();

@@ -93,7 +93,7 @@ export class Bodies {
     }
   }
 
-  // The body that a ray meets first; -1 where it meets none.
+  // The first body that a ray hits; -1 if it hits none.
   pick(ray) {
     const hit = ray.intersectObjects(this.meshes, false)[0];
     if (!hit) return { body: -1, distance: Infinity };

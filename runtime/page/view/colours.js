@@ -1,4 +1,4 @@
-// What bodies are coloured by, with the legend.
+// The colour modes of bodies, with their legends.
 import { Color } from 'three';
 import { interpolateViridis } from 'd3-scale-chromatic';
 import { number } from './text.js';
@@ -17,7 +17,7 @@ const none = linear(kNone);
 export const rampGradient = () =>
   `linear-gradient(to right, ${Array.from({ length: 11 }, (_, i) => rampText(i / 10)).join(', ')})`;
 
-// The value below which a part of all values lie.
+// The value below which a given fraction of all values lies.
 function quantile(values, part) {
   const sorted = values.filter(Number.isFinite).sort((a, b) => a - b);
   return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] : 0;
@@ -95,7 +95,7 @@ function massColours(recordings) {
 
 const needs = (word) => `not recorded: add ${word} to record`;
 
-// All modes: `why` is why one is not to be had.
+// All modes; `why` is the reason why one is not available.
 export const kColourModes = [
   { id: 'speed', name: 'speed',
     why: (recordings) => recordings.every(({ frames }) => frames < 2) && 'needs poses of more than one cycle',

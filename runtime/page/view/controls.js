@@ -71,7 +71,7 @@ export class Controls {
     this.app.set({ picked: isThere ? { run, body } : null });
   }
 
-  // Where the panel scrolls by itself; the page does not move.
+  // Scrolls only the panel, not the page.
   showBodyPanel() {
     const { bodyPanel, object } = this;
     object.scrollTop = Math.max(object.scrollTop, bodyPanel.offsetTop + bodyPanel.offsetHeight - object.clientHeight);
@@ -98,7 +98,7 @@ export class Controls {
 
   setNote(text) { this.note.textContent = text; }
 
-  // What is known of the picked body in this frame.
+  // The data of the picked body in this frame.
   setFacts(picked, frames) {
     if (!picked) {
       this.facts.replaceChildren(element('dd', {}, 'Click one, or type its index.'));

@@ -35,7 +35,7 @@ export class Editor {
     addEventListener('beforeunload', (event) => { if (this.text.value !== this.saved) event.preventDefault(); });
   }
 
-  // What the server says of a text. Where it has errors, the last scene stays.
+  // Shows the server's answer for a text. If the text has errors, the last scene is kept.
   take({ text, diagnostics, parameters, scene }) {
     if (this.text.value !== text) this.text.value = text;
     this.diagnostics.textContent = diagnostics;
@@ -81,7 +81,7 @@ export class Editor {
       element('small', {}, `${doc}${unit ? `, ${unit}` : ''}`));
   }
 
-  // One question at a time; an answer to a text that has changed meanwhile is dropped.
+  // One request at a time; the answer for a text that has changed meanwhile is dropped.
   async update(what, question) {
     const asked = this.text.value;
     const number = this.question = (this.question ?? 0) + 1;

@@ -1,4 +1,4 @@
-// The first lines of the page: what is shown, and what a viewer must know.
+// The first lines of the page: the runs shown, and notices for the viewer.
 import { element } from './text.js';
 
 const kSound = { stable: true, unknown: null };

@@ -1,4 +1,4 @@
-// A run of the document (runtime/view/scene_document.h), unpacked: where each body is in each frame.
+// A run of the document (runtime/view/scene_document.h), unpacked: the pose of each body in each frame.
 
 function bytesOf(text) {
   const binary = atob(text);
@@ -69,7 +69,7 @@ export class Recording {
   // Simulated seconds at the end of a cycle, warm-up included.
   timeOfCycle(cycle) { return (this.run.warmup + cycle + 1) * this.run.timestep; }
   timeOf(frame) { return this.isStart ? 0 : this.timeOfCycle(this.cycleOf(frame)); }
-  // The last frame that is not later; the first where all are.
+  // The last frame that is not later; the first one if all are.
   frameAt(time) {
     if (this.isStart) return 0;
     const cycle = time / this.run.timestep - this.run.warmup - 1 + 1e-6;
@@ -100,7 +100,7 @@ export class Recording {
     out[largest] = Math.sqrt(Math.max(rest, 0));
     return out;
   }
-  // The pose is that of the cycle before, to the last bit.
+  // True if the pose is that of the previous cycle, to the last bit.
   isUnmoved(frame, body) {
     return this.orientation[3 * (frame * this.count + body) + 2] >> 15 === 1;
   }

@@ -41,7 +41,7 @@ class Panel {
 }
 
 export class Stage {
-  // Throws where there is no WebGL.
+  // Throws if there is no WebGL.
   constructor(recordings, canvas, onChange) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.shadowMap.enabled = true;
@@ -60,7 +60,7 @@ export class Stage {
     this.drawn = 0;
   }
 
-  // 1, or more where bodies would be smaller than a few pixels.
+  // 1, or more if bodies would be smaller than a few pixels.
   suitableMagnification(recordings) {
     const radii = recordings.flatMap(({ radius }) => [...radius]).sort((a, b) => a - b);
     const middle = radii[radii.length >> 1] || 1;

@@ -148,7 +148,7 @@ export class Timeline {
     pen.fillText(name, x, y);
   }
 
-  // In each column of pixels the cycle that took longest.
+  // In each column of pixels, the longest cycle.
   columns(run) {
     const steps = this.steps[run], recording = this.recordings[run];
     const longest = new Map();
@@ -249,7 +249,7 @@ export class Timeline {
     pen.fill();
   }
 
-  // Swatches of what is in the lanes.
+  // Swatches of the series in the lanes.
   legend() {
     if (!this.steps.some(Boolean)) return [];
     return [...kPhases, 'other'].map((phase) => element('span', { class: 'swatch' },

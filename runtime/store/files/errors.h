@@ -1,4 +1,4 @@
-// Errors of files.
+// Errors of reading and writing files.
 #pragma once
 
 #include <stdexcept>
@@ -12,8 +12,8 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The system cannot read or check a file at the moment, which says nothing about the file. Not a
-/// StoreError, so that it is not taken for damage.
+/// The system cannot read or check a file at the moment. This implies nothing about the file; it is
+/// not a StoreError, so that it is not taken for damage.
 class CannotRead : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -25,7 +25,7 @@
 namespace cdb::files {
 namespace {
 
-// The sanitizers reserve terabytes of addresses.
+// The sanitizers reserve terabytes of address space.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kLimitsMemory = false;
 #elif defined(__has_feature)
@@ -55,14 +55,15 @@ void SetLimit(decltype(RLIMIT_CPU) resource, std::uint64_t value) {
   setrlimit(resource, &limit);
 }
 
-/// In the copy. No destructor and no exit handler of this process may run twice.
+/// Runs in the copy. Destructors and exit handlers of this process must not run twice.
 [[noreturn]] void Work(const std::function<void()>& work, const WorkLimits& limits, int answer) {
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU})
     std::signal(signal, SIG_DFL);
-  // Who stops this program stops it between two files; it takes the copy with it.
+  // Ignored in the copy: these signals stop the program between two files, and it then ends the
+  // copy.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // What libraries print when they die is no message for a user.
+  // Messages of libraries that crash are not meant for users.
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere >= 0) dup2(nowhere, STDERR_FILENO);
   SetLimit(RLIMIT_CORE, 0);
@@ -85,7 +86,7 @@ void SetLimit(decltype(RLIMIT_CPU) resource, std::uint64_t value) {
   _exit(1);
 }
 
-/// All that comes, until the other end is closed or time is up. False at the latter.
+/// Reads until the other end is closed or time is up; returns false in the latter case.
 bool ReadAnswer(int fd, std::chrono::seconds time, std::string& answer) {
   const auto end = std::chrono::steady_clock::now() + time;
   std::array<char, 4096> piece;
@@ -107,7 +108,8 @@ bool ReadAnswer(int fd, std::chrono::seconds time, std::string& answer) {
 std::string Ending(int status, const WorkLimits& limits, const std::string& answer) {
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
   if (!answer.empty()) return answer;
-  // From outside, or by this process on a machine that is too busy: no word of the file.
+  // SIGKILL comes from outside, or from this process on a busy machine: it implies nothing about
+  // the file.
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
     throw CannotRead(
         "the process that reads a file with limits was ended by the system or took too long; close "
@@ -152,7 +154,7 @@ std::string RunLimited(const std::function<void()>& work, const WorkLimits& limi
   }
   close(ends[1]);
   std::string answer;
-  // On a busy machine, a processor's second takes many of the clock.
+  // On a busy machine, a second of processor time takes many seconds.
   if (!ReadAnswer(ends[0], std::chrono::seconds(60 + 10 * limits.cpu_s), answer))
     kill(child, SIGKILL);
   close(ends[0]);

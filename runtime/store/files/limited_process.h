@@ -1,5 +1,5 @@
-// Work in a process of its own, with limits of time and memory: a copy of this one, so that what
-// HDF5 does not survive of a damaged file ends the copy only.
+// Runs work in a separate process with limits of time and memory: a copy of this one. If a damaged
+// file crashes HDF5, only the copy ends.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@ namespace cdb::files {
 
 struct WorkLimits {
   std::uint64_t cpu_s = 10;
-  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< beyond that of this process
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< in addition to that of this process
 };
 
-/// Of reading a file of `bytes`.
+/// The limits for reading a file of `bytes`.
 WorkLimits LimitsForFile(std::uint64_t bytes);
 
-/// Empty where `work` ended well in the copy; else why it did not: what it threw, how it crashed,
-/// or the limit that it met. Nothing else comes back. Throws CannotRead where no process can be
-/// started, or the system ends it. Not while another thread is in HDF5 or allocates memory.
+/// Returns an empty text if `work` succeeded in the copy, else the reason: its exception, its
+/// crash, or the limit that it reached. Nothing else is returned. Throws CannotRead if no process
+/// can be started, or the system ends it. Must not be called while another thread is in HDF5 or
+/// allocates memory.
 std::string RunLimited(const std::function<void()>& work, const WorkLimits& limits);
 
 }  // namespace cdb::files

@@ -1,12 +1,12 @@
-// Which file systems this machine alone writes to.
+// Tells whether other machines may write to a file system.
 #pragma once
 
 #include <filesystem>
 
 namespace cdb::files {
 
-/// Files that other processes write to `path` are visible at once. False if that is not known, as
-/// on NFS.
+/// True if files that other processes write to `path` are visible at once. False if that is
+/// unknown, as on NFS.
 bool IsOnLocalDisk(const std::filesystem::path& path);
 
 }  // namespace cdb::files

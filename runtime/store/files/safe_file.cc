@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 std::string ErrorText(int error) { return std::generic_category().message(error); }
 
-/// Returns how many bytes were read; fewer than asked for at the end of the file or after an error
+/// Returns the number of bytes read; fewer than requested at the end of the file or after an error
 /// (errno, else 0).
 std::size_t ReadAll(int fd, std::span<std::byte> bytes) {
   std::size_t done = 0;

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kSealedPiece = 1 << 20;
 constexpr std::uint64_t kSealPrime = 0x9e3779b97f4a7c15;
 
-/// A regular file, closed at the end.
+/// A regular file, closed on destruction.
 class SealedFile {
  public:
   /// Does not wait for the other end of a pipe.
@@ -43,7 +43,7 @@ class SealedFile {
   int get() const { return fd_.get(); }
   std::uint64_t bytes() const { return bytes_; }
 
-  /// Of the first `bytes`.
+  /// The checksum of the first `bytes`.
   std::uint64_t ChecksumUpTo(std::uint64_t bytes, const fs::path& path) const {
     ChecksumOf checksum(bytes);
     std::vector<std::byte> piece(std::min<std::uint64_t>(bytes, kSealedPiece));
@@ -79,7 +79,7 @@ class SealedFile {
   std::uint64_t bytes_ = 0;
 };
 
-/// All zeros where the file is shorter than a seal.
+/// All zeros if the file is shorter than a seal.
 Seal ReadSeal(const SealedFile& file, const fs::path& path) {
   Seal seal = {};
   if (file.bytes() >= sizeof(seal))

@@ -44,9 +44,9 @@ std::string WriteRemedy(int error) {
   }
 }
 
-/// Where `path` leads; a link whose target is not there yet as well. Throws StoreError for a loop.
+/// The target of `path`, also if a link's target does not exist yet. Throws StoreError for a loop.
 fs::path FollowLinks(const fs::path& path) {
-  constexpr int kMostLinks = 40;  // as the kernel
+  constexpr int kMostLinks = 40;  // limit of the kernel
   fs::path at = path;
   std::error_code error;
   for (int links = 0; fs::is_symlink(fs::symlink_status(at, error)); ++links) {
@@ -76,9 +76,9 @@ std::string_view FinalNameOf(std::string_view name, std::string_view host) {
   return name.ends_with('.') ? name.substr(0, name.size() - 1) : std::string_view();
 }
 
-/// Removes a temporary that nobody has locked.
+/// Removes a temporary that no process has locked.
 void RemoveIfUnlocked(const fs::path& path) {
-  // For writing, which a network file system wants of an exclusive lock.
+  // Opened for writing, which an exclusive lock on a network file system requires.
   const plan::Descriptor file(open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status = {};
   if (file.get() >= 0 && fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode) &&
@@ -102,7 +102,7 @@ void RemoveStale(const fs::path& folder, const std::function<bool(std::string_vi
 TemporaryFile::TemporaryFile(const fs::path& final_name)
     : named_(final_name), final_(FollowLinks(final_name)) {
   struct stat status = {};
-  // By the name as it was given: what a link of /proc leads to has no name.
+  // Uses the name as given: the target of a link in /proc has no name.
   if (stat(named_.c_str(), &status) == 0) {
     if (S_ISDIR(status.st_mode)) Fail("write it", EISDIR);
     if (!S_ISREG(status.st_mode))
@@ -127,12 +127,12 @@ bool TemporaryFile::TryMake() {
   fd_ = plan::Descriptor(open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (fd() < 0 && errno == EEXIST) return false;
   if (fd() < 0) Fail("write it", errno);
-  // Shared, so that HDF5, which locks what it reads, can read it back. Where the file system knows
-  // no locks, nobody else can tell, and nobody removes it.
+  // A shared lock, so that HDF5, which locks the files that it reads, can read it back. If the file
+  // system does not support locks, other processes cannot tell, and do not remove it.
   while (flock(fd(), LOCK_SH) != 0 && errno == EINTR) {
   }
   if (plan::IsAt(fd(), path_)) return true;
-  fd_.Close();  // somebody cleared it away between the two
+  fd_.Close();  // another process removed it before it was locked
   return false;
 }
 
@@ -156,7 +156,7 @@ void TemporaryFile::Publish() {
   if (rename(path_.c_str(), final_.c_str()) != 0) Fail("give it its name", errno);
   const int closed = fd_.Close();
   const plan::Descriptor folder(open(FolderOf(final_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  // Some network file systems have no fsync for folders, and say EINVAL.
+  // Some network file systems do not support fsync for folders, and return EINVAL.
   int error = folder.get() < 0 || (fsync(folder.get()) != 0 && errno != EINVAL) ? errno : 0;
   if (closed != 0) error = closed;
   if (error == 0) return;

@@ -1,5 +1,5 @@
-// The bytes of an HDF5 file as its format specification lays them out, for code that reads or
-// writes them without HDF5. Included only by the sources of this folder.
+// The bytes of an HDF5 file according to its format specification, for code that reads or writes
+// them without HDF5. Included only by the sources of this folder.
 #pragma once
 
 #include <bit>
@@ -14,11 +14,11 @@ namespace cdb::hdf5 {
 static_assert(std::endian::native == std::endian::little,
               "HDF5 files are little-endian, and their numbers are copied as they stand");
 
-/// Objects begin at multiples of it.
+/// Objects begin at multiples of this.
 inline constexpr std::size_t kAlignment = 8;
 
-/// A global heap (III.E of the specification): a head of signature and size, and objects with a
-/// head each.
+/// A global heap (III.E of the specification): a head with signature and size, and objects, each
+/// with a head.
 inline constexpr std::string_view kHeapSignature("GCOL\1\0\0\0", 8);
 inline constexpr std::uint64_t kHeapHead = 16, kHeapObjectHead = 16;
 

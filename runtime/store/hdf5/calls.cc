@@ -8,7 +8,7 @@
 namespace cdb::hdf5 {
 namespace {
 
-/// What failed first, from HDF5's stack of errors; the system's words where it was the system.
+/// The first failure on HDF5's error stack, or the system's message if the system failed.
 std::string Cause() {
   std::string cause;
   const auto visit = [](unsigned depth, const H5E_error2_t* error, void* out) -> herr_t {

@@ -11,8 +11,8 @@
 namespace cdb::hdf5 {
 namespace {
 
-/// For `n` values that HDF5 converts: its buffer is otherwise 1 MiB, which it fills with zeros each
-/// time.
+/// Transfer properties for `n` values that HDF5 converts. By default, its buffer is 1 MiB, which it
+/// fills with zeros each time.
 Id Transfer(std::size_t n) {
   Id transfer = NewProperties(H5P_DATASET_XFER);
   const std::size_t bytes = std::clamp<std::size_t>(n * 16, 1 << 10, 1 << 20);
@@ -53,7 +53,7 @@ void CheckPart(const Shape& shape, const Shape& start, const Shape& count) {
   if (!is_within) throw Error("it is smaller than it should be");
 }
 
-/// The space of an array with a part of it selected.
+/// The space of an array, with a part of it selected.
 Id Part(const Id& dataset, const Shape& start, const Shape& count) {
   Id space(H5Dget_space(dataset.get()), H5Sclose, "read an array's shape");
   Select(space, start, count);
@@ -146,7 +146,7 @@ std::vector<double> Dataset::Read(const Shape& start, const Shape& count) const 
   std::vector<double> values(Product(count));
   if (values.empty()) return values;
   const Id file_space = Part(id_, start, count);
-  // Of the same shape: HDF5 goes through a list of another shape value by value.
+  // Of the same shape: if the shapes differ, HDF5 processes the selection value by value.
   const Id memory_space = NewSpace(count);
   Check(H5Dread(id_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
                 Transfer(values.size()).get(), values.data()),
@@ -177,15 +177,15 @@ void Dataset::Write(const Shape& start, const Shape& count, const std::byte* dat
 
 bool Dataset::HasChunk(const Shape& start) const {
   hsize_t bytes = 0;
-  // Fails where there is no such chunk.
+  // Fails if there is no such chunk.
   return H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes) >= 0 && bytes > 0;
 }
 
 bool Dataset::ReadChunk(const Shape& start, RawChunk& chunk) const {
   hsize_t bytes = 0;
-  // Looks the chunk up; H5Dget_chunk_info_by_coord would look through all.
+  // Looks up one chunk; H5Dget_chunk_info_by_coord would search all of them.
   if (H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes) < 0) {
-    // As it does where there is no such chunk.
+    // The call also fails if there is no such chunk.
     if (FindChunk(start)) Fail("find a chunk");
     return false;
   }

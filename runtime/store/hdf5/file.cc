@@ -19,31 +19,32 @@ namespace cdb::hdf5 {
 namespace {
 
 constexpr unsigned kCompression = 1;
-/// Links and attributes of an object stand in its header: quicker and smaller than HDF5's dense
+/// Links and attributes of an object are kept in its header: faster and smaller than HDF5's dense
 /// form.
 constexpr unsigned kMostCompact = 1 << 12;
 
-/// Before any other call of HDF5 in a thread. HDF5 prints every error to stderr unless told not to.
-/// Its handler at exit closes what is still open, which is nothing but a file whose closing failed,
-/// and crashes there.
+/// Call before any other HDF5 function in a thread. HDF5 prints every error to stderr by default,
+/// and its exit handler closes open objects. The only one left would be a file that failed to
+/// close, on which the handler crashes.
 void SetUpLibrary() {
   [[maybe_unused]] static const herr_t no_exit_handler = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-/// Library bounds that every reader since HDF5 1.8 understands.
+/// Version bounds of the library that every reader since HDF5 1.8 understands.
 void SetBounds(const Id& access) {
   Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "set up HDF5");
 }
 
-/// In memory. HDF5 would make room in blocks of 2 kB, and leave what is left of them in the file.
+/// Keeps the file in memory. By default, HDF5 would allocate blocks of 2 kB, and leave the unused
+/// rest of them in the file.
 void KeepInMemory(const Id& access, std::size_t increment) {
   Check(H5Pset_fapl_core(access.get(), increment, false), "set up HDF5");
   Check(H5Pset_meta_block_size(access.get(), 0), "set up HDF5");
   Check(H5Pset_small_data_block_size(access.get(), 0), "set up HDF5");
 }
 
-/// Links and attributes of a group, in the order in which they were made.
+/// Links and attributes of a group, in the order of creation.
 void SetUpGroup(const Id& creation) {
   Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
   Check(H5Pset_link_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
@@ -57,11 +58,11 @@ Id FileCreation() {
   return creation;
 }
 
-/// Chunks in a node of the index of a dataset, halved. HDF5's 32 make a node of 4 kB, and a shard
-/// has few chunks in each of many datasets.
+/// Half the number of chunks in a node of a dataset's index. HDF5's default of 32 makes nodes of 4
+/// kB, and a shard has few chunks in each of many datasets.
 constexpr unsigned kSmallChunkIndex = 2;
 
-/// HDF5 takes files in memory for the same where their names are.
+/// HDF5 takes two files in memory for the same file if their names are equal.
 std::string UniqueName() {
   static std::atomic<std::uint64_t> next = 0;
   return fmt::format("cdb-in-memory-{}", next++);
@@ -133,8 +134,8 @@ Group Group::CreateGroup(const std::string& name) {
 }
 
 void Group::AttachScales(const std::vector<Attachment>& attachments) {
-  // The two attributes of the dimension scale specification, as H5DSattach_scale writes them: each
-  // dataset names its scales, each scale names its datasets.
+  // The two attributes of the dimension scale specification, as written by H5DSattach_scale: each
+  // dataset names its scales, and each scale names its datasets.
   struct BackReference {
     hobj_ref_t dataset;
     int dimension;
@@ -186,7 +187,7 @@ Group::Names Group::List() const {
       (type == H5I_DATASET ? all.datasets : all.groups).emplace_back(name);
       return 0;
     } catch (const std::exception&) {
-      return -1;  // nothing may be thrown through HDF5
+      return -1;  // exceptions must not pass through HDF5
     }
   };
   Check(H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &names),
@@ -239,8 +240,8 @@ File File::Open(const std::filesystem::path& path) {
   CloseBackdoors();
   if (const std::string why = plan::WhyNotReadable(path); !why.empty()) throw Error(why);
   const Id access = NewProperties(H5P_FILE_ACCESS);
-  // Files get their names when they are whole, so that HDF5's locks would add nothing, and a
-  // network file system may know none.
+  // Files get their final names only when they are complete, so HDF5's locks would add nothing, and
+  // a network file system may not support them.
   Check(H5Pset_file_locking(access.get(), false, true), "set up HDF5");
   Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, "open it");
   hsize_t bytes = 0;
@@ -257,7 +258,7 @@ File File::OpenCopy(std::span<const std::byte> image, unsigned mode) {
   const Id access = NewProperties(H5P_FILE_ACCESS);
   SetBounds(access);
   KeepInMemory(access, 1 << 16);
-  // HDF5 copies the image and does not change this one.
+  // HDF5 copies the image and does not change it.
   Check(H5Pset_file_image(access.get(), const_cast<std::byte*>(image.data()), image.size()),
         "set up HDF5");
   const bool is_foreign = mode == H5F_ACC_RDONLY;

@@ -11,9 +11,9 @@
 namespace cdb::hdf5 {
 namespace {
 
-/// A chunk of ours is at most kLargestChunk, or a single item.
+/// A chunk written by cdb has at most kLargestChunk bytes, or a single item.
 constexpr std::uint64_t kMostChunkBytes = 64 << 20;
-/// So much is read without a look at how much the file holds of it.
+/// Reads up to this size are not checked against the size of the file.
 constexpr std::uint64_t kReadUnasked = 64 << 20;
 /// Deflate's limit is 1032 to 1.
 constexpr std::uint64_t kMostCompression = 1100;
@@ -58,7 +58,7 @@ void CheckChunks(hid_t creation, std::size_t rank, std::uint64_t item_bytes) {
 
 void CheckContiguous(const Id& dataset, std::uint64_t bytes, std::uint64_t file_bytes) {
   const haddr_t begin = H5Dget_offset(dataset.get());
-  if (begin == HADDR_UNDEF) return;  // never written, or within the header
+  if (begin == HADDR_UNDEF) return;  // never written, or stored in the header
   if (H5Dget_storage_size(dataset.get()) < bytes || bytes > file_bytes ||
       begin > file_bytes - bytes)
     throw Error("its values lie beyond the end of the file");
@@ -69,7 +69,7 @@ herr_t CheckLink(hid_t, const char* name, const H5L_info_t* info, void* out) {
   try {
     *static_cast<std::string*>(out) = name;
   } catch (const std::exception&) {
-    return -1;  // nothing may be thrown through HDF5
+    return -1;  // exceptions must not pass through HDF5
   }
   return 1;
 }

@@ -14,10 +14,10 @@
 namespace cdb::hdf5 {
 namespace {
 
-/// Of a superblock of version 1, with addresses and lengths of eight bytes.
+/// Offsets in a superblock of version 1, with addresses and lengths of eight bytes.
 constexpr std::size_t kVersionAt = 8, kSizesAt = 13, kBaseAt = 28, kEndAt = 44, kSuperblock = 60;
-/// Of an entry of the index of chunks: size, mask, a start for each dimension and one for the bytes
-/// of an element, and the address.
+/// Offset in an entry of the index of chunks: size, mask, a start for each dimension and one for
+/// the bytes of an element, then the address.
 std::size_t AddressOfEntry(std::size_t rank) { return 8 + 8 * (rank + 1); }
 
 constexpr std::uint64_t kLeastHeap = 4096;
@@ -28,8 +28,8 @@ void Append(std::vector<std::byte>& bytes, Number number) {
   bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// As HDF5 has it: over big-endian words of 16 bits, with an odd byte as a high one; sums are
-/// reduced every 360 words, before they overflow.
+/// Computed as in HDF5: over big-endian words of 16 bits, with an odd last byte as the high one;
+/// sums are reduced every 360 words, before they overflow.
 std::uint32_t Fletcher32(std::span<const std::byte> bytes) {
   constexpr std::size_t kWords = 360;
   std::uint32_t sum = 0, sum_of_sums = 0;
@@ -134,7 +134,7 @@ ChunkPlace ImageEditor::SetChunk(std::uint64_t entry, std::size_t rank,
 }
 
 void ImageEditor::SetText(std::uint64_t place, const std::string& text) {
-  // HDF5 ends a text at its first NUL; what is empty stands in no heap.
+  // HDF5 ends a text at its first NUL; empty texts are not in a heap.
   std::string ended = text.c_str();
   if (!ended.empty()) texts_.push_back({place, std::move(ended)});
 }
@@ -152,7 +152,7 @@ void ImageEditor::AppendHeap() {
   std::uint16_t index = 0;
   const auto head = [this](std::uint16_t number, std::uint64_t size) {
     Append(image_, number);
-    Append(image_, std::uint16_t{0});  // references
+    Append(image_, std::uint16_t{0});  // reference count
     Append(image_, std::uint32_t{0});
     Append(image_, size);
   };
@@ -165,7 +165,7 @@ void ImageEditor::AppendHeap() {
     Put(text.place + 4, heap);
     Put(text.place + 12, std::uint32_t{index});
   }
-  head(0, bytes - used);  // the space that is left
+  head(0, bytes - used);  // the remaining space
   image_.resize(heap + bytes);
 }
 

@@ -15,7 +15,7 @@ constexpr std::size_t kLongestText = 32 << 10;
 /// HDF5's own limit of an attribute in an object's header.
 constexpr std::size_t kLongestStored = 64 << 10;
 
-/// Nothing where it is not text of fixed length.
+/// Empty if it is not text of fixed length.
 std::string ReadTextAttribute(const Id& attribute) {
   const Id type(H5Aget_type(attribute.get()), H5Tclose, "read an attribute");
   if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0) return {};
@@ -134,7 +134,7 @@ std::map<std::string, std::string> Object::Texts() const {
       if (!text.empty()) static_cast<decltype(texts)*>(out)->emplace(name, std::move(text));
       return 0;
     } catch (const std::exception&) {
-      return -1;  // nothing may be thrown through HDF5
+      return -1;  // exceptions must not pass through HDF5
     }
   };
   Check(H5Aiterate2(id_.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &texts),

@@ -1,5 +1,5 @@
-// Identifiers of HDF5 that close themselves, errors that are thrown, and attributes. Threads: any,
-// for different files (Debian's HDF5 takes a global lock).
+// HDF5 identifiers that close themselves, errors as exceptions, and attributes. Threads: any, for
+// different files (Debian's HDF5 takes a global lock).
 #pragma once
 
 #include <cstdint>
@@ -13,31 +13,31 @@
 
 namespace cdb::hdf5 {
 
-/// What HDF5 or the system below it said.
+/// An error reported by HDF5 or by the system below it.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// How values stand in the file. Text is UTF-8 of variable length.
+/// The types of values in the file. Text is UTF-8 of variable length.
 enum class Type { kInt8, kInt32, kFloat32, kFloat64, kText };
 std::size_t ItemBytes(Type type);
 
 using Shape = std::vector<std::uint64_t>;
 std::uint64_t Product(const Shape& shape);
 
-/// An identifier of HDF5, closed at the end.
+/// An HDF5 identifier, closed on destruction.
 class Id {
  public:
   using Close = int (*)(std::int64_t);
   Id() = default;
-  /// Throws Error where `id` is negative.
+  /// Throws Error if `id` is negative.
   Id(std::int64_t id, Close close, std::string_view doing);
   Id(Id&& other) noexcept;
   Id& operator=(Id&& other) noexcept;
   ~Id() { Reset(); }
   std::int64_t get() const { return id_; }
-  /// False where closing failed.
+  /// False if closing failed.
   bool Reset();
 
  private:
@@ -45,23 +45,24 @@ class Id {
   Close close_ = nullptr;
 };
 
-/// What an attribute holds of `text`: 32 kB, cut at a character (HDF5 has room for 64 kB in all).
+/// The part of `text` that an attribute holds: 32 kB, cut at a character (HDF5 has room for 64 kB
+/// in all).
 std::string_view AttributeText(std::string_view text);
 
-/// Whatever can have attributes.
+/// Any HDF5 object that can have attributes.
 class Object {
  public:
   /// Scalar, fixed length, null-padded, UTF-8. Empty text makes no attribute; see AttributeText.
   void SetText(const char* name, std::string_view text);
-  /// Of an attribute that is there.
+  /// For an existing attribute.
   void ReplaceText(const char* name, std::string_view text);
   void SetNumber(const char* name, Type type, double value);
   void SetNumbers(const char* name, Type type, std::span<const double> values);
-  /// Empty where there is none of that name, or none that is text.
+  /// Empty if there is none of that name, or it is not text.
   std::string Text(const char* name) const;
-  /// NaN where there is none of that name.
+  /// NaN if there is none of that name.
   double Number(const char* name) const;
-  /// Every text attribute.
+  /// All text attributes.
   std::map<std::string, std::string> Texts() const;
 
  protected:

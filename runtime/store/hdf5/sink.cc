@@ -16,7 +16,7 @@ namespace cdb::hdf5 {
 namespace {
 
 struct DriverFile {
-  H5FD_t base;  // first: HDF5 sees a DriverFile as this
+  H5FD_t base;  // first: HDF5 accesses a DriverFile through it
   std::shared_ptr<Sink>* sink;
   haddr_t allocated;
 };

@@ -1,5 +1,5 @@
-// Where HDF5 writes a file: a driver to which no write ever fails, and which keeps the first error.
-// See File::Create.
+// The destination of a file that HDF5 writes: a driver whose writes never fail, and which keeps the
+// first error. See File::Create.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace cdb::hdf5 {
 
-/// A file that is written anew. Not for several threads.
+/// A file that is written from scratch. Not thread-safe.
 class Sink {
  public:
   explicit Sink(const std::filesystem::path& path);
@@ -17,13 +17,13 @@ class Sink {
   Sink& operator=(const Sink&) = delete;
   ~Sink() { Close(); }
 
-  /// Throws Error for the first that went wrong.
+  /// Throws Error for the first failure.
   void Check() const;
   void Close();
 
-  // For the driver. Addresses are bytes from the file's beginning.
+  // For the driver. Addresses are bytes from the beginning of the file.
 
-  /// What was never written is zeros, as in any file. False where the system fails.
+  /// Bytes that were never written read as zeros, as in any file. False if the system fails.
   bool Read(std::uint64_t address, std::size_t bytes, char* out) const;
   void Write(std::uint64_t address, std::size_t bytes, const char* data);
   void Truncate(std::uint64_t size);
@@ -35,8 +35,8 @@ class Sink {
   std::uint64_t end_ = 0;
 };
 
-/// A file that is made with the file access properties `access` goes to `sink`, which stays where
-/// it is until then. Negative where HDF5 fails.
+/// Directs a file that is created with the file access properties `access` to `sink`, whose address
+/// must not change before that. Negative if HDF5 fails.
 int SetSink(std::int64_t access, const std::shared_ptr<Sink>& sink);
 
 }  // namespace cdb::hdf5

@@ -1,4 +1,4 @@
-// Many shards into one file, without touching a value: chunks are copied as they stand, filtered.
+// Merges many shards into one file without decoding values: chunks are copied as stored, filtered.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ struct CopiedChunk {
 struct CopiedRows {
   const char* array;
   hdf5::Shape start, count;
-  std::uint64_t checksum;  ///< of the values as doubles
+  std::uint64_t checksum;  ///< of the values converted to doubles
 };
 
 /// A run, by its id, and every cell of the grid that it fills.
@@ -58,13 +58,13 @@ struct Cells {
   std::vector<std::size_t> cells;
 };
 
-/// A shard that is being merged and has no index that fits.
+/// A shard in the merge without a usable index.
 struct Source {
   const hdf5::File& file;
   int version;
 
-  /// Nullopt if the version of the shard did not have the array; the merged file keeps fill values
-  /// then.
+  /// Nullopt if the version of the shard did not have the array; the merged file then keeps fill
+  /// values.
   std::optional<hdf5::Dataset> Open(const std::string& path) const {
     const std::string there = store::PathIn(version, path);
     if (version < store::kSchemaVersion && !file.Has(there)) return std::nullopt;
@@ -87,7 +87,7 @@ hdf5::Shape Unflatten(const hdf5::Shape& grid, std::size_t index) {
 
 class Merger {
  public:
-  /// `base`: empty, or the file that holds the runs without a shard.
+  /// `base`: empty, or the file with the runs that have no shard.
   Merger(const plan::Plan& plan, const store::Provenance& provenance,
          const std::vector<fs::path>& shards, const fs::path& base)
       : plan_(plan), provenance_(provenance), places_(shards), facts_(plan) {
@@ -134,7 +134,7 @@ class Merger {
     file.Close();
   }
 
-  /// Reads the closed file back and holds it against what came from the shards.
+  /// Reads the closed file back and compares it with the data from the shards.
   void Verify(const fs::path& path) const {
     const hdf5::File file = hdf5::File::Open(path);
     std::vector<hdf5::Dataset> series;
@@ -171,8 +171,8 @@ class Merger {
     }
   }
 
-  /// Chunks are copied unseen: that those of `path` can be read, and hold what is possible, where
-  /// they are not too many.
+  /// Chunks are copied without being decoded. Checks that those of `path` can be read and hold
+  /// valid values, if there are not too many.
   void Prove(const fs::path& path) const {
     const std::uintmax_t bytes = fs::file_size(path);
     if (bytes > store::kMostProven) return;
@@ -197,7 +197,7 @@ class Merger {
     });
   }
 
-  /// Where the shard of each reference is; empty where there is none.
+  /// The path of the shard of each reference; empty if there is none.
   std::vector<fs::path> ReferencePaths() const {
     std::vector<fs::path> paths;
     for (const plan::Run& reference : plan_.references)
@@ -205,7 +205,7 @@ class Merger {
     return paths;
   }
 
-  /// `plan_sha256` and `run_id`: as the shard at `path` says.
+  /// `plan_sha256` and `run_id`: as stated in the shard at `path`.
   void CheckIsOf(const std::string& wanted, const fs::path& path, const std::string& plan_sha256,
                  const std::string& run_id) const {
     if (plan_sha256 != facts_.sha256)
@@ -248,7 +248,7 @@ class Merger {
     }
   }
 
-  /// Rows of contacts in grid order; a run that fills two cells stands there twice.
+  /// Rows of contacts in grid order; a run that fills two cells has them twice.
   void PlaceContacts(std::size_t cells) {
     if (!facts_.contacts) return;
     contact_first_.assign(cells, std::numeric_limits<double>::quiet_NaN());
@@ -280,7 +280,7 @@ class Merger {
     return {store::kSchemaVersion, layout_.grid, facts_.cycles};
   }
 
-  /// Returns how many there were.
+  /// Returns the number of shards.
   std::size_t CopyShards(hdf5::File& file) {
     std::vector<hdf5::Dataset> series, contacts;
     for (const store::Array* array : series_) series.push_back(file.OpenDataset(array->name));
@@ -309,7 +309,7 @@ class Merger {
     return merged;
   }
 
-  /// The run as it stands in the base.
+  /// Copies the run from the base.
   void CopyFromBase(const Cells& run, std::vector<hdf5::Dataset>& series,
                     std::vector<hdf5::Dataset>& contacts) {
     for (const std::size_t cell : run.cells) {
@@ -322,7 +322,7 @@ class Merger {
     run_provenance_.Add(run.run_id, base_->ProvenanceOf(run.run_id));
   }
 
-  /// By values, so that it does not matter how the base was filtered.
+  /// Copies values, so that the filters of the base do not matter.
   void CopyCell(const store::Array& array, std::size_t cell, hdf5::Dataset& target) {
     const hdf5::Dataset source = base_->file().OpenDataset(array.name);
     if (source.type() != array.type || source.shape() != array.shape)
@@ -334,7 +334,7 @@ class Merger {
       hdf5::Shape start = store::ChunkStart(array, place, i), count = array.chunk;
       for (std::size_t k = 0; k < count.size(); ++k)
         count[k] = std::min(count[k], array.shape[k] - start[k]);
-      if (is_cut_alike && !source.ReadChunk(start, stored)) continue;  // no cycle of it ran
+      if (is_cut_alike && !source.ReadChunk(start, stored)) continue;  // no cycle in this chunk ran
       CopyBlock(array.name.c_str(), source, start, start, count, target);
     }
   }
@@ -429,7 +429,7 @@ class Merger {
     const hdf5::Dataset& source = *found;
     hdf5::Shape shape = array.shape;
     std::fill_n(shape.begin(), layout_.grid.size(), 1);
-    // How an array is cut into chunks follows from plan and schema version; asking is slow.
+    // The chunk shape of an array follows from plan and schema version; reading it is slow.
     const bool is_cut_alike = is_cut_known_[index] || source.ChunkShape() == array.chunk;
     is_cut_known_[index] = true;
     if (source.type() != array.type || source.shape() != shape || !is_cut_alike)
@@ -440,8 +440,8 @@ class Merger {
     hdf5::RawChunk chunk;
     for (std::uint32_t i = 0; i < chunks; ++i) {
       if (!source.ReadChunk(store::ChunkStart(array, origin, i), chunk))
-        continue;  // no cycle of it ran
-      // Shards of before have chunks without checksums.
+        continue;  // no cycle in this chunk ran
+      // Shards of earlier versions have chunks without checksums.
       const std::uint32_t mask = chunk.filter_mask | (has_checksums ? 0 : hdf5::kNoChecksum);
       CopyChunk(static_cast<std::uint32_t>(index), i, mask, chunk.bytes, cells, target);
     }
@@ -497,11 +497,11 @@ class Merger {
   store::Layout layout_;
   std::uint64_t layout_checksum_ = 0;
   std::vector<const store::Array*> series_;
-  std::vector<bool> is_cut_known_;  ///< as series_
+  std::vector<bool> is_cut_known_;  ///< in the order of series_
   std::vector<CopiedChunk> copied_;
   std::vector<CopiedRows> copied_rows_;
-  std::vector<std::vector<double>> numbers_;     ///< as facts_.numbers
-  std::vector<std::vector<std::string>> texts_;  ///< as facts_.texts
+  std::vector<std::vector<double>> numbers_;     ///< in the order of facts_.numbers
+  std::vector<std::vector<std::string>> texts_;  ///< in the order of facts_.texts
   std::vector<double> contact_first_;
   std::uint64_t contact_rows_ = 0;
   store::MergedProvenance run_provenance_;

@@ -31,7 +31,7 @@ MergeBase::MergeBase(const std::filesystem::path& path, const store::PlanFacts& 
   for (const store::RunNumber& number : facts.numbers) {
     if (file_.Has(number.name)) {
       numbers_.push_back(file_.OpenDataset(number.name).Read());
-    } else {  // an earlier build did not measure it; the status, the first of them, is there
+    } else {  // an earlier build did not measure it; the first of them, the status, always exists
       numbers_.emplace_back(numbers_.at(0).size(), number.missing);
     }
   }
@@ -73,7 +73,7 @@ std::map<std::string, std::string> MergeBase::ProvenanceOf(const std::string& ru
 std::optional<MergeBase::Rows> MergeBase::ContactRows(std::size_t cell) const {
   const double first = contact_first_.at(cell);
   if (!(first >= 0)) return std::nullopt;
-  // Cells stand one after the other, in grid order.
+  // The rows of cells follow one another, in grid order.
   double end = static_cast<double>(contact_rows_);
   for (std::size_t next = cell + 1; next < contact_first_.size(); ++next)
     if (contact_first_[next] >= 0) {

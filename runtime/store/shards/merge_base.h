@@ -1,4 +1,4 @@
-// A results file from which a merge takes the runs that no shard is given for.
+// The results file from which a merge takes the runs without a shard.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,24 @@
 
 namespace cdb::shards {
 
-/// Values are handed on as they stand, chunks filtered. Cells are numbered in grid order. Throws
-/// StoreError, hdf5::Error. Not for several threads.
+/// Values are passed on as stored, with filtered chunks. Cells are numbered in grid order. Throws
+/// StoreError, hdf5::Error. Not thread-safe.
 class MergeBase {
  public:
-  /// Throws StoreError for a file of another plan or of another schema version. `facts` has to
+  /// Throws StoreError for a file of another plan or of another schema version. `facts` must
   /// outlive it.
   MergeBase(const std::filesystem::path& path, const store::PlanFacts& facts);
 
   const hdf5::File& file() const { return file_; }
-  /// The cell holds a run, not only its place.
+  /// True if the cell holds a run, not only a place for one.
   bool Has(std::size_t cell) const;
-  /// As facts.numbers and facts.texts.
+  /// In the order of facts.numbers and facts.texts.
   double Number(std::size_t index, std::size_t cell) const { return numbers_[index][cell]; }
   const std::string& Text(std::size_t index, std::size_t cell) const { return texts_[index][cell]; }
-  /// Facts of build and machine of a run, by name.
+  /// Facts about build and machine of a run, by name.
   std::map<std::string, std::string> ProvenanceOf(const std::string& run_id) const;
 
-  /// First row and number of rows of the contacts of a cell; nullopt where none were recorded.
+  /// First row and number of rows of the contacts of a cell; nullopt if none were recorded.
   struct Rows {
     std::uint64_t first, count;
   };
@@ -46,7 +46,7 @@ class MergeBase {
   std::vector<double> contact_first_;
   std::uint64_t contact_rows_ = 0;
   std::map<std::string, std::string> shared_;  ///< facts that all runs have
-  std::map<std::string, std::size_t> places_;  ///< of a run's id in the texts of varied_
+  std::map<std::string, std::size_t> places_;  ///< index of a run's id in the texts of varied_
   std::map<std::string, std::vector<std::string>> varied_;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kRunText = "provenance/run_text";
 
-/// All of a cell is one chunk, which holds nothing else.
+/// True if a cell is exactly one chunk.
 bool IsOneChunk(const store::Array& array, std::size_t outer) {
   return std::equal(array.chunk.begin() + static_cast<std::ptrdiff_t>(outer), array.chunk.end(),
                     array.shape.begin() + static_cast<std::ptrdiff_t>(outer), array.shape.end()) &&
@@ -151,7 +151,7 @@ std::optional<ShardFile> PreparedShard::Write(const plan::Run& run, const store:
     if (!std::exchange(is_checked_, true)) is_good_ = ReadsBack(shard, run, result, run_text);
     if (is_good_) return shard;
   } catch (const hdf5::Error&) {
-    is_good_ = false;  // HDF5 writes the whole shard, or says what is wrong
+    is_good_ = false;  // from now on HDF5 writes the whole shard, or reports the error
   }
   return std::nullopt;
 }

@@ -1,5 +1,6 @@
-// Shards of complete runs, written without opening their sixty arrays one by one: HDF5 makes the
-// file once with room for every value, and the values of each run are put into a copy of its bytes.
+// Shards of complete runs, written without opening their sixty arrays one by one: HDF5 creates the
+// file once with room for every value, and the values of each run are inserted into a copy of its
+// bytes.
 #pragma once
 
 #include <cstddef>
@@ -21,24 +22,24 @@
 
 namespace cdb::shards {
 
-/// The HDF5 file of a run, and where its chunks are.
+/// The HDF5 file of a run, and the positions of its chunks.
 struct ShardFile {
   std::vector<std::byte> image;
   std::vector<IndexedChunk> chunks;
 };
 
-/// Of runs with one template and the same models. Threads: any.
+/// Writes shards of runs with one template and the same models. Threads: any.
 class PreparedShard {
  public:
   /// Null if the shards of the plan hold more than one chunk of a series, contacts or errors, or if
-  /// a place of a value cannot be found. `models`: the attribute of /provenance. Throws
+  /// the position of a value cannot be found. `models`: the attribute of /provenance. Throws
   /// hdf5::Error.
   static std::unique_ptr<PreparedShard> Make(std::shared_ptr<const ShardTemplate> from,
                                              const plan::Plan& plan, const store::PlanFacts& facts,
                                              const plan::Run& run, const std::string& models);
 
-  /// Nullopt if the run is not complete, if the first file was not what HDF5 reads back, or after
-  /// an error of HDF5's or in its bytes.
+  /// Nullopt if the run is not complete, if HDF5 did not read the first file back correctly, or
+  /// after an error of HDF5 or in its bytes.
   std::optional<ShardFile> Write(const plan::Run& run, const store::RunResult& result,
                                  const std::string& run_text);
 
@@ -64,21 +65,23 @@ class PreparedShard {
   const store::PlanFacts& facts_;
   std::mutex mutex_;
   hdf5::File file_;
-  std::vector<hdf5::NumberPlace> numbers_;  ///< of PlanFacts::numbers
-  /// Of the coordinates that are numbers, with the axis; the last of a group is `rep`.
+  std::vector<hdf5::NumberPlace> numbers_;  ///< in the order of PlanFacts::numbers
+  /// For the numeric coordinates, with the axis; the last one of a group is `rep`.
   std::vector<std::pair<hdf5::NumberPlace, std::size_t>> coordinates_;
-  std::vector<std::uint64_t> texts_;  ///< of PlanFacts::texts, then of the run as text
+  std::vector<std::uint64_t> texts_;  ///< in the order of PlanFacts::texts, followed by the text of
+                                      ///< the run
   std::vector<SeriesPlace> series_;   ///< in the order of the layout
   bool is_checked_ = false, is_good_ = true;
 };
 
 /// Prepared shards by template and models, each from its third run on: preparing one takes as long
-/// as writing two shards. Where one cannot be, or fails, HDF5 has to write the shard. Threads: any.
+/// as writing two shards. If one cannot be prepared, or fails, HDF5 has to write the shard.
+/// Threads: any.
 class PreparedShards {
  public:
   PreparedShards(const plan::Plan& plan, const store::PlanFacts& facts)
       : plan_(plan), facts_(facts) {}
-  /// As PreparedShard::Write; nullopt also if nothing is prepared.
+  /// As PreparedShard::Write; nullopt also if none is prepared.
   std::optional<ShardFile> Write(const std::shared_ptr<const ShardTemplate>& from,
                                  const plan::Run& run, const store::RunResult& result,
                                  const std::string& run_text);
@@ -92,7 +95,7 @@ class PreparedShards {
   std::mutex mutex_;
   struct Entry {
     std::size_t runs = 0;
-    std::shared_ptr<PreparedShard> shard;  ///< null before, and if it cannot be
+    std::shared_ptr<PreparedShard> shard;  ///< null before it is prepared, and if it cannot be
   };
   std::map<Key, Entry> shards_;
 };

@@ -66,13 +66,13 @@ hdf5::File OpenReference(const std::string& plan_sha256, const plan::Run& run,
   return file;
 }
 
-/// All numbers of one array of the merged file; every reference's own after the other.
+/// The numbers of one array of the merged file; the references follow one another.
 struct Block {
   hdf5::Shape start, count;
   std::vector<double> values;
 };
 
-/// The states and observables of one reference, where they stand in the merged file.
+/// The states and observables of one reference, with their position in the merged file.
 Block BlockOf(const ReferenceShard& shard, std::size_t reference, std::string_view array) {
   const measure::SampleShape& shape = shard.shape;
   const bool is_states = array == "states";
@@ -90,7 +90,7 @@ Block BlockOf(const ReferenceShard& shard, std::size_t reference, std::string_vi
   return block;
 }
 
-/// What the merged file holds of all references but their samples.
+/// The data of all references in the merged file, except their samples.
 struct Head {
   std::vector<double> status;
   std::map<std::string, std::vector<std::string>> texts;
@@ -127,7 +127,7 @@ Head ReadHeads(const plan::Plan& plan, const std::vector<fs::path>& paths, const
   return head;
 }
 
-/// The same as it stands in a merged file.
+/// The same, read from a merged file.
 Block BlockIn(const hdf5::File& base, const std::string& array, std::size_t reference) {
   const hdf5::Dataset dataset = base.OpenDataset(array);
   Block block;

@@ -13,31 +13,31 @@
 
 namespace cdb::shards {
 
-/// A reference run as its shard holds it.
+/// The contents of the shard of a reference run.
 struct ReferenceShard {
   store::Status status = store::Status::kMissing;
-  std::string message;         ///< why it did not end well
-  measure::SampleShape shape;  ///< of `values`
-  std::vector<double> values;  ///< of Samples; empty where it did not end well
+  std::string message;         ///< reason why it failed
+  measure::SampleShape shape;  ///< layout of `values`
+  std::vector<double> values;  ///< as in Samples; empty if it failed
 };
 
-/// Writes `folder/<run id>.h5` of a run of a plan's references as ShardWriter does, with the
-/// samples that it took. Throws StoreError.
+/// Writes `folder/<run id>.h5` for a reference run of a plan, as ShardWriter does, with its
+/// samples. Throws StoreError.
 void WriteReference(const std::string& plan_sha256, const plan::Run& run,
                     const store::RunResult& result, std::span<const double> samples,
                     const store::Provenance& provenance, const std::filesystem::path& folder);
 
-/// Throws StoreError for what is no whole shard of that run of that plan.
+/// Throws StoreError unless the file is an intact shard of that run of that plan.
 ReferenceShard ReadReference(const std::string& plan_sha256, const plan::Run& run,
                              const std::filesystem::path& file);
 
-/// Fills the arrays of /accuracy/reference from the shard of each of `plan.references`; those
-/// without a path are as in `base`, a merged file, or `missing` where that is null. Throws
-/// StoreError, h5::Error.
+/// Fills the arrays of /accuracy/reference from the shard of each of `plan.references`. Those
+/// without a path are taken from `base`, a merged file, or are `missing` if that is null. Throws
+/// StoreError, hdf5::Error.
 void MergeReferences(const plan::Plan& plan, const store::Layout& layout,
                      const std::vector<std::filesystem::path>& paths, const hdf5::File* base,
                      hdf5::File& file);
-/// Holds what MergeReferences wrote against the shards. Throws h5::Error.
+/// Compares the arrays written by MergeReferences with the shards. Throws hdf5::Error.
 void VerifyReferences(const plan::Plan& plan, const store::Layout& layout,
                       const std::vector<std::filesystem::path>& paths, const hdf5::File* base,
                       const hdf5::File& file);

@@ -1,5 +1,5 @@
-// One run's file: made in memory and written by ourselves, so that a full disk is met by a plain
-// write() and never by HDF5, which cannot close a file that it cannot write.
+// Writes the file of one run: created in memory and written by this code, so that a full disk fails
+// in a plain write() and not in HDF5, which cannot close a file that it cannot write.
 #include "runtime/store/shards/shard.h"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@
 namespace cdb::shards {
 namespace {
 
-/// Rows of the run's contacts: as many as its series `contacts` counts in the cycles that ran.
+/// Rows of the run's contacts: the sum of its series `contacts` over the cycles that ran.
 std::uint64_t ContactRows(const plan::Run& run, const store::RunResult& result) {
   if (!run.scene.world.Lists("record", "contacts")) return 0;
   std::uint64_t rows = 0;
@@ -42,7 +42,7 @@ std::uint64_t ContactRows(const plan::Run& run, const store::RunResult& result) 
   return rows;
 }
 
-/// The cycles that ran; the file keeps fill values for the rest.
+/// Writes the cycles that ran; the file keeps fill values for the rest.
 void WriteSeries(hdf5::File& file, const store::Layout& layout, const plan::Run& run,
                  const store::RunResult& result) {
   const measure::RunExtents extents = measure::ExtentsOf(run.scene);
@@ -59,7 +59,7 @@ void WriteSeries(hdf5::File& file, const store::Layout& layout, const plan::Run&
   }
 }
 
-/// A run has samples as far as it goes; the file keeps fill values for the rest.
+/// Writes the samples that a run has; the file keeps fill values for the rest.
 void WriteErrors(hdf5::File& file, const store::PlanFacts& facts, const store::Layout& layout,
                  const store::RunResult& result) {
   for (const measure::Series& series : facts.error_series) {
@@ -73,7 +73,7 @@ void WriteErrors(hdf5::File& file, const store::PlanFacts& facts, const store::L
   }
 }
 
-/// A run that was killed may have counted contacts that it did not hand over: rows of fill values.
+/// A killed run may have counted contacts that it did not deliver; their rows hold fill values.
 void WriteContacts(hdf5::File& file, const store::RunResult& result, std::uint64_t rows) {
   const std::size_t n = std::min<std::size_t>(rows, result.contacts.size());
   std::vector<std::int32_t> bodies;
@@ -95,10 +95,10 @@ void WriteContacts(hdf5::File& file, const store::RunResult& result, std::uint64
   write("contact_distance", distances, {n});
 }
 
-/// Chunks of a series whose places are looked up one by one, each through all of them.
+/// The most chunks of a series that are looked up one by one, each by a search of all of them.
 constexpr std::uint64_t kMostIndexedChunks = 64;
 
-/// The chunks of a file that was flushed; nullopt where they are too many.
+/// The chunks of a flushed file; nullopt if there are too many.
 std::optional<std::vector<IndexedChunk>> FindChunks(const hdf5::File& file,
                                                     const store::Layout& layout) {
   std::vector<IndexedChunk> chunks;
@@ -158,7 +158,7 @@ std::vector<std::byte> MakeImage(hdf5::File file, const plan::Plan& plan,
   file.OpenDataset("provenance/run_text").WriteText({{run_text}});
   if (!result.models.empty()) file.OpenGroup("provenance").SetText("models", result.models);
   std::vector<std::byte> image = file.Image();
-  // The merge copies contacts by rows, and needs the HDF5 file for it.
+  // A merge copies contacts by rows, and needs the HDF5 file for that.
   if (!facts.contacts) chunks = FindChunks(file, layout);
   return image;
 }

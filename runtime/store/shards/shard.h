@@ -9,9 +9,9 @@
 
 namespace cdb::shards {
 
-/// Opens a shard whose every byte is as it was written. Throws StoreError.
+/// Opens a shard and checks that it is byte for byte as it was written. Throws StoreError.
 hdf5::File OpenShard(const std::filesystem::path& path);
-/// The same of the bytes that ReadSealed read from `path`.
+/// The same for the bytes that ReadSealed read from `path`.
 hdf5::File OpenShard(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 }  // namespace cdb::shards

@@ -15,13 +15,13 @@
 namespace cdb::shards {
 namespace {
 
-/// Stands last.
+/// The end of the index.
 struct IndexEnd {
   std::uint64_t bytes;  ///< of the index, before this
   std::array<char, 8> magic;
 };
 static_assert(sizeof(IndexEnd) == 16);
-/// Another one for another form.
+/// Changes with the format.
 constexpr std::array<char, 8> kIndexMagic = {'c', 'd', 'b', ' ', 'i', 'd', 'x', '1'};
 
 class IndexWriter {
@@ -48,7 +48,7 @@ class IndexWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Each call is false where the bytes end before the value.
+/// Each call returns false if the bytes end before the value.
 class IndexReader {
  public:
   explicit IndexReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -68,7 +68,7 @@ class IndexReader {
     bytes_ = bytes_.subspan(size);
     return true;
   }
-  /// Of a list, each item of which takes a byte at least.
+  /// The length of a list. Each item takes at least one byte.
   bool ReadCount(std::uint64_t& count) { return Read(count) && count <= bytes_.size(); }
   bool is_at_end() const { return bytes_.empty(); }
 
@@ -109,7 +109,7 @@ bool ReadProvenance(IndexReader& reader, store::Provenance& provenance) {
   return true;
 }
 
-/// `end`: of the HDF5 file.
+/// `end`: the end of the HDF5 file.
 bool ReadChunks(IndexReader& reader, std::uint64_t end, std::vector<IndexedChunk>& chunks) {
   std::uint64_t count = 0;
   if (!reader.ReadCount(count)) return false;

@@ -1,5 +1,5 @@
-// The index of a shard: what a merge needs of it beside the bytes of its chunks, so that nothing of
-// the shard has to be opened as HDF5. It stands behind the HDF5 file and before the seal, where
+// The index of a shard: the data that a merge needs in addition to the bytes of its chunks, so that
+// the shard need not be opened as HDF5. It is stored after the HDF5 file and before the seal, where
 // HDF5 and its readers do not look.
 #pragma once
 
@@ -17,34 +17,34 @@
 
 namespace cdb::shards {
 
-/// A chunk of a series as it stands in the shard, filtered.
+/// A chunk of a series as stored in the shard, filtered.
 struct IndexedChunk {
-  std::uint32_t series = 0;  ///< its number among the arrays of the layout that are series
-  std::uint32_t chunk = 0;   ///< its number within the cell
+  std::uint32_t series = 0;  ///< index among those arrays of the layout that are series
+  std::uint32_t chunk = 0;   ///< index within the cell
   std::uint32_t filter_mask = 0;
   std::uint64_t begin = 0, bytes = 0;
   bool operator==(const IndexedChunk&) const = default;
 };
 
 struct ShardIndex {
-  /// LayoutChecksum of the layout that the numbers below refer to.
+  /// LayoutChecksum of the layout to which the indices below refer.
   std::uint64_t layout = 0;
   ShardInfo info;
-  std::vector<double> numbers;       ///< as PlanFacts::numbers
-  std::vector<std::string> texts;    ///< as PlanFacts::texts
+  std::vector<double> numbers;       ///< in the order of PlanFacts::numbers
+  std::vector<std::string> texts;    ///< in the order of PlanFacts::texts
   store::Provenance provenance;      ///< text attributes of /provenance
-  std::vector<IndexedChunk> chunks;  ///< those that the shard holds
+  std::vector<IndexedChunk> chunks;  ///< those that the shard contains
 };
 
-/// Of the schema version and of name, type, shape within a cell and chunks of every array that is
-/// indexed: the same for all shards of a plan and for the merged file.
+/// Covers the schema version, and name, type, shape within a cell and chunks of every indexed
+/// array: equal for all shards of a plan and for the merged file.
 std::uint64_t LayoutChecksum(const store::Layout& layout, const store::PlanFacts& facts);
 
-/// What stands behind the HDF5 file.
+/// The bytes to append to the HDF5 file.
 std::vector<std::byte> IndexBytes(const ShardIndex& index);
 
-/// `shard`: all before the seal. Nullopt where it has no index that this version reads, or one
-/// that does not fit the shard.
+/// `shard`: all bytes before the seal. Nullopt if it has no index that this version reads, or one
+/// that does not match the shard.
 std::optional<ShardIndex> FindIndex(std::span<const std::byte> shard);
 
 }  // namespace cdb::shards

@@ -35,7 +35,7 @@ bool HasAllShards(const plan::Plan& plan, const std::vector<fs::path>& shards) {
   for (const fs::path& place : shards) {
     std::error_code error;
     if (!fs::is_directory(place, error)) names.insert(place.filename().string());
-    // Reading a folder also makes a network file system look for what is new in it.
+    // Reading a folder also makes a network file system look for new files in it.
     for (fs::directory_iterator entry(place, error), end; !error && entry != end;
          entry.increment(error))
       names.insert(entry->path().filename().string());

@@ -1,4 +1,4 @@
-// Where the shards of a merge are.
+// Finds the shards of a merge.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@ namespace cdb::shards {
 
 class ShardPlaces {
  public:
-  /// Folders of shards, and single shards.
+  /// `paths`: folders of shards, and single shards.
   explicit ShardPlaces(const std::vector<std::filesystem::path>& paths);
 
-  /// In the first place that has the run's shard; nullopt where none has.
+  /// The shard of the run in the first place that has it; nullopt if none has.
   std::optional<std::filesystem::path> Find(const std::string& run_id) const;
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 std::string HistoryOf(const plan::Run& run) { return fmt::format("run {}", run.id); }
 
-/// `rows`: of contacts.
+/// `rows`: number of rows of contacts.
 ShardTemplate MakeTemplate(const plan::Plan& plan, const store::PlanFacts& facts,
                            const plan::Run& run, const store::Provenance& provenance,
                            std::uint64_t rows) {

@@ -1,4 +1,4 @@
-// Shards without values, of which each shard begins as a copy: making its sixty arrays and their
+// Shards without values, which are copied for each shard: creating its sixty arrays and their
 // attributes takes HDF5 longer than writing the values.
 #pragma once
 
@@ -22,15 +22,15 @@ struct ShardTemplate {
   std::vector<std::byte> image;  ///< HDF5, without `models` in /provenance
 };
 
-/// Templates of the shards of one plan, which outlives it, as facts and provenance do. Runs share
-/// one where they have the same labels on axes of text. Threads: any.
+/// Templates of the shards of one plan, which must outlive it, as must facts and provenance. Runs
+/// with the same labels on text axes share one. Threads: any.
 class ShardTemplates {
  public:
   ShardTemplates(const plan::Plan& plan, const store::PlanFacts& facts,
                  const store::Provenance& provenance)
       : plan_(plan), facts_(facts), provenance_(provenance) {}
 
-  /// `rows`: of contacts. Throws hdf5::Error.
+  /// `rows`: number of rows of contacts. Throws hdf5::Error.
   std::shared_ptr<const ShardTemplate> Get(const plan::Run& run, std::uint64_t rows) const;
 
  private:
@@ -41,11 +41,11 @@ class ShardTemplates {
   mutable std::map<std::vector<std::size_t>, std::shared_ptr<const ShardTemplate>> templates_;
 };
 
-/// Writes into a copy of a template the attributes that tell the shard of `run` from others of it.
-/// Throws hdf5::Error.
+/// Writes into a copy of a template the attributes specific to the shard of `run`. Throws
+/// hdf5::Error.
 void WriteHeadOfRun(hdf5::File& file, const plan::Run& run);
-/// Writes into a copy of a template what tells the shard of `run` from others of it, but for the
-/// run's values: its id, its coordinates that are numbers, and the date. Throws hdf5::Error.
+/// Writes into a copy of a template the data specific to the shard of `run`, except the run's
+/// values: its id, its numeric coordinates, and the date. Throws hdf5::Error.
 void WritePlace(hdf5::File& file, const plan::Plan& plan, const store::PlanFacts& facts,
                 const plan::Run& run);
 
