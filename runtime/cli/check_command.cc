@@ -82,8 +82,7 @@ options::ExitStatus Check(const CheckArguments& arguments) {
 void AddCheckCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<CheckArguments>();
   options::Subcommand command(
-      app, "check",
-      "report every error and warning in scenario files; say whether results are whole");
+      app, "check", "report every error and warning in scenario files; verify results files");
   command.Required("FILE", arguments->files,
                    "scenario files, - for standard input; results files, shards, traces");
   command.Flag("--json", arguments->json,

@@ -173,7 +173,8 @@ options::ExitStatus CompareResults(const CompareArguments& arguments) {
 
 void AddCompareCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<CompareArguments>();
-  options::Subcommand command(app, "compare", "what changed from one results file to another");
+  options::Subcommand command(app, "compare",
+                              "report the changes from one results file to another");
   command.Required("FILES", arguments->files,
                    "two results files of one benchmark, several in order, or folders of them");
   command.Optional("--fail-above", arguments->fail_above,

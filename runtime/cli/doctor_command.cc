@@ -74,8 +74,8 @@ options::ExitStatus Examine() {
 }  // namespace
 
 void AddDoctorCommand(CLI::App& app, options::ExitStatus& status) {
-  options::Subcommand command(app, "doctor",
-                              "whether this machine is fit for timings, and what to change");
+  options::Subcommand command(
+      app, "doctor", "check whether this machine is fit for timings, and advise what to change");
   command.Action(status, Examine);
 }
 

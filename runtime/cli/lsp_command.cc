@@ -63,7 +63,7 @@ options::ExitStatus ServeLanguage() {
 
 void AddLspCommand(CLI::App& app, options::ExitStatus& status) {
   options::Subcommand command(app, "lsp",
-                              "the language server for editors, on standard input and output");
+                              "run the language server for editors, on standard input and output");
   command.Action(status, [] { return ServeLanguage(); });
 }
 

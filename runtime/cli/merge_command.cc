@@ -142,7 +142,8 @@ options::ExitStatus Merge(const MergeArguments& arguments) {
 
 void AddMergeCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<MergeArguments>();
-  options::Subcommand command(app, "merge", "merge shards into a results file, all of them or not");
+  options::Subcommand command(app, "merge",
+                              "merge shards into a results file, even if some are missing");
   command.Required("-o,--out", arguments->out, "results file");
   command.Required("SHARDS", arguments->shards, "folders of shards, or shards");
   command.Count("--wait", arguments->wait_s,

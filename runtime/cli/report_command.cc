@@ -69,7 +69,7 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
 void AddReportCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<ReportArguments>();
   options::Subcommand command(app, "report",
-                              "results files as one page for a browser, with figures");
+                              "write one page of figures for a browser from results files");
   command.Required("FILE", arguments->files, "results files");
   command.Out(arguments->out, "the page; default: the name of the first file with .html");
   command.Optional(

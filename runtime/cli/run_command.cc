@@ -209,8 +209,7 @@ options::ExitStatus Run(const RunArguments& arguments) {
 
 void AddRunCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<RunArguments>();
-  options::Subcommand command(app, "run",
-                              "run a scenario file or a plan; goes on where it stopped");
+  options::Subcommand command(app, "run", "run a scenario file or a plan; resume where it stopped");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "results file, or a folder for them (default: BENCHMARK.h5)");
@@ -230,7 +229,7 @@ void AddRunCommand(CLI::App& app, options::ExitStatus& status) {
   command.Optional("--until", arguments->until,
                    "P%: stop repeating, after 5 repeats or more, once the 95 % interval of every "
                    "mean step is within P % of it; `repeats` is the upper limit");
-  command.Fresh(arguments->fresh, "forget results and shards and start over");
+  command.Fresh(arguments->fresh, "discard results and shards and start over");
   command.Quiet(arguments->quiet, "print nothing but errors");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return Run(*arguments); });

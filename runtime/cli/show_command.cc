@@ -133,7 +133,7 @@ options::ExitStatus Show(const ShowArguments& arguments) {
 
 void AddShowCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<ShowArguments>();
-  options::Subcommand command(app, "show", "a summary of a results file: tables, or CSV or JSON");
+  options::Subcommand command(app, "show", "summarise a results file: tables, CSV or JSON");
   command.Required("FILE", arguments->file, "results file");
   command.List("--by", arguments->by, "axes that make the rows (quantity,detector)");
   command.Optional(

@@ -99,7 +99,7 @@ void AddStabilityCommand(CLI::App& app, options::ExitStatus& status) {
   command.List("--detector", arguments->detectors, "default: dbvt");
   command.Out(arguments->out, "folder of the results (default: stability)");
   command.Jobs(arguments->jobs, "runs at a time (default: 1)");
-  command.Fresh(arguments->fresh, "forget results and start over");
+  command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "no progress, only the map");
   command.Action(status, [arguments] { return RunSuite(*arguments); });
 }

@@ -426,7 +426,7 @@ class Submitter {
 void AddSubmitCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<SubmitArguments>();
   options::Subcommand command(
-      app, "submit", "run a scenario file or a plan on a Slurm cluster; goes on where it stopped");
+      app, "submit", "run a scenario file or a plan on a Slurm cluster; resume where it stopped");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,
@@ -436,7 +436,7 @@ void AddSubmitCommand(CLI::App& app, options::ExitStatus& status) {
   command.Flag("--exclusive", arguments->job.is_exclusive, "a node for each task alone");
   command.Optional("--partition", arguments->job.partition, "of the cluster");
   command.Optional("--time", arguments->job.time, "limit of a task, as sbatch takes it");
-  command.Optional("--account", arguments->job.account, "that is charged");
+  command.Optional("--account", arguments->job.account, "account that is charged");
   command.Repeated("--sbatch", arguments->job.more,
                    "an option of sbatch, as it is: --sbatch=--mem=2G; several: each with --sbatch");
   command.ShortList("--retry", arguments->retry,

@@ -238,7 +238,7 @@ void AddSuiteCommand(CLI::App& app, options::ExitStatus& status) {
                    "whether the results in this folder are complete and comparable");
   command.Optional("--against", arguments->against,
                    "verify the results in this folder, of another machine, by those of -o");
-  command.Fresh(arguments->fresh, "forget results and start over");
+  command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print nothing but errors");
   command.Action(status, [arguments] { return Suite(*arguments); });
 }

@@ -125,7 +125,8 @@ options::ExitStatus TracePlans(const TraceArguments& arguments) {
 
 void AddTraceCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<TraceArguments>();
-  options::Subcommand command(app, "trace", "record the boxes of runs for detectors to be run on");
+  options::Subcommand command(app, "trace",
+                              "record the boxes of runs, on which detectors can be run later");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,

@@ -73,15 +73,17 @@ options::ExitStatus Verify(const VerifyArguments& arguments) {
 void AddVerifyCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<VerifyArguments>();
   options::Subcommand command(
-      app, "verify", "compare every detector's pairs and contacts with exact ones, in each cycle");
+      app, "verify",
+      "compare the pairs and contacts of every detector with exact ones, in each cycle");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
-  command.List("--detector", arguments->detectors,
-               "these in place of the file's own; all: every one that holds the scene");
+  command.List(
+      "--detector", arguments->detectors,
+      "these detectors instead of those of the file; all: every one that can hold the scene");
   command.Cycles(arguments->cycles, "so many in place of the file's own");
   command.Out(arguments->out, "folder of BENCHMARK.verify.h5 (default: the current one)");
   command.Jobs(arguments->jobs, "runs at a time (default: 1)");
-  command.Fresh(arguments->fresh, "forget results and start over");
+  command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "no progress, only the table");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return Verify(*arguments); });

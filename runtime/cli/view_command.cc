@@ -232,7 +232,8 @@ options::ExitStatus View(const ViewArguments& arguments) {
 
 void AddViewCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<ViewArguments>();
-  options::Subcommand command(app, "view", "a run, or the start of a scenario, in 3-D as a page");
+  options::Subcommand command(app, "view",
+                              "write a page that shows a run, or the start of a scenario, in 3-D");
   command.Required("FILE", arguments->files, "results file or scenario; two: side by side");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "the page; default: BENCHMARK.scene.html");
@@ -243,7 +244,7 @@ void AddViewCommand(CLI::App& app, options::ExitStatus& status) {
   command.Optional("--beside", arguments->beside,
                    "AXIS=VALUE…: a second run of the file, which differs by this");
   command.Optional("--cycles", arguments->cycles, "A..B: only these cycles, from 0");
-  command.Optional("--every", arguments->every, "only each N-th of them");
+  command.Optional("--every", arguments->every, "only every N-th of them");
   command.Flag("--serve", arguments->serve,
                "edit the scenario in a browser: values, text, scene and runs; until Ctrl-C");
   command.Action(status, [arguments] { return View(*arguments); });

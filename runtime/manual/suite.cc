@@ -4,7 +4,7 @@ namespace cdb::manual {
 
 const std::string_view kSuiteReference = R"reference(THE STANDARD SUITE
 
-  cdb suite                       runs all scenes, in about seven minutes; goes on where it stopped
+  cdb suite                       runs all scenes, in about seven minutes; resumes where it stopped
   cdb suite --only games,stack    these kinds and scenes
   cdb suite --long -o long        11 repeats and three seeds in place of 5 and one
   cdb suite --detector mine --plugin libmine.so    with a detector of your own beside those of the suite

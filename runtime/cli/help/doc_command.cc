@@ -89,7 +89,7 @@ options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
 
 void AddDocCommand(CLI::App& app, options::ExitStatus& status) {
   const auto name = std::make_shared<std::string>();
-  options::Subcommand command(app, "doc", "the reference: language, parameters, results");
+  options::Subcommand command(app, "doc", "print the reference: language, parameters, results");
   command.Optional("NAME", *name,
                    "a topic, a parameter, a word, a command, or a scenario that comes with cdb");
   command.Action(status, [name, &app] { return Doc(*name, app); });

@@ -53,7 +53,7 @@ options::ExitStatus Explain(const std::string& code) {
 void AddExplainCommand(CLI::App& app, options::ExitStatus& status) {
   const auto code = std::make_shared<std::string>();
   options::Subcommand command(app, "explain",
-                              "an error or a warning, with a wrong and a right example");
+                              "explain an error or a warning, with a wrong and a right example");
   command.Optional("CODE", *code, "such as E0201, or its name; without it, all are listed");
   command.Action(status, [code] { return Explain(*code); });
 }

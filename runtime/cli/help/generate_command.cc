@@ -58,7 +58,7 @@ std::vector<std::string> GeneratedKinds() {
 
 void AddGenerateCommand(CLI::App& app, options::ExitStatus& status) {
   const auto kind = std::make_shared<std::string>();
-  options::Subcommand command(app, "generate", "files for shells, man and editors");
+  options::Subcommand command(app, "generate", "print files for shells, man and editors");
   command.Required("KIND", *kind, fmt::format("{}", fmt::join(GeneratedKinds(), ", ")));
   command.Action(status, [kind, &app] { return Generate(app, *kind); });
 }

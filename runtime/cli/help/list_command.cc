@@ -45,7 +45,7 @@ std::vector<std::string> ListKinds() { return {std::begin(kKinds), std::end(kKin
 
 void AddListCommand(CLI::App& app, options::ExitStatus& status) {
   const auto kind = std::make_shared<std::string>();
-  options::Subcommand command(app, "list", "what a scenario can name");
+  options::Subcommand command(app, "list", "list the names that a scenario can use");
   command.Optional("KIND", *kind, "objects, detectors, layouts, schedules or scenarios");
   command.Action(status, [kind] { return List(*kind); });
 }

@@ -145,7 +145,7 @@ void AppendSeal(const fs::path& path, const fs::path& final_name) {
   fs::remove(path, ignored);
   throw StoreError(fmt::format(
       "{}: cannot be written: {}; nothing that was finished is lost: make room on the disk and "
-      "run again; it goes on where it stopped",
+      "run again; it resumes where it stopped",
       final_name.string(), std::generic_category().message(error)));
 }
 

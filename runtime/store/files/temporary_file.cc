@@ -32,7 +32,7 @@ std::string WriteRemedy(int error) {
     case ENOSPC:
     case EDQUOT:
     case EFBIG:
-      return "make room on the disk and run again; it goes on where it stopped";
+      return "make room on the disk and run again; it resumes where it stopped";
     case EACCES:
     case EPERM:
     case EROFS:
@@ -40,7 +40,7 @@ std::string WriteRemedy(int error) {
     case EISDIR:
       return "choose another name (-o)";
     default:
-      return "mend that and run again; it goes on where it stopped";
+      return "mend that and run again; it resumes where it stopped";
   }
 }
 
