@@ -43,8 +43,8 @@ bool NeedsReference(const plan::Scene& scene);
 /// are recorded. Scenes that differ only in replaced settings share one reference.
 plan::Scene ReferenceOf(const plan::Scene& scene);
 
-/// The reference with the start of every object moved by kNudge of its size. The distance between
-/// the two shows how long the reference is reliable.
+/// The reference with the start of every object with mass displaced by kPerturbation of its largest
+/// side. The distance between the two shows how long the reference is reliable.
 plan::Scene TwinOf(plan::Scene reference);
 inline constexpr double kPerturbation = 1e-9;
 

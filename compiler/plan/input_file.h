@@ -1,5 +1,6 @@
 // Opens files named by a user or a file, for reading. Only regular files: a pipe or a device might
 // block, or never end.
+//
 // Errors: `why` is the reason, without the name of the file. Threads: any.
 #pragma once
 

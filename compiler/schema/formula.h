@@ -1,4 +1,5 @@
 // Formulae: expressions of values drawn for an object, in a setting of the same group.
+//
 // They have no circular dependencies, and name settings that are numbers.
 #pragma once
 
