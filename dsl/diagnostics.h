@@ -15,8 +15,8 @@ namespace cdb::dsl {
 enum class Severity { kError, kWarning };
 
 /// A kind of diagnostic. Kinds are constants, and each layer lists its own once
-/// (`dsl/diagnostic_kinds.h`, `compiler/diagnostic_kinds.h`). A test checks that every kind has a
-/// golden file.
+/// (`dsl/diagnostic_kinds.h`, `compiler/scenario/diagnostic_kinds.h`). A test checks that every
+/// kind has a golden file.
 struct DiagnosticKind {
   std::string_view code;  ///< stable, `E0201`, or `W0201` for a warning: `cdb explain E0201`
   std::string_view id;    ///< in words, shown after the code: `[E0201 unknown-name]`

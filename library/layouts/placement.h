@@ -31,8 +31,7 @@ inline constexpr double kShortOfSide = 0.25;
 /// defines each position (library/layouts/exact_layouts.h), then, in order, of those drawn around
 /// them, from the stream `<group>.location`:
 ///   uniform  each coordinate uniform over the range in which the object fits between the walls:
-/// the
-///            remainder of "uniform over the cube" if positions that touch a wall are redrawn
+///            "uniform over the cube" with positions that touch a wall redrawn
 ///   normal   each coordinate normal with mean 0 and a third of the wall's coordinate as standard
 ///            deviation, redrawn until it fits
 /// No object overlaps another one of any group, or a wall of the cube, whichever walls are in use;
